@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/attach/springs.h"
+
+#include "solver/attach/anchors.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Adds the embedded point sum_k sign b_k x_k to a spring; vertices that both ends share are merged.
+void add_point(Spring& s, const Tet& tet, int first_vertex, const std::array<double, 4>& b, double sign) {
+    for (std::size_t k = 0; k < 4; ++k) {
+        if (b[k] == 0) continue;
+        const int v = first_vertex + tet[k];
+        int i = 0;
+        while (i < s.count && s.vertex[i] != v) ++i;
+        if (i == s.count) s.vertex[s.count] = v, s.coefficient[s.count++] = 0;
+        s.coefficient[i] += sign * b[k];
+    }
+}
+
+} // namespace
+
+Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors) : scene_(scene) {
+    const auto& attachments = scene.description().attachments;
+    for (std::size_t a = 0; a < anchors.size(); ++a) {
+        const TissueRest* source = scene.tissue(attachments[a].source);
+        const TissueRest* target = scene.tissue(attachments[a].target);
+        if (!source && !target) continue;
+        for (std::size_t i = 0; i < anchors[a].size(); ++i) {
+            const Anchor& anchor = anchors[a][i];
+            Spring s;
+            s.attachment = static_cast<int>(a);
+            s.anchor_index = static_cast<int>(i);
+            s.area_weight = anchor.area_weight;
+            if (source) {
+                const std::size_t v = static_cast<std::size_t>(anchor.source_vertex);
+                add_point(s, source->tets.tets[static_cast<std::size_t>(source->embedding.tet[v])],
+                          scene.first_vertex(attachments[a].source), source->embedding.barycentric[v], 1);
+            }
+            if (target)
+                add_point(s, target->tets.tets[static_cast<std::size_t>(anchor.target_tet)],
+                          scene.first_vertex(attachments[a].target), anchor.coordinates, source ? -1 : 1);
+            springs_.push_back(s);
+        }
+    }
+    values_.resize(springs_.size());
+}
+
+void Springs::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
+    for (const Spring& s : springs_)
+        for (int i = 0; i < s.count; ++i)
+            for (int j = 0; j < i; ++j) couplings.emplace_back(s.vertex[i], s.vertex[j]);
+}
+
+void Springs::begin_step(const StepInputs& inputs, const std::vector<std::vector<Anchor>>& anchors,
+                         const std::vector<Points>& before, const std::vector<Points>& after, double velocity_factor,
+                         const std::vector<double>& x_before) {
+    const auto& attachments = scene_.description().attachments;
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+        const Spring& s = springs_[k];
+        const std::size_t a = static_cast<std::size_t>(s.attachment);
+        const Anchor& anchor = anchors[a][static_cast<std::size_t>(s.anchor_index)];
+        const AttachmentInputs& in = inputs.attachments[a];
+        const AttachmentRest& rest = attachments[a];
+        Values& v = values_[k];
+        v.stiffness = in.stiffness * in.envelope * s.area_weight;
+        v.viscous = in.damping * velocity_factor * s.area_weight;
+        Vec3 anchor_before = Vec3::Zero();
+        v.anchor = Vec3::Zero();
+        if (const BoneRest* bone = scene_.bone(rest.target)) {
+            const std::size_t b = static_cast<std::size_t>(rest.target);
+            v.anchor = bone_anchor(anchor, bone->triangles, after[b]);
+            anchor_before = bone_anchor(anchor, bone->triangles, before[b]);
+        } else if (scene_.bone(rest.source)) {
+            const std::size_t b = static_cast<std::size_t>(rest.source);
+            v.anchor = after[b][static_cast<std::size_t>(anchor.source_vertex)];
+            anchor_before = before[b][static_cast<std::size_t>(anchor.source_vertex)];
+        }
+        const Vec3 now = v.anchor;
+        v.anchor = anchor_before;
+        v.reference = stretch(s, v, x_before);
+        v.anchor = now;
+    }
+}
+
+Vec3 Springs::stretch(const Spring& s, const Values& v, const std::vector<double>& x) const {
+    Vec3 sum = -v.anchor;
+    for (int i = 0; i < s.count; ++i)
+        for (int c = 0; c < 3; ++c) sum[c] += s.coefficient[i] * x[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
+    return sum;
+}
+
+double Springs::energy(const std::vector<double>& x, double* gradient) const {
+    double total = 0;
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+        const Spring& s = springs_[k];
+        const Values& v = values_[k];
+        const Vec3 d = stretch(s, v, x), moved = d - v.reference;
+        total += 0.5 * v.stiffness * d.squaredNorm() + 0.5 * v.viscous * moved.squaredNorm();
+        if (!gradient) continue;
+        const Vec3 force = v.stiffness * d + v.viscous * moved;
+        for (int i = 0; i < s.count; ++i)
+            for (int c = 0; c < 3; ++c)
+                gradient[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)] += s.coefficient[i] * force[c];
+    }
+    return total;
+}
+
+void Springs::add_hessian(const std::vector<int>& unknown, BlockMatrix& a) const {
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+        const Spring& s = springs_[k];
+        const double stiffness = values_[k].stiffness + values_[k].viscous;
+        for (int i = 0; i < s.count; ++i) {
+            const int row = unknown[static_cast<std::size_t>(s.vertex[i])];
+            if (row < 0) continue;
+            for (int j = 0; j < s.count; ++j) {
+                const int column = unknown[static_cast<std::size_t>(s.vertex[j])];
+                if (column < row) continue; // upper triangle; also skips fixed vertices
+                double* block = a.block(static_cast<std::size_t>(a.pattern->find(row, column)));
+                const double value = stiffness * s.coefficient[i] * s.coefficient[j];
+                for (int c = 0; c < 3; ++c) block[4 * c] += value;
+            }
+        }
+    }
+}
+
+double Springs::force_norm(const std::vector<double>& x) const {
+    double sum = 0;
+    for (std::size_t k = 0; k < springs_.size(); ++k)
+        sum += (values_[k].stiffness * stretch(springs_[k], values_[k], x)).squaredNorm();
+    return std::sqrt(sum);
+}
+
+double Springs::stiffness_norm() const {
+    double sum = 0;
+    for (const Values& v : values_) sum += v.stiffness * v.stiffness;
+    return std::sqrt(sum);
+}
+
+double Springs::longest(const std::vector<double>& x) const {
+    double longest = 0;
+    for (std::size_t k = 0; k < springs_.size(); ++k)
+        longest = std::max(longest, stretch(springs_[k], values_[k], x).norm());
+    return longest;
+}
+
+double Springs::stored_energy(const std::vector<double>& x) const {
+    double total = 0;
+    for (std::size_t k = 0; k < springs_.size(); ++k)
+        total += 0.5 * values_[k].stiffness * stretch(springs_[k], values_[k], x).squaredNorm();
+    return total;
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,57 @@
+// Attachment energy: 1/2 k A w |x_source - x_target|^2 per attached vertex, k [N/m^3] x envelope, plus a viscous part
+// from the relative velocity. Both ends are linear in the unknowns (through embeddings) or prescribed (bones), so the
+// Hessian is constant over a step, and what one side gets the other gives.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/block_matrix.h"
+#include "solver/scene.h"
+#include "solver/state.h"
+#include "solver/step_inputs.h"
+
+namespace sinew::solver {
+
+/// |sum_i c_i x_i - anchor|: up to two embedded points against each other or against a bone.
+struct Spring {
+    int attachment = -1, anchor_index = -1;
+    int count = 0;
+    int vertex[8];
+    double coefficient[8];
+    double area_weight = 0; ///< [m^2]
+};
+
+class Springs {
+  public:
+    /// Springs of all attachments that pull; bone to bone ones have no effect and are left out.
+    Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors);
+    /// Pairs of vertices that springs couple.
+    void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
+    /// Values of the coming step. `before` and `after`: bone positions at its two ends.
+    /// velocity_factor: relative velocity = factor x (displacement over the step); 0 switches damping off.
+    void begin_step(const StepInputs& inputs, const std::vector<std::vector<Anchor>>& anchors,
+                    const std::vector<Points>& before, const std::vector<Points>& after, double velocity_factor,
+                    const std::vector<double>& x_before);
+    bool empty() const { return springs_.empty(); }
+    /// Energy [J] with its gradient added to `gradient` (3 a vertex) unless that is null.
+    double energy(const std::vector<double>& x, double* gradient) const;
+    /// Adds the Hessian. `unknown[vertex]` = row or -1.
+    void add_hessian(const std::vector<int>& unknown, BlockMatrix& a) const;
+    /// Root of the sum of squared spring forces [N]; and the longest spring [m].
+    double force_norm(const std::vector<double>& x) const;
+    double stiffness_norm() const; ///< root of the sum of squared stiffnesses [N/m]
+    double longest(const std::vector<double>& x) const;
+    /// Energy without the viscous part.
+    double stored_energy(const std::vector<double>& x) const;
+
+  private:
+    struct Values {
+        double stiffness, viscous; ///< [N/m]; viscous = damping x velocity factor
+        Vec3 anchor;               ///< prescribed point, 0 if both ends are free
+        Vec3 reference;            ///< sum c x - anchor at the start of the step
+    };
+    Vec3 stretch(const Spring& s, const Values& v, const std::vector<double>& x) const;
+    const Scene& scene_;
+    std::vector<Spring> springs_;
+    std::vector<Values> values_;
+};
+
+} // namespace sinew::solver

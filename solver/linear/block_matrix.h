@@ -1,0 +1,37 @@
+// Symmetric sparse matrices of 3x3 blocks: the upper triangle by block rows, plus what a row-parallel product needs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace sinew::solver {
+
+/// Which blocks are there. Row i holds columns j >= i, sorted, the diagonal always and first.
+struct BlockPattern {
+    int rows = 0;
+    std::vector<int> row_start, column;
+    /// Lower triangle by rows: (block index in the upper triangle, its row = our column), sorted by column.
+    std::vector<int> lower_start;
+    std::vector<std::pair<int, int>> lower;
+    std::size_t block_count() const { return column.size(); }
+    /// Index of block (i, j), i <= j; -1 if it is not there.
+    int find(int i, int j) const;
+};
+
+/// From couplings (i, j) in any order, duplicates allowed.
+BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings);
+
+/// Values of a pattern's blocks, row-major, 9 a block.
+struct BlockMatrix {
+    const BlockPattern* pattern = nullptr;
+    std::vector<double> values;
+    explicit BlockMatrix(const BlockPattern& p) : pattern(&p), values(9 * p.block_count(), 0.0) {}
+    double* block(std::size_t index) { return values.data() + 9 * index; }
+    const double* block(std::size_t index) const { return values.data() + 9 * index; }
+};
+
+/// y = A x, 3 numbers a row; the same bits for any number of threads.
+void multiply(const BlockMatrix& a, const double* x, double* y);
+
+} // namespace sinew::solver

@@ -1,0 +1,38 @@
+// St. Venant-Kirchhoff: psi = mu |E|^2 + lambda/2 tr(E)^2 with the Green strain E = (F^T F - I)/2, and the compression
+// resistance that artists add to it. Softens in compression (stress returns to zero at s = 0): that is the law, and
+// what the resistance is for.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/material/principal.h"
+
+namespace sinew::solver {
+
+template <class R> inline void stvk(const R* s, R mu, R lambda, Principal<R>& out) {
+    clear(out);
+    R e[3];
+    for (int i = 0; i < 3; ++i) e[i] = R(0.5) * (s[i] * s[i] - R(1.0));
+    const R trace = e[0] + e[1] + e[2];
+    out.energy = mu * (e[0] * e[0] + e[1] * e[1] + e[2] * e[2]) + R(0.5) * lambda * trace * trace;
+    for (int i = 0; i < 3; ++i) {
+        const int a = (i + 1) % 3, b = (i + 2) % 3;
+        out.first[i] = s[i] * (R(2.0) * mu * e[i] + lambda * trace);
+        out.diagonal[i] = mu * (R(3.0) * s[i] * s[i] - R(1.0)) + lambda * (trace + s[i] * s[i]);
+        out.off_diagonal[i] = lambda * s[a] * s[b];
+        const R squares = s[a] * s[a] + s[b] * s[b] - R(1.0), product = s[a] * s[b];
+        out.flip[i] = mu * (squares + product) + lambda * trace;
+        out.twist[i] = mu * (squares - product) + lambda * trace;
+    }
+}
+
+/// Compression resistance: k (1-J)^3 for J < 1, else nothing; twice continuously differentiable at J = 1.
+/// k = c E / ((1 - 2 nu) 2592) with c the artist's number, as in the public VegaFEM 4.0 formulation, so that values
+/// known from production keep their meaning.
+inline double compression_coefficient(double c, double youngs_modulus, double poissons_ratio) {
+    return c * youngs_modulus / ((1 - 2 * poissons_ratio) * 2592);
+}
+template <class R> inline void add_compression_resistance(const R* s, R k, Principal<R>& out) {
+    const R d = max(R(1.0) - s[0] * s[1] * s[2], R(0.0));
+    add_volumetric(s, k * d * d * d, R(-3.0) * k * d * d, R(6.0) * k * d, out);
+}
+
+} // namespace sinew::solver

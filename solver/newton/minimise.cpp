@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/newton/minimise.h"
+
+#include "solver/error.h"
+#include "solver/parallel.h"
+
+#include <chrono>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Adds the time since construction to a counter of the report.
+class Stopwatch {
+  public:
+    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
+
+  private:
+    double& seconds_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+    return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
+}
+
+/// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
+/// projected one. Returns the slope along it.
+double find_direction(Potential& potential, NewtonWorkspace& w, const std::vector<double>& x, StepRecord& record) {
+    for (const bool project : {false, true}) {
+        {
+            const Stopwatch timer(record.seconds_assembly);
+            potential.assemble(x, project, w.hessian);
+        }
+        bool definite;
+        {
+            const Stopwatch timer(record.seconds_factor);
+            definite = w.factor.factorize(w.hessian);
+        }
+        if (!definite) continue;
+        const Stopwatch timer(record.seconds_solve);
+        w.direction.resize(w.gradient.size());
+        w.factor.solve(w.gradient.data(), w.direction.data());
+        for (double& d : w.direction) d = -d;
+        const double slope = dot(w.gradient, w.direction);
+        if (slope < 0) return slope;
+    }
+    throw Error("FE302", "the stiffness matrix is not positive definite even with every element projected",
+                "a body may be free to move without any force to hold it (attach it to a bone), or a material value "
+                "may be zero");
+}
+
+} // namespace
+
+void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
+              std::vector<double>& x, StepRecord& record) {
+    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    if (vertex_of.empty()) return;
+    ForceNorms norms;
+    double value;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        value = potential.evaluate(x, &w.gradient, &norms);
+    }
+    double r = 0;
+    bool converged = false;
+    const auto judge = [&] {
+        const double force = std::sqrt(dot(w.gradient, w.gradient));
+        r = force / std::max(norms.largest(), potential.force_floor());
+        converged = r <= options.tolerance || force <= potential.force_rounding(x);
+    };
+    judge();
+    int iteration = 0;
+    for (; !converged && iteration < options.max_iterations; ++iteration) {
+        if (!std::isfinite(value) || !std::isfinite(r))
+            throw Error("FE302", "the energy of the step is not a finite number",
+                        "check for extreme material values, bone positions or step sizes at this frame");
+        if (control.stop && control.stop()) throw Stopped();
+        if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
+        const double slope = find_direction(potential, w, x, record);
+
+        // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to
+        // the energies, the comparison says nothing and the full step is taken.
+        const Stopwatch timer(record.seconds_assembly);
+        const double rounding = potential.energy_rounding();
+        const double before = value;
+        double t = 1;
+        bool accepted = false;
+        for (int trial = 0; trial < 40; ++trial, t *= 0.5) {
+            w.trial = x;
+            parallel_for(vertex_of.size(), 4096, [&](std::size_t u) {
+                const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[u]);
+                for (std::size_t c = 0; c < 3; ++c) w.trial[v + c] += t * w.direction[3 * u + c];
+            });
+            value = potential.evaluate(w.trial, &w.gradient, &norms);
+            if (std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding) {
+                accepted = true;
+                break;
+            }
+        }
+        if (!accepted) { // no lower point along a descent direction: this is as far as the arithmetic goes
+            value = potential.evaluate(x, &w.gradient, &norms);
+            break;
+        }
+        x.swap(w.trial);
+        judge();
+    }
+    record.newton_iterations += iteration;
+    record.residual = std::max(record.residual, r);
+    record.converged = record.converged && converged;
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,78 @@
+// The incremental potential of one implicit step: inertia, elasticity, fibres, gravity, attachments, damping.
+// Gives its value, gradient and sparse Hessian; newton/minimise.h finds its minimum. A term that the scene does not
+// use costs nothing here: no pass over the elements, no block in the pattern.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/attach/springs.h"
+#include "solver/integrate/implicit_form.h"
+#include "solver/linear/block_matrix.h"
+#include "solver/system.h"
+
+#include <memory>
+#include <optional>
+
+namespace sinew::solver {
+
+/// Euclidean norms of the forces that act in the step [N], before they cancel.
+struct ForceNorms {
+    double elements = 0, fibers = 0, inertia = 0, gravity = 0, attachments = 0, damping = 0;
+    double largest() const;
+};
+
+class Potential {
+  public:
+    explicit Potential(const Scene& scene);
+
+    /// Makes the pattern for these anchors, if it is not there yet. Returns true if the pattern is new.
+    bool set_anchors(const std::vector<std::vector<Anchor>>& anchors);
+    /// Fixes everything that is constant over the step. `bones_before` are those of `before`.
+    void begin_step(const State& before, const StepInputs& inputs, const ImplicitForm& form,
+                    const std::vector<Points>& bones_after);
+
+    const std::vector<int>& vertex_of_unknown() const { return system_.vertex_of_unknown; }
+    std::size_t unknown_count() const { return scene_.system().vertex_of_unknown.size(); }
+    const BlockPattern& pattern() const { return *pattern_; }
+
+    /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
+    double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
+    /// Hessian at x; `project` clamps each element's eigenvalues at zero.
+    void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
+    /// Forces that would strain every element by 1e-6 [N]: the floor under "the forces at work".
+    double force_floor() const { return force_floor_; }
+    /// What rounding of positions of size |x| does to the forces [N]: no gradient can be made smaller than this.
+    double force_rounding(const std::vector<double>& x) const;
+    /// How far the value may be off by rounding alone [J]: the laws subtract terms of the size of modulus x volume.
+    double energy_rounding() const { return 1e-14 * energy_scale_ + 4e-16 * elastic_scale_; }
+
+    /// Elastic + fibre + attachment energy [J], least det F, tets with det F <= 0, longest attachment, at x.
+    void describe(const std::vector<double>& x, StepRecord& record);
+
+  private:
+    void update_moduli(const StepInputs& inputs);
+    void run_gradient_pass(const std::vector<double>& x);
+    void run_hessian_pass(const std::vector<double>& x, bool project);
+    void gather_hessian(BlockMatrix& a) const;
+    double element_energy() const;
+
+    const Scene& scene_;
+    const Scene::System& system_;
+    std::optional<std::vector<std::vector<Anchor>>> anchors_;
+    std::unique_ptr<Springs> springs_;
+    std::unique_ptr<BlockPattern> pattern_;
+    std::vector<int> contribution_start_, contributions_; ///< per block: element entries in fixed order
+
+    std::vector<TissueInputs> tissue_inputs_; ///< per tissue: what moduli_ and mass_ were made from
+    std::vector<TetModuli> moduli_;
+    std::vector<double> mass_; ///< lumped, per vertex [kg]
+    double force_floor_ = 0, energy_scale_ = 0, elastic_scale_ = 0, stiffness_scale_ = 0;
+
+    StepInputs inputs_;
+    const ImplicitForm* form_ = nullptr;
+    std::vector<double> x_before_;
+    std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
+    std::vector<TetGradient> gradients_;
+    std::vector<TetHessian> hessians_;
+    std::vector<double> spring_gradient_, velocity_, damping_force_;
+};
+
+} // namespace sinew::solver

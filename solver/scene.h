@@ -1,0 +1,83 @@
+// What does not change while a simulation runs: rest shapes, lattices, embeddings, painted maps, attachments.
+// Built once, immutable. What may change from step to step stands in step_inputs.h, the moving part in state.h.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/embedding.h"
+#include "solver/mesh/surface_mesh.h"
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sinew::solver {
+
+enum class ElasticLaw { stvk, neo_hookean, corotational };
+
+/// One fibre field of a tissue.
+struct FiberRest {
+    Points directions;           ///< unit vector per tet, zero where there is none
+    std::vector<double> weights; ///< per tet, 0…1
+};
+
+/// A tissue at rest. Everything in metres.
+struct TissueRest {
+    TetMesh tets;
+    std::vector<Triangle> triangles; ///< of the embedded surface
+    Points surface;                  ///< rest positions of the surface's vertices
+    Embedding embedding;             ///< of the surface in the tets
+    ElasticLaw law = ElasticLaw::stvk;
+    std::vector<std::vector<double>> layer_weights; ///< [material layer][tet]; layer 0 is 1 everywhere
+    std::vector<FiberRest> fibers;
+    std::vector<int> fixed_vertices; ///< tet vertices held at their rest positions (no unknowns); sorted, may be empty
+};
+
+/// A bone: vertices are prescribed at every step, so only connectivity is kept here.
+struct BoneRest {
+    std::vector<Triangle> triangles;
+    Points surface; ///< as modelled; the start positions come with the first step inputs
+};
+
+using BodyRest = std::variant<std::shared_ptr<const TissueRest>, std::shared_ptr<const BoneRest>>;
+
+enum class AttachmentMode { none, fixed };
+enum class Correspondence { closest_point, vertex_id };
+
+struct AttachmentRest {
+    int source = -1, target = -1; ///< body indices
+    AttachmentMode mode = AttachmentMode::fixed;
+    Correspondence correspondence = Correspondence::closest_point;
+    std::vector<double> source_weights; ///< per surface vertex of the source; > 0 = attached
+    std::vector<double> target_weights; ///< per surface vertex of the target; 0 = forbidden
+    bool maintain_offset = true;
+};
+
+struct SceneDescription {
+    std::vector<BodyRest> bodies;
+    std::vector<AttachmentRest> attachments;
+};
+
+/// Derived once from the description: numbering of the unknowns, element batches, sparsity pattern.
+class Scene {
+  public:
+    /// Throws Error FE2xx (body index set) where the description cannot be simulated.
+    explicit Scene(SceneDescription description);
+    ~Scene();
+    const SceneDescription& description() const { return description_; }
+    int body_count() const { return static_cast<int>(description_.bodies.size()); }
+    const TissueRest* tissue(int body) const; ///< nullptr for bones
+    const BoneRest* bone(int body) const;
+    /// First unknown vertex of a tissue in the state's arrays.
+    int first_vertex(int body) const { return first_vertex_[static_cast<std::size_t>(body)]; }
+    int vertex_count() const { return vertex_count_; } ///< unknown vertices of all tissues
+    struct System;                                     ///< element batches and pattern; solver-internal
+    const System& system() const { return *system_; }
+
+  private:
+    SceneDescription description_;
+    std::vector<int> first_vertex_;
+    int vertex_count_ = 0;
+    std::unique_ptr<const System> system_;
+};
+
+} // namespace sinew::solver

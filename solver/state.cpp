@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/state.h"
+
+#include "solver/error.h"
+
+#include <cstring>
+#include <string_view>
+#include <type_traits>
+
+namespace sinew::solver {
+
+namespace {
+
+constexpr std::string_view magic = "sinew state 1\n";
+
+/// Appends plain values; vectors with their length first.
+class Writer {
+  public:
+    explicit Writer(std::vector<std::byte>& out) : out_(out) {}
+    template <class T> void put(const T& v) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        const auto* p = reinterpret_cast<const std::byte*>(&v);
+        out_.insert(out_.end(), p, p + sizeof(T));
+    }
+    template <class T> void put_all(const std::vector<T>& v) {
+        put(static_cast<std::uint64_t>(v.size()));
+        for (const T& x : v) put(x);
+    }
+
+  private:
+    std::vector<std::byte>& out_;
+};
+
+class Reader {
+  public:
+    explicit Reader(std::span<const std::byte> in) : in_(in) {}
+    template <class T> void get(T& v) {
+        if (in_.size() < sizeof(T)) throw Error("IO403", "a saved simulation state ends too early");
+        std::memcpy(&v, in_.data(), sizeof(T));
+        in_ = in_.subspan(sizeof(T));
+    }
+    std::size_t get_count(std::size_t item_size) {
+        std::uint64_t n = 0;
+        get(n);
+        if (n > in_.size() / item_size) throw Error("IO403", "a saved simulation state ends too early");
+        return static_cast<std::size_t>(n);
+    }
+    template <class T> void get_all(std::vector<T>& v) {
+        v.resize(get_count(sizeof(T)));
+        for (T& x : v) get(x);
+    }
+    bool at_end() const { return in_.empty(); }
+
+  private:
+    std::span<const std::byte> in_;
+};
+
+/// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
+template <class Record, class Visit> void visit_record(Record& r, const Visit& visit) {
+    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.energy);
+    visit(r.min_j), visit(r.inverted), visit(r.max_stretch);
+}
+
+} // namespace
+
+std::vector<std::byte> save(const State& s) {
+    std::vector<std::byte> out;
+    Writer w(out);
+    for (const char c : magic) w.put(c);
+    w.put_all(s.x);
+    w.put_all(s.v);
+    w.put(static_cast<std::uint64_t>(s.anchors.size()));
+    for (const auto& list : s.anchors) {
+        w.put(static_cast<std::uint64_t>(list.size()));
+        for (const Anchor& a : list) {
+            w.put(a.source_vertex), w.put(a.target_triangle), w.put(a.target_tet);
+            w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
+        }
+    }
+    w.put(static_cast<std::uint64_t>(s.bones.size()));
+    for (const Points& points : s.bones) {
+        w.put(static_cast<std::uint64_t>(points.size()));
+        for (const Vec3& p : points)
+            for (int c = 0; c < 3; ++c) w.put(p[c]);
+    }
+    w.put(s.steps);
+    visit_record(s.record, [&](const auto& field) { w.put(field); });
+    return out;
+}
+
+State load(std::span<const std::byte> bytes) {
+    Reader r(bytes);
+    for (const char c : magic) {
+        char got = 0;
+        r.get(got);
+        if (got != c) throw Error("IO403", "these bytes are not a simulation state of this version");
+    }
+    State s;
+    r.get_all(s.x);
+    r.get_all(s.v);
+    s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
+    for (auto& list : s.anchors) {
+        list.resize(r.get_count(sizeof(double)));
+        for (Anchor& a : list) {
+            r.get(a.source_vertex), r.get(a.target_triangle), r.get(a.target_tet);
+            r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
+        }
+    }
+    s.bones.resize(r.get_count(sizeof(std::uint64_t)));
+    for (Points& points : s.bones) {
+        points.resize(r.get_count(3 * sizeof(double)));
+        for (Vec3& p : points)
+            for (int c = 0; c < 3; ++c) r.get(p[c]);
+    }
+    r.get(s.steps);
+    visit_record(s.record, [&](auto& field) { r.get(field); });
+    if (!r.at_end()) throw Error("IO403", "a saved simulation state has bytes left over");
+    return s;
+}
+
+} // namespace sinew::solver

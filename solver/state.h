@@ -1,0 +1,48 @@
+// The complete state of a simulation: all that the next step reads. Plain values; load(save(s)) equals s bit for bit.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sinew::solver {
+
+/// Where a source vertex holds on to its target, fixed at the start frame.
+struct Anchor {
+    int source_vertex = -1;
+    int target_triangle = -1; ///< bones: the triangle that carries the anchor
+    int target_tet = -1;      ///< tissues: the tet of the target body that carries the anchor
+    std::array<double, 4> coordinates{}; ///< tissue: barycentric in the tet; bone: barycentric in the triangle, then 0
+    std::array<double, 3> offset{};      ///< bone: offset in the triangle's own frame [m]
+    double area_weight = 0;              ///< vertex area x painted weight [m^2]
+    friend bool operator==(const Anchor&, const Anchor&) = default;
+};
+
+/// What the last step did, for the report. Part of the state, so that a reused frame reports what it did when it ran.
+struct StepRecord {
+    double residual = 0; ///< force residual / forces at work
+    bool converged = true;
+    int newton_iterations = 0, substeps = 0;
+    double energy = 0; ///< elastic + fibre + attachment [J]
+    double min_j = 1;  ///< least det F over all tets
+    int inverted = 0;  ///< tets with det F <= 0
+    double max_stretch = 0; ///< longest attachment [m]
+    double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_other = 0; ///< not digested
+};
+
+struct State {
+    std::vector<double> x, v; ///< 3 numbers per unknown vertex; order of the scene [m], [m/s]
+    std::vector<std::vector<Anchor>> anchors; ///< per attachment
+    std::vector<Points> bones;                ///< per body: bone vertex positions at the end of the step; empty for tissues
+    long long steps = 0;                      ///< since the start frame
+    StepRecord record;
+};
+
+std::vector<std::byte> save(const State& state);
+/// Throws Error IO403 if the bytes are not a state of this version.
+State load(std::span<const std::byte> bytes);
+
+} // namespace sinew::solver

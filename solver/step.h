@@ -1,0 +1,48 @@
+// One frame of simulation: pure in (state, inputs). The workspace only saves work: dropping it at any moment changes
+// no bit.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/scene.h"
+#include "solver/state.h"
+#include "solver/step_inputs.h"
+
+#include <functional>
+#include <memory>
+#include <span>
+
+namespace sinew::solver {
+
+/// Symbolic analyses, factors and buffers of one scene. One step at a time may use it.
+class Workspace {
+  public:
+    explicit Workspace(std::shared_ptr<const Scene> scene);
+    ~Workspace();
+    const Scene& scene() const { return *scene_; }
+    struct Impl;
+    Impl& impl() { return *impl_; }
+    /// Symbolic analyses done so far; a steady simulation does one.
+    int symbolic_analyses() const;
+
+  private:
+    std::shared_ptr<const Scene> scene_;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Called in every Newton iteration.
+struct StepControl {
+    std::function<bool()> stop;                                     ///< true = throw Stopped
+    std::function<void(double done, int iteration, double residual)> progress;
+};
+
+/// The state at the start frame: rest positions, zero velocity, anchors made. `inputs` are those of the start frame.
+State initial_state(const Scene& scene, const StepInputs& inputs);
+
+/// Advances by all of `substeps`, each with its own step size. Non-convergence is recorded, not thrown; a step that
+/// gives NaN throws Error FE302 and leaves no half-made state.
+State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
+              const StepControl& control = {});
+
+/// Deformed surface of every body [m]: tissues through their embedding, bones as given.
+Points surface_positions(const Scene& scene, const State& state, int body);
+
+} // namespace sinew::solver

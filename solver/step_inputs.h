@@ -1,0 +1,57 @@
+// What may change from step to step: bone positions, material values, excitation, solver settings.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <variant>
+#include <vector>
+
+namespace sinew::solver {
+
+enum class Integrator { backward_euler, quasi_static };
+
+/// Values of one material layer of a tissue; composited bottom to top with envelope x painted weight.
+struct MaterialValues {
+    double youngs_modulus = 12e3; ///< [Pa]
+    double poissons_ratio = 0.4;
+    double mass_density = 1060; ///< [kg/m^3]
+    double envelope = 1;
+};
+
+struct FiberValues {
+    double strength = 12e3;        ///< [Pa]
+    double contraction_limit = 0;  ///< fibre stretch at which the pull ends
+    double excitation = 0, envelope = 1;
+};
+
+struct TissueInputs {
+    double compression_resistance = 20000; ///< relative to Young's modulus
+    std::vector<MaterialValues> layers;
+    std::vector<FiberValues> fibers;
+};
+
+struct BoneInputs {
+    Points positions; ///< of every surface vertex at the end of the step [m]
+};
+
+using BodyInputs = std::variant<TissueInputs, BoneInputs>;
+
+struct AttachmentInputs {
+    double stiffness = 1e8; ///< [N/m^3]
+    double envelope = 1;
+    double damping = 0; ///< [N s/m^3]
+};
+
+struct StepInputs {
+    double step_size = 1.0 / 24; ///< [s]
+    Integrator integrator = Integrator::backward_euler;
+    Vec3 gravity{0, -9.8, 0}; ///< [m/s^2]
+    double mass_damping = 0;       ///< Rayleigh [1/s]
+    double stiffness_damping = 0;  ///< Rayleigh [s]
+    int max_newton_iterations = 10;
+    double tolerance_factor = 1;
+    std::vector<BodyInputs> bodies;           ///< one per body, same order as the scene's
+    std::vector<AttachmentInputs> attachments; ///< one per attachment
+};
+
+} // namespace sinew::solver

@@ -1,0 +1,290 @@
+// Time stepping against exact sequences; bits for any thread count; complete state; counted analyses.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/error.h"
+#include "solver/newton/potential.h"
+#include "tests/support/solver_scenes.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <tbb/global_control.h>
+
+using namespace sinew::solver;
+using namespace sinew::test;
+
+namespace {
+
+nlohmann::json integrators() {
+    std::ifstream in(data_file("accuracy.json"));
+    REQUIRE(in);
+    return nlohmann::json::parse(in)["integrators"];
+}
+
+/// A muscle between two bones: lattice-free box, fibres, two attachments, the second bone swings.
+struct Swing {
+    TetMesh mesh = box_mesh({0.3, 0.06, 0.06}, 10, 2, 2);
+    std::shared_ptr<const Scene> scene;
+    Points left, right;
+    Swing() {
+        auto t = tissue(mesh, ElasticLaw::stvk);
+        t->fibers = {{Points(mesh.tets.size(), Vec3(1, 0, 0)), std::vector<double>(mesh.tets.size(), 1.0)}};
+        left = {{0, -0.1, -0.1}, {0, 0.2, -0.1}, {0, 0, 0.2}};
+        right = {{0.3, -0.1, -0.1}, {0.3, 0.2, -0.1}, {0.3, 0, 0.2}};
+        SceneDescription d;
+        d.bodies = {t, bone(left, {{0, 1, 2}}), bone(right, {{0, 1, 2}})};
+        for (const int end : {0, 1}) {
+            AttachmentRest a;
+            a.source = 0, a.target = 1 + end;
+            a.source_weights.assign(mesh.vertices.size(), 0.0);
+            for (const int v : vertices_where(mesh.vertices, [&](const Vec3& p) { return std::abs(p.x() - 0.3 * end) < 1e-9; }))
+                a.source_weights[static_cast<std::size_t>(v)] = 1;
+            d.attachments.push_back(a);
+        }
+        scene = std::make_shared<const Scene>(std::move(d));
+    }
+    StepInputs inputs(double frame) const {
+        StepInputs in;
+        TissueInputs values = material(2e4, 0.45, 1060);
+        values.compression_resistance = 20000;
+        values.fibers = {{5e4, 0.5, std::min(1.0, frame / 10), 1}};
+        const Mat3 turn = Eigen::AngleAxisd(0.1 * frame, Vec3(0, 0, 1)).toRotationMatrix();
+        Points moved = right;
+        for (Vec3& p : moved) p = turn * p;
+        in.bodies = {values, BoneInputs{left}, BoneInputs{moved}};
+        in.attachments = {{1e8, 1, 0}, {1e8, 1, 50}};
+        in.stiffness_damping = 0.001;
+        in.mass_damping = 0.1;
+        in.max_newton_iterations = 30;
+        return in;
+    }
+};
+
+State run(const Swing& swing, Workspace& w, State s, int first, int last) {
+    for (int frame = first; frame <= last; ++frame) {
+        const StepInputs in = swing.inputs(frame);
+        s = advance(w, s, std::span(&in, 1));
+        REQUIRE(s.record.converged);
+    }
+    return s;
+}
+
+} // namespace
+
+TEST_CASE("the one-tet oscillator follows backward Euler's exact sequence, digit by digit") {
+    const nlohmann::json one_dof = integrators()["one_dof"];
+    const TetMesh mesh = regular_tet(one_dof["edge"]);
+    auto t = tissue(mesh, ElasticLaw::neo_hookean);
+    SceneDescription d;
+    d.bodies = {t, bone(mesh.vertices, t->triangles)};
+    AttachmentRest a;
+    a.source = 0, a.target = 1, a.source_weights = {1};
+    d.attachments = {a};
+    auto scene = std::make_shared<const Scene>(d);
+    for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/48", 48}, {"dt=1/96", 96}, {"dt=1/240", 240}}) {
+        Workspace w(scene);
+        StepInputs in = still_inputs();
+        in.tolerance_factor = 1e-7;
+        in.bodies = {material(1e5, 0.3, one_dof["rho"]), BoneInputs{mesh.vertices}};
+        in.attachments = {{one_dof["attachment_stiffness"], 1, 0}};
+        in.gravity = Vec3(0, 0, -9.81);
+        in.step_size = 1.0 / steps;
+        in.max_newton_iterations = 4;
+        const auto& expected = one_dof["runs"][title]["BE"];
+        State s = initial_state(*scene, in);
+        for (int i = 0; i < steps; ++i) {
+            s = advance(w, s, std::span(&in, 1));
+            if (i + 1 < static_cast<int>(expected["z_first_steps"].size()))
+                for (int v = 0; v < 4; ++v)
+                    CHECK(position(s, v).z() - mesh.vertices[static_cast<std::size_t>(v)].z() ==
+                          Approx(double(expected["z_first_steps"][static_cast<std::size_t>(i) + 1])).epsilon(1e-9));
+        }
+        CHECK(position(s, 0).z() - mesh.vertices[0].z() == Approx(double(expected["z_end"])).epsilon(1e-8));
+    }
+}
+
+TEST_CASE("free fall is exact to backward Euler and does not deform the body") {
+    const TetMesh mesh = box_mesh({0.3, 0.2, 0.2}, 3, 2, 2);
+    const auto expected = integrators()["free_fall"]["discrete"];
+    for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/96", 96}})
+        for (const double tolerance : {1.0, 1e-4}) {
+            auto scene = std::make_shared<const Scene>(SceneDescription{{tissue(mesh, ElasticLaw::stvk)}, {}});
+            Workspace w(scene);
+            StepInputs in = still_inputs();
+            in.tolerance_factor = tolerance;
+            in.gravity = Vec3(0, -9.81, 0);
+            in.bodies = {material(1e4, 0.45)};
+            in.step_size = 1.0 / steps;
+            State s = initial_state(*scene, in);
+            for (std::size_t v = 0; v < s.v.size(); v += 3) s.v[v + 1] = 2;
+            for (int i = 0; i < steps; ++i) s = advance(w, s, std::span(&in, 1));
+            const double fall = expected[title]["BE"]["x"];
+            double worst = 0;
+            for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+                worst = std::max(worst, (position(s, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, fall, 0)).norm());
+            CHECK(worst < 1e-9);
+        }
+}
+
+TEST_CASE("mass damping gives the exact discrete terminal motion") {
+    const double alpha = 0.8, g = 9.81, h = 1.0 / 24;
+    const TetMesh mesh = regular_tet(0.2);
+    auto scene = std::make_shared<const Scene>(SceneDescription{{tissue(mesh, ElasticLaw::corotational)}, {}});
+    Workspace w(scene);
+    StepInputs in = still_inputs();
+    in.gravity = Vec3(0, -g, 0);
+    in.mass_damping = alpha;
+    in.bodies = {material(1e4, 0.4)};
+    State s = initial_state(*scene, in);
+    double x = 0, v = 0;
+    for (int i = 0; i < 24; ++i) {
+        s = advance(w, s, std::span(&in, 1));
+        v = (v - g * h) / (1 + alpha * h);
+        x += h * v;
+    }
+    CHECK(position(s, 0).y() - mesh.vertices[0].y() == Approx(x).epsilon(1e-9));
+}
+
+TEST_CASE("attachment damping damps one degree of freedom by c / (2 sqrt(k m))") {
+    const TetMesh mesh = regular_tet(0.1);
+    auto t = tissue(mesh, ElasticLaw::neo_hookean);
+    SceneDescription d;
+    d.bodies = {t, bone(mesh.vertices, t->triangles)};
+    AttachmentRest a;
+    a.source = 0, a.target = 1, a.source_weights = {1};
+    d.attachments = {a};
+    auto scene = std::make_shared<const Scene>(d);
+    Workspace w(scene);
+    const double k = 5e4, c = 100, area = std::sqrt(3.0) * 0.01, mass = 1000 * 0.001 / (6 * std::sqrt(2.0)), h = 1.0 / 240;
+    StepInputs in = still_inputs();
+    in.bodies = {material(1e5, 0.3, 1000), BoneInputs{mesh.vertices}};
+    in.attachments = {{k, 1, c}};
+    in.gravity = Vec3(0, 0, -9.81);
+    in.step_size = h;
+    State s = initial_state(*scene, in);
+    double x = 0, v = 0;
+    for (int i = 0; i < 60; ++i) {
+        s = advance(w, s, std::span(&in, 1));
+        v = (v - h * 9.81 - h * k * area / mass * x) / (1 + h * c * area / mass + h * h * k * area / mass);
+        x += h * v;
+        CHECK(position(s, 0).z() - mesh.vertices[0].z() == Approx(x).epsilon(1e-8));
+    }
+}
+
+TEST_CASE("the whole potential's gradient and Hessian converge to finite differences at second order") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    State s = run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 3);
+    Potential potential(*swing.scene);
+    potential.set_anchors(s.anchors);
+    StepInputs in = swing.inputs(4);
+    // The compression resistance has a third derivative that jumps at J = 1, which hides the order.
+    std::get<TissueInputs>(in.bodies[0]).compression_resistance = 0;
+    ImplicitForm form;
+    make_form(s, in, form);
+    std::vector<Points> bones(3);
+    for (const int b : {1, 2}) bones[static_cast<std::size_t>(b)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(b)]).positions;
+    potential.begin_step(s, in, form, bones);
+    std::mt19937 random(8);
+    std::normal_distribution<double> normal;
+    std::vector<double> direction(s.x.size());
+    for (double& v : direction) v = 0.001 * normal(random);
+    const auto moved = [&](double t) {
+        std::vector<double> x = s.x;
+        for (std::size_t i = 0; i < x.size(); ++i) x[i] += t * direction[i];
+        return x;
+    };
+    std::vector<double> g, plus, minus, hd(s.x.size());
+    potential.evaluate(s.x, &g, nullptr);
+    BlockMatrix h(potential.pattern());
+    potential.assemble(s.x, false, h);
+    multiply(h, direction.data(), hd.data());
+    double slope = 0, gradient_error[2], hessian_error[2];
+    for (std::size_t i = 0; i < g.size(); ++i) slope += g[i] * direction[i];
+    for (int i = 0; i < 2; ++i) {
+        const double t = i ? 0.5 : 1;
+        const double up = potential.evaluate(moved(t), &plus, nullptr), down = potential.evaluate(moved(-t), &minus, nullptr);
+        gradient_error[i] = std::abs((up - down) / (2 * t) - slope);
+        hessian_error[i] = 0;
+        for (std::size_t k = 0; k < g.size(); ++k) hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * t) - hd[k], 2);
+    }
+    INFO(gradient_error[0] << " " << gradient_error[1] << " of " << slope);
+    CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.15));
+    CHECK(std::log2(hessian_error[0] / hessian_error[1]) / 2 == Approx(2).margin(0.15));
+}
+
+TEST_CASE("one and two threads give the same bits") {
+    const Swing swing;
+    std::vector<std::byte> bytes[2];
+    for (const std::size_t threads : {1, 2}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        Workspace w(swing.scene);
+        bytes[threads - 1] = save(run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 8));
+    }
+    CHECK(bytes[0] == bytes[1]);
+}
+
+TEST_CASE("save, load, advance continues bit for bit, with a fresh workspace at every frame too") {
+    const Swing swing;
+    Workspace straight(swing.scene);
+    State s = initial_state(*swing.scene, swing.inputs(0)), hopped = s;
+    for (int frame = 1; frame <= 6; ++frame) {
+        s = run(swing, straight, s, frame, frame);
+        Workspace fresh(swing.scene);
+        hopped = run(swing, fresh, load(save(hopped)), frame, frame);
+        CHECK(save(hopped) == save(s));
+    }
+}
+
+TEST_CASE("a steady simulation does one symbolic analysis") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 6);
+    CHECK(w.symbolic_analyses() == 1);
+}
+
+TEST_CASE("a muscle between bones follows the swinging bone") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    const State s = run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 12);
+    CHECK(s.record.inverted == 0);
+    CHECK(s.record.max_stretch < 2e-3);
+    const Mat3 turn = Eigen::AngleAxisd(1.2, Vec3(0, 0, 1)).toRotationMatrix();
+    for (const int v : vertices_where(swing.mesh.vertices, [](const Vec3& p) { return p.x() > 0.3 - 1e-9; }))
+        CHECK((position(s, v) - turn * swing.mesh.vertices[static_cast<std::size_t>(v)]).norm() < 2e-3);
+}
+
+TEST_CASE("a stop request ends the step with the state before it untouched") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    const State s = initial_state(*swing.scene, swing.inputs(0));
+    const StepInputs in = swing.inputs(1);
+    StepControl control;
+    control.stop = [] { return true; };
+    CHECK_THROWS_AS(advance(w, s, std::span(&in, 1), control), Stopped);
+    const State after = advance(w, s, std::span(&in, 1));
+    Workspace fresh(swing.scene);
+    CHECK(save(after) == save(advance(fresh, s, std::span(&in, 1))));
+}
+
+TEST_CASE("bad step inputs are refused with the body's number") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    const State s = initial_state(*swing.scene, swing.inputs(0));
+    StepInputs in = swing.inputs(1);
+    std::get<BoneInputs>(in.bodies[2]).positions[1].x() = std::numeric_limits<double>::quiet_NaN();
+    try {
+        advance(w, s, std::span(&in, 1));
+        FAIL("no error");
+    } catch (const Error& e) {
+        CHECK(e.code == "FE202");
+        CHECK(e.body == 2);
+    }
+    in = swing.inputs(1);
+    std::get<BoneInputs>(in.bodies[1]).positions.pop_back();
+    CHECK_THROWS_AS(advance(w, s, std::span(&in, 1)), Error);
+    const std::vector<std::byte> bytes = save(s);
+    CHECK_THROWS_AS(load(std::span(bytes).first(bytes.size() / 2)), Error);
+    CHECK_THROWS_AS(load(std::span(bytes).last(bytes.size() - 1)), Error);
+}

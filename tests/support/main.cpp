@@ -1,0 +1,4 @@
+// The one translation unit that holds Catch2's main function.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#define CATCH_CONFIG_MAIN
+#include <catch2/catch.hpp>
