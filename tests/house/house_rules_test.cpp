@@ -1,0 +1,108 @@
+// The rules of the house (docs/concepts/house.md): who may include whom, what libraries must not do.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct SourceFile {
+    std::string path; // from the project's root, with '/'
+    std::vector<std::string> lines;
+};
+
+std::vector<SourceFile> sources(const std::vector<std::string>& rooms) {
+    std::vector<SourceFile> out;
+    const fs::path root = SINEW_SOURCE_DIR;
+    for (const std::string& room : rooms)
+        for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
+            const std::string ending = entry.path().extension().string();
+            if (ending != ".h" && ending != ".cpp") continue;
+            SourceFile f;
+            f.path = fs::relative(entry.path(), root).generic_string();
+            std::ifstream in(entry.path());
+            for (std::string line; std::getline(in, line);) f.lines.push_back(line);
+            out.push_back(std::move(f));
+        }
+    REQUIRE(out.size() > 10);
+    return out;
+}
+
+/// Lines of `files` that match `forbidden`, but for files whose path starts with one of `allowed`.
+std::string offenders(const std::vector<SourceFile>& files, const std::string& forbidden,
+                      const std::vector<std::string>& allowed = {}) {
+    const std::regex pattern(forbidden);
+    std::ostringstream out;
+    for (const SourceFile& f : files) {
+        bool exempt = false;
+        for (const std::string& prefix : allowed) exempt = exempt || f.path.rfind(prefix, 0) == 0;
+        if (exempt) continue;
+        for (std::size_t i = 0; i < f.lines.size(); ++i)
+            if (std::regex_search(f.lines[i], pattern)) out << f.path << ":" << i + 1 << ": " << f.lines[i] << "\n";
+    }
+    return out.str();
+}
+
+} // namespace
+
+TEST_CASE("engine and solver never include each other, nodes or tools") {
+    CHECK(offenders(sources({"engine"}), R"(#\s*include\s*[<"](solver|nodes|tools|tests)/)") == "");
+    CHECK(offenders(sources({"solver"}), R"(#\s*include\s*[<"](engine|nodes|tools|tests)/)") == "");
+}
+
+TEST_CASE("nodes do not include tools, and nothing includes tests") {
+    CHECK(offenders(sources({"nodes"}), R"(#\s*include\s*[<"](tools|tests)/)") == "");
+    CHECK(offenders(sources({"tools"}), R"(#\s*include\s*[<"]tests/)") == "");
+}
+
+TEST_CASE("CGAL, SuiteSparse and JSON stay in their rooms") {
+    const auto all = sources({"engine", "solver", "nodes", "tools"});
+    CHECK(offenders(all, R"(#\s*include\s*<CGAL/)", {"solver/meshing/"}) == "");
+    CHECK(offenders(all, R"(#\s*include\s*<(suitesparse/)?(cholmod|umfpack|SuiteSparse|amd|colamd)|openblas_|cblas)",
+                    {"solver/linear/"}) == "");
+    CHECK(offenders(sources({"solver"}), R"(nlohmann)") == "");
+    CHECK(offenders(sources({"engine"}), R"(#\s*include\s*<Eigen)") == "");
+}
+
+TEST_CASE("libraries never print") {
+    CHECK(offenders(sources({"engine", "solver", "nodes"}), R"(std::(cout|cerr|clog)|\b(f?printf|puts)\s*\()") == "");
+}
+
+TEST_CASE("no unfinished work hides behind a word") {
+    CHECK(offenders(sources({"engine", "solver", "nodes", "tools"}), R"(\b(TODO|FIXME|XXX|HACK)\b)") == "");
+}
+
+TEST_CASE("every source names its licence in its first lines") {
+    std::ostringstream missing;
+    for (const SourceFile& f : sources({"engine", "solver", "nodes", "tools", "tests"})) {
+        bool found = false;
+        for (std::size_t i = 0; i < f.lines.size() && i < 10; ++i)
+            found = found || f.lines[i].find("SPDX-License-Identifier: GPL-3.0-or-later") != std::string::npos;
+        if (!found) missing << f.path << "\n";
+    }
+    CHECK(missing.str() == "");
+}
+
+TEST_CASE("no source is longer than 600 lines") {
+    for (const SourceFile& f : sources({"engine", "solver", "nodes", "tools", "tests"})) {
+        INFO(f.path);
+        CHECK(f.lines.size() <= 600);
+    }
+}
+
+TEST_CASE("node types are registered by name, not by static initialisers") {
+    CHECK(offenders(sources({"engine", "nodes"}), R"(^\s*(static|inline)\s+[^(]*\b(registrar|registration|register_\w+)\b.*[={])") == "");
+}
+
+TEST_CASE("no mutable globals") {
+    // The one exception is the lock around METIS, which draws from the C library's own global random numbers.
+    CHECK(offenders(sources({"engine", "solver", "nodes"}), R"(^\s*(static|thread_local)\s+(?!const\b|constexpr\b)[^()]*[;={])",
+                    {"solver/linear/cholesky.cpp"}) == "");
+}
