@@ -22,7 +22,7 @@ struct Workspace::Impl {
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors) {
         const bool new_pattern = potential.set_anchors(anchors);
-        if (newton && !new_pattern) return;
+        if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
         newton = std::make_unique<NewtonWorkspace>(potential.pattern());
         ++symbolic_analyses;
     }
@@ -114,7 +114,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
             inner.progress = [&, k](double done, int iteration, double residual) {
                 control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
             };
-        minimise(impl.potential, *impl.newton, {in.max_newton_iterations, base_tolerance * in.tolerance_factor}, inner, x,
+        if (impl.newton) minimise(impl.potential, *impl.newton, {in.max_newton_iterations, base_tolerance * in.tolerance_factor}, inner, x,
                  s.record);
         update_velocity(impl.form, x, s.v);
         s.x = std::move(x);

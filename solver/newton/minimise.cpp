@@ -57,7 +57,6 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const std::vecto
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, StepRecord& record) {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
-    if (vertex_of.empty()) return;
     ForceNorms norms;
     double value;
     {

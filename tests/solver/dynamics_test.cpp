@@ -288,3 +288,21 @@ TEST_CASE("bad step inputs are refused with the body's number") {
     CHECK_THROWS_AS(load(std::span(bytes).first(bytes.size() / 2)), Error);
     CHECK_THROWS_AS(load(std::span(bytes).last(bytes.size() - 1)), Error);
 }
+
+TEST_CASE("a scene of bones alone, or of held vertices alone, steps without a solve") {
+    const TetMesh mesh = regular_tet(0.1);
+    auto t = tissue(mesh, ElasticLaw::stvk);
+    t->fixed_vertices = {0, 1, 2, 3};
+    SceneDescription d;
+    d.bodies = {bone(mesh.vertices, t->triangles)};
+    StepInputs in = still_inputs();
+    in.bodies = {BoneInputs{mesh.vertices}};
+    for (const bool with_tissue : {false, true}) {
+        if (with_tissue) d.bodies.push_back(t), in.bodies.push_back(material(1000, 0.3));
+        Workspace w(std::make_shared<const Scene>(d));
+        const State s = advance(w, initial_state(w.scene(), in), std::span(&in, 1));
+        CHECK(s.record.converged);
+        CHECK(s.record.newton_iterations == 0);
+        CHECK(w.symbolic_analyses() == 0);
+    }
+}

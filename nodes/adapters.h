@@ -1,0 +1,42 @@
+// What every adapter needs: the solver's errors as diagnostics that name node and attribute, and painted maps
+// by vertex. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/node_type.h"
+#include "nodes/values.h"
+#include "solver/error.h"
+
+#include <string>
+#include <string_view>
+
+namespace sinew::nodes {
+
+/// Runs `call`; what the solver throws becomes a diagnostic at `attribute` of this node.
+template <class Call>
+auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call) {
+    try {
+        return call();
+    } catch (const solver::Error& e) {
+        in.fail(attribute, e.code, e.what(), e.hint);
+    }
+}
+
+/// Fails with FE204 unless a painted map fits: no entry (= 1 everywhere), one for all, or one per vertex.
+/// \param whose "weights of biceps", for the message
+inline void check_map(const engine::Reads& in, std::string_view attribute, const engine::NumberList& map,
+                      std::size_t vertex_count, const std::string& whose) {
+    if (map.size() <= 1 || map.size() == vertex_count) return;
+    in.fail(attribute, "FE204",
+            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " +
+                std::to_string(vertex_count) + " vertices",
+            "Give one number per vertex, one number for all, or none for 1 everywhere; the map may have been "
+            "made "
+            "for another mesh.");
+}
+
+/// The map with one number per vertex.
+inline engine::NumberList per_vertex(const engine::NumberList& map, std::size_t vertex_count) {
+    if (map.size() > 1) return map;
+    return engine::NumberList(vertex_count, map.empty() ? 1.0 : map.front());
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,22 @@
+// Matrices as artists write them: translate, rotate and scale with Maya's rotate orders.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/value.h"
+#include "nodes/values.h"
+
+#include <string_view>
+
+namespace sinew::nodes {
+
+inline constexpr engine::Matrix4 identity_matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+
+/// a * b: first b, then a.
+engine::Matrix4 multiply(const engine::Matrix4& a, const engine::Matrix4& b);
+/// First scale, then rotate about the pivot, then translate. `order` "xyz" turns about x first. Degrees;
+/// multiples of 90 are exact.
+engine::Matrix4 compose(const engine::Vec3& translate, const engine::Vec3& rotate, const engine::Vec3& scale,
+                        std::string_view order, const engine::Vec3& rotate_pivot);
+/// The mesh with every point moved; the very same mesh for the identity.
+Mesh moved(const Mesh& mesh, const engine::Matrix4& matrix);
+
+} // namespace sinew::nodes

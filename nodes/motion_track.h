@@ -1,0 +1,35 @@
+// Recorded motion: matrices of bones and numbers by frame, from a JSON file of the kind
+// {"frames": [{"frame": 1, "elbow_flexion_deg": 0.5, "bones": {"ulna": [16 numbers, row-major]}}, …]}.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/value.h"
+
+#include <string>
+#include <vector>
+
+namespace sinew::nodes {
+
+/// Samples sorted by frame; before the first and after the last the motion stands still.
+struct MatrixTrack {
+    std::vector<double> frames;
+    std::vector<engine::Matrix4> matrices;
+    /// The sample itself at a sample's frame and between two equal samples. In between, the rotation turns by
+    /// slerp about the axis of the screw that joins the samples (so a hinge stays a hinge, wherever the
+    /// origin lies), and stretch changes linearly; without rotation the translation is linear.
+    engine::Matrix4 at(double frame) const;
+};
+
+struct NumberTrack {
+    std::vector<double> frames, values;
+    double at(double frame) const; ///< linear; exact on flat spans
+};
+
+/// Throw solver::Error IO401…IO403; IO403 also if a frame lacks the bone or the channel.
+MatrixTrack read_matrix_track(const std::string& path, const std::string& bone);
+NumberTrack read_number_track(const std::string& path, const std::string& channel);
+
+/// Where a graph frame lies on a track that runs `rate` track frames per graph frame; graph frame 1 shows
+/// track frame 1 + offset.
+double track_frame(double graph_frame, double offset, double rate);
+
+} // namespace sinew::nodes

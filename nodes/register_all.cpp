@@ -1,0 +1,50 @@
+// The list of all node types.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/register_all.h"
+
+namespace sinew::nodes {
+
+// geometry
+void add_mesh_file(engine::Registry&);
+void add_tet_mesh_file(engine::Registry&);
+void add_poly_sphere(engine::Registry&);
+void add_poly_cube(engine::Registry&);
+void add_poly_plane(engine::Registry&);
+void add_poly_cylinder(engine::Registry&);
+void add_poly_helix(engine::Registry&);
+void add_curve(engine::Registry&);
+// motion
+void add_transform(engine::Registry&);
+void add_track_channel(engine::Registry&);
+// painting
+void add_weights(engine::Registry&);
+void add_end_points(engine::Registry&);
+// simulation
+void add_z_bone(engine::Registry&);
+void add_z_tet(engine::Registry&);
+void add_z_material(engine::Registry&);
+void add_z_fiber(engine::Registry&);
+void add_z_tissue(engine::Registry&);
+void add_z_attachment(engine::Registry&);
+void add_z_solver(engine::Registry&);
+void add_z_embedder(engine::Registry&);
+// output
+void add_mesh_writer(engine::Registry&);
+
+void register_all(engine::Registry& registry) {
+    for (auto* add :
+         {add_mesh_file,     add_tet_mesh_file, add_poly_sphere,  add_poly_cube, add_poly_plane,
+          add_poly_cylinder, add_poly_helix,    add_curve,        add_transform, add_track_channel,
+          add_weights,       add_end_points,    add_z_bone,       add_z_tet,     add_z_material,
+          add_z_fiber,       add_z_tissue,      add_z_attachment, add_z_solver,  add_z_embedder,
+          add_mesh_writer})
+        add(registry);
+}
+
+std::shared_ptr<const engine::Registry> make_registry() {
+    auto registry = std::make_shared<engine::Registry>();
+    register_all(*registry);
+    return registry;
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,239 @@
+// Resolves zSolver's wires, checks the rules across them, and converts units.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/solver_setup.h"
+
+#include "nodes/z_solver_attributes.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace sinew::nodes {
+
+using engine::Digest;
+using engine::Reads;
+using namespace z_solver;
+
+namespace {
+
+std::string body_name(const Reads& in, const Setup& setup, std::size_t simulated_index) {
+    return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
+}
+
+void take_bodies(const Reads& in, Setup& setup) {
+    setup.bodies = in[bodies];
+    for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
+        const Body& b = setup.bodies[i];
+        if (!b.enable) continue;
+        setup.simulated.push_back(static_cast<int>(i));
+        setup.ids.push_back(id_of(b));
+        setup.key.bodies.push_back(b.rest->digest);
+    }
+}
+
+void refuse_twins(const Reads& in, const Setup& setup) {
+    for (std::size_t i = 0; i < setup.ids.size(); ++i)
+        for (std::size_t j = i + 1; j < setup.ids.size(); ++j)
+            if (setup.ids[i] == setup.ids[j])
+                in.fail(bodies.name, "FE213",
+                        body_name(in, setup, i) + " and " + body_name(in, setup, j) +
+                            " are the same body, connected twice",
+                        "Remove one of them, or make them differ in place or material.");
+}
+
+/// Position among the simulated bodies; -1 if the body is connected but disabled.
+int resolve(const Reads& in, const Setup& setup, std::size_t entry, const BodyId& wanted, int hint,
+            const char* end) {
+    const std::string name = in.source_name(attachments.name, entry);
+    const int found = find_body(setup.ids, wanted, hint);
+    if (found == body_ambiguous)
+        in.fail(attachments.name, "FE213",
+                "two bodies are exactly alike, so the " + std::string(end) + " of " + name +
+                    " could be either",
+                "Make them differ in place or material.");
+    if (found != body_missing) return found;
+    for (const Body& b : setup.bodies)
+        if (!b.enable && b.rest->digest == wanted.rest) return -1;
+    in.fail(attachments.name, "FE209",
+            "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
+            "Connect that body to zSolver.bodies too.");
+}
+
+void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
+    const auto all = in[attachments];
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Attachment& a = all[i];
+        if (a.rest.mode == solver::AttachmentMode::none) continue;
+        const std::size_t next = setup.key.links.size();
+        const std::array<int, 2> hint =
+            known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
+        const int from = resolve(in, setup, i, a.source_body, hint[0], "source");
+        const int to = resolve(in, setup, i, a.target_body, hint[1], "target");
+        if (from < 0 || to < 0) continue;
+        setup.attachments.emplace_back(a);
+        setup.attachment_entries.push_back(static_cast<int>(i));
+        setup.key.links.push_back({from, to});
+        setup.key.attachments.push_back(static_digest(a.rest));
+    }
+}
+
+void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) {
+    const SceneKey& now = setup.key;
+    if (now == known) return;
+    const std::string hint =
+        "Meshes, tets and painted maps must not change over time; key stiffness, excitation or "
+        "bone motion instead.";
+    for (std::size_t i = 0; i < now.bodies.size() && now.bodies.size() == known.bodies.size(); ++i)
+        if (now.bodies[i] != known.bodies[i])
+            in.fail(bodies.name, "FE211",
+                    "the rest shape of " + body_name(in, setup, i) +
+                        " is not that of the start "
+                        "frame",
+                    hint);
+    for (std::size_t i = 0; i < now.attachments.size() && now.attachments.size() == known.attachments.size();
+         ++i)
+        if (now.attachments[i] != known.attachments[i] || now.links[i] != known.links[i])
+            in.fail(
+                attachments.name, "FE211",
+                "the painted weights of " +
+                    in.source_name(attachments.name, static_cast<std::size_t>(setup.attachment_entries[i])) +
+                    " are not those of the start frame",
+                hint);
+    in.fail(bodies.name, "FE211", "other bodies or attachments take part than at the start frame", hint);
+}
+
+std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& rest, double units) {
+    auto t = std::make_shared<solver::TissueRest>(rest);
+    t->tets.vertices = to_metres(rest.tets.vertices, units);
+    t->surface = to_metres(rest.surface, units);
+    return t;
+}
+
+std::string law_name(solver::ElasticLaw law) {
+    if (law == solver::ElasticLaw::neo_hookean) return "NeoHookean";
+    return law == solver::ElasticLaw::corotational ? "Corotational" : "StVK";
+}
+
+} // namespace
+
+solver::Points to_metres(const solver::Points& points, double units) {
+    solver::Points out(points);
+    if (units != 1)
+        for (solver::Vec3& p : out) p /= units;
+    return out;
+}
+
+solver::Points to_scene_units(solver::Points points, double units) {
+    if (units != 1)
+        for (solver::Vec3& p : points) p *= units;
+    return points;
+}
+
+Setup read_setup(const Reads& in, const SceneKey* known) {
+    Setup setup;
+    setup.key.scale = in[scale];
+    take_bodies(in, setup);
+    if (!known) refuse_twins(in, setup);
+    take_attachments(in, setup, known);
+    if (known) refuse_changes(in, setup, *known);
+    return setup;
+}
+
+solver::SceneDescription describe_scene(const Setup& setup) {
+    const double units = setup.key.scale;
+    solver::SceneDescription scene;
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
+        const auto& data = setup.body(i).rest->data;
+        if (const auto* t = std::get_if<std::shared_ptr<const solver::TissueRest>>(&data)) {
+            scene.bodies.emplace_back(in_metres(**t, units));
+        } else {
+            auto bone = std::make_shared<solver::BoneRest>(*std::get<1>(data));
+            bone->surface = to_metres(bone->surface, units);
+            scene.bodies.emplace_back(std::shared_ptr<const solver::BoneRest>(std::move(bone)));
+        }
+    }
+    for (std::size_t i = 0; i < setup.attachments.size(); ++i) {
+        solver::AttachmentRest rest = setup.attachments[i].get().rest;
+        rest.source = setup.key.links[i][0];
+        rest.target = setup.key.links[i][1];
+        scene.attachments.push_back(std::move(rest));
+    }
+    return scene;
+}
+
+solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t steps_per_frame) {
+    solver::StepInputs s;
+    s.step_size = 1 / (in[frames_per_second] * static_cast<double>(steps_per_frame));
+    s.integrator = in[integrator] == "QuasiStatic" ? solver::Integrator::quasi_static
+                                                   : solver::Integrator::backward_euler;
+    s.gravity = solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
+    s.mass_damping = in[mass_damping];
+    s.stiffness_damping = in[stiffness_damping];
+    s.max_newton_iterations = static_cast<int>(in[max_newton_iterations]);
+    s.tolerance_factor = in[tolerance_factor];
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
+        const Body& b = setup.body(i);
+        if (b.is_bone())
+            s.bodies.emplace_back(
+                solver::BoneInputs{to_metres(*std::get<Mesh>(b.values).points, setup.key.scale)});
+        else
+            s.bodies.emplace_back(std::get<solver::TissueInputs>(b.values));
+    }
+    for (const Attachment& a : setup.attachments) s.attachments.push_back(a.values);
+    return s;
+}
+
+void check_all_tied(const Reads& in, const Setup& setup) {
+    std::vector<std::size_t> group(setup.simulated.size());
+    std::iota(group.begin(), group.end(), std::size_t{0});
+    const auto root = [&](std::size_t i) {
+        while (group[i] != i) i = group[i];
+        return i;
+    };
+    for (std::size_t i = 0; i < setup.attachments.size(); ++i) {
+        const solver::AttachmentInputs& values = setup.attachments[i].get().values;
+        if (values.stiffness <= 0 || values.envelope <= 0) continue;
+        const auto [from, to] = setup.key.links[i];
+        group[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
+    }
+    std::vector<char> holds(group.size(), 0);
+    for (std::size_t i = 0; i < group.size(); ++i)
+        if (setup.body(i).is_bone()) holds[root(i)] = 1;
+    for (std::size_t i = 0; i < group.size(); ++i)
+        if (!holds[root(i)])
+            in.fail(bodies.name, "FE303",
+                    body_name(in, setup, i) + " floats: no chain of attachments ties it to a "
+                                              "bone, so QuasiStatic finds no rest for it",
+                    "Attach it to a bone, or use BackwardEuler.");
+}
+
+SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Scene& scene) {
+    SolveReport r;
+    r.bodies = scene.body_count();
+    r.dofs = 3 * scene.vertex_count();
+    r.attachments = static_cast<std::int64_t>(setup.attachments.size());
+    std::vector<std::string> laws;
+    bool fibers = false, resists = false;
+    for (int i = 0; i < scene.body_count(); ++i) {
+        const solver::TissueRest* t = scene.tissue(i);
+        r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
+        if (!t) continue;
+        r.tets += static_cast<std::int64_t>(t->tets.tets.size());
+        if (std::find(laws.begin(), laws.end(), law_name(t->law)) == laws.end())
+            laws.push_back(law_name(t->law));
+        fibers = fibers || !t->fibers.empty();
+        const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
+        resists =
+            resists || (t->law != solver::ElasticLaw::corotational && values.compression_resistance > 0);
+    }
+    const bool moves = in[integrator] == "BackwardEuler";
+    r.terms = std::move(laws);
+    if (resists) r.terms.push_back("compressionResistance");
+    if (in[gravity] != engine::Vec3{}) r.terms.push_back("gravity");
+    if (moves) r.terms.push_back("inertia");
+    if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");
+    if (fibers) r.terms.push_back("fiber");
+    if (!setup.attachments.empty()) r.terms.push_back("attachment");
+    return r;
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,45 @@
+// From zSolver's inputs at one time to what the solver reads: which bodies and attachments take part, the
+// scene in metres, and the values of a step. The one place where scene units become metres and back.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/node_type.h"
+#include "nodes/values.h"
+#include "solver/step.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sinew::nodes {
+
+/// The bodies and attachments of one time. Valid while the Reads lives.
+struct Setup {
+    std::vector<std::reference_wrapper<const Body>> bodies; ///< all of zSolver.bodies
+    std::vector<int> simulated;                             ///< positions in `bodies` of those that take part
+    std::vector<BodyId> ids;                                ///< of those that take part
+    std::vector<std::reference_wrapper<const Attachment>> attachments; ///< those that act
+    std::vector<int> attachment_entries; ///< their positions in zSolver.attachments
+    SceneKey key;
+    const Body& body(std::size_t simulated_index) const {
+        return bodies[static_cast<std::size_t>(simulated[simulated_index])];
+    }
+};
+
+/// Reads bodies and attachments. `known`: the key at the start frame, or nullptr at the start frame itself.
+/// Fails with FE209 (an attachment's body is not connected), FE211 (static data changed since the start
+/// frame), FE213 (one body twice).
+Setup read_setup(const engine::Reads& in, const SceneKey* known);
+/// The scene in metres.
+solver::SceneDescription describe_scene(const Setup& setup);
+/// Values of one step out of `steps_per_frame`; metres.
+solver::StepInputs step_inputs(const engine::Reads& in, const Setup& setup, std::size_t steps_per_frame);
+/// Fails with FE303 if a tissue is tied to no bone by any chain of attachments.
+void check_all_tied(const engine::Reads& in, const Setup& setup);
+/// Points in metres, from points in scene units, and back.
+solver::Points to_metres(const solver::Points& points, double scale);
+solver::Points to_scene_units(solver::Points points, double scale);
+/// Counts and the energy terms in use; the record is left for the caller.
+SolveReport describe_size(const engine::Reads& in, const Setup& setup, const solver::Scene& scene);
+
+} // namespace sinew::nodes

@@ -1,0 +1,93 @@
+// Puts a tissue's rest data together from the solver's meshing, embedding and extension functions.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/tissue_rest.h"
+
+#include "nodes/adapters.h"
+#include "solver/mesh/harmonic.h"
+#include "solver/meshing/lattice.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+using engine::NumberList;
+
+namespace {
+
+bool is_constant(const NumberList& map) {
+    return std::all_of(map.begin(), map.end(), [&](double w) { return w == map.front(); });
+}
+
+/// Surface maps in the volume: extended harmonically, then the mean of each tet. One factorisation serves
+/// all; constant maps need none and stay exact.
+std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std::vector<double>& areas,
+                                         const std::vector<const NumberList*>& maps) {
+    std::vector<NumberList> varying;
+    for (const NumberList* map : maps)
+        if (!is_constant(*map)) varying.push_back(*map);
+    std::vector<std::vector<double>> fields;
+    if (!varying.empty())
+        fields = solver::harmonic_extensions(t.tets, t.embedding, areas, varying,
+                                             std::vector<char>(t.surface.size(), 1));
+    std::vector<std::vector<double>> out;
+    auto next = fields.begin();
+    for (const NumberList* map : maps)
+        out.push_back(is_constant(*map)
+                          ? std::vector<double>(t.tets.tets.size(), map->empty() ? 1.0 : map->front())
+                          : solver::tet_means(t.tets, *next++));
+    return out;
+}
+
+solver::Points directions(const solver::TissueRest& t, const std::vector<double>& areas, const Fiber& fiber) {
+    std::vector<char> painted;
+    NumberList ends;
+    for (const double e : fiber.end_points) {
+        painted.push_back(is_source(e) || is_sink(e));
+        ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
+    }
+    return solver::fibre_directions(t.tets, t.embedding, areas, ends, painted);
+}
+
+} // namespace
+
+bool is_source(double end_point) { return end_point <= 0.1; }
+bool is_sink(double end_point) { return end_point >= 0.9; }
+
+engine::Digest static_digest(const TissueParts& parts) {
+    engine::Hasher h;
+    h.add("tissue").add(parts.mesh->topology->digest).add(parts.mesh->points_digest);
+    h.add(parts.tets ? parts.tets->digest : engine::Digest{}).add(static_cast<int>(parts.law));
+    h.add(static_cast<std::uint64_t>(parts.materials.size()));
+    // The first layer covers everything, so what is painted on it changes nothing.
+    for (std::size_t i = 1; i < parts.materials.size(); ++i) h.add_doubles(parts.materials[i].get().weights);
+    h.add(static_cast<std::uint64_t>(parts.fibers.size()));
+    for (const Fiber& f : parts.fibers) h.add_doubles(f.weights).add_doubles(f.end_points);
+    return h.finish();
+}
+
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts) {
+    solver::check_usable(parts.mesh->surface());
+    auto t = std::make_shared<solver::TissueRest>();
+    t->triangles = parts.mesh->topology->triangles;
+    t->surface = *parts.mesh->points;
+    t->tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {});
+    t->embedding = solver::embed(t->tets, t->surface);
+    t->law = parts.law;
+    const std::vector<double> areas = solver::vertex_areas(t->surface, t->triangles);
+    const NumberList everywhere;
+    std::vector<const NumberList*> maps;
+    for (const Material& m : parts.materials) maps.push_back(maps.empty() ? &everywhere : &m.weights);
+    for (const Fiber& f : parts.fibers) maps.push_back(&f.weights);
+    t->layer_weights = per_tet(*t, areas, maps);
+    for (std::size_t i = 0; i < parts.fibers.size(); ++i)
+        t->fibers.push_back({directions(*t, areas, parts.fibers[i]),
+                             std::move(t->layer_weights[parts.materials.size() + i])});
+    t->layer_weights.resize(parts.materials.size());
+    auto rest = std::make_shared<BodyRest>();
+    rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
+    rest->mesh = *parts.mesh;
+    rest->digest = static_digest(parts);
+    return rest;
+}
+
+} // namespace sinew::nodes

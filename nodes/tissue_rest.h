@@ -1,0 +1,30 @@
+// The static part of a tissue: tets, embedding, layer maps and fibre directions, made from meshes and painted
+// maps. Knows no values that are keyed (stiffness, excitation), so that keying them never meshes anew.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "nodes/values.h"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace sinew::nodes {
+
+/// What the rest data is made from. References must outlive the call.
+struct TissueParts {
+    const Mesh* mesh = nullptr;
+    const TetMeshValue* tets = nullptr; ///< nullptr: the default lattice
+    solver::ElasticLaw law = solver::ElasticLaw::stvk;
+    std::vector<std::reference_wrapper<const Material>> materials; ///< painted maps fit the mesh (adapters.h)
+    std::vector<std::reference_wrapper<const Fiber>> fibers;       ///< and both ends are painted
+};
+
+/// Painted fibre ends: up to 0.1 the source, from 0.9 on the sink.
+bool is_source(double end_point);
+bool is_sink(double end_point);
+
+engine::Digest static_digest(const TissueParts& parts);
+/// Throws solver::Error FE2xx.
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts);
+
+} // namespace sinew::nodes

@@ -1,0 +1,261 @@
+// Digests and sizes of the values on wires. A value's digest covers all that a consumer can see, save the
+// wall clock. SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/values.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+using engine::Digest;
+using engine::Hasher;
+
+namespace {
+
+std::span<const double> numbers(const solver::Points& points) {
+    static_assert(sizeof(solver::Vec3) == 3 * sizeof(double));
+    return {points.empty() ? nullptr : points.front().data(), 3 * points.size()};
+}
+
+template <std::size_t N>
+std::span<const int> numbers(const std::vector<std::array<int, N>>& cells) {
+    static_assert(sizeof(std::array<int, N>) == N * sizeof(int));
+    return {cells.empty() ? nullptr : cells.front().data(), N * cells.size()};
+}
+
+template <class T>
+std::size_t size_of(const std::vector<T>& v) {
+    return v.size() * sizeof(T);
+}
+
+Digest digest_of(const solver::Points& points) { return Hasher().add_doubles(numbers(points)).finish(); }
+
+void add(Hasher& h, const BodyId& id) { h.add(id.rest).add(id.value); }
+
+void add(Hasher& h, const solver::MaterialValues& m) {
+    h.add(m.youngs_modulus).add(m.poissons_ratio).add(m.mass_density).add(m.envelope);
+}
+
+void add(Hasher& h, const solver::FiberValues& f) {
+    h.add(f.strength).add(f.contraction_limit).add(f.excitation).add(f.envelope);
+}
+
+void add(Hasher& h, const solver::TissueInputs& t) {
+    h.add(t.compression_resistance).add(static_cast<std::uint64_t>(t.layers.size()));
+    for (const auto& layer : t.layers) add(h, layer);
+    h.add(static_cast<std::uint64_t>(t.fibers.size()));
+    for (const auto& fiber : t.fibers) add(h, fiber);
+}
+
+void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_digest); }
+
+void add(Hasher& h, const solver::StepRecord& r) {
+    h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps);
+    h.add(r.energy).add(r.min_j).add(r.inverted).add(r.max_stretch);
+}
+
+void add(Hasher& h, const solver::Anchor& a) {
+    h.add(a.source_vertex).add(a.target_triangle).add(a.target_tet);
+    h.add_doubles(a.coordinates).add_doubles(a.offset).add(a.area_weight);
+}
+
+void add(Hasher& h, const SceneKey& k) {
+    h.add(k.scale).add(static_cast<std::uint64_t>(k.bodies.size()));
+    for (const Digest& d : k.bodies) h.add(d);
+    h.add(static_cast<std::uint64_t>(k.attachments.size()));
+    for (const Digest& d : k.attachments) h.add(d);
+    h.add_ints(numbers(k.links));
+}
+
+} // namespace
+
+Mesh Mesh::from(solver::SurfaceMesh mesh) {
+    auto topology = std::make_shared<MeshTopology>();
+    topology->digest = Hasher()
+                           .add_ints(mesh.face_sizes)
+                           .add_ints(mesh.face_vertices)
+                           .add_ints(numbers(mesh.triangles))
+                           .finish();
+    topology->face_sizes = std::move(mesh.face_sizes);
+    topology->face_vertices = std::move(mesh.face_vertices);
+    topology->triangles = std::move(mesh.triangles);
+    Mesh out;
+    out.topology = std::move(topology);
+    out.points_digest = digest_of(mesh.points);
+    out.points = std::make_shared<const solver::Points>(std::move(mesh.points));
+    return out;
+}
+
+Mesh Mesh::with_points(solver::Points moved) const {
+    Mesh out;
+    out.topology = topology;
+    out.points_digest = digest_of(moved);
+    out.points = std::make_shared<const solver::Points>(std::move(moved));
+    return out;
+}
+
+solver::SurfaceMesh Mesh::surface() const {
+    return {*points, topology->face_sizes, topology->face_vertices, topology->triangles};
+}
+
+TetMeshValue TetMeshValue::from(solver::TetMesh tets) {
+    TetMeshValue out;
+    out.digest = Hasher()
+                     .add_doubles(numbers(tets.vertices))
+                     .add_ints(numbers(tets.tets))
+                     .add_doubles(tets.coverage)
+                     .finish();
+    out.mesh = std::make_shared<const solver::TetMesh>(std::move(tets));
+    return out;
+}
+
+BodyId id_of(const Body& body) {
+    Hasher h;
+    h.add(body.enable).add(body.is_bone());
+    std::visit([&](const auto& v) { add(h, v); }, body.values);
+    return {body.rest->digest, h.finish()};
+}
+
+int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint) {
+    int same_rest = 0, same_all = 0, last_rest = body_missing, last_all = body_missing;
+    for (int i = 0; i < static_cast<int>(bodies.size()); ++i) {
+        const BodyId& b = bodies[static_cast<std::size_t>(i)];
+        if (b.rest != wanted.rest) continue;
+        ++same_rest, last_rest = i;
+        if (b.value == wanted.value) ++same_all, last_all = i;
+    }
+    if (same_rest <= 1) return last_rest;
+    if (same_all == 1) return last_all;
+    const bool hint_fits = hint >= 0 && hint < static_cast<int>(bodies.size()) &&
+                           bodies[static_cast<std::size_t>(hint)] == wanted;
+    return hint_fits ? hint : body_ambiguous;
+}
+
+Digest static_digest(const solver::AttachmentRest& rest) {
+    return Hasher()
+        .add(static_cast<int>(rest.mode))
+        .add(static_cast<int>(rest.correspondence))
+        .add(rest.maintain_offset)
+        .add_doubles(rest.source_weights)
+        .add_doubles(rest.target_weights)
+        .finish();
+}
+
+Digest SceneKey::digest() const {
+    Hasher h;
+    add(h, *this);
+    return h.finish();
+}
+
+} // namespace sinew::nodes
+
+namespace sinew::engine {
+
+using nodes::add;
+using nodes::numbers;
+using nodes::size_of;
+
+void ValueTraits<nodes::Mesh>::hash(Hasher& h, const nodes::Mesh& v) { add(h, v); }
+std::size_t ValueTraits<nodes::Mesh>::bytes(const nodes::Mesh& v) {
+    // Deformed copies share their topology: who made it pays for it.
+    const nodes::MeshTopology& t = *v.topology;
+    const std::size_t shared = size_of(t.face_sizes) + size_of(t.face_vertices) + size_of(t.triangles);
+    return size_of(*v.points) + (v.topology.use_count() == 1 ? shared : 0);
+}
+
+void ValueTraits<nodes::MeshList>::hash(Hasher& h, const nodes::MeshList& v) {
+    h.add(static_cast<std::uint64_t>(v.meshes.size()));
+    for (const nodes::Mesh& m : v.meshes) add(h, m);
+}
+std::size_t ValueTraits<nodes::MeshList>::bytes(const nodes::MeshList& v) {
+    std::size_t n = size_of(v.meshes);
+    for (const nodes::Mesh& m : v.meshes) n += ValueTraits<nodes::Mesh>::bytes(m);
+    return n;
+}
+
+void ValueTraits<nodes::TetMeshValue>::hash(Hasher& h, const nodes::TetMeshValue& v) { h.add(v.digest); }
+std::size_t ValueTraits<nodes::TetMeshValue>::bytes(const nodes::TetMeshValue& v) {
+    return size_of(v.mesh->vertices) + size_of(v.mesh->tets) + size_of(v.mesh->coverage);
+}
+
+void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) {
+    h.add_doubles(numbers(v.points));
+}
+std::size_t ValueTraits<nodes::CurvePoints>::bytes(const nodes::CurvePoints& v) { return size_of(v.points); }
+
+void ValueTraits<nodes::Material>::hash(Hasher& h, const nodes::Material& v) {
+    add(h, v.values);
+    h.add_doubles(v.weights);
+}
+std::size_t ValueTraits<nodes::Material>::bytes(const nodes::Material& v) { return size_of(v.weights); }
+
+void ValueTraits<nodes::Fiber>::hash(Hasher& h, const nodes::Fiber& v) {
+    add(h, v.values);
+    h.add_doubles(v.weights).add_doubles(v.end_points);
+}
+std::size_t ValueTraits<nodes::Fiber>::bytes(const nodes::Fiber& v) {
+    return size_of(v.weights) + size_of(v.end_points);
+}
+
+void ValueTraits<nodes::Body>::hash(Hasher& h, const nodes::Body& v) { add(h, nodes::id_of(v)); }
+std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
+    // The rest data is one object for all frames, so a frame pays for its values only.
+    if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));
+    const auto& t = std::get<solver::TissueInputs>(v.values);
+    return size_of(t.layers) + size_of(t.fibers);
+}
+
+void ValueTraits<nodes::Attachment>::hash(Hasher& h, const nodes::Attachment& v) {
+    add(h, v.source_body);
+    add(h, v.target_body);
+    h.add(nodes::static_digest(v.rest)).add(v.values.stiffness).add(v.values.envelope).add(v.values.damping);
+}
+std::size_t ValueTraits<nodes::Attachment>::bytes(const nodes::Attachment& v) {
+    return size_of(v.rest.source_weights) + size_of(v.rest.target_weights);
+}
+
+void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& v) {
+    add(h, v.record);
+    h.add(v.bodies).add(v.tets).add(v.triangles).add(v.dofs).add(v.attachments);
+    h.add(static_cast<std::uint64_t>(v.terms.size()));
+    for (const std::string& term : v.terms) h.add(term);
+}
+std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
+
+void ValueTraits<nodes::Solved>::hash(Hasher& h, const nodes::Solved& v) {
+    h.add(static_cast<std::uint64_t>(v.bodies.size()));
+    for (const nodes::BodyId& id : v.bodies) add(h, id);
+    for (const solver::Points& p : v.positions) h.add_doubles(numbers(p));
+}
+std::size_t ValueTraits<nodes::Solved>::bytes(const nodes::Solved& v) {
+    std::size_t n = size_of(v.bodies) + size_of(v.rests);
+    for (const solver::Points& p : v.positions) n += size_of(p);
+    return n;
+}
+
+void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& v) {
+    h.add(v.ending).add(v.bytes);
+}
+std::size_t ValueTraits<nodes::FileContent>::bytes(const nodes::FileContent& v) { return v.bytes.size(); }
+
+void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::SimulationState& v) {
+    add(h, v.scene);
+    const solver::State& s = v.state;
+    h.add_doubles(s.x).add_doubles(s.v).add(static_cast<std::int64_t>(s.steps));
+    h.add(static_cast<std::uint64_t>(s.anchors.size()));
+    for (const auto& anchors : s.anchors) {
+        h.add(static_cast<std::uint64_t>(anchors.size()));
+        for (const solver::Anchor& a : anchors) add(h, a);
+    }
+    h.add(static_cast<std::uint64_t>(s.bones.size()));
+    for (const solver::Points& bone : s.bones) h.add_doubles(numbers(bone));
+    add(h, s.record);
+}
+std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
+    const solver::State& s = v.state;
+    std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments);
+    for (const auto& anchors : s.anchors) n += size_of(anchors);
+    for (const solver::Points& bone : s.bones) n += size_of(bone);
+    return n;
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,164 @@
+// The value types that travel on wires between nodes, each with its digest. Meshes are in scene units;
+// zSolver.scale converts to metres in one place (nodes/z_solver.cpp). SPDX-License-Identifier:
+// GPL-3.0-or-later
+#pragma once
+#include "engine/value.h"
+#include "solver/scene.h"
+#include "solver/state.h"
+#include "solver/step_inputs.h"
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sinew::nodes {
+
+/// Connectivity of a mesh, shared by all of its deformed copies; its digest is made once.
+struct MeshTopology {
+    std::vector<int> face_sizes, face_vertices;
+    std::vector<solver::Triangle> triangles;
+    engine::Digest digest;
+};
+
+/// A polygon mesh in scene units.
+struct Mesh {
+    std::shared_ptr<const MeshTopology> topology;
+    std::shared_ptr<const solver::Points> points;
+    engine::Digest points_digest;
+    static Mesh from(solver::SurfaceMesh mesh);
+    Mesh with_points(solver::Points points) const;
+    solver::SurfaceMesh surface() const;
+};
+
+/// Deformed bodies, in the order of zSolver.bodies.
+struct MeshList {
+    std::vector<Mesh> meshes;
+};
+
+/// A tet mesh in scene units (a lattice, or one that the user brings).
+struct TetMeshValue {
+    std::shared_ptr<const solver::TetMesh> mesh;
+    engine::Digest digest;
+    static TetMeshValue from(solver::TetMesh tets);
+};
+
+/// A polyline or curve by its points, in scene units.
+struct CurvePoints {
+    solver::Points points;
+};
+
+/// One material layer with its painted weights (per surface vertex; one entry = constant).
+struct Material {
+    solver::MaterialValues values;
+    engine::NumberList weights;
+};
+
+/// One fibre field as painted.
+struct Fiber {
+    solver::FiberValues values;
+    engine::NumberList weights, end_points;
+};
+
+/// Rest data of a body in scene units (static) … The digest says what the data was made from; a bone's covers
+/// the connectivity alone, because its points move.
+struct BodyRest {
+    std::variant<std::shared_ptr<const solver::TissueRest>, std::shared_ptr<const solver::BoneRest>> data;
+    Mesh mesh; ///< for output: polygons; points as modelled
+    engine::Digest digest;
+};
+
+/// … and its values at one time.
+struct Body {
+    std::shared_ptr<const BodyRest> rest;
+    bool enable = true;
+    std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
+    bool is_bone() const { return values.index() == 1; }
+};
+
+/// How a body is recognised at the other end of a wire. Names never travel, so that renaming changes nothing:
+/// a body is its rest data and, where several share those (one mesh used for two bones), its values at that
+/// time.
+struct BodyId {
+    engine::Digest rest, value;
+    friend auto operator<=>(const BodyId&, const BodyId&) = default;
+};
+BodyId id_of(const Body& body);
+
+/// Position of `wanted` in `bodies`. `hint`: the answer of an earlier frame, taken where two bodies are alike
+/// in all.
+constexpr int body_missing = -1, body_ambiguous = -2;
+int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint = body_missing);
+
+struct Attachment {
+    BodyId source_body, target_body;
+    solver::AttachmentRest rest; ///< body indices are set by zSolver
+    solver::AttachmentInputs values;
+};
+
+/// Digest of an attachment's rest data without the body indices.
+engine::Digest static_digest(const solver::AttachmentRest& rest);
+
+/// What all frames of one simulation must share: the static data that its scene is built from.
+struct SceneKey {
+    double scale = 100;                              ///< scene units per metre
+    std::vector<engine::Digest> bodies, attachments; ///< of those that take part
+    std::vector<std::array<int, 2>> links; ///< source and target of each attachment, positions in `bodies`
+    engine::Digest digest() const;
+    friend bool operator==(const SceneKey&, const SceneKey&) = default;
+};
+
+/// zSolver's state: the solver's, and the key of the scene that it belongs to.
+struct SimulationState {
+    SceneKey scene;
+    solver::State state;
+};
+
+/// What one frame's solve reported; the command line writes it into --report.
+struct SolveReport {
+    solver::StepRecord record; ///< seconds are not digested
+    std::int64_t bodies = 0, tets = 0, triangles = 0, dofs = 0, attachments = 0;
+    std::vector<std::string> terms; ///< the energy terms that the scene uses
+};
+
+/// The solved tets of every body at one frame, for zEmbedder. Positions in scene units.
+struct Solved {
+    std::vector<BodyId> bodies;
+    std::vector<std::shared_ptr<const BodyRest>> rests; ///< same order
+    std::vector<solver::Points> positions;              ///< tissues: tet vertices; bones: surface vertices
+};
+
+/// A file that a writer node made: pure content; the command line puts it on disk, whole or not at all.
+struct FileContent {
+    std::string ending; ///< "obj", "ply", "stl", "off"
+    std::string bytes;
+};
+
+} // namespace sinew::nodes
+
+namespace sinew::engine {
+#define SINEW_NODE_VALUE(T, NAME)                                                                            \
+    template <>                                                                                              \
+    struct ValueTraits<T> {                                                                                  \
+        static constexpr std::string_view name = NAME;                                                       \
+        static void hash(Hasher& h, const T& v);                                                             \
+        static std::size_t bytes(const T& v);                                                                \
+    };
+SINEW_NODE_VALUE(nodes::Mesh, "mesh")
+SINEW_NODE_VALUE(nodes::MeshList, "meshes")
+SINEW_NODE_VALUE(nodes::TetMeshValue, "tet mesh")
+SINEW_NODE_VALUE(nodes::CurvePoints, "curve")
+SINEW_NODE_VALUE(nodes::Material, "material")
+SINEW_NODE_VALUE(nodes::Fiber, "fiber")
+SINEW_NODE_VALUE(nodes::Body, "body")
+SINEW_NODE_VALUE(nodes::Attachment, "attachment")
+SINEW_NODE_VALUE(nodes::SolveReport, "solve report")
+SINEW_NODE_VALUE(nodes::Solved, "solved bodies")
+SINEW_NODE_VALUE(nodes::FileContent, "file content")
+SINEW_NODE_VALUE(nodes::SimulationState, "simulation state")
+#undef SINEW_NODE_VALUE
+} // namespace sinew::engine

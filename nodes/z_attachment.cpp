@@ -1,0 +1,155 @@
+// zAttachment: ties the painted vertices of one body to the surface of another.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Input<double> envelope{
+    .name = "envelope",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Scales the stiffness.",
+};
+const Wire<Body> source{.name = "source", .doc = "The body whose vertices are attached."};
+const Wire<Body> target{
+    .name = "target",
+    .doc = "The body that they hold on to. Not a bone if the source is one.",
+};
+const Input<std::string> mode{
+    .name = "attachmentMode",
+    .def = "fixed",
+    .doc = "fixed holds the vertices at their places on the target; none switches the attachment off.",
+    .options = {"none", "fixed"},
+};
+const Input<double> stiffness{
+    .name = "stiffness",
+    .def = 1e8,
+    .unit = "N/m^3",
+    .limits = {.min = 0},
+    .doc = "Force per attached area and distance.",
+};
+const Input<double> damping{
+    .name = "damping",
+    .def = 0,
+    .unit = "N*s/m^3",
+    .limits = {.min = 0},
+    .doc = "Force per attached area and relative speed; calms an attachment that swings.",
+};
+const Input<bool> maintain_offset{
+    .name = "maintainOffset",
+    .def = true,
+    .doc = "Keeps the distance that there is at the start frame; off pulls the vertices onto the target.",
+    .keyable = false,
+};
+const Input<std::string> correspondence{
+    .name = "correspondence",
+    .def = "worldSpace",
+    .doc = "worldSpace ties each vertex to the closest point of the target at the start frame; vertexID to "
+           "the vertex "
+           "of the same number.",
+    .options = {"worldSpace", "vertexID"},
+};
+const Input<NumberList> weights{
+    .name = "weights",
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "One number per vertex of the source, one for all, or none for 1 everywhere: above 0 is attached, "
+           "and the "
+           "number scales the stiffness.",
+};
+const Input<NumberList> target_weights{
+    .name = "targetWeights",
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "One number per vertex of the target, one for all, or none for 1 everywhere: where it is 0 "
+           "nothing holds on.",
+};
+const Output<Attachment> out_attachment{
+    .name = "outAttachment",
+    .doc = "The attachment; connect to zSolver.attachments.",
+};
+
+std::size_t vertex_count(const Body& body) { return body.rest->mesh.points->size(); }
+
+bool is_blank(const NumberList& map) {
+    return std::all_of(map.begin(), map.end(), [](double w) { return w <= 0; });
+}
+
+solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to) {
+    solver::AttachmentRest rest;
+    const bool both_bones = from.is_bone() && to.is_bone();
+    if (both_bones)
+        in.warn(target.name, "FE207",
+                in.source_name(source.name) + " and " + in.source_name(target.name) +
+                    " are both bones, so the attachment has no effect",
+                "Attach a tissue to a bone.");
+    rest.mode =
+        in[mode] == "none" || both_bones ? solver::AttachmentMode::none : solver::AttachmentMode::fixed;
+    rest.correspondence = in[correspondence] == "vertexID" ? solver::Correspondence::vertex_id
+                                                           : solver::Correspondence::closest_point;
+    rest.maintain_offset = in[maintain_offset];
+    check_map(in, weights.name, in[weights], vertex_count(from),
+              "weights for " + in.source_name(source.name));
+    check_map(in, target_weights.name, in[target_weights], vertex_count(to),
+              "targetWeights for " + in.source_name(target.name));
+    rest.source_weights = per_vertex(in[weights], vertex_count(from));
+    rest.target_weights = per_vertex(in[target_weights], vertex_count(to));
+    return rest;
+}
+
+void check_reach(const Reads& in, const solver::AttachmentRest& rest, const Body& from, const Body& to) {
+    if (rest.mode == solver::AttachmentMode::none) return;
+    if (is_blank(rest.source_weights))
+        in.fail(weights.name, "FE212",
+                "no vertex of " + in.source_name(source.name) + " has a weight above 0",
+                "Paint the vertices that are to be attached.");
+    if (is_blank(rest.target_weights))
+        in.fail(target_weights.name, "FE212",
+                "no vertex of " + in.source_name(target.name) + " has a weight above 0",
+                "Paint where the source may hold on.");
+    if (rest.correspondence == solver::Correspondence::vertex_id && vertex_count(from) != vertex_count(to))
+        in.fail(correspondence.name, "FE217",
+                "vertexID needs equal meshes, but " + in.source_name(source.name) + " has " +
+                    std::to_string(vertex_count(from)) + " vertices and " + in.source_name(target.name) +
+                    " has " + std::to_string(vertex_count(to)),
+                "Use a target with the same vertices, or worldSpace.");
+}
+
+void compute(const Reads& in, Writes& out) {
+    const Body &from = in[source], &to = in[target];
+    Attachment a;
+    a.source_body = id_of(from);
+    a.target_body = id_of(to);
+    if (a.source_body == a.target_body)
+        in.fail(target.name, "FE219", in.source_name(source.name) + " cannot be attached to itself",
+                "Connect another body.");
+    a.rest = rest_of(in, from, to);
+    check_reach(in, a.rest, from, to);
+    a.values = {in[stiffness], in[envelope], in[damping]};
+    out.set(out_attachment, std::move(a));
+}
+
+} // namespace
+
+void add_z_attachment(Registry& registry) {
+    NodeType type;
+    type.name = "zAttachment";
+    type.doc = "Ties a tissue to a bone or to another tissue; forces act on both.";
+    type.inputs = {
+        describe(envelope),  describe(source),        describe(target),          describe(mode),
+        describe(stiffness), describe(damping),       describe(maintain_offset), describe(correspondence),
+        describe(weights),   describe(target_weights)};
+    type.outputs = {describe(out_attachment)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

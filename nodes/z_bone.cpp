@@ -1,0 +1,77 @@
+// zBone: a body that moves as its mesh does and never feels a force.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+#include "nodes/matrices.h"
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Input<bool> enable{
+    .name = "enable",
+    .def = true,
+    .doc = "Off leaves the bone and its attachments out of the simulation.",
+    .keyable = false,
+};
+const Wire<Mesh> mesh{
+    .name = "mesh",
+    .doc = "The bone's surface in scene units; it may move and deform from frame to frame, its vertices and "
+           "faces "
+           "stay the same.",
+};
+const Input<Matrix4> matrix{
+    .name = "matrix",
+    .def = identity_matrix,
+    .doc = "Moves the mesh; connect transform.outMatrix.",
+};
+const Output<Body> out_body{
+    .name = "outBody",
+    .doc = "The bone at this frame, for zSolver.bodies and zAttachment.",
+};
+
+std::shared_ptr<const BodyRest> make_rest(const Mesh& modelled) {
+    solver::check_usable(modelled.surface());
+    auto rest = std::make_shared<BodyRest>();
+    auto bone = std::make_shared<solver::BoneRest>();
+    bone->triangles = modelled.topology->triangles;
+    bone->surface = *modelled.points;
+    rest->data = std::shared_ptr<const solver::BoneRest>(std::move(bone));
+    rest->mesh = modelled;
+    rest->digest = Hasher()
+                       .add("bone")
+                       .add(modelled.topology->digest)
+                       .add(static_cast<std::uint64_t>(modelled.points->size()))
+                       .finish();
+    return rest;
+}
+
+void compute(const Reads& in, Writes& out) {
+    const Mesh& modelled = in[mesh];
+    // All frames of a bone that only a matrix moves share one rest object.
+    struct Kept {
+        std::shared_ptr<const BodyRest> rest;
+    };
+    const Digest key =
+        Hasher().add("zBone.rest").add(modelled.topology->digest).add(modelled.points_digest).finish();
+    auto kept = in.lease<Kept>(key, [&] {
+        return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); });
+    });
+    out.set(out_body, Body{kept->rest, in[enable], moved(modelled, in[matrix])});
+}
+
+} // namespace
+
+void add_z_bone(Registry& registry) {
+    NodeType type;
+    type.name = "zBone";
+    type.doc = "A rigid or deforming body that moves as given; tissues are attached to it.";
+    type.inputs = {describe(enable), describe(mesh), describe(matrix)};
+    type.outputs = {describe(out_body)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,91 @@
+// zEmbedder: extra meshes that ride on a simulated tissue.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Wire<Solved> solved{.name = "solved", .doc = "zSolver.outSolved."};
+const Wire<Body> body{
+    .name = "body",
+    .doc = "The tissue that carries the meshes; one of the solver's bodies.",
+};
+const WireList<Mesh> meshes{
+    .name = "meshes",
+    .doc = "Meshes at rest beside the tissue as modelled, in scene units. None: the tissue's own mesh.",
+};
+const Input<double> envelope{
+    .name = "envelope",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Blends from the meshes as given (0) to the carried ones (1).",
+};
+const Output<MeshList> out_meshes{
+    .name = "outMeshes",
+    .doc = "The carried meshes at this frame, in the order of `meshes`.",
+};
+
+std::size_t find(const Reads& in, const Solved& s) {
+    const int found = find_body(s.bodies, id_of(in[body]));
+    if (found >= 0) return static_cast<std::size_t>(found);
+    in.fail(body.name, found == body_ambiguous ? "FE213" : "FE209",
+            in.source_name(body.name) + (found == body_ambiguous
+                                             ? " cannot be told from another body of the solver"
+                                             : " is not simulated by that solver"),
+            "Connect a tissue that is among zSolver.bodies and enabled there.");
+}
+
+/// Where the mesh's points sit in the tets; found once per mesh and tissue.
+solver::Points carried(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue,
+                       const Mesh& mesh, const solver::Points& positions) {
+    const Digest key = Hasher().add("zEmbedder").add(rest.digest).add(mesh.points_digest).finish();
+    auto embedding = in.lease<solver::Embedding>(key, [&] {
+        return guarded(in, meshes.name, [&] {
+            return std::make_shared<solver::Embedding>(solver::embed(tissue.tets, *mesh.points));
+        });
+    });
+    solver::Points out;
+    solver::apply(*embedding, tissue.tets.tets, positions.front().data(), out);
+    return out;
+}
+
+Mesh blended(const Mesh& from, solver::Points to, double share) {
+    if (share < 1)
+        for (std::size_t i = 0; i < to.size(); ++i) to[i] = (1 - share) * (*from.points)[i] + share * to[i];
+    return from.with_points(std::move(to));
+}
+
+void compute(const Reads& in, Writes& out) {
+    const Solved& s = in[solved];
+    const std::size_t at = find(in, s);
+    const BodyRest& rest = *s.rests[at];
+    const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&rest.data);
+    if (!tissue)
+        in.fail(body.name, "FE218", in.source_name(body.name) + " is a bone and carries no meshes",
+                "Move the meshes of a bone by a transform.");
+    std::vector<std::reference_wrapper<const Mesh>> all = in[meshes];
+    if (all.empty()) all.emplace_back(rest.mesh);
+    MeshList list;
+    for (const Mesh& m : all)
+        list.meshes.push_back(blended(m, carried(in, rest, **tissue, m, s.positions[at]), in[envelope]));
+    out.set(out_meshes, std::move(list));
+}
+
+} // namespace
+
+void add_z_embedder(Registry& registry) {
+    NodeType type;
+    type.name = "zEmbedder";
+    type.doc = "Carries extra meshes, for example a fine skin, along with a simulated tissue.";
+    type.inputs = {describe(solved), describe(body), describe(meshes), describe(envelope)};
+    type.outputs = {describe(out_meshes)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,89 @@
+// zMaterial: one layer of what a tissue is made of.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Input<double> envelope{
+    .name = "envelope",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Strength of this layer over those below it; times the weights. The first layer of a tissue "
+           "covers all of "
+           "it and ignores this.",
+};
+const Input<NumberList> weights{
+    .name = "weights",
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Where this layer counts: one number per vertex of the tissue's mesh, one for all, or none for "
+           "everywhere. "
+           "The first layer of a tissue covers all of it and ignores this.",
+};
+const Input<double> youngs_modulus{
+    .name = "youngsModulus",
+    .def = 12e3,
+    .unit = "Pa",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Stiffness: the stress that a small stretch by 100 % would need.",
+    .presets = {{"gelatin", 1},
+                {"brain", 500},
+                {"liver", 700},
+                {"breast", 900},
+                {"fat", 3e3},
+                {"smoothMuscle", 5e3},
+                {"skeletalMuscle", 12e3},
+                {"cartilage", 2e4},
+                {"rubber", 1e7},
+                {"wood", 6e8},
+                {"tendon", 1e9},
+                {"plastic", 1.5e9},
+                {"bone", 1.4e10},
+                {"walnutShell", 1.5e10},
+                {"steel", 2e11},
+                {"diamond", 1e12}},
+};
+const Input<double> poissons_ratio{
+    .name = "poissonsRatio",
+    .def = 0.4,
+    .unit = "1",
+    .limits = {.min = -1, .max = 0.5, .open_min = true, .open_max = true},
+    .doc = "How much the tissue thins when it is stretched; towards 0.5 it keeps its volume, best kept below "
+           "0.45.",
+};
+const Input<double> mass_density{
+    .name = "massDensity",
+    .def = 1060,
+    .unit = "kg/m^3",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Mass per volume.",
+};
+const Output<Material> out_material{.name = "outMaterial", .doc = "The layer; connect to zTissue.materials."};
+
+void compute(const Reads& in, Writes& out) {
+    Material m;
+    m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope]};
+    m.weights = in[weights];
+    out.set(out_material, std::move(m));
+}
+
+} // namespace
+
+void add_z_material(Registry& registry) {
+    NodeType type;
+    type.name = "zMaterial";
+    type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
+    type.inputs = {describe(envelope), describe(weights), describe(youngs_modulus), describe(poissons_ratio),
+                   describe(mass_density)};
+    type.outputs = {describe(out_material)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,182 @@
+// zSolver: simulates bodies and attachments, frame after frame.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+#include "nodes/simulation_state.h"
+#include "nodes/solver_setup.h"
+#include "nodes/z_solver_attributes.h"
+
+#include <cstdio>
+
+namespace sinew::nodes {
+
+using namespace engine;
+using namespace z_solver;
+
+namespace {
+
+const Output<MeshList> out_meshes{
+    .name = "outMeshes",
+    .doc = "The meshes of all of `bodies` at this frame, in that order and in scene units; disabled tissues "
+           "as modelled.",
+};
+const Output<Solved> out_solved{.name = "outSolved", .doc = "The solved tets; connect to zEmbedder.solved."};
+const Output<SolveReport> out_report{
+    .name = "outReport",
+    .doc = "How well this frame converged, and the size of the scene.",
+};
+
+/// The scene and its buffers: derived data that is kept from frame to frame only to save work.
+struct Stage {
+    std::shared_ptr<const solver::Scene> scene;
+    solver::Workspace workspace;
+    explicit Stage(const Setup& setup)
+        : scene(std::make_shared<const solver::Scene>(describe_scene(setup)))
+        , workspace(scene) {}
+};
+
+/// Runs a solver call; its errors become diagnostics that name the body to blame.
+template <class Call>
+auto solving(const Reads& in, const Setup& setup, Call&& call) {
+    try {
+        return call();
+    } catch (const solver::Stopped&) {
+        throw Cancelled();
+    } catch (const solver::Error& e) {
+        std::string message = e.what();
+        if (e.body >= 0)
+            message =
+                in.source_name(bodies.name,
+                               static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
+                ": " + message;
+        in.fail(bodies.name, e.code, std::move(message), e.hint);
+    }
+}
+
+Lease<Stage> lease_stage(const Reads& in, const Setup& setup) {
+    const Digest key = Hasher().add("zSolver.stage").add(setup.key.digest()).finish();
+    return in.lease<Stage>(key, [&] {
+        in.progress(0, "building the scene");
+        return solving(in, setup, [&] { return std::make_shared<Stage>(setup); });
+    });
+}
+
+solver::StepControl control_of(const Reads& in) {
+    solver::StepControl c;
+    c.stop = [&in] { return in.stop_requested(); };
+    c.progress = [&in](double done, int, double) { in.progress(done, "solving"); };
+    return c;
+}
+
+void warn_if_unconverged(const Reads& in, const solver::StepRecord& record) {
+    if (record.converged) return;
+    char text[160];
+    std::snprintf(text, sizeof text, "frame %g has not converged: residual %.3g after %d Newton iterations",
+                  in.frame(), record.residual, record.newton_iterations);
+    in.warn(max_newton_iterations.name, "FE301", text,
+            "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
+}
+
+SimulationState initial(const Reads& in) {
+    if (!in[enable]) return {};
+    const Setup setup = read_setup(in, nullptr);
+    if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
+    auto stage = lease_stage(in, setup);
+    const solver::StepInputs inputs = step_inputs(in, setup, 1);
+    return {setup.key, solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs); })};
+}
+
+SimulationState advance(const SimulationState& before, std::span<const Reads> times) {
+    const Reads& now = times.back();
+    if (!now[enable]) return before;
+    std::vector<solver::StepInputs> inputs;
+    Setup setup;
+    for (const Reads& in : times) {
+        setup = read_setup(in, &before.scene);
+        if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
+        inputs.push_back(step_inputs(in, setup, times.size()));
+    }
+    auto stage = lease_stage(now, setup);
+    if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
+    SimulationState after{before.scene, solving(now, setup, [&] {
+                              return solver::advance(stage->workspace, before.state, inputs, control_of(now));
+                          })};
+    warn_if_unconverged(now, after.state.record);
+    return after;
+}
+
+/// All bodies as they stand without simulation: bones where they are, tissues as modelled.
+MeshList unsolved_meshes(const Setup& setup) {
+    MeshList out;
+    for (const Body& b : setup.bodies)
+        out.meshes.push_back(b.is_bone() ? std::get<Mesh>(b.values) : b.rest->mesh);
+    return out;
+}
+
+void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, double units,
+                    Mesh& mesh, solver::Points& tets) {
+    mesh = mesh.with_points(to_scene_units(solver::surface_positions(scene, state, body), units));
+    const double* x = state.x.data() + 3 * scene.first_vertex(body);
+    for (std::size_t v = 0; v < scene.tissue(body)->tets.vertices.size(); ++v)
+        tets.emplace_back(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+    tets = to_scene_units(std::move(tets), units);
+}
+
+void publish(const SimulationState& s, const Reads& in, Writes& out) {
+    const bool runs = in[enable];
+    const Setup setup = read_setup(in, runs ? &s.scene : nullptr);
+    MeshList meshes = unsolved_meshes(setup);
+    Solved solved;
+    SolveReport report;
+    if (runs) {
+        auto stage = lease_stage(in, setup);
+        report = describe_size(in, setup, *stage->scene);
+        report.record = s.state.record;
+        for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
+            const Body& b = setup.body(i);
+            Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
+            solver::Points& positions = solved.positions.emplace_back();
+            if (b.is_bone())
+                positions = *mesh.points;
+            else
+                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions);
+            solved.bodies.push_back(setup.ids[i]);
+            solved.rests.push_back(b.rest);
+        }
+    }
+    out.set(out_meshes, std::move(meshes));
+    out.set(out_solved, std::move(solved));
+    out.set(out_report, std::move(report));
+}
+
+} // namespace
+
+void add_z_solver(Registry& registry) {
+    SimulationType<SimulationState> type;
+    type.base.name = "zSolver";
+    type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
+    type.base.inputs = {describe(bodies),
+                        describe(attachments),
+                        describe(enable),
+                        describe(start_frame),
+                        describe(scale),
+                        describe(integrator),
+                        describe(frames_per_second),
+                        describe(substeps),
+                        describe(max_newton_iterations),
+                        describe(tolerance_factor),
+                        describe(stiffness_damping),
+                        describe(mass_damping),
+                        describe(gravity)};
+    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report)};
+    type.initial = initial;
+    type.advance = advance;
+    type.publish = publish;
+    type.save = [](const SimulationState& s) { return save(s); };
+    type.load = [](std::span<const std::byte> bytes) { return load_simulation(bytes); };
+    type.start_frame_input = start_frame.name;
+    type.substeps_input = substeps.name;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

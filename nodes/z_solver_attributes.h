@@ -1,0 +1,96 @@
+// The attributes of zSolver, in the order artists see them; read by z_solver.cpp and solver_setup.cpp.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/attribute.h"
+#include "nodes/values.h"
+
+namespace sinew::nodes::z_solver {
+
+using namespace engine;
+
+inline const WireList<Body> bodies{
+    .name = "bodies",
+    .doc = "The bones and tissues of the simulation; outMeshes follows this order.",
+    .min_count = 1,
+};
+inline const WireList<Attachment> attachments{
+    .name = "attachments",
+    .doc = "The attachments between them.",
+};
+inline const Input<bool> enable{
+    .name = "enable",
+    .def = true,
+    .doc = "Off simulates nothing: tissues stay as modelled.",
+    .keyable = false,
+};
+inline const Input<double> start_frame{
+    .name = "startFrame",
+    .def = 1,
+    .doc = "The frame at which everything is as modelled and at rest; attachments take their places there.",
+    .keyable = false,
+};
+inline const Input<double> scale{
+    .name = "scale",
+    .def = 100,
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Scene units per metre: 100 reads the scene as centimetres, 1 as metres.",
+    .keyable = false,
+};
+inline const Input<std::string> integrator{
+    .name = "integrator",
+    .def = "BackwardEuler",
+    .doc = "BackwardEuler follows the motion in time; QuasiStatic finds the shape at rest for each frame, so "
+           "every "
+           "tissue must be tied to a bone.",
+    .options = {"BackwardEuler", "QuasiStatic"},
+};
+inline const Input<double> frames_per_second{
+    .name = "framesPerSecond",
+    .def = 24,
+    .unit = "1/s",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "How many frames make a second of simulation.",
+};
+inline const Input<std::int64_t> substeps{
+    .name = "substeps",
+    .def = 1,
+    .limits = {.min = 1, .max = 10000},
+    .doc = "Steps per frame; bones and keyed values are read at each of them. More for fast motion.",
+};
+inline const Input<std::int64_t> max_newton_iterations{
+    .name = "maxNewtonIterations",
+    .def = 10,
+    .limits = {.min = 1, .max = 100000},
+    .doc =
+        "Upper bound of Newton iterations per step; a step stops earlier when it has converged, and one that "
+        "has not is reported.",
+};
+inline const Input<double> tolerance_factor{
+    .name = "solverToleranceFactor",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Multiplies the tolerance; below 1 is stricter.",
+};
+inline const Input<double> stiffness_damping{
+    .name = "stiffnessDamping",
+    .def = 0.001,
+    .unit = "s",
+    .limits = {.min = 0},
+    .doc = "Damps fast wobble (Rayleigh).",
+};
+inline const Input<double> mass_damping{
+    .name = "massDamping",
+    .def = 0,
+    .unit = "1/s",
+    .limits = {.min = 0},
+    .doc = "Damps all motion, as under water (Rayleigh); normally 0.",
+};
+inline const Input<Vec3> gravity{
+    .name = "gravity",
+    .def = {0, -9.8, 0},
+    .unit = "m/s^2",
+    .doc = "Gravity; always in metres, whatever the scale.",
+};
+
+} // namespace sinew::nodes::z_solver

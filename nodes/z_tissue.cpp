@@ -1,0 +1,130 @@
+// zTissue: a soft body, from a mesh, its tets, its material layers and its fibres.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+#include "nodes/tissue_rest.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Input<bool> enable{
+    .name = "enable",
+    .def = true,
+    .doc = "Off leaves the tissue and its attachments out of the simulation.",
+    .keyable = false,
+};
+const Wire<Mesh> mesh{
+    .name = "mesh",
+    .doc = "The tissue's surface as modelled, in scene units; it does not change over time.",
+};
+const Wire<TetMeshValue> tets{
+    .name = "tets",
+    .doc = "The tets that carry the tissue, from zTet or a file. Without it: a lattice of the default size.",
+    .required = false,
+};
+const WireList<Material> materials{
+    .name = "materials",
+    .doc = "Material layers from bottom to top; one at least.",
+};
+const WireList<Fiber> fibers{.name = "fibers", .doc = "Muscle fibres; their pulls add up."};
+const Input<std::string> law{
+    .name = "material",
+    .def = "StVK",
+    .doc = "The elastic law: StVK (stiff under large stretch), NeoHookean (keeps its volume better), "
+           "Corotational "
+           "(linear, stable under large rotation).",
+    .options = {"StVK", "NeoHookean", "Corotational"},
+};
+const Input<double> compression_resistance{
+    .name = "compressionResistance",
+    .def = 20000,
+    .unit = "1",
+    .limits = {.min = 0},
+    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. No "
+           "effect on "
+           "Corotational.",
+};
+const Output<Body> out_body{
+    .name = "outBody",
+    .doc = "The tissue, for zSolver.bodies, zAttachment and zEmbedder.",
+};
+
+solver::ElasticLaw law_of(const std::string& word) {
+    if (word == "NeoHookean") return solver::ElasticLaw::neo_hookean;
+    return word == "Corotational" ? solver::ElasticLaw::corotational : solver::ElasticLaw::stvk;
+}
+
+void check_layers(const Reads& in, const TissueParts& parts) {
+    if (parts.materials.empty())
+        in.fail(materials.name, "FE206", "a tissue without material has neither stiffness nor mass",
+                "Connect a zMaterial's outMaterial to materials.");
+    const std::size_t count = parts.mesh->points->size();
+    for (std::size_t i = 0; i < parts.materials.size(); ++i)
+        check_map(in, materials.name, parts.materials[i].get().weights, count,
+                  "weights of " + in.source_name(materials.name, i));
+}
+
+void check_fibers(const Reads& in, const TissueParts& parts) {
+    const std::size_t count = parts.mesh->points->size();
+    for (std::size_t i = 0; i < parts.fibers.size(); ++i) {
+        const Fiber& f = parts.fibers[i];
+        const std::string name = in.source_name(fibers.name, i);
+        check_map(in, fibers.name, f.weights, count, "weights of " + name);
+        if (f.end_points.size() > 1) check_map(in, fibers.name, f.end_points, count, "endPoints of " + name);
+        const bool begins = std::any_of(f.end_points.begin(), f.end_points.end(), is_source);
+        const bool ends = std::any_of(f.end_points.begin(), f.end_points.end(), is_sink);
+        if (!begins || !ends)
+            in.fail(fibers.name, "FE205",
+                    "the fibres of " + name + " have no " +
+                        (begins ? "sink"
+                         : ends ? "source"
+                                : "end points") +
+                        " on this tissue",
+                    "Paint endPoints: up to 0.1 where the fibres begin, from 0.9 on where they end.");
+    }
+}
+
+void compute(const Reads& in, Writes& out) {
+    const TissueParts parts{&in[mesh], in.find(tets), law_of(in[law]), in[materials], in[fibers]};
+    check_layers(in, parts);
+    check_fibers(in, parts);
+    // Meshing and extension read static inputs alone; a keyed excitation must not redo them.
+    struct Kept {
+        std::shared_ptr<const BodyRest> rest;
+    };
+    auto kept = in.lease<Kept>(static_digest(parts), [&] {
+        in.progress(0, "meshing");
+        return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts)}); });
+    });
+    solver::TissueInputs values;
+    values.compression_resistance = in[compression_resistance];
+    for (const Material& m : parts.materials) values.layers.push_back(m.values);
+    values.layers.front().envelope = 1; // the first layer covers everything
+    for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values)});
+}
+
+} // namespace
+
+void add_z_tissue(Registry& registry) {
+    NodeType type;
+    type.name = "zTissue";
+    type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
+    type.inputs = {describe(enable),
+                   describe(mesh),
+                   describe(tets),
+                   describe(materials),
+                   describe(fibers),
+                   describe(law),
+                   describe(compression_resistance)};
+    type.outputs = {describe(out_body)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

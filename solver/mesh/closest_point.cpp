@@ -1,0 +1,219 @@
+// Closest point and winding number on a triangle surface.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/closest_point.h"
+
+#include "solver/error.h"
+#include "solver/mesh/bvh.h"
+#include "solver/mesh/triangle_math.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace sinew::solver {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// What a node looks like from far away (Barill et al. 2018, section 3): the first two terms of the expansion
+/// of its solid angle about `centre`.
+struct FarField {
+    Vec3 centre = Vec3::Zero();
+    double radius = 0;              ///< of the ball about `centre` that holds the node's triangles
+    Vec3 dipole = Vec3::Zero();     ///< sum of vector areas
+    Mat3 quadrupole = Mat3::Zero(); ///< sum of (vector area)(centroid - centre)^T
+};
+
+/// A node is taken from afar when its distance exceeds this many radii. With the quadrupole term the error of
+/// the winding number stays below 0.03 (measured), far from the 0.5 at which the decision falls.
+constexpr double far_ratio = 3;
+
+double far_winding(const FarField& f, const Vec3& p) {
+    const Vec3 r = f.centre - p;
+    const double r2 = r.squaredNorm(), r1 = std::sqrt(r2);
+    const double first = f.dipole.dot(r);
+    const double second = f.quadrupole.trace() - 3 * r.dot(f.quadrupole * r) / r2;
+    return (first + second) / (4 * std::numbers::pi * r2 * r1);
+}
+
+} // namespace
+
+struct SurfaceTree::Impl {
+    std::vector<Triangle> triangles;
+    std::vector<std::array<Vec3, 3>> corners;
+    Bvh tree;
+    std::vector<FarField> far;
+
+    void build_far_fields();
+    double exact_winding(const BvhNode& leaf, const Vec3& p) const {
+        double sum = 0;
+        for (int i = leaf.first; i < leaf.first + leaf.count; ++i) {
+            const auto& c = corners[at(tree.order[at(i)])];
+            sum += solid_angle(p, c[0], c[1], c[2]);
+        }
+        return sum / (4 * std::numbers::pi);
+    }
+    template <class Allowed>
+    ClosestPoint closest(const Vec3& p, double max_distance, const Allowed& allowed) const;
+};
+
+void SurfaceTree::Impl::build_far_fields() {
+    far.resize(tree.nodes.size());
+    struct Sums {
+        double area = 0;
+        Vec3 weighted = Vec3::Zero();
+        int first = 0, last = 0; ///< range in tree.order
+    };
+    std::vector<Sums> sums(tree.nodes.size());
+    // Children stand behind their parents, so one sweep from the back sees children first.
+    for (std::size_t n = tree.nodes.size(); n-- > 0;) {
+        const BvhNode& node = tree.nodes[n];
+        if (node.count == 0) {
+            const Sums &a = sums[n + 1], &b = sums[at(node.first)];
+            sums[n] = {a.area + b.area, a.weighted + b.weighted, a.first, b.last};
+        } else {
+            sums[n].first = node.first, sums[n].last = node.first + node.count;
+            for (int i = node.first; i < node.first + node.count; ++i) {
+                const auto& c = corners[at(tree.order[at(i)])];
+                const double area = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]).norm();
+                sums[n].area += area;
+                sums[n].weighted += area * (c[0] + c[1] + c[2]) / 3;
+            }
+        }
+        FarField& f = far[n];
+        f.centre =
+            sums[n].area > 0 ? Vec3(sums[n].weighted / sums[n].area) : Vec3(0.5 * (node.min + node.max));
+        if (node.count == 0) {
+            for (std::size_t child : {n + 1, at(node.first)}) {
+                const FarField& g = far[child];
+                f.dipole += g.dipole;
+                f.quadrupole += g.quadrupole + g.dipole * (g.centre - f.centre).transpose();
+            }
+        }
+        double radius2 = 0;
+        for (int i = sums[n].first; i < sums[n].last; ++i) {
+            const auto& c = corners[at(tree.order[at(i)])];
+            for (const Vec3& corner : c) radius2 = std::max(radius2, (corner - f.centre).squaredNorm());
+            if (node.count == 0) continue;
+            const Vec3 vector_area = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]);
+            f.dipole += vector_area;
+            f.quadrupole += vector_area * ((c[0] + c[1] + c[2]) / 3 - f.centre).transpose();
+        }
+        f.radius = std::sqrt(radius2);
+    }
+}
+
+SurfaceTree::SurfaceTree(const Points& points, const std::vector<Triangle>& triangles)
+    : impl_(std::make_unique<Impl>()) {
+    impl_->triangles = triangles;
+    impl_->corners.reserve(triangles.size());
+    Points low, high;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        for (int v : triangles[t]) {
+            if (v < 0 || at(v) >= points.size())
+                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
+                                         " of " + std::to_string(points.size()));
+            if (!points[at(v)].allFinite())
+                throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
+        }
+        const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])],
+                   &c = points[at(triangles[t][2])];
+        impl_->corners.push_back({a, b, c});
+        low.push_back(a.cwiseMin(b).cwiseMin(c));
+        high.push_back(a.cwiseMax(b).cwiseMax(c));
+    }
+    impl_->tree = build_bvh(low, high);
+    impl_->build_far_fields();
+}
+
+SurfaceTree::~SurfaceTree() = default;
+SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
+
+template <class Allowed>
+ClosestPoint SurfaceTree::Impl::closest(const Vec3& p, double max_distance, const Allowed& allowed) const {
+    ClosestPoint best;
+    best.distance = std::numeric_limits<double>::infinity();
+    if (tree.nodes.empty() || !p.allFinite()) return best;
+    double best2 = max_distance * max_distance;
+    struct Entry {
+        int node;
+        double distance2;
+    };
+    Entry stack[64]; // the tree of 2^31 triangles is 30 levels deep
+    int size = 0;
+    stack[size++] = {0, squared_distance(tree.nodes[0], p)};
+    while (size > 0) {
+        const Entry entry = stack[--size];
+        // A hair of slack: boxes at the same distance must be opened, or a tie could miss its lowest
+        // triangle.
+        if (entry.distance2 * (1 - 1e-12) > best2) continue;
+        const BvhNode& node = tree.nodes[at(entry.node)];
+        if (node.count == 0) {
+            const int children[2] = {entry.node + 1, node.first};
+            const double d[2] = {squared_distance(tree.nodes[at(children[0])], p),
+                                 squared_distance(tree.nodes[at(children[1])], p)};
+            const int near = d[1] < d[0] ? 1 : 0;
+            stack[size++] = {children[1 - near], d[1 - near]};
+            stack[size++] = {children[near], d[near]};
+            continue;
+        }
+        for (int i = node.first; i < node.first + node.count; ++i) {
+            const int t = tree.order[at(i)];
+            if (!allowed(t)) continue;
+            const TrianglePoint candidate = closest_on_triangle(p, corners[at(t)], triangles[at(t)]);
+            const double distance2 = (candidate.point - p).squaredNorm();
+            if (distance2 < best2 || (distance2 == best2 && best.triangle >= 0 && t < best.triangle)) {
+                best2 = distance2;
+                best.triangle = t;
+                best.point = candidate.point;
+                best.barycentric = candidate.barycentric;
+            }
+        }
+    }
+    if (best.triangle >= 0) best.distance = std::sqrt(best2);
+    return best;
+}
+
+ClosestPoint SurfaceTree::closest(const Vec3& p, double max_distance) const {
+    return impl_->closest(p, max_distance, [](int) { return true; });
+}
+
+ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowed,
+                                  double max_distance) const {
+    if (allowed.size() != impl_->triangles.size())
+        throw Error("FE203", std::to_string(allowed.size()) + " flags for " +
+                                 std::to_string(impl_->triangles.size()) + " triangles");
+    return impl_->closest(p, max_distance, [&](int t) { return allowed[at(t)] != 0; });
+}
+
+double SurfaceTree::winding_number(const Vec3& p) const {
+    const Bvh& tree = impl_->tree;
+    if (tree.nodes.empty() || !p.allFinite()) return 0;
+    double sum = 0;
+    int stack[64];
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+        const std::size_t n = at(stack[--size]);
+        const BvhNode& node = tree.nodes[n];
+        const FarField& f = impl_->far[n];
+        if ((p - f.centre).squaredNorm() > far_ratio * far_ratio * f.radius * f.radius) {
+            sum += far_winding(f, p);
+        } else if (node.count > 0) {
+            sum += impl_->exact_winding(node, p);
+        } else {
+            stack[size++] = node.first;
+            stack[size++] = static_cast<int>(n) + 1;
+        }
+    }
+    return sum;
+}
+
+double SurfaceTree::winding_number_exact(const Vec3& p) const {
+    double sum = 0;
+    for (const auto& c : impl_->corners) sum += solid_angle(p, c[0], c[1], c[2]);
+    return sum / (4 * std::numbers::pi);
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,43 @@
+// Closest point and inside tests on a triangle surface, by a bounding volume hierarchy in double precision.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <memory>
+#include <vector>
+
+namespace sinew::solver {
+
+struct ClosestPoint {
+    int triangle = -1;
+    Vec3 point = Vec3::Zero();
+    Vec3 barycentric = Vec3::Zero(); ///< of the triangle's corners
+    double distance = 0;             ///< infinite if there is none
+};
+
+/// Immutable; queries are thread-safe and depend on the input alone. A query that is not finite finds
+/// nothing.
+class SurfaceTree {
+  public:
+    /// Throws Error FE202, FE203.
+    SurfaceTree(const Points& points, const std::vector<Triangle>& triangles);
+    ~SurfaceTree();
+    SurfaceTree(SurfaceTree&&) noexcept;
+    /// `max_distance`: search radius; triangle = -1 if nothing is nearer. Ties go to the lowest triangle
+    /// index.
+    ClosestPoint closest(const Vec3& p, double max_distance = 1e300) const;
+    /// The same, over triangles whose `allowed` flag is set. Throws Error FE203 if the count differs.
+    ClosestPoint closest(const Vec3& p, const std::vector<char>& allowed, double max_distance = 1e300) const;
+    /// Generalised winding number (Jacobson 2013, fast version Barill 2018): about 1 inside, 0 outside; works
+    /// on soups.
+    double winding_number(const Vec3& p) const;
+    /// The same by summing every triangle: slow, error near rounding.
+    double winding_number_exact(const Vec3& p) const;
+    bool inside(const Vec3& p) const { return winding_number(p) > 0.5; }
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace sinew::solver

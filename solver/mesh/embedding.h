@@ -1,0 +1,24 @@
+// Points that ride on a tet mesh by barycentric coordinates. Exact for affine motion.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/tet_mesh.h"
+
+#include <array>
+#include <vector>
+
+namespace sinew::solver {
+
+struct Embedding {
+    std::vector<int> tet; ///< host tet of each point
+    std::vector<std::array<double, 4>>
+        barycentric; ///< sums to 1; negative where a point lies outside its host
+    std::size_t size() const { return tet.size(); }
+};
+
+/// Each point in the tet that holds it, or extrapolated from the nearest tet. A point on a vertex of the mesh
+/// gets exactly that vertex (coordinates 1 and 0).
+Embedding embed(const TetMesh& mesh, const Points& points);
+/// Positions of embedded points for tet vertex positions `x` (3 numbers a vertex).
+void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Points& out);
+
+} // namespace sinew::solver

@@ -1,0 +1,340 @@
+// Smooth extension of painted surface values into the volume.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/harmonic.h"
+
+#include "solver/error.h"
+
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace sinew::solver {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Sparse = Eigen::SparseMatrix<double>;
+using Entries = std::vector<Eigen::Triplet<double>>;
+
+template <class Int>
+std::size_t at(Int i) {
+    return static_cast<std::size_t>(i);
+}
+
+/// Gradients of the four barycentric coordinates, one a column.
+Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, const Tet& t) {
+    const Vec3& origin = mesh.vertices[at(t[0])];
+    Mat3 edges;
+    for (int k = 0; k < 3; ++k) edges.row(k) = mesh.vertices[at(t[at(k + 1)])] - origin;
+    Eigen::Matrix<double, 3, 4> g;
+    g.rightCols<3>() = edges.inverse();
+    g.col(0) = -(g.col(1) + g.col(2) + g.col(3));
+    return g;
+}
+
+/// Number of the connected part (through shared vertices) that each vertex belongs to: its lowest vertex.
+std::vector<int> connected_parts(const TetMesh& mesh) {
+    std::vector<int> parent(mesh.vertices.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int v) {
+        while (parent[at(v)] != v) v = parent[at(v)] = parent[at(parent[at(v)])];
+        return v;
+    };
+    for (const Tet& t : mesh.tets)
+        for (int k = 1; k < 4; ++k) {
+            const int a = root(t[0]), b = root(t[at(k)]);
+            parent[at(std::max(a, b))] = std::min(a, b);
+        }
+    for (int v = 0; v < static_cast<int>(parent.size()); ++v) parent[at(v)] = root(v);
+    return parent;
+}
+
+/// Minimises f.K.f / 2 subject to B.f = v by the method of multipliers: A = K + B^T.W.B with a large W is
+/// factorised once; a few cheap corrections of the multipliers then meet v to rounding where it can be met,
+/// and in the least-squares sense where not. Each step solves for a correction only, which also removes the
+/// rounding error of the large W.
+class HarmonicSolver {
+  public:
+    HarmonicSolver(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                   const std::vector<char>& painted)
+        : mesh_(mesh)
+        , surface_(surface) {
+        for (std::size_t p = 0; p < painted.size(); ++p)
+            if (painted[p]) points_.push_back(p);
+        if (points_.empty())
+            throw Error("FE205", "no point is painted, so there is nothing to extend into the volume");
+        number_vertices();
+        assemble(areas);
+    }
+
+    std::vector<double> extend(const std::vector<double>& values, HarmonicRange range) const {
+        Vector v(points_.size());
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            v[static_cast<Eigen::Index>(i)] = values[points_[i]];
+            if (!std::isfinite(values[points_[i]]))
+                throw Error("FE202",
+                            "the painted value of point " + std::to_string(points_[i]) + " is not finite");
+        }
+        const double low = v.minCoeff(), high = v.maxCoeff();
+        Vector f =
+            solve(v, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+        if (range == HarmonicRange::painted) {
+            const double slack = 1e-12 * (high - low);
+            if (f.minCoeff() < low - slack || f.maxCoeff() > high + slack) f = solve(v, low, high);
+            // What is left beyond the bounds is rounding, or the bounded solve's last active set.
+            f = f.cwiseMax(low).cwiseMin(high);
+        }
+        std::vector<double> result(mesh_.vertices.size());
+        for (std::size_t i = 0; i < result.size(); ++i)
+            result[i] = number_[i] >= 0 ? f[number_[i]] : values[nearest_[i]];
+        return result;
+    }
+
+  private:
+    using Factor = Eigen::SimplicialLDLT<Sparse>;
+
+    /// Unknowns are the vertices of parts with paint; the others take a constant.
+    void number_vertices() {
+        const std::vector<int> part = connected_parts(mesh_);
+        std::vector<char> has_paint(part.size(), 0);
+        for (std::size_t p : points_) has_paint[at(part[at(mesh_.tets[at(surface_.tet[p])][0])])] = 1;
+        number_.assign(part.size(), -1);
+        for (std::size_t v = 0; v < part.size(); ++v)
+            if (has_paint[at(part[v])]) number_[v] = count_++;
+        if (at(count_) == part.size()) return;
+
+        std::vector<double> x;
+        for (const Vec3& p : mesh_.vertices) x.insert(x.end(), p.data(), p.data() + 3);
+        Points positions;
+        apply(surface_, mesh_.tets, x.data(), positions);
+        std::vector<double> distance(part.size(), std::numeric_limits<double>::infinity());
+        std::vector<std::size_t> of_part(part.size(), points_[0]);
+        for (std::size_t v = 0; v < part.size(); ++v) {
+            if (number_[v] >= 0) continue;
+            for (std::size_t p : points_) {
+                const double d = (positions[p] - mesh_.vertices[v]).squaredNorm();
+                if (d < distance[at(part[v])]) distance[at(part[v])] = d, of_part[at(part[v])] = p;
+            }
+        }
+        nearest_.resize(part.size());
+        for (std::size_t v = 0; v < part.size(); ++v) nearest_[v] = of_part[at(part[v])];
+    }
+
+    void assemble(const std::vector<double>& areas) {
+        Entries stiffness, rows;
+        for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
+            const Tet& tet = mesh_.tets[t];
+            if (number_[at(tet[0])] < 0) continue;
+            const auto g = hat_gradients(mesh_, tet);
+            const double volume = tet_volume(mesh_.vertices[at(tet[0])], mesh_.vertices[at(tet[1])],
+                                             mesh_.vertices[at(tet[2])], mesh_.vertices[at(tet[3])]);
+            const double weight = (mesh_.coverage.empty() ? 1.0 : mesh_.coverage[t]) * volume;
+            for (int i = 0; i < 4; ++i)
+                for (int j = 0; j < 4; ++j)
+                    stiffness.emplace_back(number_[at(tet[at(i)])], number_[at(tet[at(j)])],
+                                           weight * g.col(i).dot(g.col(j)));
+        }
+        K_.resize(count_, count_);
+        K_.setFromTriplets(stiffness.begin(), stiffness.end());
+
+        const Eigen::Index point_count = static_cast<Eigen::Index>(points_.size());
+        W_.resize(point_count);
+        double mean = 0;
+        for (Eigen::Index i = 0; i < point_count; ++i) {
+            const std::size_t p = points_[at(i)];
+            for (std::size_t k = 0; k < 4; ++k)
+                rows.emplace_back(static_cast<int>(i), number_[at(mesh_.tets[at(surface_.tet[p])][k])],
+                                  surface_.barycentric[p][k]);
+            W_[i] = std::isfinite(areas[p]) ? std::max(areas[p], 0.0) : 0.0;
+            mean += W_[i] / static_cast<double>(point_count);
+        }
+        B_.resize(point_count, count_);
+        B_.setFromTriplets(rows.begin(), rows.end());
+        // A point without area is still painted: it keeps a small weight.
+        if (!(mean > 0))
+            W_.setOnes();
+        else
+            W_ = (W_ / mean).cwiseMax(1e-2);
+        const Sparse squares = B_.transpose() * (W_.asDiagonal() * B_);
+        const double scale = Vector(K_.diagonal()).maxCoeff();
+        W_ *= 1e5 * scale / std::max(Vector(squares.diagonal()).maxCoeff(), 1e-300);
+        A_ = K_ + Sparse(B_.transpose() * (W_.asDiagonal() * B_));
+        // Only in the matrix that corrects, so it costs accuracy nowhere and no pivot can vanish.
+        for (int i = 0; i < count_; ++i) A_.coeffRef(i, i) += 1e-13 * scale;
+        factorise(free_, A_);
+    }
+
+    static void factorise(Factor& factor, const Sparse& matrix) {
+        factor.compute(matrix);
+        if (factor.info() != Eigen::Success)
+            throw Error("FE212",
+                        "painted values cannot be extended into the volume: the tet mesh is degenerate");
+    }
+
+    Vector solve(const Vector& v, double low, double high) const {
+        constexpr int rounds = 12;
+        const bool is_bounded = std::isfinite(low);
+        const double spread = std::max(v.maxCoeff() - v.minCoeff(), 1e-300);
+        Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
+        std::vector<char> active(at(count_), 0); // -1 at the lower bound, 1 at the upper
+        for (int round = 0; round < rounds; ++round) {
+            const Vector before = f;
+            if (is_bounded) {
+                bounded_step(v + y, low, high, active, f);
+            } else {
+                const Vector residual = force(v + y, f);
+                f += free_.solve(residual);
+            }
+            y += v - B_ * f;
+            if ((f - before).cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
+        }
+        return f;
+    }
+
+    Vector force(const Vector& target, const Vector& f) const {
+        return B_.transpose() * (W_.asDiagonal() * Vector(target - B_ * f)) - K_ * f;
+    }
+
+    /// Minimum within the bounds, by the primal-dual active set method (Hintermueller, Ito, Kunisch 2003).
+    void bounded_step(const Vector& target, double low, double high, std::vector<char>& active,
+                      Vector& f) const {
+        constexpr int most_changes = 20;
+        const Vector diagonal = A_.diagonal();
+        for (int change = 0; change < most_changes; ++change) {
+            for (int i = 0; i < count_; ++i)
+                if (active[at(i)]) f[i] = active[at(i)] < 0 ? low : high;
+            Sparse matrix = A_;
+            Vector right = force(target, f);
+            for (int c = 0; c < matrix.outerSize(); ++c)
+                for (Sparse::InnerIterator entry(matrix, c); entry; ++entry)
+                    if (entry.row() != entry.col() && (active[at(entry.row())] || active[at(entry.col())]))
+                        entry.valueRef() = 0;
+            for (int i = 0; i < count_; ++i)
+                if (active[at(i)]) right[i] = 0;
+            Factor factor;
+            factorise(factor, matrix);
+            f += factor.solve(right);
+            const Vector push = force(target, f); // what the bounds must hold against
+            bool has_changed = false;
+            for (int i = 0; i < count_; ++i) {
+                const double up = push[i] + diagonal[i] * (f[i] - high),
+                             down = push[i] + diagonal[i] * (f[i] - low);
+                const double slack = 1e-12 * diagonal[i] * (high - low);
+                const char now = up > slack ? 1 : down < -slack ? -1 : 0;
+                has_changed = has_changed || now != active[at(i)];
+                active[at(i)] = now;
+            }
+            if (!has_changed) return;
+        }
+        f = f.cwiseMax(low).cwiseMin(high);
+    }
+
+    const TetMesh& mesh_;
+    const Embedding& surface_;
+    std::vector<std::size_t> points_;  ///< painted points
+    std::vector<int> number_;          ///< unknown of each vertex, or -1
+    std::vector<std::size_t> nearest_; ///< painted point of each vertex without unknown
+    int count_ = 0;
+    Sparse K_, B_, A_;
+    Vector W_;
+    Factor free_;
+};
+
+void check_sizes(const Embedding& surface, std::size_t areas, std::size_t painted) {
+    const std::string points = std::to_string(surface.size()) + " embedded points";
+    if (areas != surface.size()) throw Error("FE203", std::to_string(areas) + " areas for " + points);
+    if (painted != surface.size()) throw Error("FE203", std::to_string(painted) + " flags for " + points);
+}
+
+void check_per_vertex(const TetMesh& mesh, const std::vector<double>& values) {
+    if (values.size() != mesh.vertices.size())
+        throw Error("FE203", std::to_string(values.size()) + " values for " +
+                                 std::to_string(mesh.vertices.size()) + " vertices");
+}
+
+} // namespace
+
+std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const Embedding& surface,
+                                                     const std::vector<double>& areas,
+                                                     const std::vector<std::vector<double>>& maps,
+                                                     const std::vector<char>& painted, HarmonicRange range) {
+    check_sizes(surface, areas.size(), painted.size());
+    for (const std::vector<double>& values : maps)
+        if (values.size() != surface.size())
+            throw Error("FE203", std::to_string(values.size()) + " values for " +
+                                     std::to_string(surface.size()) + " embedded points");
+    std::vector<std::vector<double>> result;
+    const HarmonicSolver solver(mesh, surface, areas, painted);
+    for (const std::vector<double>& values : maps) result.push_back(solver.extend(values, range));
+    return result;
+}
+
+std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
+                                       const std::vector<double>& areas, const std::vector<double>& values,
+                                       const std::vector<char>& painted, HarmonicRange range) {
+    return harmonic_extensions(mesh, surface, areas, {values}, painted, range)[0];
+}
+
+std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& per_vertex) {
+    check_per_vertex(mesh, per_vertex);
+    std::vector<double> means;
+    means.reserve(mesh.tets.size());
+    for (const Tet& t : mesh.tets)
+        means.push_back(0.25 * (per_vertex[at(t[0])] + per_vertex[at(t[1])] + per_vertex[at(t[2])] +
+                                per_vertex[at(t[3])]));
+    return means;
+}
+
+Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex) {
+    check_per_vertex(mesh, per_vertex);
+    Points gradients;
+    gradients.reserve(mesh.tets.size());
+    double largest = 0;
+    for (const Tet& t : mesh.tets) {
+        // Differences first: a constant field must give exactly zero.
+        const auto g = hat_gradients(mesh, t);
+        Vec3 sum = Vec3::Zero();
+        for (int k = 1; k < 4; ++k) sum += (per_vertex[at(t[at(k)])] - per_vertex[at(t[0])]) * g.col(k);
+        gradients.push_back(sum);
+        largest = std::max(largest, sum.norm());
+    }
+    for (Vec3& g : gradients) {
+        const double length = g.norm();
+        g = length > 1e-9 * largest ? Vec3(g / length) : Vec3::Zero();
+    }
+    return gradients;
+}
+
+Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                        const std::vector<double>& values, const std::vector<char>& painted) {
+    Points directions =
+        unit_gradients(mesh, harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
+    // Round after round, directions spread over shared vertices into the tets that have none.
+    std::vector<std::size_t> empty;
+    for (std::size_t t = 0; t < directions.size(); ++t)
+        if (directions[t].isZero()) empty.push_back(t);
+    while (!empty.empty()) {
+        Points at_vertex(mesh.vertices.size(), Vec3::Zero());
+        for (std::size_t t = 0; t < directions.size(); ++t)
+            for (int v : mesh.tets[t]) at_vertex[at(v)] += directions[t];
+        std::vector<std::size_t> still_empty;
+        for (std::size_t t : empty) {
+            Vec3 sum = Vec3::Zero();
+            for (int v : mesh.tets[t]) sum += at_vertex[at(v)];
+            const double length = sum.norm();
+            if (length > 1e-6)
+                directions[t] = sum / length;
+            else
+                still_empty.push_back(t);
+        }
+        if (still_empty.size() == empty.size()) break; // a part without any direction
+        empty = std::move(still_empty);
+    }
+    return directions;
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,46 @@
+// Smooth extension of painted surface values into the volume, on the tets that the simulation uses.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/embedding.h"
+
+#include <vector>
+
+namespace sinew::solver {
+
+/// Which values the extension may take at the tet vertices.
+enum class HarmonicRange {
+    painted, ///< within [min, max] of the painted values, so weights stay weights
+    free     ///< vertices outside the solid may lie beyond, so that gradients are right up to the border
+};
+
+/// Harmonic (Laplace) extension: minimises the coverage-weighted Dirichlet energy subject to the painted
+/// values at the embedded surface points. The values are met exactly where the mesh can; where several points
+/// in one tet ask for more than it can give, their area-weighted squares of errors are least. With
+/// HarmonicRange::painted both hold within the bounds. Parts of the mesh without a painted point take the
+/// value of the nearest painted point. \param areas   weight of each point [m^2] \param values  one per
+/// embedded point \param painted which of the points are prescribed; the others are free \return one value
+/// per tet-mesh vertex Throws Error FE203 (sizes), FE202 (a painted value is not finite), FE205 (no point is
+/// painted). Direct solve, the same bits on every run.
+std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
+                                       const std::vector<double>& areas, const std::vector<double>& values,
+                                       const std::vector<char>& painted,
+                                       HarmonicRange range = HarmonicRange::painted);
+/// Several maps over the same painted points with one factorisation: maps[k][point] -> result[k][vertex].
+std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const Embedding& surface,
+                                                     const std::vector<double>& areas,
+                                                     const std::vector<std::vector<double>>& maps,
+                                                     const std::vector<char>& painted,
+                                                     HarmonicRange range = HarmonicRange::painted);
+/// Mean over each tet of a per-vertex field.
+std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& per_vertex);
+/// Unit gradient per tet of a per-vertex field; zero vectors where the gradient vanishes (is less than 1e-9
+/// of the largest).
+Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex);
+
+/// Fibre directions: unit gradients of the harmonic field (HarmonicRange::free) between painted end points.
+/// Tets in which the field is constant, because all their points are painted alike, take the mean direction
+/// of their neighbours.
+Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                        const std::vector<double>& values, const std::vector<char>& painted);
+
+} // namespace sinew::solver

@@ -1,0 +1,27 @@
+// Mesh files, by file name ending. Readers throw Error IO401 (missing), IO402 (unreadable), IO403 (wrong
+// content, with the line), IO404 (unknown ending), FE2xx (unusable mesh). Writers give text or bytes; who
+// calls them writes. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/tet_mesh.h"
+
+#include <string>
+#include <string_view>
+
+namespace sinew::solver {
+
+/// .obj, .off, .ply (ascii and binary, both byte orders), .stl (ascii and binary; equal corners are welded)
+SurfaceMesh read_surface(const std::string& path);
+/// .mesh (Medit ascii), .vtk (legacy ascii unstructured grid); further kinds are refused with IO404
+TetMesh read_tets(const std::string& path);
+/// The same from the bytes of a file; the ending of `path` tells the format, messages begin with `path`.
+SurfaceMesh parse_surface(std::string_view bytes, const std::string& path);
+TetMesh parse_tets(std::string_view bytes, const std::string& path);
+
+std::string write_obj(const SurfaceMesh& mesh);
+std::string write_ply(const SurfaceMesh& mesh); ///< binary little-endian, double coordinates
+std::string write_stl(const SurfaceMesh& mesh); ///< binary
+std::string write_off(const SurfaceMesh& mesh);
+std::string write_vtk(const TetMesh& mesh);
+
+} // namespace sinew::solver

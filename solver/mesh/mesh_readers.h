@@ -1,0 +1,26 @@
+// One reader a file format, from the bytes of a file. `file` is the name that messages begin with.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/tet_mesh.h"
+
+#include <string>
+#include <string_view>
+
+namespace sinew::solver {
+
+// All throw Error IO403 (with the line or byte), FE201, FE202, FE203, FE208, FE215; they never read past
+// `bytes` and never ask for memory that the size of `bytes` does not justify.
+SurfaceMesh read_obj(std::string_view bytes, const std::string& file);
+SurfaceMesh read_off(std::string_view bytes, const std::string& file);
+SurfaceMesh read_ply(std::string_view bytes, const std::string& file);
+SurfaceMesh read_stl(std::string_view bytes, const std::string& file);
+TetMesh read_medit(std::string_view bytes, const std::string& file);
+TetMesh read_vtk(std::string_view bytes, const std::string& file);
+
+/// Polygons to a checked mesh; Errors get the file's name in front.
+SurfaceMesh finish_surface(const std::string& file, Points points, std::vector<int> face_sizes,
+                           std::vector<int> face_vertices);
+TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets);
+
+} // namespace sinew::solver

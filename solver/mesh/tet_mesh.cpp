@@ -1,0 +1,114 @@
+// Tetrahedral meshes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/tet_mesh.h"
+
+#include "solver/error.h"
+#include "solver/mesh/tet_boundary.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+struct Face {
+    std::array<int, 3> sorted;
+    int tet, side;
+};
+
+} // namespace
+
+double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+    return (b - a).dot((c - a).cross(d - a)) / 6;
+}
+
+TetBoundary tet_boundary(const std::vector<Tet>& tets) {
+    // Corners of the face opposite corner i, outward for a positively oriented tet.
+    constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
+    std::vector<Face> all;
+    all.reserve(4 * tets.size());
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (int side = 0; side < 4; ++side) {
+            std::array<int, 3> key{tets[t][at(faces[side][0])], tets[t][at(faces[side][1])],
+                                   tets[t][at(faces[side][2])]};
+            std::sort(key.begin(), key.end());
+            all.push_back({key, static_cast<int>(t), side});
+        }
+    std::sort(all.begin(), all.end(), [](const Face& a, const Face& b) {
+        if (a.sorted != b.sorted) return a.sorted < b.sorted;
+        return a.tet != b.tet ? a.tet < b.tet : a.side < b.side;
+    });
+    std::vector<Face> border;
+    for (std::size_t i = 0; i < all.size();) {
+        std::size_t end = i + 1;
+        while (end < all.size() && all[end].sorted == all[i].sorted) ++end;
+        if (end == i + 1) border.push_back(all[i]);
+        i = end;
+    }
+    std::sort(border.begin(), border.end(),
+              [](const Face& a, const Face& b) { return a.tet != b.tet ? a.tet < b.tet : a.side < b.side; });
+    TetBoundary result;
+    for (const Face& f : border) {
+        const Tet& t = tets[at(f.tet)];
+        result.triangles.push_back(
+            {t[at(faces[f.side][0])], t[at(faces[f.side][1])], t[at(faces[f.side][2])]});
+        result.tet.push_back(f.tet);
+    }
+    return result;
+}
+
+std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets) {
+    return tet_boundary(tets).triangles;
+}
+
+void check_and_orient(TetMesh& mesh) {
+    if (mesh.vertices.empty()) throw Error("FE201", "the tet mesh has no vertices");
+    if (mesh.tets.empty()) throw Error("FE201", "the tet mesh has no tets");
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+        if (!mesh.vertices[i].allFinite())
+            throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
+    const int count = static_cast<int>(mesh.vertices.size());
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+        Tet& tet = mesh.tets[t];
+        for (int v : tet)
+            if (v < 0 || v >= count)
+                throw Error("FE203", "tet " + std::to_string(t) + " uses vertex " + std::to_string(v) +
+                                         " of " + std::to_string(count));
+        double longest = 0;
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < i; ++j)
+                longest =
+                    std::max(longest, (mesh.vertices[at(tet[at(i)])] - mesh.vertices[at(tet[at(j)])]).norm());
+        const double volume = tet_volume(mesh.vertices[at(tet[0])], mesh.vertices[at(tet[1])],
+                                         mesh.vertices[at(tet[2])], mesh.vertices[at(tet[3])]);
+        // Below this the sign of the volume is rounding error.
+        if (!(std::abs(volume) > 1e-15 * longest * longest * longest))
+            throw Error("FE215", "tet " + std::to_string(t) + " has no volume", "remove or remesh flat tets");
+        if (volume < 0) std::swap(tet[2], tet[3]);
+    }
+    if (mesh.coverage.empty()) mesh.coverage.assign(mesh.tets.size(), 1.0);
+    if (mesh.coverage.size() != mesh.tets.size())
+        throw Error("FE203", std::to_string(mesh.coverage.size()) + " coverage values for " +
+                                 std::to_string(mesh.tets.size()) + " tets");
+}
+
+int drop_unused_vertices(TetMesh& mesh) {
+    std::vector<int> renumbered(mesh.vertices.size(), -1);
+    for (const Tet& tet : mesh.tets)
+        for (int v : tet) renumbered[at(v)] = 0;
+    std::size_t kept = 0;
+    for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
+        if (renumbered[v] < 0) continue;
+        mesh.vertices[kept] = mesh.vertices[v];
+        renumbered[v] = static_cast<int>(kept++);
+    }
+    const int dropped = static_cast<int>(mesh.vertices.size() - kept);
+    mesh.vertices.resize(kept);
+    for (Tet& tet : mesh.tets)
+        for (int& v : tet) v = renumbered[at(v)];
+    return dropped;
+}
+
+} // namespace sinew::solver

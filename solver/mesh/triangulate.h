@@ -1,0 +1,16 @@
+// Triangulation of one polygon: a fan where it is convex, ear clipping where it is not.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <span>
+#include <vector>
+
+namespace sinew::solver {
+
+/// Appends corners.size() - 2 triangles with the polygon's orientation to `out`. Corners index `points`. The
+/// polygon is judged in the plane of its mean normal (Newell), so it may be slightly warped; one that crosses
+/// itself gives some triangulation of the right count. A convex polygon is a fan from its first corner.
+void triangulate_polygon(const Points& points, std::span<const int> corners, std::vector<Triangle>& out);
+
+} // namespace sinew::solver

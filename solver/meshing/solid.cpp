@@ -1,0 +1,147 @@
+// A surface prepared for the question "what is inside".
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/meshing/solid.h"
+
+#include "solver/error.h"
+#include "solver/meshing/holes.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+namespace sinew::solver {
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// Number of the first vertex at the same place, for each vertex.
+std::vector<int> weld(const Points& points) {
+    std::vector<int> order(points.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto compare = [&](int a, int b) {
+        for (int d = 0; d < 3; ++d)
+            if (points[at(a)][d] != points[at(b)][d]) return points[at(a)][d] < points[at(b)][d] ? -1 : 1;
+        return 0;
+    };
+    std::sort(order.begin(), order.end(), [&](int a, int b) {
+        const int c = compare(a, b);
+        return c != 0 ? c < 0 : a < b;
+    });
+    std::vector<int> first(points.size());
+    for (std::size_t i = 0; i < order.size(); ++i)
+        first[at(order[i])] =
+            i > 0 && compare(order[i - 1], order[i]) == 0 ? first[at(order[i - 1])] : order[i];
+    return first;
+}
+
+/// Keeps the first of triangles with the same corners in the same direction.
+void drop_repeated(std::vector<Triangle>& triangles) {
+    std::vector<std::pair<Triangle, std::size_t>> keys;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        Triangle key = triangles[t];
+        std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
+        keys.emplace_back(key, t);
+    }
+    std::sort(keys.begin(), keys.end());
+    std::vector<char> is_repeated(triangles.size(), 0);
+    for (std::size_t i = 1; i < keys.size(); ++i)
+        is_repeated[keys[i].second] = keys[i].first == keys[i - 1].first;
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        if (!is_repeated[t]) triangles[kept++] = triangles[t];
+    triangles.resize(kept);
+}
+
+double area(const Points& points, const std::vector<Triangle>& triangles) {
+    double sum = 0;
+    for (const Triangle& t : triangles)
+        sum += 0.5 * (points[at(t[1])] - points[at(t[0])]).cross(points[at(t[2])] - points[at(t[0])]).norm();
+    return sum;
+}
+
+/// Looks just below and above each triangle, at points no farther apart than a twentieth of the mesh or so.
+std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Triangle>& triangles,
+                                     const SurfaceTree& tree, double longest_side) {
+    std::vector<Solid::Sides> result(triangles.size());
+    tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+        const Vec3 &a = points[at(triangles[i][0])], u = points[at(triangles[i][1])] - a,
+                   v = points[at(triangles[i][2])] - a;
+        const Vec3 normal = u.cross(v);
+        const double twice_area = normal.norm();
+        if (!(twice_area > 0)) return;
+        const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
+        const int n = std::clamp(static_cast<int>(std::ceil(20 * longest_edge / longest_side)), 1, 12);
+        const Vec3 step = normal * (1e-3 / std::sqrt(twice_area) / n);
+        Solid::Sides first;
+        bool is_first = true;
+        // The middles of the n * n equal parts.
+        for (int p = 0; p < n; ++p)
+            for (int q = 0; p + q < n; ++q)
+                for (int half = 0; half < (p + q + 1 < n ? 2 : 1); ++half) {
+                    const double offset = half == 0 ? 1.0 / 3 : 2.0 / 3;
+                    const Vec3 middle = a + ((p + offset) * u + (q + offset) * v) / n;
+                    const std::array<double, 2> w{tree.winding_number(middle - step),
+                                                  tree.winding_number(middle + step)};
+                    for (double x : w)
+                        if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return;
+                    const Solid::Sides sides{static_cast<signed char>(std::lround(w[0])),
+                                             static_cast<signed char>(std::lround(w[1]))};
+                    if (!is_first && !(sides == first)) return;
+                    first = sides;
+                    is_first = false;
+                }
+        result[i] = first;
+    });
+    return result;
+}
+
+} // namespace
+
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles) {
+    SurfaceMesh view; // checks in the one place where the rules stand
+    view.points = points;
+    view.triangles = triangles;
+    check_usable(view);
+
+    const std::vector<int> first = weld(points);
+    std::vector<Triangle> kept;
+    for (const Triangle& t : triangles) {
+        const Triangle w{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
+        if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) kept.push_back(w);
+    }
+    if (kept.empty()) throw Error("FE211", "the mesh has no triangle with an area");
+    drop_repeated(kept);
+    Points used;
+    for (const Triangle& t : kept)
+        for (int v : t) used.push_back(points[at(v)]);
+    const Box box = bounding_box(used);
+    const double longest = box.size().maxCoeff();
+    if (!(longest < 1e60)) throw Error("FE202", "the mesh is larger than 1e60 units");
+    if (!(box.size().minCoeff() > 1e-9 * longest))
+        throw Error("FE211", "the mesh is flat: its bounding box has no volume",
+                    "a tissue needs a surface with an inside");
+    const std::vector<Triangle> lids = close_holes(points, kept);
+    const bool closed = area(points, lids) <= 0.1 * area(points, kept);
+    if (closed) kept.insert(kept.end(), lids.begin(), lids.end());
+    // About the box's centre, so that an open surface is judged by what it wraps.
+    Points centred = points;
+    for (Vec3& p : centred) p -= box.centre();
+    double volume = 0;
+    for (const Triangle& t : kept)
+        volume += centred[at(t[0])].dot(centred[at(t[1])].cross(centred[at(t[2])])) / 6;
+    if (closed && !(std::abs(volume) > 1e-12 * longest * longest * longest))
+        throw Error("FE211", "the surface is closed but encloses no volume",
+                    "look for doubled faces, or parts that are turned inside out");
+    if (volume < 0)
+        for (Triangle& t : kept) std::swap(t[1], t[2]);
+
+    SurfaceTree tree(points, kept);
+    std::vector<Solid::Sides> sides(kept.size());
+    if (closed) sides = find_sides(points, kept, tree, longest);
+    return Solid{points, std::move(kept), box, closed, std::move(sides), std::move(tree)};
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,34 @@
+// A surface prepared for the question "what is inside": welded, oriented outwards, with its search tree.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/mesh/closest_point.h"
+#include "solver/mesh/surface_mesh.h"
+
+namespace sinew::solver {
+
+/// Inside is where the winding number exceeds one half in size; so parts may overlap, and a part that is
+/// turned inside out counts as solid where it stands alone. Cracks and holes whose lids have less than a
+/// tenth of the surface's area are closed first (holes.h); larger ones are closed by the surface on which the
+/// winding number is one half.
+struct Solid {
+    /// The whole winding numbers just below and above a triangle of a closed surface: 1 and 0 on an ordinary
+    /// one, 2 and 1 inside another part, 0 and -1 on a part that is turned inside out.
+    struct Sides {
+        signed char below = 0, above = 0; ///< both 0: not the same all over the triangle
+        bool are_known() const { return below != above; }
+        bool operator==(const Sides& o) const { return below == o.below && above == o.above; }
+    };
+    Points points;                   ///< vertices at the same place are one
+    std::vector<Triangle> triangles; ///< without those that have two corners in one place; lids at the end
+    Box box;                         ///< of the triangles
+    bool is_closed = false;          ///< the triangles' edges cancel: winding numbers are whole numbers
+    std::vector<Sides> sides;        ///< of the triangles; unknown if the surface is not closed
+    SurfaceTree tree;
+
+    double winding_number(const Vec3& p) const { return tree.winding_number(p); }
+};
+
+/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume).
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles);
+
+} // namespace sinew::solver

@@ -1,0 +1,82 @@
+// Share of a tet inside any surface, by subdivision.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/meshing/tet_quadrature.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+namespace {
+
+constexpr int parts = 8; // along an edge
+
+struct Sample {
+    double inside;   ///< |winding number| - 1/2
+    double distance; ///< to the surface, at most the search radius
+};
+
+int index(int x, int y, int z) { return (z * (parts + 1) + y) * (parts + 1) + x; }
+
+} // namespace
+
+double positive_share(const std::array<double, 4>& values) {
+    std::array<double, 4> f = values;
+    std::sort(f.begin(), f.end(), std::greater<>());
+    const auto ratio = [](double in, double out) { return in / (in - out); };
+    if (f[3] > 0) return 1;
+    if (f[2] > 0) return 1 - ratio(-f[3], -f[0]) * ratio(-f[3], -f[1]) * ratio(-f[3], -f[2]);
+    if (f[1] > 0) {
+        const double a = ratio(f[0], f[2]), b = ratio(f[0], f[3]), c = ratio(f[1], f[2]),
+                     d = ratio(f[1], f[3]);
+        return a * b + (1 - a) * c * d + a * (1 - b) * d;
+    }
+    if (f[0] > 0) return ratio(f[0], f[1]) * ratio(f[0], f[2]) * ratio(f[0], f[3]);
+    return 0;
+}
+
+double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, bool is_near) {
+    // Kuhn's coordinates 1 >= x >= y >= z >= 0 of the tet, on a grid of `parts` cells, each of six equal
+    // tets.
+    const Vec3 ex = (corners[1] - corners[0]) / parts, ey = (corners[2] - corners[1]) / parts,
+               ez = (corners[3] - corners[2]) / parts;
+    const double cell = std::max({ex.norm(), ey.norm(), ez.norm()}), radius = 2 * cell;
+    std::array<Sample, (parts + 1) * (parts + 1) * (parts + 1)> samples;
+    for (int x = 0; x <= parts; ++x)
+        for (int y = 0; y <= x; ++y)
+            for (int z = 0; z <= y; ++z) {
+                const Vec3 p = corners[0] + x * ex + y * ey + z * ez;
+                ClosestPoint nearest;
+                if (is_near) nearest = solid.tree.closest(p, radius);
+                samples[static_cast<std::size_t>(index(x, y, z))] = {std::abs(solid.winding_number(p)) - 0.5,
+                                                                     nearest.triangle >= 0 ? nearest.distance
+                                                                                           : radius};
+            }
+
+    constexpr int walks[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
+    double sum = 0;
+    int count = 0;
+    for (int x = 0; x < parts; ++x)
+        for (int y = 0; y <= x; ++y)
+            for (int z = 0; z <= y; ++z)
+                for (const auto& walk : walks) {
+                    int at[3] = {x, y, z};
+                    std::array<Sample, 4> s;
+                    bool in_tet = true;
+                    for (std::size_t k = 0; k < 4 && in_tet; ++k) {
+                        if (k > 0) ++at[walk[k - 1]];
+                        in_tet = at[0] >= at[1] && at[1] >= at[2];
+                        if (in_tet) s[k] = samples[static_cast<std::size_t>(index(at[0], at[1], at[2]))];
+                    }
+                    if (!in_tet) continue;
+                    const bool near_surface =
+                        std::any_of(s.begin(), s.end(), [&](const Sample& q) { return q.distance < cell; });
+                    std::array<double, 4> f;
+                    for (std::size_t k = 0; k < 4; ++k)
+                        f[k] = near_surface ? std::copysign(s[k].distance, s[k].inside) : s[k].inside;
+                    sum += positive_share(f);
+                    ++count;
+                }
+    return sum / count;
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,36 @@
+// How much of a tet lies inside a closed surface, exactly, from the triangles that cross the tet.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/meshing/solid.h"
+
+namespace sinew::solver {
+
+/// Corners of a triangle in the barycentric coordinates of a tet.
+using BarycentricTriangle = std::array<std::array<double, 4>, 3>;
+
+/// Whether the triangle comes within `slack` (in barycentric coordinates) of the closed tet.
+bool touches_tet(const BarycentricTriangle& triangle, double slack);
+
+/// What one triangle adds to the share of the tet that its surface encloses.
+///
+/// By the divergence theorem with the origin at a corner, the volume inside is a sum over the surface's
+/// pieces in the tet and the piece of the opposite face that is inside; the area of that piece is a sum over
+/// the segments in which the surface cuts the face and the piece of one edge that is inside; its length
+/// follows from the points at which the surface cuts the edge and the winding number w of the edge's start.
+/// So, for a closed surface,
+///
+///     share = w(reference corner) + sum over the triangles of share_of_triangle
+///
+/// is exact up to rounding: the integral of the winding number over the tet, per tet volume. Cuts are
+/// computed from mesh vertices and edges in a way that neighbouring triangles repeat bit for bit, so no cut
+/// is counted twice or lost.
+double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner);
+
+/// Share of the tet inside the solid, whose surface must be closed. `triangles` are those that touch the tet.
+/// Exact up to rounding where all the triangles separate the same two winding numbers (1 and 0 on an ordinary
+/// surface); elsewhere, where parts cross, the tet is split three times into eight, and only small tets at
+/// the crossing itself are approximate.
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners,
+                    const std::vector<int>& triangles);
+
+} // namespace sinew::solver

@@ -1,0 +1,130 @@
+// Painted maps: each rule of the weights node on a mesh whose answer is known, and the ends of fibres.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench.h"
+
+using namespace bench;
+using engine::NumberList;
+
+namespace {
+
+// A line of vertices at x = 0, 1, 2, 3, 4 (each twice, at y = 0 and 1), as a strip of quads.
+const std::string strip =
+    R"("line": {"type": "polyPlane", "inputs": {"width": 4, "height": 1, "subdivisionsWidth": 4, "subdivisionsHeight": 1}},
+    "strip": {"type": "transform", "inputs": {"mesh": {"from": "line.outMesh"}, "translate": [2, 0, 0]}},)";
+
+std::string weights(const std::string& inputs) {
+    return strip + R"("w": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, )" + inputs +
+           "}}";
+}
+
+/// The weight at each x = 0…4, after checking that both rows agree.
+std::vector<double> by_x(const std::string& inputs, const std::string& more = "") {
+    Session s(weights(inputs) + more);
+    const auto w = s.get<NumberList>("w", "outWeights");
+    const auto mesh = s.get<nodes::Mesh>("strip", "outMesh");
+    REQUIRE(w.size() == mesh.points->size());
+    std::vector<double> out(5, -1);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+        double& slot = out[static_cast<std::size_t>(std::lround((*mesh.points)[i].x()))];
+        CHECK((slot == -1 || slot == Approx(w[i])));
+        slot = w[i];
+    }
+    return out;
+}
+
+using Line = std::vector<double>;
+
+} // namespace
+
+TEST_CASE("a constant map is adjusted by invert, scale and offset and kept within 0 and 1", "[nodes]") {
+    CHECK(by_x(R"("value": 0.25)") == Line(5, 0.25));
+    CHECK(by_x(R"("value": 0.25, "invert": true)") == Line(5, 0.75));
+    CHECK(by_x(R"("value": 0.25, "scale": 2, "offset": 0.125)") == Line(5, 0.625));
+    CHECK(by_x(R"("value": 7)") == Line(5, 1));
+    CHECK(by_x(R"("offset": -3)") == Line(5, 0));
+}
+
+TEST_CASE("a ramp rises between two coordinates, straight or smooth, either way", "[nodes]") {
+    CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4)") == Line{0, 0.25, 0.5, 0.75, 1});
+    CHECK(by_x(R"("mode": "ramp", "start": 3, "end": 1)") == Line{1, 1, 0.5, 0, 0});
+    CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4, "smooth": true)") ==
+          Line{0, 0.15625, 0.5, 0.84375, 1});
+    CHECK(codes(weights(R"("mode": "ramp", "start": 2, "end": 2)"), "w", "outWeights") == Codes{"DG110"});
+}
+
+TEST_CASE("a sphere is full inside its radius and fades over its falloff", "[nodes]") {
+    CHECK(by_x(R"("mode": "sphere", "center": [0, 0, 0], "radius": 1.5)") == Line{1, 1, 0, 0, 0});
+    const Line w = by_x(R"("mode": "sphere", "center": [0, 0, 0], "radius": 1.2, "falloff": 10)");
+    CHECK(w[0] == 1);
+    CHECK(w[1] == 1);
+    CHECK((1 > w[2] && w[2] > w[3] && w[3] > w[4] && w[4] > 0));
+}
+
+TEST_CASE("near falls with the distance to another mesh, and counts its inside as touching", "[nodes]") {
+    // A box whose faces lie at x = -0.5 and x = 0.5.
+    const std::string box = R"(, "box": {"type": "polyCube", "inputs": {"height": 9, "depth": 9}})";
+    const std::string near = R"("mode": "near", "otherMesh": {"from": "box.outMesh"}, )";
+    CHECK(by_x(near + R"("innerDistance": 0.5, "outerDistance": 2.5)", box) == Line{1, 1, 0.5, 0, 0});
+    CHECK(by_x(near + R"("innerDistance": 0.1, "outerDistance": 0.1)", box) == Line{1, 0, 0, 0, 0});
+    CHECK(codes(weights(near + R"("innerDistance": 2, "outerDistance": 1)") + box, "w", "outWeights") ==
+          Codes{"DG110"});
+    CHECK(codes(weights(R"("mode": "near")"), "w", "outWeights") == Codes{"DG110"});
+}
+
+TEST_CASE("lists and vertex numbers must fit the mesh", "[nodes]") {
+    Session s(weights(R"("mode": "vertices", "vertices": [0, 9, 3])"));
+    CHECK(s.get<NumberList>("w", "outWeights") == NumberList{1, 0, 0, 1, 0, 0, 0, 0, 0, 1});
+    s.set("w", "vertices", "[10]");
+    CHECK(codes([&] { s.pull("w", "outWeights"); }) == Codes{"FE203"});
+    s.set("w", "vertices", "[-1]");
+    CHECK(codes([&] { s.pull("w", "outWeights"); }) == Codes{"FE203"});
+    s.set("w", "vertices", "[1.5]");
+    CHECK(codes([&] { s.pull("w", "outWeights"); }) == Codes{"FE203"});
+    s.set("w", "mode", "\"list\"");
+    s.set("w", "values", "[0.5]");
+    CHECK(s.get<NumberList>("w", "outWeights") == NumberList(10, 0.5));
+    s.set("w", "values", "[0.5, 0.5]");
+    std::string text;
+    CHECK(codes([&] { s.pull("w", "outWeights"); }, &text) == Codes{"FE204"});
+    CHECK(text.find("2 numbers for a mesh of 10") != std::string::npos);
+    s.set("w", "values", "[]");
+    CHECK(codes([&] { s.pull("w", "outWeights"); }) == Codes{"FE204"});
+}
+
+TEST_CASE("a map may come from a JSON file, whole or by pointer, as numbers or vertices", "[nodes]") {
+    const Folder folder;
+    const std::string numbers = folder.write("n.json", "[0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]");
+    const std::string sets =
+        folder.write("s.json", R"({"attachments": [{"muscle": "a", "vertices": [2, 4]}, {"vertices": [99]}],
+                                                        "word": ["x"]})");
+    const auto file = [&](const std::string& path, const std::string& key) {
+        return weights(R"("mode": "file", "file": ")" + path + R"(", "key": ")" + key + "\"");
+    };
+    Session a(file(numbers, ""));
+    CHECK(a.get<NumberList>("w", "outWeights")[9] == 0.9);
+    const NumberList two{0, 0, 1, 0, 1, 0, 0, 0, 0, 0};
+    CHECK(Session(file(sets, "/attachments/0/vertices")).get<NumberList>("w", "outWeights") == two);
+    CHECK(Session(file(sets, "/attachments/0")).get<NumberList>("w", "outWeights") == two);
+    CHECK(codes(file(sets, "/attachments/1"), "w", "outWeights") == Codes{"FE203"});
+    CHECK(codes(file(sets, "/attachments/7/vertices"), "w", "outWeights") == Codes{"IO403"});
+    CHECK(codes(file(sets, "no pointer"), "w", "outWeights") == Codes{"IO403"});
+    CHECK(codes(file(sets, "/word"), "w", "outWeights") == Codes{"IO403"});
+    CHECK(codes(weights(R"("mode": "file")"), "w", "outWeights") == Codes{"DG110"});
+}
+
+TEST_CASE("end points mark source and sink, which must not meet", "[nodes]") {
+    const std::string maps =
+        strip +
+        R"("from": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [0]}},
+        "to": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [4, 9]}},)";
+    const auto ends = [&](const std::string& from, const std::string& to) {
+        return maps +
+               R"("e": {"type": "endPoints", "inputs": {"mesh": {"from": "strip.outMesh"}, "source": )" +
+               from + R"(, "sink": )" + to + "}}";
+    };
+    Session s(ends(R"({"from": "from.outWeights"})", R"({"from": "to.outWeights"})"));
+    CHECK(s.get<NumberList>("e", "outEndPoints") == NumberList{0, 0.5, 0.5, 0.5, 1, 0.5, 0.5, 0.5, 0.5, 1});
+    CHECK(codes(ends(R"({"from": "to.outWeights"})", R"({"from": "to.outWeights"})"), "e", "outEndPoints") ==
+          Codes{"FE205"});
+    CHECK(codes(ends(R"([1, 0, 0])", R"({"from": "to.outWeights"})"), "e", "outEndPoints") == Codes{"FE204"});
+}

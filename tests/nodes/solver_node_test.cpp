@@ -1,0 +1,259 @@
+// zSolver from end to end on small beams: frames, units, the rules across bodies and attachments, restarts,
+// bits. SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench.h"
+
+using namespace bench;
+
+namespace {
+
+std::string number(double v) {
+    char text[40];
+    std::snprintf(text, sizeof text, "%.17g", v);
+    return text;
+}
+
+/// A soft beam of 1 m x 0.25 m x 0.25 m, tied at its -x end to a bone block that can move; `u` scene units a
+/// metre.
+std::string beam(double u, const std::string& solver_inputs = "", const std::string& extra = "") {
+    const std::string size = R"("inputs": {"width": )" + number(u) + R"(, "height": )" + number(u / 4) +
+                             R"(, "depth": )" + number(u / 4) +
+                             R"(, "subdivisionsWidth": 8, "subdivisionsHeight": 2, "subdivisionsDepth": 2}})";
+    return R"("mesh": {"type": "polyCube", )" + size +
+           R"(, "box": {"type": "polyCube", "inputs": {"width": )" + number(u / 4) + R"(, "height": )" +
+           number(u / 4) + R"(, "depth": )" + number(u / 4) + R"(}},
+        "place": {"type": "transform", "inputs": {"translate": {"keys": [[1, [)" +
+           number(-0.625 * u) + R"(, 0, 0]], [4, [)" + number(-0.625 * u) + ", " + number(0.05 * u) +
+           R"(, 0]]]}}},
+        "bone": {"type": "zBone", "inputs": {"mesh": {"from": "box.outMesh"}, "matrix": {"from": "place.outMatrix"}}},
+        "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 2e5}},
+        "tets": {"type": "zTet", "inputs": {"mesh": {"from": "mesh.outMesh"}, "tetSize": )" +
+           number(u / 6) + R"(}},
+        "beam": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "end": {"type": "weights", "inputs": {"mesh": {"from": "mesh.outMesh"}, "mode": "ramp", "start": )" +
+           number(-0.49 * u) + R"(, "end": )" + number(-0.5 * u) + R"(}},
+        "tie": {"type": "zAttachment", "inputs": {"source": {"from": "beam.outBody"}, "target": {"from": "bone.outBody"}, "weights": {"from": "end.outWeights"}}},
+        "solver": {"type": "zSolver", "inputs": {"scale": )" +
+           number(u) + R"(, "maxNewtonIterations": 40,
+            "bodies": [{"from": "bone.outBody"}, {"from": "beam.outBody"}], "attachments": [{"from": "tie.outAttachment"}])" +
+           solver_inputs + "}}" + extra;
+}
+
+solver::Points points(Session& s, double frame, std::size_t body = 1) {
+    return *s.get<nodes::MeshList>("solver", "outMeshes", frame).meshes[body].points;
+}
+
+} // namespace
+
+TEST_CASE("a beam sags under gravity, follows its bone and reports how it converged", "[nodes]") {
+    Session s(beam(1));
+    const solver::Points rest = *s.get<nodes::Mesh>("mesh", "outMesh").points;
+    CHECK(largest_difference(points(s, 1), rest) < 1e-14);
+    const solver::Points now = points(s, 8);
+    double tip = 0, held = 0;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+        if (rest[i].x() > 0.49) tip = std::min(tip, now[i].y() - rest[i].y());
+        if (rest[i].x() < -0.49) held = std::max(held, (now[i] - rest[i] - solver::Vec3(0, 0.05, 0)).norm());
+    }
+    CHECK(tip < -0.005);
+    CHECK(held < 0.004);
+    const auto report = s.get<nodes::SolveReport>("solver", "outReport", 8);
+    CHECK(report.record.converged);
+    CHECK(report.record.inverted == 0);
+    CHECK(report.bodies == 2);
+    CHECK(report.tets ==
+          static_cast<std::int64_t>(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->tets.size()));
+    CHECK(report.dofs ==
+          3 * static_cast<std::int64_t>(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->vertices.size()));
+    CHECK(report.triangles == 12 + 144);
+    CHECK(report.attachments == 1);
+    CHECK(report.terms == std::vector<std::string>{"StVK", "compressionResistance", "gravity", "inertia",
+                                                   "damping", "attachment"});
+    CHECK(s.counter.warnings.empty());
+    CHECK(s.counter.steps["solver"] == 8); // the start state and seven steps
+}
+
+TEST_CASE("bones pass through the solver as they are", "[nodes]") {
+    Session s(beam(100));
+    CHECK(points(s, 3, 0) == *std::get<nodes::Mesh>(s.get<nodes::Body>("bone", "outBody", 3).values).points);
+}
+
+TEST_CASE("the same scene in metres and in centimetres moves alike", "[nodes]") {
+    const std::string options = R"(, "substeps": 2)";
+    Session metres(beam(1, options)), centimetres(beam(100, options));
+    for (double frame : {2.0, 5.0}) {
+        const solver::Points a = points(metres, frame);
+        solver::Points b = points(centimetres, frame);
+        for (solver::Vec3& p : b) p /= 100;
+        CHECK(largest_difference(a, b) < 1e-9);
+    }
+}
+
+TEST_CASE("sub-steps read the bone at their own times", "[nodes]") {
+    Session one(beam(1)), four(beam(1, R"(, "substeps": 4)"));
+    CHECK(four.get<nodes::SolveReport>("solver", "outReport", 2).record.substeps == 4);
+    CHECK(largest_difference(points(one, 4), points(four, 4)) > 1e-6);
+}
+
+TEST_CASE("an unconverged frame warns with its residual and goes on", "[nodes]") {
+    Session s(beam(1, R"(, "solverToleranceFactor": 1e-12)"));
+    s.set("solver", "maxNewtonIterations", "1");
+    points(s, 3);
+    REQUIRE(s.counter.warnings.size() >= 1);
+    for (const engine::Diagnostic& d : s.counter.warnings) {
+        CHECK(d.code == "FE301");
+        CHECK(d.node == "solver");
+        CHECK(d.message.find("residual") != std::string::npos);
+    }
+    CHECK_FALSE(s.get<nodes::SolveReport>("solver", "outReport", 3).record.converged);
+}
+
+TEST_CASE("QuasiStatic needs every tissue tied to a bone by some chain", "[nodes]") {
+    const std::string second = R"(, "mesh2": {"type": "polySphere"},
+        "ball": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh2.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "chain": {"type": "zAttachment", "inputs": {"source": {"from": "ball.outBody"}, "target": {"from": "beam.outBody"}, "weights": [1]}})";
+    Session s(beam(1, R"(, "integrator": "QuasiStatic")", second));
+    points(s, 2);
+    CHECK(s.get<nodes::SolveReport>("solver", "outReport", 2).terms ==
+          std::vector<std::string>{"StVK", "compressionResistance", "gravity", "attachment"});
+    s.set("solver", "bodies",
+          R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "ball.outBody"}])");
+    std::string text;
+    CHECK(codes([&] { s.pull("solver", "outMeshes", 2); }, &text) == Codes{"FE303"});
+    CHECK(text.find("ball floats") != std::string::npos);
+    CHECK_THROWS_AS(s.pull("solver", "outMeshes", 2), engine::SolveFailure);
+    s.set("solver", "attachments", R"([{"from": "tie.outAttachment"}, {"from": "chain.outAttachment"}])");
+    CHECK(codes([&] { s.pull("solver", "outMeshes", 1); }).empty());
+    s.set("chain", "stiffness", "0");
+    CHECK(codes([&] { s.pull("solver", "outMeshes", 1); }) == Codes{"FE303"});
+}
+
+TEST_CASE("bodies and attachments that do not fit together are refused by name", "[nodes]") {
+    std::string text;
+    Session s(beam(1));
+    s.set("solver", "bodies", R"([{"from": "beam.outBody"}])");
+    CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
+    CHECK(text.find("the target of tie") != std::string::npos);
+    s.set("solver", "bodies",
+          R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "beam.outBody"}])");
+    CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE213"});
+    CHECK(text.find("beam and beam") != std::string::npos);
+    s.set("solver", "bodies", "[]");
+    CHECK(codes([&] { s.pull("solver", "outMeshes"); }) == Codes{"DG021"});
+}
+
+TEST_CASE("what is static may not change after the start frame", "[nodes]") {
+    std::string text;
+    Session s(beam(
+        1, "",
+        R"(, "grow": {"type": "transform", "inputs": {"mesh": {"from": "mesh.outMesh"}, "scale": {"keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [2, 1, 1]]]}}})"));
+    s.set("beam", "mesh", R"({"from": "grow.outMesh"})");
+    CHECK(codes([&] { s.pull("solver", "outMeshes", 3); }).empty());
+    CHECK(codes([&] { s.pull("solver", "outMeshes", 4); }, &text) == Codes{"FE211"});
+    CHECK(text.find("the rest shape of beam") != std::string::npos);
+}
+
+TEST_CASE("disabled bodies are left out together with their attachments", "[nodes]") {
+    Session s(beam(1));
+    s.set("bone", "enable", "false");
+    const auto report = s.get<nodes::SolveReport>("solver", "outReport", 2);
+    CHECK(report.bodies == 1);
+    CHECK(report.attachments == 0);
+    const auto meshes = s.get<nodes::MeshList>("solver", "outMeshes", 2);
+    REQUIRE(meshes.meshes.size() == 2);
+    // Without its bone the beam falls freely: by g h^2 in one step of backward Euler.
+    const solver::Points rest = *s.get<nodes::Mesh>("mesh", "outMesh").points;
+    const double fall = (*meshes.meshes[1].points)[0].y() - rest[0].y();
+    CHECK(fall == Approx(-9.8 / 24 / 24).epsilon(1e-5));
+    s.set("beam", "enable", "false");
+    CHECK(*s.get<nodes::MeshList>("solver", "outMeshes", 2).meshes[1].points == rest);
+}
+
+TEST_CASE("a solver that is off leaves tissues as modelled and moves bones", "[nodes]") {
+    Session s(beam(1, R"(, "enable": false)"));
+    CHECK(points(s, 4) == *s.get<nodes::Mesh>("mesh", "outMesh").points);
+    CHECK(points(s, 4, 0) == *std::get<nodes::Mesh>(s.get<nodes::Body>("bone", "outBody", 4).values).points);
+}
+
+TEST_CASE("two bones of one mesh are told apart by where they stand", "[nodes]") {
+    const std::string extra = R"(, "away": {"type": "transform", "inputs": {"translate": [0, 9, 0]}},
+        "twin": {"type": "zBone", "inputs": {"mesh": {"from": "box.outMesh"}, "matrix": {"from": "away.outMatrix"}}})";
+    Session plain(beam(1)), twins(beam(1, "", extra));
+    twins.set("solver", "bodies",
+              R"([{"from": "twin.outBody"}, {"from": "bone.outBody"}, {"from": "beam.outBody"}])");
+    CHECK(points(plain, 3, 1) == points(twins, 3, 2));
+}
+
+TEST_CASE("a simulation gives the same bits with one thread, two threads and without any kept scratch",
+          "[nodes]") {
+    Session one(beam(1), 1), two(beam(1), 2), forgetful(beam(1), 1);
+    const engine::Digest expected = one.pull("solver", "outMeshes", 6).digest();
+    CHECK(two.pull("solver", "outMeshes", 6).digest() == expected);
+    for (double frame = 1; frame <= 6; ++frame) {
+        forgetful.pull("solver", "outMeshes", frame);
+        forgetful.evaluator.drop_scratch();
+    }
+    CHECK(forgetful.pull("solver", "outMeshes", 6).digest() == expected);
+}
+
+TEST_CASE("a saved simulation goes on bit for bit", "[nodes]") {
+    Session first(beam(1)), second(beam(1));
+    const engine::Digest expected = first.pull("solver", "outMeshes", 6).digest();
+    for (double frame : {1.0, 3.0, 5.0}) {
+        const std::vector<std::byte> bytes =
+            first.evaluator.save_state({first.graph, {"solver", "outMeshes"}, frame});
+        Session resumed(beam(1));
+        resumed.evaluator.load_state({resumed.graph, {"solver", "outMeshes"}, frame}, bytes);
+        CHECK(resumed.pull("solver", "outMeshes", 6).digest() == expected);
+        CHECK(resumed.counter.steps["solver"] == static_cast<int>(6 - frame));
+    }
+}
+
+TEST_CASE("a stop reaches into the solve and keeps the finished frames", "[nodes]") {
+    /// Asks for a stop as soon as a frame's solve says that it is under way.
+    struct Stopper : Counter {
+        std::stop_source source;
+        double at_frame = 0;
+        void progress(const std::string&, double, std::string_view what) override {
+            if (what == "solving" && steps["solver"] == at_frame) source.request_stop();
+        }
+    };
+    Stopper stopper;
+    stopper.at_frame = 3; // the start state and two steps are done
+    engine::Evaluator evaluator({}, 1, &stopper);
+    const auto g = graph(beam(1));
+    CHECK_THROWS_AS(evaluator.pull({g, {"solver", "outMeshes"}, 6, stopper.source.get_token()}),
+                    engine::Cancelled);
+    CHECK(stopper.steps["solver"] == 3);
+    CHECK(stopper.warnings.empty());
+    const engine::Digest resumed = evaluator.pull({g, {"solver", "outMeshes"}, 6}).digest();
+    CHECK(stopper.steps["solver"] == 6);
+    CHECK(resumed == Session(beam(1)).pull("solver", "outMeshes", 6).digest());
+}
+
+TEST_CASE("an edit keyed at a later frame leaves earlier frames alone", "[nodes]") {
+    Session s(beam(1));
+    points(s, 6);
+    CHECK(s.counter.steps["solver"] == 6);
+    s.set("flesh", "youngsModulus", R"({"keys": [[1, 200000], [5, 200000], [6, 100000]]})");
+    points(s, 5);
+    CHECK(s.counter.steps["solver"] == 6);
+    points(s, 6);
+    CHECK(s.counter.steps["solver"] == 7);
+}
+
+TEST_CASE("before its start frame a simulation stands as modelled, wherever the start is", "[nodes]") {
+    Session s(beam(1, R"(, "startFrame": 3)"));
+    const solver::Points rest = *s.get<nodes::Mesh>("mesh", "outMesh").points;
+    CHECK(largest_difference(points(s, -4), rest) < 1e-14);
+    CHECK(largest_difference(points(s, 3), rest) < 1e-14);
+    CHECK(s.counter.steps["solver"] == 1);
+    CHECK(largest_difference(points(s, 4), rest) > 1e-4);
+}
+
+TEST_CASE("bones alone need no solve", "[nodes]") {
+    Session s(beam(1));
+    s.set("solver", "bodies", R"([{"from": "bone.outBody"}])");
+    s.set("solver", "attachments", "[]");
+    CHECK(s.get<nodes::MeshList>("solver", "outMeshes", 3).meshes.size() == 1);
+    CHECK(s.get<nodes::SolveReport>("solver", "outReport", 3).dofs == 0);
+}
