@@ -165,6 +165,10 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     s.step_size = 1 / (in[frames_per_second] * static_cast<double>(steps_per_frame));
     s.integrator = in[integrator] == "QuasiStatic" ? solver::Integrator::quasi_static
                                                    : solver::Integrator::backward_euler;
+    const std::string& method = in[linear_solver];
+    s.linear_method = method == "Direct"      ? solver::LinearMethod::direct
+                      : method == "Iterative" ? solver::LinearMethod::iterative
+                                              : solver::LinearMethod::automatic;
     s.gravity = solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
     s.mass_damping = in[mass_damping];
     s.stiffness_damping = in[stiffness_damping];

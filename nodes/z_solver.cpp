@@ -160,6 +160,7 @@ void add_z_solver(Registry& registry) {
                         describe(enable),
                         describe(start_frame),
                         describe(scale),
+                        describe(linear_solver),
                         describe(integrator),
                         describe(frames_per_second),
                         describe(substeps),

@@ -40,9 +40,15 @@ inline const Input<std::string> integrator{
     .name = "integrator",
     .def = "BackwardEuler",
     .doc = "BackwardEuler follows the motion in time; QuasiStatic finds the shape at rest for each frame, so "
-           "every "
-           "tissue must be tied to a bone.",
+           "every tissue must be tied to a bone.",
     .options = {"BackwardEuler", "QuasiStatic"},
+};
+inline const Input<std::string> linear_solver{
+    .name = "solver",
+    .def = "Auto",
+    .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients; Auto "
+           "iterates and goes to the factorisation for a while where counted cost says that it is cheaper.",
+    .options = {"Auto", "Direct", "Iterative"},
 };
 inline const Input<double> frames_per_second{
     .name = "framesPerSecond",

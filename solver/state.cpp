@@ -11,7 +11,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 1\n";
+constexpr std::string_view magic = "sinew state 2\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -57,7 +57,7 @@ class Reader {
 
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
 template <class Record, class Visit> void visit_record(Record& r, const Visit& visit) {
-    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.energy);
+    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.linear_iterations), visit(r.energy);
     visit(r.min_j), visit(r.inverted), visit(r.max_stretch);
 }
 
@@ -84,6 +84,7 @@ std::vector<std::byte> save(const State& s) {
             for (int c = 0; c < 3; ++c) w.put(p[c]);
     }
     w.put(s.steps);
+    w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
     return out;
 }
@@ -113,6 +114,7 @@ State load(std::span<const std::byte> bytes) {
             for (int c = 0; c < 3; ++c) r.get(p[c]);
     }
     r.get(s.steps);
+    r.get(s.linear.factor_steps_left);
     visit_record(s.record, [&](auto& field) { r.get(field); });
     if (!r.at_end()) throw Error("IO403", "a saved simulation state has bytes left over");
     return s;

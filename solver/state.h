@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/types.h"
+#include "solver/linear/linear_solver.h"
 
 #include <array>
 #include <cstddef>
@@ -26,6 +27,7 @@ struct StepRecord {
     double residual = 0; ///< force residual / forces at work
     bool converged = true;
     int newton_iterations = 0, substeps = 0;
+    int linear_iterations = 0; ///< of conjugate gradients; 0 where every solve was direct
     double energy = 0; ///< elastic + fibre + attachment [J]
     double min_j = 1;  ///< least det F over all tets
     int inverted = 0;  ///< tets with det F <= 0
@@ -38,6 +40,7 @@ struct State {
     std::vector<std::vector<Anchor>> anchors; ///< per attachment
     std::vector<Points> bones;                ///< per body: bone vertex positions at the end of the step; empty for tissues
     long long steps = 0;                      ///< since the start frame
+    LinearMemory linear;
     StepRecord record;
 };
 

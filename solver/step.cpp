@@ -17,20 +17,18 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    int symbolic_analyses = 0;
     explicit Impl(const Scene& scene) : potential(scene) {}
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors) {
         const bool new_pattern = potential.set_anchors(anchors);
         if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
         newton = std::make_unique<NewtonWorkspace>(potential.pattern());
-        ++symbolic_analyses;
     }
 };
 
 Workspace::Workspace(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)), impl_(std::make_unique<Impl>(*scene_)) {}
 Workspace::~Workspace() = default;
-int Workspace::symbolic_analyses() const { return impl_->symbolic_analyses; }
+int Workspace::symbolic_analyses() const { return impl_->newton ? impl_->newton->linear.symbolic_analyses() : 0; }
 
 namespace {
 
@@ -114,8 +112,10 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
             inner.progress = [&, k](double done, int iteration, double residual) {
                 control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
             };
-        if (impl.newton) minimise(impl.potential, *impl.newton, {in.max_newton_iterations, base_tolerance * in.tolerance_factor}, inner, x,
-                 s.record);
+        if (s.linear.factor_steps_left > 0) --s.linear.factor_steps_left;
+        if (impl.newton)
+            minimise(impl.potential, *impl.newton, {in.max_newton_iterations, base_tolerance * in.tolerance_factor, in.linear_method}, inner,
+                     x, s.linear, s.record);
         update_velocity(impl.form, x, s.v);
         s.x = std::move(x);
         s.bones = std::move(bones);

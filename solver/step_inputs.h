@@ -1,6 +1,7 @@
 // What may change from step to step: bone positions, material values, excitation, solver settings.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/linear/linear_solver.h"
 #include "solver/types.h"
 
 #include <variant>
@@ -48,6 +49,7 @@ struct StepInputs {
     Vec3 gravity{0, -9.8, 0}; ///< [m/s^2]
     double mass_damping = 0;       ///< Rayleigh [1/s]
     double stiffness_damping = 0;  ///< Rayleigh [s]
+    LinearMethod linear_method = LinearMethod::automatic;
     int max_newton_iterations = 10;
     double tolerance_factor = 1;
     std::vector<BodyInputs> bodies;           ///< one per body, same order as the scene's

@@ -3,46 +3,38 @@
 
 #include "solver/error.h"
 #include "solver/parallel.h"
+#include "solver/stopwatch.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 
 namespace sinew::solver {
 
 namespace {
 
-/// Adds the time since construction to a counter of the report.
-class Stopwatch {
-  public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
-    ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
-
-  private:
-    double& seconds_;
-    std::chrono::steady_clock::time_point start_;
-};
-
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
     return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
 }
 
+/// How exactly the linear system needs to be solved: to 1e-2 far from the solution, where a better direction buys
+/// nothing, and no further than a fifth of what is missing when this iteration can be the last.
+double forcing(double residual, double tolerance) { return std::clamp(0.2 * tolerance / residual, 1e-2, 1e-1); }
+
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
 /// projected one. Returns the slope along it.
-double find_direction(Potential& potential, NewtonWorkspace& w, const std::vector<double>& x, StepRecord& record) {
+double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
+                      int iteration, const std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     for (const bool project : {false, true}) {
         {
             const Stopwatch timer(record.seconds_assembly);
             potential.assemble(x, project, w.hessian);
         }
-        bool definite;
-        {
-            const Stopwatch timer(record.seconds_factor);
-            definite = w.factor.factorize(w.hessian);
-        }
-        if (!definite) continue;
-        const Stopwatch timer(record.seconds_solve);
-        w.direction.resize(w.gradient.size());
-        w.factor.solve(w.gradient.data(), w.direction.data());
+        const LinearSolver::Outcome outcome = w.linear.solve(options.method, w.hessian, w.gradient, w.direction,
+                                                             forcing(residual, options.tolerance), iteration, memory);
+        record.linear_iterations += outcome.iterations;
+        record.seconds_factor += outcome.seconds_factor;
+        record.seconds_solve += outcome.seconds_solve;
+        if (!outcome.definite) continue;
         for (double& d : w.direction) d = -d;
         const double slope = dot(w.gradient, w.direction);
         if (slope < 0) return slope;
@@ -55,13 +47,20 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const std::vecto
 } // namespace
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
-              std::vector<double>& x, StepRecord& record) {
+              std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    w.linear.begin_step();
     ForceNorms norms;
     double value;
     {
         const Stopwatch timer(record.seconds_assembly);
-        value = potential.evaluate(x, &w.gradient, &norms);
+        const double at_rest = potential.evaluate(x, nullptr, nullptr);
+        w.trial = potential.free_flight(x);
+        value = potential.evaluate(w.trial, &w.gradient, &norms);
+        if (value <= at_rest)
+            x.swap(w.trial);
+        else
+            value = potential.evaluate(x, &w.gradient, &norms);
     }
     double r = 0;
     bool converged = false;
@@ -78,7 +77,7 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
                         "check for extreme material values, bone positions or step sizes at this frame");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
-        const double slope = find_direction(potential, w, x, record);
+        const double slope = find_direction(potential, w, options, r, iteration, x, memory, record);
 
         // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to
         // the energies, the comparison says nothing and the full step is taken.

@@ -3,7 +3,7 @@
 // iterations). Converged: |gradient| <= tolerance x the forces at work, or it is down to what rounding makes of zero.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/cholesky.h"
+#include "solver/linear/linear_solver.h"
 #include "solver/newton/potential.h"
 #include "solver/step.h"
 
@@ -12,19 +12,20 @@ namespace sinew::solver {
 struct NewtonOptions {
     int max_iterations = 10;
     double tolerance = 1e-6; ///< on |gradient| / largest force norm
+    LinearMethod method = LinearMethod::automatic;
 };
 
 /// Buffers that live as long as the pattern.
 struct NewtonWorkspace {
     BlockMatrix hessian;
-    Cholesky factor;
+    LinearSolver linear;
     std::vector<double> gradient, direction, trial;
-    explicit NewtonWorkspace(const BlockPattern& pattern) : hessian(pattern), factor(pattern) {}
+    explicit NewtonWorkspace(const BlockPattern& pattern) : hessian(pattern), linear(pattern) {}
 };
 
-/// Moves x (3 a vertex) to the minimum; adds to the record's iterations and seconds, sets residual and converged
+/// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value; adds to the record's iterations and seconds, sets residual and converged
 /// (kept at the worst over several calls). Throws Error FE302 on NaN, Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,
-              std::vector<double>& x, StepRecord& record);
+              std::vector<double>& x, LinearMemory& memory, StepRecord& record);
 
 } // namespace sinew::solver

@@ -312,6 +312,17 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     return total;
 }
 
+std::vector<double> Potential::free_flight(const std::vector<double>& x) const {
+    std::vector<double> out = x;
+    if (form_->mass_factor > 0)
+        for (const int v : system_.vertex_of_unknown)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::size_t i = 3 * static_cast<std::size_t>(v) + c;
+                out[i] = form_->target[i] + inputs_.gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor;
+            }
+    return out;
+}
+
 double Potential::force_rounding(const std::vector<double>& x) const {
     double largest = 0;
     for (const double c : x) largest = std::max(largest, std::abs(c));

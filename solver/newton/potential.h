@@ -33,6 +33,8 @@ class Potential {
     std::size_t unknown_count() const { return scene_.system().vertex_of_unknown.size(); }
     const BlockPattern& pattern() const { return *pattern_; }
 
+    /// Where every vertex would be if only inertia and gravity acted; `x` for a step without inertia.
+    std::vector<double> free_flight(const std::vector<double>& x) const;
     /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.

@@ -237,11 +237,40 @@ TEST_CASE("save, load, advance continues bit for bit, with a fresh workspace at 
     }
 }
 
-TEST_CASE("a steady simulation does one symbolic analysis") {
+TEST_CASE("a steady direct simulation does one symbolic analysis, an iterative one none") {
     const Swing swing;
-    Workspace w(swing.scene);
-    run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 6);
-    CHECK(w.symbolic_analyses() == 1);
+    for (const LinearMethod method : {LinearMethod::direct, LinearMethod::iterative}) {
+        Workspace w(swing.scene);
+        State s = initial_state(*swing.scene, swing.inputs(0));
+        for (int frame = 1; frame <= 6; ++frame) {
+            StepInputs in = swing.inputs(frame);
+            in.linear_method = method;
+            s = advance(w, s, std::span(&in, 1));
+            CHECK(s.record.converged);
+            CHECK((s.record.linear_iterations > 0) == (method == LinearMethod::iterative));
+        }
+        CHECK(w.symbolic_analyses() == (method == LinearMethod::direct ? 1 : 0));
+    }
+}
+
+TEST_CASE("direct and iterative solutions agree to the tolerance of the step") {
+    const Swing swing;
+    Points end[2];
+    for (const LinearMethod method : {LinearMethod::direct, LinearMethod::iterative}) {
+        Workspace w(swing.scene);
+        State s = initial_state(*swing.scene, swing.inputs(0));
+        for (int frame = 1; frame <= 8; ++frame) {
+            StepInputs in = swing.inputs(frame);
+            in.linear_method = method;
+            in.tolerance_factor = 1e-3;
+            s = advance(w, s, std::span(&in, 1));
+            CHECK(s.record.converged);
+        }
+        end[method == LinearMethod::iterative] = surface_positions(*swing.scene, s, 0);
+    }
+    double worst = 0;
+    for (std::size_t v = 0; v < end[0].size(); ++v) worst = std::max(worst, (end[0][v] - end[1][v]).norm());
+    CHECK(worst < 1e-8);
 }
 
 TEST_CASE("a muscle between bones follows the swinging bone") {

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/linear_solver.h"
+
+#include "solver/stopwatch.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Steps that stay with the kept factor after plain iterations did not pay; then those are tried again.
+constexpr int factor_steps = 24;
+/// Newton iterations of one step after which the inexact directions are taken to be what holds it up.
+constexpr int patience = 5;
+/// A solve with the factor costs about a fiftieth of making it.
+constexpr int kept_factor_iterations = 30;
+
+} // namespace
+
+int LinearSolver::break_even() const {
+    // Nested dissection of three-dimensional meshes costs about 90 flops per squared vertex count (measured between 73
+    // and 98 from 1,225 to 95,033 vertices), at about 10 GFLOP/s for the small supernodes of such sizes. An iteration
+    // streams the single-precision blocks and some ten vectors, at about 60 GB/s while they fit the third-level cache
+    // and 14 beyond. Constants, not measurements of this run: the choice must repeat.
+    const double n = pattern_.rows, blocks = 2 * static_cast<double>(pattern_.block_count()) - n;
+    const double factor_seconds = 90 * n * n / 10e9;
+    const double bytes = 48 * blocks + 10 * 24 * n;
+    const double iteration_seconds = bytes / (bytes < 24e6 ? 60e9 : 14e9) + 2e-6;
+    return static_cast<int>(std::clamp(factor_seconds / iteration_seconds, 60.0, 5000.0));
+}
+
+void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                       Outcome& outcome) {
+    {
+        const Stopwatch timer(outcome.seconds_factor);
+        if (!direct_) {
+            direct_ = std::make_unique<Cholesky>(pattern_);
+            ++symbolic_analyses_;
+        }
+        outcome.definite = direct_->factorize(a);
+        factor_of_this_step_ = outcome.definite;
+    }
+    const Stopwatch timer(outcome.seconds_solve);
+    if (outcome.definite) direct_->solve(b.data(), x.data());
+}
+
+void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                          double tolerance, Outcome& outcome) {
+    if (factor_of_this_step_) {
+        ConjugateGradients::Result r;
+        {
+            const Stopwatch timer(outcome.seconds_solve);
+            const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in, std::vector<double>& out) {
+                direct_->solve(in.data(), out.data());
+            };
+            if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
+            iterative_->set(a);
+            r = iterative_->solve(b.data(), x.data(), tolerance, kept_factor_iterations, &factor);
+        }
+        outcome.iterations += r.iterations;
+        outcome.definite = r.definite;
+        if (!r.definite || r.converged) return;
+    }
+    factorize_and_solve(a, b, x, outcome);
+}
+
+LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b,
+                                          std::vector<double>& x, double tolerance, int newton_iteration,
+                                          LinearMemory& memory) {
+    Outcome outcome;
+    x.resize(b.size());
+    if (method == LinearMethod::direct) {
+        factorize_and_solve(a, b, x, outcome);
+        return outcome;
+    }
+    const bool automatic = method == LinearMethod::automatic;
+    if (automatic && newton_iteration >= patience) memory.factor_steps_left = factor_steps;
+    if (automatic && memory.factor_steps_left > 0) {
+        solve_with_kept_factor(a, b, x, tolerance, outcome);
+        return outcome;
+    }
+    ConjugateGradients::Result r;
+    {
+        const Stopwatch timer(outcome.seconds_solve);
+        if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
+        iterative_->set(a);
+        r = iterative_->solve(b.data(), x.data(), tolerance, automatic ? break_even() : 20000);
+    }
+    outcome.iterations = r.iterations;
+    outcome.definite = r.definite;
+    if (!r.definite || r.converged || !automatic) return outcome;
+    memory.factor_steps_left = factor_steps;
+    factorize_and_solve(a, b, x, outcome);
+    return outcome;
+}
+
+} // namespace sinew::solver
