@@ -1,0 +1,127 @@
+// Attribute declarations: plain data, written once per attribute, read by the loader, the checks, the keys,
+// the JSON Schema, the reference page and the tests. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/value.h"
+
+#include <limits>
+#include <string_view>
+#include <typeindex>
+#include <vector>
+
+namespace sinew::engine {
+
+/// What a change of an attribute can change.
+enum class Affects {
+    result,        ///< part of every key of the node
+    initial_state, ///< simulations only: part of the first frame's key, not read by later frames
+    nothing        ///< display and editor: never part of a key, not readable in compute
+};
+
+struct Limits {
+    double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
+    bool open_min = false, open_max = false; ///< the limit itself is not allowed
+};
+
+/// A value by name: `"youngsModulus": {"preset": "fat"}`.
+struct Preset {
+    std::string_view name;
+    double value;
+};
+
+/// An attribute that a graph file can write as a literal, {value, unit}, {preset}, {keys, interp} or {from}.
+/// T: bool, std::int64_t, double, std::string, Vec3, Matrix4, NumberList or File.
+template <class T>
+struct Input {
+    std::string_view name;      ///< exactly as it stands in the graph file
+    T def{};                    ///< the default; for File an empty path means "none"
+    std::string_view unit = ""; ///< "Pa", "m", "kg/m^3", "1"; "" = no unit
+    Limits limits = {};         ///< numbers, each component of a Vec3, each entry of a NumberList
+    std::string_view doc = "";
+    bool required = false; ///< a graph without it is wrong
+    bool keyable =
+        true; ///< may carry {keys}; bool and integer keys are stepped, text and files never keyable
+    Affects affects = Affects::result;
+    std::vector<std::string_view> options = {}; ///< T = std::string: the allowed words
+    std::vector<Preset> presets = {};           ///< T = double
+};
+
+/// An attribute that only a connection can feed (mesh, body, material …).
+template <class T>
+struct Wire {
+    std::string_view name;
+    std::string_view doc = "";
+    bool required = true;
+    Affects affects = Affects::result;
+};
+
+/// A list of connections, in order.
+template <class T>
+struct WireList {
+    std::string_view name;
+    std::string_view doc = "";
+    std::size_t min_count = 0;
+    Affects affects = Affects::result;
+};
+
+template <class T>
+struct Output {
+    std::string_view name;
+    std::string_view doc = "";
+    std::string_view unit = "";
+};
+
+enum class AttributeKind { literal, wire, wire_list, output };
+
+/// Type-erased declaration, as the registry keeps it.
+struct AttributeInfo {
+    AttributeKind kind = AttributeKind::literal;
+    std::string_view name, type_name, unit, doc;
+    std::type_index type = std::type_index(typeid(void));
+    Value def; ///< literals only
+    Limits limits;
+    bool required = false, keyable = false;
+    std::size_t min_count = 0;
+    Affects affects = Affects::result;
+    std::vector<std::string_view> options;
+    std::vector<Preset> presets;
+};
+
+template <class T>
+AttributeInfo describe(const Input<T>& a) {
+    AttributeInfo i;
+    i.kind = AttributeKind::literal;
+    i.name = a.name, i.unit = a.unit, i.doc = a.doc, i.limits = a.limits;
+    i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
+    i.def = Value::of<T>(a.def);
+    i.required = a.required, i.affects = a.affects, i.options = a.options, i.presets = a.presets;
+    i.keyable = a.keyable && !std::is_same_v<T, std::string> && !std::is_same_v<T, File> &&
+                !std::is_same_v<T, NumberList> && !std::is_same_v<T, Matrix4>;
+    return i;
+}
+template <class T>
+AttributeInfo describe(const Wire<T>& a) {
+    AttributeInfo i;
+    i.kind = AttributeKind::wire;
+    i.name = a.name, i.doc = a.doc, i.required = a.required, i.affects = a.affects;
+    i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
+    return i;
+}
+template <class T>
+AttributeInfo describe(const WireList<T>& a) {
+    AttributeInfo i;
+    i.kind = AttributeKind::wire_list;
+    i.name = a.name, i.doc = a.doc, i.min_count = a.min_count, i.required = a.min_count > 0,
+    i.affects = a.affects;
+    i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
+    return i;
+}
+template <class T>
+AttributeInfo describe(const Output<T>& a) {
+    AttributeInfo i;
+    i.kind = AttributeKind::output;
+    i.name = a.name, i.doc = a.doc, i.unit = a.unit;
+    i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
+    return i;
+}
+
+} // namespace sinew::engine

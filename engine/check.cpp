@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/check.h"
+
+#include "engine/limits.h"
+#include "engine/text.h"
+
+#include <cmath>
+
+namespace sinew::engine {
+
+namespace {
+
+// Collects the problems of one input.
+class Checker {
+  public:
+    Checker(const Graph& graph, std::string_view node, const NodeType& type, const AttributeInfo& input)
+        : graph_(graph)
+        , node_(node)
+        , type_(type)
+        , input_(input) {}
+
+    std::vector<Problem> run(const Binding& b) {
+        if (const Value* v = std::get_if<Value>(&b))
+            literal(*v);
+        else if (const Curve* c = std::get_if<Curve>(&b))
+            curve(*c);
+        else if (const Plug* p = std::get_if<Plug>(&b))
+            single(*p);
+        else
+            list(std::get<std::vector<Plug>>(b));
+        return std::move(out_);
+    }
+
+  private:
+    void problem(std::string_view code, std::string message, std::string hint = {}, std::string below = {}) {
+        Problem p;
+        p.diagnostic.code = code;
+        p.diagnostic.node = node_;
+        p.diagnostic.attribute = input_.name;
+        p.diagnostic.message = std::move(message);
+        p.diagnostic.hint = std::move(hint);
+        p.below = std::move(below);
+        out_.push_back(std::move(p));
+    }
+
+    bool takes_literal() {
+        if (input_.kind == AttributeKind::literal) return true;
+        const bool list = input_.kind == AttributeKind::wire_list;
+        problem("DG026", "a " + std::string(input_.type_name) + " can only be connected",
+                list ? "write [ { \"from\": \"node.output\" } ]" : "write { \"from\": \"node.output\" }");
+        return false;
+    }
+
+    void number(const std::optional<Outside>& wrong, const std::string& below) {
+        if (!wrong) return;
+        if (!wrong->finite) return problem("DG027", "not a finite number", {}, below);
+        problem("DG013", number_text(wrong->value) + " is outside " + limits_text(input_.limits, input_.unit),
+                {}, below);
+    }
+
+    void literal(const Value& v) {
+        if (!takes_literal()) return;
+        if (v.type() != input_.type)
+            return problem("DG012", "expected " + std::string(input_.type_name) + ", found " +
+                                        std::string(v.type_name()));
+        const auto wrong = outside(input_.limits, v);
+        number(wrong, wrong && wrong->index >= 0 ? "/" + std::to_string(wrong->index) : "");
+        if (input_.options.empty() || !v.is<std::string>()) return;
+        std::vector<std::string> words(input_.options.begin(), input_.options.end());
+        for (const std::string& w : words)
+            if (w == v.as<std::string>()) return;
+        const std::string near = nearest_name(v.as<std::string>(), words);
+        problem("DG014", json_quoted(v.as<std::string>()) + " is not an option",
+                (near.empty() ? "" : "did you mean \"" + near + "\"? ") + "options: " + listed(words));
+    }
+
+    void curve(const Curve& c) {
+        if (!takes_literal()) return;
+        if (!input_.keyable)
+            return problem("DG018", "this " + std::string(input_.type_name) + " cannot carry keyframes",
+                           "write a plain value");
+        if (c.keys.empty()) return problem("DG017", "no keyframes", "write [frame, value] pairs", "/keys");
+        const bool whole = input_.def.is<bool>() || input_.def.is<std::int64_t>();
+        if (whole && c.interpolation != Interpolation::step)
+            problem("DG017", "keys of " + std::string(input_.type_name) + " are stepped",
+                    "write \"interp\": \"step\"", "/interp");
+        for (std::size_t i = 0; i < c.keys.size(); ++i) key(c, i, whole);
+    }
+
+    void key(const Curve& c, std::size_t i, bool whole) {
+        const Key& k = c.keys[i];
+        const std::string place = "/keys/" + std::to_string(i);
+        const std::size_t width = input_.def.is<Vec3>() ? 3 : 1;
+        if (!std::isfinite(k.frame)) problem("DG027", "the frame of a key is not finite", {}, place + "/0");
+        if (i > 0 && k.frame == c.keys[i - 1].frame)
+            problem("DG017", "two keys at frame " + number_text(k.frame), "keep one of them", place);
+        else if (i > 0 && !(k.frame > c.keys[i - 1].frame))
+            problem("DG017",
+                    "frame " + number_text(k.frame) + " comes after frame " +
+                        number_text(c.keys[i - 1].frame),
+                    "sort the keys by frame", place);
+        if (k.value.size() != width)
+            problem("DG017",
+                    "a key has " + std::to_string(k.value.size()) + " numbers where " +
+                        std::to_string(width) + " fit",
+                    {}, place);
+        for (const auto* tangent : {&k.tangent_in, &k.tangent_out})
+            if (!tangent->empty() && tangent->size() != width)
+                problem("DG017", "a tangent is as wide as the value", {}, place + "/2");
+        for (double v : k.value) {
+            if (whole && v != std::floor(v))
+                problem("DG012", number_text(v) + " is not a whole number", {}, place + "/1");
+            else if (!inside(input_.limits, v))
+                number(Outside{v, -1, std::isfinite(v)}, place + "/1");
+        }
+        for (const auto* tangent : {&k.tangent_in, &k.tangent_out})
+            for (double v : *tangent)
+                if (!std::isfinite(v)) problem("DG027", "a tangent is not finite", {}, place + "/2");
+    }
+
+    void single(const Plug& p) {
+        if (input_.kind == AttributeKind::wire_list)
+            return problem("DG020", "takes a list of connections, not a single one",
+                           "write [ { \"from\": \"" + p.text() + "\" } ]");
+        const SimulationFunctions* s = type_.simulation.get();
+        if (s && (input_.name == s->start_frame_input || input_.name == s->substeps_input))
+            return problem("DG029", "cannot be connected",
+                           "write a plain value: it decides which frames there are");
+        source(p, "/from");
+    }
+
+    void list(const std::vector<Plug>& all) {
+        if (input_.kind != AttributeKind::wire_list)
+            return problem("DG020", "takes one value, not a list of connections",
+                           "write { \"from\": \"node.output\" }");
+        for (std::size_t i = 0; i < all.size(); ++i) source(all[i], "/" + std::to_string(i) + "/from");
+    }
+
+    void source(const Plug& p, const std::string& below) {
+        const Node* n = graph_.find(p.node);
+        if (!n)
+            return problem("DG022", "there is no node \"" + p.node + "\"",
+                           name_hint(p.node, graph_.node_names(), {}), below);
+        if (!n->type) return; // a type that this program does not know: nothing to compare with
+        const AttributeInfo* out = n->type->find_output(p.attribute);
+        if (!out)
+            return problem("DG023", std::string(n->type->name) + " has no output \"" + p.attribute + "\"",
+                           name_hint(p.attribute, output_names(*n->type), "outputs"), below);
+        if (out->type != input_.type)
+            problem("DG024",
+                    "takes " + std::string(input_.type_name) + ", but " + p.text() + " is " +
+                        std::string(out->type_name),
+                    {}, below);
+    }
+
+    const Graph& graph_;
+    std::string node_;
+    const NodeType& type_;
+    const AttributeInfo& input_;
+    std::vector<Problem> out_;
+};
+
+std::vector<std::string> names_of(const std::vector<AttributeInfo>& all) {
+    std::vector<std::string> out;
+    for (const AttributeInfo& a : all) out.emplace_back(a.name);
+    return out;
+}
+
+} // namespace
+
+std::vector<std::string> input_names(const NodeType& type) { return names_of(type.inputs); }
+std::vector<std::string> output_names(const NodeType& type) { return names_of(type.outputs); }
+
+std::string name_hint(std::string_view word, std::span<const std::string> candidates,
+                      std::string_view known) {
+    const std::string near = nearest_name(word, candidates);
+    if (!near.empty()) return "did you mean \"" + near + "\"?";
+    if (known.empty() || candidates.empty() || candidates.size() > 12) return {};
+    return std::string(known) + ": " + listed(candidates);
+}
+
+std::vector<Problem> check_binding(const Graph& graph, std::string_view node, const NodeType& type,
+                                   const AttributeInfo& input, const Binding& binding) {
+    return Checker(graph, node, type, input).run(binding);
+}
+
+std::vector<Problem> check_required(std::string_view node, const Node& n) {
+    std::vector<Problem> out;
+    for (const AttributeInfo& a : n.type->inputs) {
+        if (!a.required) continue;
+        const auto it = n.inputs.find(a.name);
+        const auto* plugs = it == n.inputs.end() ? nullptr : std::get_if<std::vector<Plug>>(&it->second);
+        const auto* value = it == n.inputs.end() ? nullptr : std::get_if<Value>(&it->second);
+        const bool list = a.kind == AttributeKind::wire_list;
+        bool missing = it == n.inputs.end();
+        if (list) missing = missing || (plugs && plugs->size() < a.min_count);
+        if (value && value->is<File>()) missing = missing || value->as<File>().path.empty();
+        if (!missing) continue;
+        Problem p;
+        p.diagnostic.node = node;
+        p.diagnostic.attribute = a.name;
+        if (list && plugs) {
+            p.diagnostic.code = "DG021";
+            p.diagnostic.message = "has " + std::to_string(plugs->size()) +
+                                   " connections and needs at least " + std::to_string(a.min_count);
+        } else {
+            p.diagnostic.code = "DG019";
+            p.diagnostic.message = std::string(n.type->name) + " needs this " + std::string(a.type_name);
+            p.diagnostic.hint = a.kind == AttributeKind::literal ? "give it a value"
+                                : list ? "connect it: [ { \"from\": \"node.output\" } ]"
+                                       : "connect it: { \"from\": \"node.output\" }";
+        }
+        out.push_back(std::move(p));
+    }
+    return out;
+}
+
+std::string name_fault(std::string_view name) {
+    if (name.empty()) return "a node needs a name";
+    for (char c : name) {
+        if (c == '.') return "the name holds a dot, which separates node and attribute";
+        if (static_cast<unsigned char>(c) < 0x20) return "the name holds a control character";
+    }
+    return {};
+}
+
+} // namespace sinew::engine

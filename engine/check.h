@@ -1,0 +1,34 @@
+// The checks that a binding must pass, whether it came from a file or from an edit.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/graph.h"
+
+#include <string>
+#include <vector>
+
+namespace sinew::engine {
+
+/// A diagnostic without its place. `below` points at the offending part inside the input ("/keys/3/1"), for
+/// readers that know the text.
+struct Problem {
+    Diagnostic diagnostic;
+    std::string below;
+};
+
+/// Type, limits, options, keyframes, and whether the connected plug exists and fits.
+std::vector<Problem> check_binding(const Graph& graph, std::string_view node, const NodeType& type,
+                                   const AttributeInfo& input, const Binding& binding);
+
+/// Required inputs that are not there, lists with too few connections.
+std::vector<Problem> check_required(std::string_view node, const Node& n);
+
+/// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
+std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
+
+std::vector<std::string> input_names(const NodeType& type);
+std::vector<std::string> output_names(const NodeType& type);
+
+/// Why a node cannot have this name, or empty.
+std::string name_fault(std::string_view name);
+
+} // namespace sinew::engine

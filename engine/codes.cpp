@@ -1,0 +1,98 @@
+// Every code that the program can emit, what it means and what to do. Codes are stable and never reused.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/diagnostics.h"
+
+namespace sinew::engine {
+
+namespace {
+
+constexpr CodeInfo table[] = {
+    // ---- DG0xx: the document ----
+    {"DG001", "not valid JSON", "Repair the text at the line and column named."},
+    {"DG002", "key written twice", "Keep one of the two; a reader could otherwise silently take the other."},
+    {"DG003", "nested too deeply", "Graph files need a handful of levels; remove the extra brackets."},
+    {"DG004", "no format, or not a Sinew graph", "Write \"format\": \"sinew 1\" at the top of the file."},
+    {"DG005", "written by a newer Sinew", "Use a newer program, or write the file again with this one."},
+    {"DG006", "format number without a migration", "Check the number; formats start at 1."},
+    {"DG007", "unknown key", "Remove the key or correct its spelling."},
+    {"DG008", "a part of the document has the wrong kind", "Write the kind of value that the message names."},
+    {"DG009", "timing cannot be used",
+     "fps is above 0; start and end are whole frames, end not before start."},
+    {"DG010", "node type that this program does not know", "Correct the type, or use a program that has it."},
+    {"DG011", "no such input", "Correct the name; `sinew nodes TYPE` lists the inputs."},
+    {"DG012", "value of the wrong type", "Write a value of the type that the message names."},
+    {"DG013", "value outside the limits", "Choose a value inside the limits in the message."},
+    {"DG014", "word that is not an option", "Choose one of the words in the hint."},
+    {"DG015", "unit unknown or of another dimension", "Use a unit of the same dimension as the attribute's."},
+    {"DG016", "unknown preset", "Choose one of the presets in the hint."},
+    {"DG017", "keyframes cannot be used", "Keys are [frame, value], frames rising, all values of one width."},
+    {"DG018", "attribute cannot carry keyframes", "Write a plain value."},
+    {"DG019", "required input missing", "Connect the input or give it a value."},
+    {"DG020", "list and single value mixed up", "Lists of connections are written [ {\"from\": …}, … ]."},
+    {"DG021", "too few connections", "Connect at least as many as the message names."},
+    {"DG022", "connection from a node that does not exist", "Correct the node's name or add the node."},
+    {"DG023", "connection from an output that does not exist", "Correct the output's name."},
+    {"DG024", "connection between different types", "Connect an output of the type that the input takes."},
+    {"DG025", "connection written wrongly", "Write {\"from\": \"node.output\"}."},
+    {"DG026", "plain value where only a connection fits", "Write {\"from\": \"node.output\"}."},
+    {"DG027", "number that is not finite", "Write a finite number."},
+    {"DG028", "node name that cannot be used",
+     "Names are not empty and hold no dot and no control characters."},
+    {"DG029", "input that cannot be connected",
+     "Write a plain value: the engine reads it before anything runs."},
+    {"DG030", "connections form a cycle", "Break the cycle at one of the nodes on the path."},
+    {"DG040", "edit of a node that does not exist", "Correct the name."},
+    {"DG041", "name already in use", "Choose another name."},
+    {"DG042", "key on a connected input", "Disconnect the input first."},
+    // ---- DG1xx: evaluation ----
+    {"DG101", "node of an unknown type was needed", "Use a program that knows the type, or bypass the node."},
+    {"DG102", "no such plug", "Ask for an output as node.output."},
+    {"DG103", "simulation asked for a fraction of a frame", "Simulations have whole frames; use sub-steps."},
+    {"DG104", "frame cannot be used", "Ask for a finite frame, not millions of frames from the start."},
+    {"DG105", "saved state does not fit", "Load a state that this graph saved at this frame."},
+    {"DG106", "sub-steps cannot be used", "Use a whole number of sub-steps, at least 1."},
+    {"DG107", "start frame is not a whole number", "Write a whole frame number."},
+    {"DG110", "inputs of a node that do not fit together",
+     "Change one of the inputs that the message names."},
+    // ---- FE2xx: meshes and set-up ----
+    {"FE201", "mesh is empty", "Give a mesh with points and faces."},
+    {"FE202", "coordinates are not finite", "Repair the mesh: a coordinate is NaN or infinite."},
+    {"FE203", "index out of range", "Repair the mesh: a face or element names a point that does not exist."},
+    {"FE204", "weights do not fit the mesh", "Give one weight for each point, or a single number for all."},
+    {"FE205", "fibre end points missing", "Paint where the fibres start and end (weights 0 and 1)."},
+    {"FE206", "tissue without a material", "Connect at least one zMaterial."},
+    {"FE207", "attachment between two bones", "It does nothing: bones follow their animation."},
+    {"FE208", "mesh is degenerate or invalid", "Repair the mesh; the message says where."},
+    {"FE209", "attachment to a body that the solver does not have", "Connect that body to the solver too."},
+    {"FE210", "lattice too fine or empty", "Choose another tet size."},
+    {"FE211", "mesh changes its topology over time",
+     "Points and faces keep their number and order over frames."},
+    {"FE212", "no source vertices", "Paint at least one weight above 0."},
+    {"FE213", "bodies that cannot be told apart",
+     "Two bodies are identical; remove one or make them differ."},
+    {"FE214", "mesh belongs to another body", "Connect the mesh of the body that is named."},
+    {"FE215", "tet mesh is inverted", "Swap two indices of the tets that are named."},
+    {"FE216", "curve cannot be used", "Give x, y and z of two points or more."},
+    {"FE217", "meshes with different vertices",
+     "vertexID needs a target with the source's vertices; or use worldSpace."},
+    {"FE218", "bone where a tissue is needed",
+     "Connect a tissue; what rides on a bone is moved by a transform."},
+    {"FE219", "attachment from a body to itself", "Choose two bodies."},
+    // ---- FE3xx: the solve ----
+    {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
+    {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},
+    {"FE303", "free body without inertia",
+     "QuasiStatic needs every body held; attach it or use BackwardEuler."},
+    // ---- IO4xx: files ----
+    {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
+    {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},
+    {"IO403", "file has an error in it", "Repair the line that is named."},
+    {"IO404", "file format is not supported", "Convert the file to a supported format."},
+    {"IO405", "file cannot be written", "Check the folder, permissions and free space."},
+};
+
+} // namespace
+
+std::span<const CodeInfo> all_codes() { return table; }
+
+} // namespace sinew::engine

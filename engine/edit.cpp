@@ -1,0 +1,426 @@
+// Transactions. A draft takes the operations one by one on a copy of the snapshot (nodes are shared until
+// touched) and notes for each the operation that takes it back. SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/check.h"
+#include "engine/format/read_value.h"
+#include "engine/graph.h"
+#include "engine/origin.h"
+#include "engine/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace sinew::engine {
+
+struct Edit::Operation {
+    enum class Kind { add, remove, rename, bind, bind_json, key, reset, editor, timing, restore };
+    Kind kind = Kind::reset;
+    Plug plug;        ///< the node, and the attribute where there is one
+    std::string text; ///< type, new name or JSON
+    Binding binding = {};
+    double frame = 0, value = 0;
+    Timing time = {};
+    // restore: a removed node comes back at its place, with what its consumers had bound
+    std::shared_ptr<const Node> node = nullptr;
+    std::size_t position = 0;
+    std::vector<std::pair<Plug, Binding>> consumers = {};
+};
+
+namespace {
+
+// Does the binding read the node? Lists may read it several times.
+bool reads_node(const Binding& b, std::string_view node) {
+    if (const Plug* p = std::get_if<Plug>(&b)) return p->node == node;
+    if (const auto* all = std::get_if<std::vector<Plug>>(&b))
+        return std::any_of(all->begin(), all->end(), [&](const Plug& p) { return p.node == node; });
+    return false;
+}
+
+// The raw text of a node of unknown type with its connections renamed; everything else stays byte for byte.
+std::string with_renamed_sources(const std::string& raw, const std::string& from, const std::string& to) {
+    const JsonDocument doc = parse_json(raw);
+    std::vector<std::pair<const Json*, std::string>> changes; // in file order
+    std::vector<const Json*> stack{&doc.root};
+    while (!stack.empty()) {
+        const Json* j = stack.back();
+        stack.pop_back();
+        if (const auto* list = j->as<Json::List>())
+            for (const Json& e : *list) stack.push_back(&e);
+        const auto* object = j->as<Json::Object>();
+        if (!object) continue;
+        for (const JsonMember& m : *object) {
+            stack.push_back(&m.value);
+            const auto* text = m.value.as<std::string>();
+            const auto plug = m.key == "from" && text ? parse_plug(*text) : std::nullopt;
+            if (plug && plug->node == from) changes.emplace_back(&m.value, to + "." + plug->attribute);
+        }
+    }
+    std::sort(changes.begin(), changes.end(),
+              [](const auto& a, const auto& b) { return a.first->begin > b.first->begin; });
+    std::string out = raw;
+    for (const auto& [where, text] : changes)
+        out.replace(where->begin, where->end - where->begin, json_quoted(text));
+    return out;
+}
+
+} // namespace
+
+class Edit::Draft {
+  public:
+    using Op = Operation;
+    explicit Draft(const Graph& base)
+        : graph_(base) {}
+
+    void apply(const Op& op) {
+        switch (op.kind) {
+        case Op::Kind::add:
+            return add(op);
+        case Op::Kind::remove:
+            return remove(op);
+        case Op::Kind::rename:
+            return rename(op);
+        case Op::Kind::bind:
+            return bind(op.plug, op.binding);
+        case Op::Kind::bind_json:
+            return bind_json(op);
+        case Op::Kind::key:
+            return key(op);
+        case Op::Kind::reset:
+            return reset(op.plug);
+        case Op::Kind::editor:
+            return editor(op);
+        case Op::Kind::timing:
+            return timing(op);
+        case Op::Kind::restore:
+            return restore(op);
+        }
+    }
+
+    Edit::Done finish() {
+        for (const Plug& p : touched_) {
+            const Node* n = graph_.find(p.node);
+            const AttributeInfo* info = n && n->type ? n->type->find_input(p.attribute) : nullptr;
+            const auto bound = n ? n->inputs.find(p.attribute) : decltype(n->inputs.find(p.attribute)){};
+            if (!info || bound == n->inputs.end()) continue;
+            for (Problem& f : check_binding(graph_, p.node, *n->type, *info, bound->second))
+                problems_.push_back(std::move(f.diagnostic));
+        }
+        if (problems_.empty() && rewired_)
+            if (const std::string cycle = find_cycle(graph_); !cycle.empty())
+                problem("DG030", {cycle.substr(0, cycle.find('.')), ""},
+                        "connections form a cycle: " + cycle);
+        if (!problems_.empty()) throw Failure(std::move(problems_));
+        std::reverse(undo_.begin(), undo_.end());
+        Edit::Done out;
+        out.graph = std::make_shared<const Graph>(std::move(graph_));
+        auto inverse = std::make_shared<Edit>(out.graph);
+        inverse->operations_ = std::move(undo_);
+        out.inverse = std::move(inverse);
+        return out;
+    }
+
+  private:
+    void problem(std::string_view code, const Plug& at, std::string message, std::string hint = {}) {
+        Diagnostic d;
+        d.code = code;
+        d.node = at.node, d.attribute = at.attribute;
+        d.spot = graph_.spot(at.node, at.attribute);
+        d.message = std::move(message), d.hint = std::move(hint);
+        problems_.push_back(std::move(d));
+    }
+
+    void undo(Op op) { undo_.push_back(std::make_shared<const Op>(std::move(op))); }
+
+    const Node* node(const Plug& at) {
+        const Node* n = graph_.find(at.node);
+        if (!n)
+            problem("DG040", at, "there is no node \"" + at.node + "\"",
+                    name_hint(at.node, graph_.order_, {}));
+        return n;
+    }
+
+    const AttributeInfo* input(const Plug& at) {
+        const Node* n = node(at);
+        if (!n) return nullptr;
+        if (!n->type) {
+            problem("DG101", at, "inputs of the unknown type \"" + n->type_name + "\" cannot be edited");
+            return nullptr;
+        }
+        const AttributeInfo* info = n->type->find_input(at.attribute);
+        if (!info)
+            problem("DG011", at, "no such input on " + n->type_name,
+                    name_hint(at.attribute, input_names(*n->type), "inputs"));
+        return info;
+    }
+
+    std::shared_ptr<Node> own(const std::string& name) {
+        auto copy = std::make_shared<Node>(*graph_.find(name));
+        graph_.nodes_[name] = copy;
+        return copy;
+    }
+
+    bool free_name(const std::string& name) {
+        if (const std::string fault = name_fault(name); !fault.empty())
+            problem("DG028", {name, ""}, fault);
+        else if (graph_.find(name))
+            problem("DG041", {name, ""}, "there is a node of this name already");
+        else
+            return true;
+        return false;
+    }
+
+    void add(const Op& op) {
+        if (!free_name(op.plug.node)) return;
+        auto n = std::make_shared<Node>();
+        n->type_name = op.text;
+        n->type = graph_.registry().find(op.text);
+        if (!n->type)
+            return problem("DG010", op.plug, "there is no node type " + json_quoted(op.text),
+                           name_hint(op.text, graph_.registry().names(), {}));
+        graph_.nodes_.emplace(op.plug.node, std::move(n));
+        graph_.order_.push_back(op.plug.node);
+        undo({.kind = Op::Kind::remove, .plug = op.plug, .text = {}});
+    }
+
+    // What every consumer of a node had bound; needed before the node goes.
+    std::vector<std::pair<Plug, Binding>> consumers(const std::string& name) const {
+        std::vector<std::pair<Plug, Binding>> out;
+        for (const auto& [other, n] : graph_.nodes_)
+            for (const auto& [attribute, binding] : n->inputs)
+                if (other != name && reads_node(binding, name)) out.push_back({{other, attribute}, binding});
+        return out;
+    }
+
+    void remove(const Op& op) {
+        if (!node(op.plug)) return;
+        const std::string& name = op.plug.node;
+        Op back{.kind = Op::Kind::restore, .plug = op.plug, .text = {}};
+        back.node = graph_.nodes_.find(name)->second;
+        const auto at = std::find(graph_.order_.begin(), graph_.order_.end(), name);
+        back.position = static_cast<std::size_t>(at - graph_.order_.begin());
+        back.consumers = consumers(name);
+        for (const auto& [plug, binding] : back.consumers) {
+            auto n = own(plug.node);
+            auto bound = n->inputs.find(plug.attribute);
+            auto* list = std::get_if<std::vector<Plug>>(&bound->second);
+            if (list) std::erase_if(*list, [&](const Plug& p) { return p.node == name; });
+            if (!list || list->empty()) n->inputs.erase(bound);
+        }
+        graph_.order_.erase(at);
+        graph_.nodes_.erase(name);
+        undo(std::move(back));
+    }
+
+    void restore(const Op& op) {
+        const std::string name = op.plug.node;
+        if (!free_name(name)) return;
+        graph_.nodes_.emplace(name, op.node);
+        const std::size_t position = std::min(op.position, graph_.order_.size());
+        graph_.order_.insert(graph_.order_.begin() + static_cast<std::ptrdiff_t>(position), name);
+        undo({.kind = Op::Kind::remove, .plug = op.plug, .text = {}});
+        for (const auto& [attribute, binding] : op.node->inputs) touched_.insert({name, attribute});
+        for (const auto& [plug, binding] : op.consumers)
+            if (graph_.find(plug.node)) { // consumers that are gone by now are no reason to refuse
+                own(plug.node)->inputs[plug.attribute] = binding;
+                touched_.insert(plug);
+            }
+        rewired_ = true;
+    }
+
+    void rename(const Op& op) {
+        const std::string from = op.plug.node, to = op.text;
+        if (!node(op.plug) || from == to || !free_name(to)) return;
+        auto moved = graph_.nodes_.extract(from);
+        moved.key() = to;
+        graph_.nodes_.insert(std::move(moved));
+        *std::find(graph_.order_.begin(), graph_.order_.end(), from) = to;
+        const auto follow = [&](Plug& p) {
+            if (p.node == from) p.node = to;
+        };
+        for (const std::string& name : graph_.order_) {
+            const Node& n = *graph_.find(name);
+            if (!n.type) {
+                if (n.raw_json.find(from) != std::string::npos)
+                    own(name)->raw_json = with_renamed_sources(n.raw_json, from, to);
+                continue;
+            }
+            const bool reads = std::any_of(n.inputs.begin(), n.inputs.end(),
+                                           [&](const auto& i) { return reads_node(i.second, from); });
+            if (!reads) continue;
+            for (auto& [attribute, binding] : own(name)->inputs) {
+                if (Plug* p = std::get_if<Plug>(&binding)) follow(*p);
+                if (auto* all = std::get_if<std::vector<Plug>>(&binding))
+                    std::for_each(all->begin(), all->end(), follow);
+            }
+        }
+        undo({.kind = Op::Kind::rename, .plug = {to, ""}, .text = from});
+    }
+
+    // The inverse of whatever stands at the input now.
+    void undo_binding(const Plug& at) {
+        const Node& n = *graph_.find(at.node);
+        const auto bound = n.inputs.find(at.attribute);
+        if (bound == n.inputs.end()) return undo({.kind = Op::Kind::reset, .plug = at, .text = {}});
+        undo({.kind = Op::Kind::bind, .plug = at, .text = {}, .binding = bound->second});
+    }
+
+    // The file no longer says what stands here.
+    static void forget_origin(Node& n, const std::string& attribute) {
+        if (!n.origin || !n.origin->inputs.contains(attribute)) return;
+        auto origin = std::make_shared<NodeOrigin>(*n.origin);
+        origin->inputs.erase(attribute);
+        n.origin = std::move(origin);
+    }
+
+    void bind(const Plug& at, Binding binding) {
+        const AttributeInfo* info = input(at);
+        if (!info) return;
+        const Value* v = std::get_if<Value>(&binding);
+        if (v && v->is<std::int64_t>() && info->def.is<double>()) // 5 is a number too
+            binding = Value::of<double>(static_cast<double>(v->as<std::int64_t>()));
+        undo_binding(at);
+        rewired_ = rewired_ || std::holds_alternative<Plug>(binding) ||
+                   std::holds_alternative<std::vector<Plug>>(binding);
+        auto n = own(at.node);
+        n->inputs[at.attribute] = std::move(binding);
+        if (std::find(n->input_order.begin(), n->input_order.end(), at.attribute) == n->input_order.end())
+            n->input_order.push_back(at.attribute);
+        forget_origin(*n, at.attribute);
+        touched_.insert(at);
+    }
+
+    void bind_json(const Op& op) {
+        const AttributeInfo* info = input(op.plug);
+        if (!info) return;
+        const JsonDocument doc = parse_json(op.text);
+        for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text);
+        if (!doc.problems.empty()) return;
+        std::vector<Problem> found;
+        auto binding = read_binding(*info, doc.root, folder_of(graph_.file()), found);
+        for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
+        if (binding) bind(op.plug, std::move(*binding));
+    }
+
+    void key(const Op& op) {
+        const AttributeInfo* info = input(op.plug);
+        if (!info) return;
+        const Node& n = *graph_.find(op.plug.node);
+        const auto bound = n.inputs.find(op.plug.attribute);
+        Curve curve;
+        const bool whole =
+            info->kind == AttributeKind::literal && (info->def.is<bool>() || info->def.is<std::int64_t>());
+        curve.interpolation = whole ? Interpolation::step : Interpolation::linear;
+        if (bound != n.inputs.end()) {
+            if (const Curve* c = std::get_if<Curve>(&bound->second))
+                curve = *c;
+            else if (!std::holds_alternative<Value>(bound->second))
+                return problem("DG042", op.plug, "a connected input cannot be keyed", "disconnect it first");
+        }
+        const auto at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame,
+                                         [](const Key& k, double f) { return k.frame < f; });
+        if (at != curve.keys.end() && at->frame == op.frame)
+            at->value = {op.value};
+        else
+            curve.keys.insert(at, Key{op.frame, {op.value}});
+        bind(op.plug, std::move(curve));
+    }
+
+    void reset(const Plug& at) {
+        if (!input(at) || !graph_.find(at.node)->inputs.contains(at.attribute)) return;
+        undo_binding(at);
+        auto n = own(at.node);
+        n->inputs.erase(at.attribute);
+        forget_origin(*n, at.attribute);
+    }
+
+    void editor(const Op& op) {
+        const JsonDocument doc = parse_json(op.text);
+        for (const JsonProblem& p : doc.problems) problem(p.code, {}, p.message + " in the editor's data");
+        if (doc.problems.empty() && !doc.root.as<Json::Object>())
+            problem("DG008", {}, "the editor's data is an object");
+        undo({.kind = Op::Kind::editor, .plug = {}, .text = graph_.editor_json_});
+        graph_.editor_json_ = op.text;
+    }
+
+    void timing(const Op& op) {
+        if (!(op.time.fps > 0) || !std::isfinite(op.time.fps))
+            problem("DG009", {}, number_text(op.time.fps) + " frames a second do not exist");
+        if (op.time.end < op.time.start) problem("DG009", {}, "the end comes before the start");
+        undo({.kind = Op::Kind::timing,
+              .plug = {},
+              .text = {},
+              .binding = {},
+              .frame = 0,
+              .value = 0,
+              .time = graph_.timing_});
+        graph_.timing_ = op.time;
+    }
+
+    Graph graph_;
+    std::vector<std::shared_ptr<const Op>> undo_;
+    std::vector<Diagnostic> problems_;
+    std::set<Plug> touched_;
+    bool rewired_ = false;
+};
+
+Edit::Edit(std::shared_ptr<const Graph> base)
+    : base_(std::move(base)) {}
+
+Edit& Edit::push(Operation op) {
+    operations_.push_back(std::make_shared<const Operation>(std::move(op)));
+    return *this;
+}
+
+Edit& Edit::add_node(std::string name, std::string type) {
+    return push({.kind = Operation::Kind::add, .plug = {std::move(name), ""}, .text = std::move(type)});
+}
+Edit& Edit::remove_node(std::string name) {
+    return push({.kind = Operation::Kind::remove, .plug = {std::move(name), ""}, .text = {}});
+}
+Edit& Edit::rename_node(std::string from, std::string to) {
+    return push({.kind = Operation::Kind::rename, .plug = {std::move(from), ""}, .text = std::move(to)});
+}
+Edit& Edit::set(Plug input, Binding binding) {
+    return push(
+        {.kind = Operation::Kind::bind, .plug = std::move(input), .text = {}, .binding = std::move(binding)});
+}
+Edit& Edit::set_json(Plug input, std::string json) {
+    return push({.kind = Operation::Kind::bind_json, .plug = std::move(input), .text = std::move(json)});
+}
+Edit& Edit::set_key(Plug input, double frame, double value) {
+    return push({.kind = Operation::Kind::key,
+                 .plug = std::move(input),
+                 .text = {},
+                 .binding = {},
+                 .frame = frame,
+                 .value = value});
+}
+Edit& Edit::reset(Plug input) {
+    return push({.kind = Operation::Kind::reset, .plug = std::move(input), .text = {}});
+}
+Edit& Edit::set_editor_json(std::string json) {
+    return push({.kind = Operation::Kind::editor, .plug = {}, .text = std::move(json)});
+}
+Edit& Edit::set_timing(Timing timing) {
+    return push({.kind = Operation::Kind::timing,
+                 .plug = {},
+                 .text = {},
+                 .binding = {},
+                 .frame = 0,
+                 .value = 0,
+                 .time = timing});
+}
+
+Edit::Done Edit::commit() const {
+    Draft draft(*base_);
+    for (const auto& op : operations_) draft.apply(*op);
+    return draft.finish();
+}
+
+Edit Edit::rebased(std::shared_ptr<const Graph> base) const {
+    Edit out(std::move(base));
+    out.operations_ = operations_;
+    return out;
+}
+
+} // namespace sinew::engine

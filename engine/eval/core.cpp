@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/core.h"
+
+#include "engine/check.h"
+
+#include <algorithm>
+
+namespace sinew::engine {
+
+namespace {
+constexpr std::size_t kept_programs =
+    8; // snapshots whose keys and chains are remembered: undo finds them again
+}
+
+Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
+    : values(policy.value_bytes)
+    , states(policy.state_bytes, std::max(1, policy.state_every))
+    , scratch(policy.scratch_bytes_entries)
+    , arena(threads > 0 ? threads : tbb::task_arena::automatic)
+    , observer_(watcher) {}
+
+std::shared_ptr<Program> Core::program_of(const std::shared_ptr<const Graph>& graph) {
+    const auto it =
+        std::find_if(programs.begin(), programs.end(), [&](const auto& p) { return p->graph() == graph; });
+    if (it != programs.end()) {
+        std::rotate(it, it + 1, programs.end());
+        return programs.back();
+    }
+    if (programs.size() >= kept_programs) programs.erase(programs.begin());
+    programs.push_back(std::make_shared<Program>(graph));
+    return programs.back();
+}
+
+std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<const Graph>& graph,
+                                                       const std::string& node) {
+    FileContents contents;
+    while (true) {
+        std::unique_lock lock(mutex);
+        const std::shared_ptr<Program> program = program_of(graph);
+        const int at = program->find(node);
+        if (at < 0) {
+            Diagnostic d;
+            d.code = "DG102";
+            d.node = node;
+            d.message = "there is no such node";
+            d.hint = name_hint(node, graph->node_names(), "nodes");
+            throw Failure(std::move(d));
+        }
+        bool complete = true;
+        for (const std::string& path : program->file_paths(at))
+            complete = complete && contents.contains(path);
+        if (complete) {
+            if (program->set_files(at, contents)) return {program, at};
+            std::erase(programs,
+                       program); // a file has changed: everything that was derived from it is out of date
+            continue;
+        }
+        const std::vector<std::string> paths = program->file_paths(at);
+        lock.unlock(); // large files are read while others go on
+        for (const std::string& path : paths) contents.insert_or_assign(path, files.of(path));
+    }
+}
+
+void Core::keep(const Digest& key, const NodeType& type, const EntryPtr& entry) {
+    for (std::size_t i = 0; i < type.outputs.size(); ++i)
+        contents.put(plug_key(key, type.outputs[i].name), entry->outputs[i].digest());
+    values.put(key, entry);
+}
+
+FlightPtr Core::claim(const Digest& key, const Graph* graph) {
+    auto flight = std::make_shared<Flight>();
+    flight->graph = graph;
+    flights[key] = flight;
+    return flight;
+}
+
+void Core::land(const Digest& key, const FlightPtr& flight, const NodeType& type, EntryPtr entry,
+                std::exception_ptr error) {
+    {
+        const std::lock_guard lock(mutex);
+        if (entry) keep(key, type, entry);
+        flight->done = true;
+        flight->entry = std::move(entry);
+        flight->error = std::move(error);
+        flights.erase(key);
+    }
+    landed.notify_all();
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,66 @@
+// What all pulls of one evaluator share: stores, work in flight, threads, the observer.
+// One mutex guards everything but the observer; nobody holds it while a node computes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/eval/program.h"
+#include "engine/eval/store.h"
+#include "engine/evaluator.h"
+
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <tbb/task_arena.h>
+#include <unordered_map>
+
+namespace sinew::engine {
+
+/// Work that one pull has claimed and that others may wait for. Guarded by Core::mutex.
+struct Flight {
+    bool done = false;
+    EntryPtr entry;           ///< set if the work succeeded
+    std::exception_ptr error; ///< set if it failed; neither: given up, whoever needs it claims it again
+    const Graph* graph = nullptr;
+};
+using FlightPtr = std::shared_ptr<Flight>;
+
+struct Core {
+    Core(const StorePolicy& policy, int threads, Observer* watcher);
+
+    std::mutex mutex;
+    std::condition_variable_any landed; ///< some flight is done
+    ValueStore values;
+    StateStore states;
+    DigestTable contents;
+    ScratchPool scratch;
+    std::unordered_map<Digest, FlightPtr, DigestHash> flights;
+    std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
+    FileDigests files;
+    tbb::task_arena arena;
+
+    /// The program of a snapshot with the cone of `node` ready: files digested, connections sound. Gives the
+    /// node's number too. Throws Failure.
+    std::pair<std::shared_ptr<Program>, int> prepare(const std::shared_ptr<const Graph>& graph,
+                                                     const std::string& node);
+    /// Needs the mutex. Stores the entry under the key and a row for each output.
+    void keep(const Digest& key, const NodeType& type, const EntryPtr& entry);
+    /// Needs the mutex.
+    FlightPtr claim(const Digest& key, const Graph* graph);
+    /// Takes the mutex. Ends a flight; an entry is kept.
+    void land(const Digest& key, const FlightPtr& flight, const NodeType& type, EntryPtr entry,
+              std::exception_ptr error);
+
+    /// Calls the observer, one call at a time.
+    template <class F>
+    void observe(F&& call) {
+        if (!observer_) return;
+        const std::lock_guard lock(observer_mutex_);
+        call(*observer_);
+    }
+
+  private:
+    std::shared_ptr<Program> program_of(const std::shared_ptr<const Graph>& graph);
+    Observer* observer_;
+    std::mutex observer_mutex_;
+};
+
+} // namespace sinew::engine

@@ -1,0 +1,35 @@
+// "Why would this run?", answered from keys alone. Never computes a node.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/eval/core.h"
+#include "engine/eval/keys.h"
+
+namespace sinew::engine {
+
+class Explainer {
+  public:
+    Explainer(Core& core, std::shared_ptr<Program> program);
+    Verdict explain(int node, double frame);
+    Readiness readiness(int node, double frame);
+
+  private:
+    struct Difference {
+        std::vector<std::string> plugs;
+        int frame = 0; ///< simulations: the first frame whose key differs
+    };
+    /// Extends chains as far as the known digests reach; empty if the key is still unknown, with the reason
+    /// in needs.
+    std::optional<Digest> key(const Site& site, Needs& needs);
+    Verdict undecided(const Needs& needs, double frame) const;
+    Verdict of_frame(int simulation, int frame);
+    std::shared_ptr<Program> earlier(const std::string& node, const NodeType* type) const;
+    int first_difference(const Place& now, const Place& before) const;
+    std::vector<std::string> changed_plugs(Program& before, Keys& old_keys, const Site& now, const Site& then,
+                                           double time);
+
+    Core& core_;
+    std::shared_ptr<Program> program_;
+    Keys keys_;
+};
+
+} // namespace sinew::engine

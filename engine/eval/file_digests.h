@@ -1,0 +1,36 @@
+// Content digests of files on disk, read once for each (path, size, time of change).
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/digest.h"
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <string>
+#include <variant>
+
+namespace sinew::engine {
+
+/// What is wrong with a file: a code (IO401, IO402) and words.
+struct FileFault {
+    std::string code, message;
+};
+
+using FileContents = std::map<std::string, std::variant<Digest, FileFault>>;
+
+/// Thread-safe. A file that changes without changing size and time of change is not noticed.
+class FileDigests {
+  public:
+    std::variant<Digest, FileFault> of(const std::string& path);
+
+  private:
+    struct Row {
+        std::uintmax_t size;
+        std::int64_t changed;
+        Digest content;
+    };
+    std::mutex mutex_;
+    std::map<std::string, Row> rows_;
+};
+
+} // namespace sinew::engine

@@ -1,0 +1,208 @@
+// Stepping a simulation: the nearest kept state, then frame by frame.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/arena.h"
+#include "engine/eval/session.h"
+
+#include <chrono>
+#include <utility>
+
+namespace sinew::engine {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+// On the arena, so that the node's own parallel loops keep to our threads; isolated, so that a loop that
+// waits does not pick up another node in between.
+template <class F>
+void on_arena(Core& core, F&& f) {
+    std::exception_ptr error;
+    run_on(core.arena, [&] {
+        tbb::this_task_arena::isolate([&] {
+            try {
+                f();
+            } catch (...) {
+                error = std::current_exception();
+            }
+        });
+    });
+    if (error) std::rethrow_exception(error);
+}
+
+// Ends a claim, whatever happens: with an entry, with an error, or given up.
+class Claim {
+  public:
+    Claim(Core& core, const Digest& key, const NodeType& type, const Graph* graph)
+        : core_(core)
+        , key_(key)
+        , type_(type)
+        , flight_(core.claim(key, graph)) {}
+    ~Claim() {
+        if (flight_) core_.land(key_, flight_, type_, nullptr, nullptr);
+    }
+    Claim(const Claim&) = delete;
+    void land(EntryPtr entry, std::exception_ptr error) {
+        core_.land(key_, std::exchange(flight_, nullptr), type_, std::move(entry), std::move(error));
+    }
+
+  private:
+    Core& core_;
+    Digest key_;
+    const NodeType& type_;
+    FlightPtr flight_;
+};
+
+} // namespace
+
+void FrameGoal::find_nearest_state() {
+    searched_ = true;
+    for (have_ = frame_; have_ >= place().start_frame; --have_)
+        if (const StoredState* s = session_.core.states.find(session_.keys.frame_key(simulation_, have_))) {
+            state_ = *s;
+            return;
+        }
+}
+
+bool FrameGoal::finish(const Digest& key, EntryPtr entry) {
+    parent_->pins_[key] = std::move(entry);
+    return true;
+}
+
+bool FrameGoal::step() {
+    Session& s = session_;
+    std::unique_lock lock(s.core.mutex);
+    Needs needs;
+    if (!s.keys.extend(simulation_, frame_, needs)) {
+        lock.unlock();
+        s.push(std::make_unique<ChainGoal>(s, this, simulation_, frame_));
+        return false;
+    }
+    const Digest key = s.keys.frame_key(simulation_, frame_);
+    if (!state_only_)
+        if (EntryPtr entry = find(key)) {
+            if (!stepped_) s.note_reuse(key, {simulation_, static_cast<double>(frame_)}, entry);
+            lock.unlock();
+            s.tell();
+            return finish(key, std::move(entry));
+        }
+    if (!searched_) find_nearest_state();
+    if (state_only_ && have_ == frame_) return true;
+    const int next = have_ == frame_ ? frame_ : have_ + 1;
+    if (next > have_) // another pull may have come by
+        if (const StoredState* there = s.core.states.find(s.keys.frame_key(simulation_, next))) {
+            state_ = *there;
+            have_ = next;
+            return false;
+        }
+    return make(lock, next);
+}
+
+// Steps to `next` unless its state is here already, and publishes its outputs.
+bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
+    Session& s = session_;
+    const Place& p = place();
+    const bool steps = next > have_, first = next == p.start_frame;
+    const Phase phase = first ? Phase::initial : Phase::advance;
+    std::vector<Site> missing;
+    const auto entry_of = [&](const Site& site) {
+        Needs none;
+        const Digest key = *s.keys.of(site, none);
+        const EntryPtr entry = find(key);
+        if (entry) pins_[key] = entry;
+        return entry;
+    };
+    std::vector<std::pair<double, SlotValues>> inputs;
+    if (steps)
+        for (double t : s.keys.read_times(simulation_, next))
+            inputs.emplace_back(t, s.gather(p, t, phase, entry_of, missing));
+    SlotValues at_frame = s.gather(p, next, Phase::publish, entry_of, missing);
+    if (!missing.empty()) {
+        lock.unlock();
+        s.push_values(std::move(missing), this);
+        return false;
+    }
+    const Digest key = s.keys.frame_key(simulation_, next),
+                 root = s.keys.frame_key(simulation_, p.start_frame);
+    if (const auto flight = s.core.flights.find(key); flight != s.core.flights.end()) {
+        const FlightPtr theirs = flight->second; // one thread steps; the others wait, holding nothing
+        if (!s.core.landed.wait(lock, s.stop, [&] { return theirs->done; })) throw Cancelled();
+        if (theirs->error && theirs->graph == s.program->graph().get()) std::rethrow_exception(theirs->error);
+        return false;
+    }
+    Claim claim(s.core, key, *p.type, s.program->graph().get());
+    const bool publishes = !s.core.values.contains(key);
+    lock.unlock();
+    stepped_ = true;
+    s.note_made(key);
+    try {
+        if (steps) {
+            CallContext context;
+            context.core = &s.core, context.program = s.program.get(), context.place = &p;
+            context.stop = s.stop, context.frame = next, context.phase = phase;
+            std::vector<std::unique_ptr<NodeReads>> sources;
+            for (auto& [t, values] : inputs)
+                sources.push_back(std::make_unique<NodeReads>(context, std::move(values), t));
+            StoredState made = advanced(sources, context, next);
+            const std::lock_guard again(s.core.mutex);
+            s.core.states.put(key, root, next - p.start_frame, made);
+            state_ = std::move(made);
+            have_ = next;
+        }
+        EntryPtr entry;
+        if (publishes) entry = published(std::move(at_frame), state_, next);
+        if (entry && next == frame_) pins_.insert_or_assign(key, entry);
+        claim.land(std::move(entry), nullptr);
+    } catch (const Cancelled&) {
+        throw;
+    } catch (...) {
+        claim.land(nullptr, std::current_exception());
+        throw;
+    }
+    if (next != frame_) pins_.clear(); // the inputs of this frame are not needed again
+    return false;
+}
+
+StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources, CallContext& context,
+                                int next) {
+    const SimulationFunctions& f = *place().type->simulation;
+    const auto begin = std::chrono::steady_clock::now();
+    StoredState out;
+    on_arena(session_.core, [&] {
+        std::vector<Reads> reads;
+        for (const auto& source : sources) reads.emplace_back(*source);
+        out.state =
+            context.phase == Phase::initial ? f.initial(reads.front()) : f.advance(state_.state, reads);
+    });
+    out.warnings = std::move(context.warnings);
+    const double seconds = seconds_since(begin);
+    session_.core.observe([&](Observer& o) { o.stepped(place().name, next, seconds); });
+    return out;
+}
+
+EntryPtr FrameGoal::published(SlotValues values, const StoredState& state, int next) {
+    const Place& p = place();
+    CallContext context;
+    context.core = &session_.core, context.program = session_.program.get(), context.place = &p;
+    context.stop = session_.stop, context.frame = next, context.phase = Phase::publish;
+    NodeReads source(context, std::move(values), next);
+    Writes writes;
+    const auto begin = std::chrono::steady_clock::now();
+    on_arena(session_.core, [&] {
+        const Reads reads(source);
+        p.type->simulation->publish(state.state, reads, writes);
+    });
+    std::vector<Diagnostic> warnings = state.warnings;
+    warnings.insert(warnings.end(), context.warnings.begin(), context.warnings.end());
+    EntryPtr entry = make_entry(p, writes, std::move(warnings));
+    {
+        const std::lock_guard lock(session_.core.mutex);
+        if (!entry->warnings.empty())
+            session_.program->delivered.insert(session_.keys.frame_key(simulation_, next));
+    }
+    session_.core.observe([&](Observer& o) { o.computed(p.name, next, seconds_since(begin)); });
+    return entry;
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,58 @@
+// Keys without values: K of a node from the keys of its sources, and the hash chain of a simulation's frames
+// from the content digests of its inputs. Whatever cannot be known yet is named, so that the caller can
+// provide it. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/eval/program.h"
+#include "engine/eval/store.h"
+
+#include <functional>
+#include <map>
+#include <span>
+#include <unordered_map>
+
+namespace sinew::engine {
+
+/// What stands between the caller and a key.
+struct Needs {
+    std::map<int, int> chains; ///< simulation -> frame up to which its chain must be known
+    std::vector<Site>
+        values; ///< nodes that must be evaluated, because only their values have a content digest
+    bool empty() const { return chains.empty() && values.empty(); }
+};
+
+/// The content digest behind a plug key, if it is known.
+using ContentOf =
+    std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
+
+/// Keys of one program. Needs the core's mutex for every call.
+class Keys {
+  public:
+    Keys(Program& program, ContentOf content)
+        : program_(program)
+        , content_(std::move(content)) {}
+
+    /// The key of a node at a frame; empty if chains are missing, which are then added to `needs`.
+    std::optional<Digest> of(const Site& site, Needs& needs);
+    std::optional<Digest> of(const Source& source, double frame, Needs& needs);
+    /// Extends the chain of a simulation up to `frame`; true if it is complete. At most a few hundred frames
+    /// a call; false with empty needs means "call again".
+    bool extend(int simulation, int frame, Needs& needs);
+    /// The key of a simulation's frame; the chain must reach it.
+    const Digest& frame_key(int simulation, int frame) const;
+    /// The times at which a step to `frame` reads its inputs; the start reads once.
+    std::vector<double> read_times(int simulation, int frame) const;
+    /// The content digest of all that one slot holds at a time.
+    std::optional<Digest> content(const Slot& slot, double time, Needs& needs);
+
+  private:
+    std::optional<Digest> known(const Site& site) const;
+    Digest combine(const Site& site) const;
+    std::optional<Digest> inputs_digest(const Place& p, double time, bool initial, Needs& needs);
+    std::optional<Digest> link(int simulation, int frame, Needs& needs);
+
+    Program& program_;
+    ContentOf content_;
+    std::unordered_map<Site, Digest, SiteHash> memo_; ///< nodes that change over time
+};
+
+} // namespace sinew::engine

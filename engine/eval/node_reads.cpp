@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/node_reads.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace sinew::engine {
+
+std::size_t NodeReads::slot(std::string_view attribute) const {
+    const Place& p = *context_.place;
+    const auto refuse = [&](const char* why) {
+        throw std::logic_error(std::string(p.type->name) + " read \"" + std::string(attribute) +
+                               "\", which " + why);
+    };
+    for (std::size_t i = 0; i < p.slots.size(); ++i) {
+        const AttributeInfo& info = *p.slots[i].info;
+        if (info.name != attribute) continue;
+        if (info.affects == Affects::nothing) refuse("affects nothing and so must not be read");
+        const bool later = context_.phase == Phase::advance || context_.phase == Phase::publish;
+        if (info.affects == Affects::initial_state && later) refuse("belongs to the initial state only");
+        return i;
+    }
+    refuse("it did not declare");
+    return 0;
+}
+
+Value NodeReads::get(std::string_view attribute) {
+    const std::size_t i = slot(attribute);
+    if (context_.place->slots[i].info->kind == AttributeKind::wire_list)
+        throw std::logic_error(std::string(attribute) + " is a list and was read as a single value");
+    return values_[i].empty() ? Value() : values_[i].front();
+}
+
+std::vector<Value> NodeReads::get_list(std::string_view attribute) {
+    const std::size_t i = slot(attribute);
+    if (context_.place->slots[i].info->kind != AttributeKind::wire_list)
+        throw std::logic_error(std::string(attribute) + " is a single value and was read as a list");
+    return values_[i];
+}
+
+Digest NodeReads::digest(std::string_view attribute) {
+    const std::size_t i = slot(attribute);
+    if (context_.place->slots[i].info->kind != AttributeKind::wire_list) return get(attribute).digest();
+    Hasher h;
+    h.add(std::uint64_t{values_[i].size()});
+    for (const Value& v : values_[i]) h.add(v.digest());
+    return h.finish();
+}
+
+void NodeReads::needs_time(std::string_view what) const {
+    const NodeType& t = *context_.place->type;
+    if (!t.uses_time && !t.simulation)
+        throw std::logic_error(std::string(t.name) + " asked for the " + std::string(what) +
+                               " without declaring uses_time");
+}
+
+double NodeReads::frame() {
+    needs_time("frame");
+    return time_;
+}
+
+double NodeReads::fps() {
+    needs_time("frame rate");
+    return context_.program->graph()->timing().fps;
+}
+
+void NodeReads::checkpoint() {
+    if (stop_requested()) throw Cancelled();
+}
+
+void NodeReads::progress(double done, std::string_view what) {
+    context_.core->observe([&](Observer& o) { o.progress(context_.place->name, done, what); });
+}
+
+void NodeReads::place(Diagnostic& d) const {
+    if (!d.frame && context_.place->dynamic) d.frame = context_.frame;
+    locate(d, *context_.program->graph(), context_.place->name);
+}
+
+void NodeReads::report(Diagnostic d) {
+    {
+        const std::lock_guard lock(context_.mutex);
+        context_.warnings.push_back(d);
+    }
+    place(d);
+    context_.core->observe([&](Observer& o) { o.warning(d); });
+}
+
+void NodeReads::fail(Diagnostic d) {
+    place(d);
+    if (d.code.rfind("FE3", 0) == 0) throw SolveFailure(std::move(d));
+    throw Failure(std::move(d));
+}
+
+// Two types may build different things under one key; the type's name keeps them apart.
+Digest NodeReads::scratch_key(const Digest& key) const {
+    return Hasher().add(context_.place->type->name).add(key).finish();
+}
+
+std::shared_ptr<void> NodeReads::take_scratch(const Digest& key) {
+    const std::lock_guard lock(context_.core->mutex);
+    return context_.core->scratch.take(scratch_key(key));
+}
+
+void NodeReads::give_scratch(const Digest& key, std::shared_ptr<void> scratch) {
+    const std::lock_guard lock(context_.core->mutex);
+    context_.core->scratch.give(scratch_key(key), std::move(scratch));
+}
+
+std::string NodeReads::source_name(std::string_view attribute, std::size_t index) {
+    const Slot& s = context_.place->slots[slot(attribute)];
+    if (index >= s.sources.size()) return {};
+    return context_.program->place(s.sources[index].node).name;
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,312 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/plan.h"
+
+#include "engine/eval/arena.h"
+
+#include <algorithm>
+#include <chrono>
+#include <tuple>
+
+namespace sinew::engine {
+
+namespace {
+/// Another pull gave up work that we were waiting for.
+struct GivenUp {};
+
+bool is_failure(const std::exception_ptr& e) {
+    try {
+        std::rethrow_exception(e);
+    } catch (const Failure&) {
+        return true;
+    } catch (...) {
+        return false;
+    }
+}
+
+bool is_stop(const std::exception_ptr& e) {
+    try {
+        std::rethrow_exception(e);
+    } catch (const Cancelled&) {
+        return true;
+    } catch (const GivenUp&) {
+        return true;
+    } catch (...) {
+        return false;
+    }
+}
+} // namespace
+
+int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&)>& find) {
+    Needs none;
+    const Digest key = *session_.keys.of(site, none);
+    const auto [known, is_new] = index_.try_emplace(key, static_cast<int>(items_.size()));
+    if (!is_new) return known->second;
+    Item item;
+    item.site = site;
+    item.key = key;
+    item.result = find(key);
+    const auto flight = session_.core.flights.find(key);
+    if (item.result) {
+        item.finished = true;
+        session_.note_reuse(key, site, item.result);
+    } else if (session_.program->place(site.node).is_simulation()) {
+        frames_.push_back(site);
+    } else if (flight != session_.core.flights.end()) {
+        item.foreign = true;
+        item.flight = flight->second;
+    } else {
+        unexpanded_.push_back(known->second);
+    }
+    items_.push_back(std::move(item));
+    return known->second;
+}
+
+void Plan::add(const Site& target, const std::function<EntryPtr(const Digest&)>& find) {
+    item_of(target, find);
+    while (!unexpanded_.empty()) {
+        const int i = unexpanded_.back();
+        unexpanded_.pop_back();
+        const Site site = at(i).site;
+        for (const Slot& s : session_.program->place(site.node).slots) {
+            if (!s.read_by_compute()) continue;
+            for (const Source& source : s.sources) {
+                const int j = item_of(session_.program->site(source, site.frame), find);
+                at(i).sources.push_back(j);
+                if (at(j).finished) continue;
+                at(j).dependents.push_back(i);
+                ++at(i).waiting;
+            }
+        }
+    }
+}
+
+void Plan::claim() {
+    for (Item& i : items_)
+        if (!i.finished && !i.foreign) i.flight = session_.core.claim(i.key, session_.program->graph().get());
+}
+
+EntryPtr Plan::compute(const Item& item) {
+    const Place& p = session_.program->place(item.site.node);
+    const double frame = p.dynamic ? item.site.frame : session_.frame;
+    CallContext context;
+    context.core = &session_.core, context.program = session_.program.get(), context.place = &p;
+    context.stop = session_.stop, context.frame = frame;
+    std::size_t next = 0;
+    std::vector<Site> missing;
+    SlotValues values = session_.gather(
+        p, item.site.frame, Phase::compute, [&](const Site&) { return at(item.sources[next++]).result; },
+        missing);
+    NodeReads source(context, std::move(values), item.site.frame);
+    Writes writes;
+    const auto begin = std::chrono::steady_clock::now();
+    tbb::this_task_arena::isolate([&] {
+        const Reads reads(source);
+        p.type->compute(reads, writes);
+    });
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    const EntryPtr entry = make_entry(p, writes, std::move(context.warnings));
+    session_.core.observe([&](Observer& o) { o.computed(p.name, frame, seconds.count()); });
+    return entry;
+}
+
+void Plan::land(const Item& i) {
+    const NodeType& type = *session_.program->place(i.site.node).type;
+    session_.core.land(i.key, i.flight, type, i.result, i.error && !is_stop(i.error) ? i.error : nullptr);
+}
+
+// Marks an item as finished and hands its result, or its error, to those that wait for it.
+std::vector<int> Plan::settle(int i, EntryPtr result, std::exception_ptr error, bool original) {
+    std::vector<int> ready, spoiled, stack{i};
+    {
+        const std::lock_guard lock(mutex_);
+        at(i).result = std::move(result), at(i).error = std::move(error);
+        at(i).finished = true, at(i).original = original;
+        while (!stack.empty()) {
+            const Item& done = at(stack.back());
+            stack.pop_back();
+            for (int d : done.dependents) {
+                if (at(d).finished) continue;
+                if (!done.error) {
+                    if (--at(d).waiting == 0) ready.push_back(d);
+                    continue;
+                }
+                at(d).error = done.error;
+                at(d).finished = true;
+                spoiled.push_back(d);
+                stack.push_back(d);
+            }
+        }
+    }
+    for (int d : spoiled) land(at(d));
+    return ready;
+}
+
+void Plan::work(tbb::task_group& group, int i) {
+    while (i >= 0) {
+        EntryPtr result;
+        std::exception_ptr error;
+        Item* item;
+        {
+            const std::lock_guard lock(
+                mutex_); // what other threads wrote into the items is visible from here on
+            item = &at(i);
+        }
+        try {
+            session_.check_stop();
+            result = compute(*item);
+        } catch (...) {
+            error = std::current_exception();
+        }
+        session_.core.land(item->key, item->flight, *session_.program->place(item->site.node).type, result,
+                           error && !is_stop(error) ? error : nullptr);
+        std::vector<int> ready = settle(i, std::move(result), std::move(error), true);
+        // One successor goes on here, so that a chain of nodes is a loop; the others become tasks.
+        i = ready.empty() ? -1 : ready.back();
+        if (!ready.empty()) ready.pop_back();
+        for (int r : ready) spawn(group, r);
+    }
+    publish_to_threads(this);
+}
+
+void Plan::spawn(tbb::task_group& group, int i) {
+    publish_to_threads(this);
+    group.run([this, &group, i] {
+        receive_from_threads(this);
+        work(group, i);
+    });
+}
+
+bool Plan::wait_for_others(std::vector<int>& ready) {
+    std::vector<int> waited;
+    for (std::size_t i = 0; i < items_.size(); ++i)
+        if (items_[i].foreign && !items_[i].finished) waited.push_back(static_cast<int>(i));
+    if (waited.empty()) return false;
+    struct Landed {
+        int item;
+        EntryPtr entry;
+        std::exception_ptr error;
+    };
+    std::vector<Landed> landed;
+    {
+        std::unique_lock lock(session_.core.mutex);
+        const auto any = [&] {
+            return std::any_of(waited.begin(), waited.end(), [&](int i) { return at(i).flight->done; });
+        };
+        if (!session_.core.landed.wait(lock, session_.stop, any))
+            for (int i : waited) landed.push_back({i, nullptr, std::make_exception_ptr(Cancelled())});
+        else
+            for (int i : waited) {
+                const Flight& f = *at(i).flight;
+                if (!f.done) continue;
+                const bool same = f.error && f.graph == session_.program->graph().get();
+                const auto error = f.entry ? nullptr : same ? f.error : std::make_exception_ptr(GivenUp());
+                landed.push_back({i, f.entry, error});
+                again_ = again_ || (!f.entry && !same);
+            }
+    }
+    for (Landed& l : landed)
+        for (int r : settle(l.item, std::move(l.entry), std::move(l.error), true)) ready.push_back(r);
+    return true;
+}
+
+bool Plan::run() {
+    std::vector<int> ready;
+    {
+        const std::lock_guard lock(
+            mutex_); // pairs with the lock in work(): the workers see all that was planned
+        for (std::size_t i = 0; i < items_.size(); ++i)
+            if (!items_[i].finished && !items_[i].foreign && items_[i].waiting == 0)
+                ready.push_back(static_cast<int>(i));
+    }
+    do {
+        if (!ready.empty())
+            run_on(session_.core.arena, [&] {
+                tbb::task_group group;
+                for (int r : ready) spawn(group, r);
+                group.wait();
+                receive_from_threads(this);
+            });
+        ready.clear();
+    } while (wait_for_others(ready));
+    {
+        const std::lock_guard lock(session_.core.mutex);
+        for (const Item& i : items_) {
+            if (!i.flight || i.foreign || !i.result) continue;
+            session_.note_made(i.key);
+            if (!i.result->warnings.empty()) session_.program->delivered.insert(i.key);
+        }
+    }
+    throw_errors();
+    return !again_;
+}
+
+void Plan::throw_errors() {
+    std::vector<const Item*> failed;
+    for (const Item& i : items_) {
+        if (!i.error || !i.original) continue;
+        if (is_failure(i.error))
+            failed.push_back(&i);
+        else if (!is_stop(i.error))
+            std::rethrow_exception(i.error); // a bug, as it is
+    }
+    session_.check_stop();
+    for (const Item& i : items_)
+        if (i.error && i.original && is_stop(i.error) && !i.foreign) throw Cancelled();
+    if (failed.empty()) return;
+    // In the order of the graph, then of time; the same complaint at many frames is made once, at the first.
+    std::sort(failed.begin(), failed.end(), [](const Item* a, const Item* b) {
+        return std::tie(a->site.node, a->site.frame) < std::tie(b->site.node, b->site.frame);
+    });
+    std::vector<Diagnostic> all;
+    bool solve = true;
+    for (const Item* i : failed) {
+        try {
+            std::rethrow_exception(i->error);
+        } catch (const Failure& f) {
+            solve = solve && dynamic_cast<const SolveFailure*>(&f);
+            for (const Diagnostic& d : f.diagnostics()) {
+                const bool repeated = std::any_of(all.begin(), all.end(), [&](const Diagnostic& o) {
+                    return std::tie(o.code, o.node, o.attribute, o.message) ==
+                           std::tie(d.code, d.node, d.attribute, d.message);
+                });
+                if (!repeated) all.push_back(d);
+            }
+        }
+    }
+    if (solve) throw SolveFailure(std::move(all));
+    throw Failure(std::move(all));
+}
+
+bool ValuesGoal::step() {
+    Session& s = session_;
+    Plan plan(s);
+    {
+        std::unique_lock lock(s.core.mutex);
+        Needs needs;
+        for (const Site& t : targets_) s.keys.of(t, needs);
+        if (!needs.empty()) {
+            s.push_chains(needs, this);
+            return false;
+        }
+        for (const Site& t : targets_) plan.add(t, [&](const Digest& key) { return find(key); });
+        if (!plan.frames().empty()) {
+            for (const Site& f : plan.frames())
+                s.push(std::make_unique<FrameGoal>(s, this, f.node, static_cast<int>(f.frame)));
+            return false;
+        }
+        plan.claim();
+    }
+    s.tell();
+    const bool complete = plan.run();
+    plan.each_result([&](const Digest& key, const EntryPtr& entry) { pins_[key] = entry; });
+    if (!complete) return false;
+    const std::lock_guard lock(s.core.mutex);
+    Needs none;
+    for (const Site& t : targets_) {
+        const Digest key = *s.keys.of(t, none);
+        parent_->pins_[key] = pins_.at(key);
+    }
+    return true;
+}
+
+} // namespace sinew::engine

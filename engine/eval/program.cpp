@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/program.h"
+
+#include "engine/check.h"
+#include "engine/text.h"
+
+#include <cmath>
+
+namespace sinew::engine {
+
+namespace {
+constexpr double farthest_frame = 1e7; // a chain of frames to there fits in memory; nobody films longer
+}
+
+void locate(Diagnostic& d, const Graph& graph, const std::string& node) {
+    d.node = node;
+    if (d.spot) return;
+    if (!d.attribute.empty()) d.spot = graph.spot(node, d.attribute);
+    if (!d.spot) d.spot = graph.spot(node);
+}
+
+Value Slot::sample(double frame) const {
+    if (kind == Kind::constant) return constant;
+    const Value& as = info->def;
+    if (as.is<Vec3>())
+        return Value::of<Vec3>(
+            {curve->component_at(frame, 0), curve->component_at(frame, 1), curve->component_at(frame, 2)});
+    const double v = curve->component_at(frame, 0);
+    if (as.is<bool>()) return Value::of<bool>(v != 0);
+    if (as.is<std::int64_t>()) return Value::of<std::int64_t>(static_cast<std::int64_t>(v));
+    return Value::of<double>(v);
+}
+
+Digest Slot::digest_at(double frame) const {
+    return kind == Kind::constant ? constant.digest() : sample(frame).digest();
+}
+
+Program::Program(std::shared_ptr<const Graph> graph)
+    : graph_(std::move(graph)) {
+    const std::vector<std::string> names = graph_->node_names();
+    places_.resize(names.size());
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        places_[i].name = names[i];
+        places_[i].node = graph_->find(names[i]);
+        places_[i].type = places_[i].node->type;
+        index_.emplace(names[i], static_cast<int>(i));
+    }
+    for (Place& p : places_)
+        if (p.type) resolve(p);
+}
+
+int Program::find(std::string_view name) const {
+    const auto it = index_.find(std::string(name));
+    return it == index_.end() ? -1 : it->second;
+}
+
+Diagnostic Program::about(const Place& p, std::string_view attribute, std::string_view code,
+                          std::string message, std::string hint) const {
+    Diagnostic d;
+    d.code = code;
+    d.attribute = attribute;
+    d.message = std::move(message), d.hint = std::move(hint);
+    locate(d, *graph_, p.name);
+    return d;
+}
+
+void Program::resolve(Place& p) {
+    const auto source = [&](const Plug& plug) {
+        Source s;
+        s.node = find(plug.node);
+        const NodeType* type = s.node < 0 ? nullptr : place(s.node).type;
+        for (std::size_t i = 0; type && i < type->outputs.size(); ++i)
+            if (type->outputs[i].name == plug.attribute) s.output = static_cast<int>(i);
+        return s;
+    };
+    for (const AttributeInfo& info : p.type->inputs) {
+        Slot s;
+        s.info = &info;
+        const auto bound = p.node->inputs.find(info.name);
+        if (bound == p.node->inputs.end()) {
+            if (info.kind == AttributeKind::literal) s.kind = Slot::Kind::constant, s.constant = info.def;
+            if (info.kind == AttributeKind::wire_list) s.kind = Slot::Kind::list;
+        } else if (const Value* v = std::get_if<Value>(&bound->second)) {
+            s.kind = Slot::Kind::constant, s.constant = *v;
+        } else if (const Curve* c = std::get_if<Curve>(&bound->second)) {
+            s.kind = Slot::Kind::curve, s.curve = c;
+        } else if (const Plug* w = std::get_if<Plug>(&bound->second)) {
+            s.kind = Slot::Kind::wire, s.sources = {source(*w)};
+        } else {
+            s.kind = Slot::Kind::list;
+            for (const Plug& w2 : std::get<std::vector<Plug>>(bound->second)) s.sources.push_back(source(w2));
+        }
+        p.slots.push_back(std::move(s));
+    }
+    for (Problem& f : check_required(p.name, *p.node)) {
+        locate(f.diagnostic, *graph_, p.name);
+        p.problems.push_back(std::move(f.diagnostic));
+    }
+    if (p.type->simulation) find_times(p);
+}
+
+void Program::find_times(Place& p) {
+    const SimulationFunctions& f = *p.type->simulation;
+    p.start_frame = graph_->timing().start;
+    for (std::size_t i = 0; i < p.slots.size(); ++i) {
+        const Slot& s = p.slots[i];
+        if (s.info->name == f.substeps_input) p.substeps_slot = static_cast<int>(i);
+        if (s.info->name != f.start_frame_input || s.kind != Slot::Kind::constant) continue;
+        const double start = s.constant.as<double>();
+        if (start == std::floor(start) && std::abs(start) < 1e9)
+            p.start_frame = static_cast<int>(start);
+        else
+            p.problems.push_back(
+                about(p, s.info->name, "DG107", number_text(start) + " is not a whole frame"));
+    }
+}
+
+Site Program::site(int node, double frame) const {
+    const Place& p = place(node);
+    if (!p.dynamic) return {node, 0};
+    if (!p.is_simulation()) return {node, frame};
+    if (frame <= p.start_frame)
+        return {node, static_cast<double>(p.start_frame)}; // before the start: the start
+    if (frame != std::floor(frame)) {
+        Diagnostic d = about(p, {}, "DG103", "a simulation has whole frames only",
+                             "ask for a whole frame, or set the sub-steps of the node that reads it to 1");
+        d.frame = frame;
+        throw Failure(std::move(d));
+    }
+    if (frame - p.start_frame > farthest_frame) {
+        Diagnostic d = about(p, {}, "DG104", "too far from the start frame " + std::to_string(p.start_frame));
+        d.frame = frame;
+        throw Failure(std::move(d));
+    }
+    return {node, frame};
+}
+
+int Program::substeps(const Place& p, int frame) const {
+    if (p.substeps_slot < 0) return 1;
+    const std::int64_t n =
+        p.slots[static_cast<std::size_t>(p.substeps_slot)].sample(frame).as<std::int64_t>();
+    if (n >= 1 && n <= 100000) return static_cast<int>(n);
+    Diagnostic d = about(p, p.type->simulation->substeps_input, "DG106",
+                         std::to_string(n) + " sub-steps are not possible");
+    d.frame = frame;
+    throw Failure(std::move(d));
+}
+
+const Program::Cone& Program::known_cone(int node) {
+    const auto known = cones_.find(node);
+    return known != cones_.end() ? known->second : cones_.emplace(node, make_cone(node)).first->second;
+}
+
+Program::Cone Program::make_cone(int node) {
+    // Depth first with an explicit stack; `open` marks the path, so meeting it again is a cycle.
+    enum : char { fresh, open, closed };
+    std::vector<char> state(places_.size(), fresh);
+    std::vector<int> stack{node};
+    Cone out;
+    std::vector<Diagnostic> problems;
+    while (!stack.empty()) {
+        const int at = stack.back();
+        Place& p = place(at);
+        char& mark = state[static_cast<std::size_t>(at)];
+        if (mark != fresh) {
+            stack.pop_back();
+            if (mark == open) mark = closed, out.nodes.push_back(at);
+            continue;
+        }
+        mark = open;
+        if (!p.type)
+            problems.push_back(about(p, {}, "DG101",
+                                     "this program does not know the type " + json_quoted(p.node->type_name),
+                                     name_hint(p.node->type_name, graph_->registry().names(), {})));
+        problems.insert(problems.end(), p.problems.begin(), p.problems.end());
+        for (const Slot& s : p.slots) {
+            if (!s.read_by_compute()) continue;
+            for (const Source& source : s.sources) {
+                const char there = state[static_cast<std::size_t>(source.node)];
+                if (there == open)
+                    throw Failure(
+                        about(p, s.info->name, "DG030", "connections form a cycle: " + find_cycle(*graph_)));
+                if (there == fresh) stack.push_back(source.node);
+            }
+        }
+    }
+    if (!problems.empty()) throw Failure(std::move(problems));
+    for (int at : out.nodes) {
+        Place& p = place(at);
+        bool dynamic = p.type->uses_time || p.is_simulation();
+        for (std::size_t i = 0; i < p.slots.size(); ++i) {
+            const Slot& s = p.slots[i];
+            if (!s.read_by_compute()) continue;
+            dynamic = dynamic || s.kind == Slot::Kind::curve;
+            for (const Source& source : s.sources) dynamic = dynamic || place(source.node).dynamic;
+            if (s.kind == Slot::Kind::constant && s.constant.is<File>() &&
+                !s.constant.as<File>().path.empty())
+                out.files.emplace_back(at, static_cast<int>(i));
+        }
+        if (p.dynamic != dynamic)
+            p.dynamic = dynamic; // never written again: other threads may be reading it by then
+    }
+    return out;
+}
+
+std::vector<std::string> Program::file_paths(int node) {
+    std::vector<std::string> out;
+    for (const auto& [at, slot] : known_cone(node).files)
+        out.push_back(place(at).slots[static_cast<std::size_t>(slot)].constant.as<File>().path);
+    return out;
+}
+
+bool Program::set_files(int node, const FileContents& contents) {
+    std::vector<Diagnostic> problems;
+    for (const auto& [at, slot] : known_cone(node).files) {
+        Slot& s = place(at).slots[static_cast<std::size_t>(slot)];
+        const File& named = s.constant.as<File>();
+        const auto& found = contents.at(named.path);
+        if (const FileFault* fault = std::get_if<FileFault>(&found)) {
+            problems.push_back(about(place(at), s.info->name, fault->code, fault->message));
+            continue;
+        }
+        const Digest content = std::get<Digest>(found);
+        if (content == named.content) continue;
+        if (named.content != Digest{}) return false;
+        s.constant = Value::of<File>({named.path, content});
+    }
+    if (!problems.empty()) throw Failure(std::move(problems));
+    return true;
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,103 @@
+// A graph snapshot made ready for evaluation: nodes by number, inputs resolved to literals, curves and
+// sources, and the answer to "does this change over time?" for each node. Holds the keys and frame chains
+// found so far. SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/eval/file_digests.h"
+#include "engine/graph.h"
+
+#include <unordered_map>
+#include <unordered_set>
+
+namespace sinew::engine {
+
+struct Source {
+    int node = -1, output = -1;
+};
+
+/// One declared input of one node.
+struct Slot {
+    enum class Kind { none, constant, curve, wire, list };
+    const AttributeInfo* info = nullptr;
+    Kind kind = Kind::none;
+    Value constant;
+    const Curve* curve = nullptr;
+    std::vector<Source> sources;
+    /// The literal or key value at a frame.
+    Value sample(double frame) const;
+    Digest digest_at(double frame) const;
+    bool read_by_compute() const { return info->affects != Affects::nothing; }
+};
+
+struct Place {
+    std::string name;
+    const Node* node = nullptr;
+    const NodeType* type = nullptr;
+    std::vector<Slot> slots; ///< in the order of the type's inputs
+    bool dynamic = false;    ///< the value can differ between frames
+    int start_frame = 0;     ///< simulations
+    int substeps_slot = -1;
+    std::optional<Digest> static_key;
+    std::vector<Digest> chain; ///< simulations: S(start), S(start + 1), …
+    std::vector<Diagnostic> problems;
+    bool is_simulation() const { return type && type->simulation; }
+};
+
+/// A node at a frame; for nodes that do not change over time the frame is always 0.
+struct Site {
+    int node = -1;
+    double frame = 0;
+    friend bool operator==(const Site&, const Site&) = default;
+};
+struct SiteHash {
+    std::size_t operator()(const Site& s) const {
+        return std::hash<double>()(s.frame) * 1000003u ^ std::hash<int>()(s.node);
+    }
+};
+
+class Program {
+  public:
+    explicit Program(std::shared_ptr<const Graph> graph);
+    const std::shared_ptr<const Graph>& graph() const { return graph_; }
+    Place& place(int node) { return places_[static_cast<std::size_t>(node)]; }
+    const Place& place(int node) const { return places_[static_cast<std::size_t>(node)]; }
+    int find(std::string_view name) const; ///< -1 if there is none
+    /// Throws Failure for a fraction of a frame on a simulation.
+    Site site(int node, double frame) const;
+    Site site(const Source& s, double frame) const { return site(s.node, frame); }
+    int substeps(const Place& p, int frame) const;
+    /// Everything that the node needs, itself included, sources first. Throws Failure on a cycle, a node of
+    /// unknown type or a missing input. Computed once a node.
+    const std::vector<int>& cone(int node) { return known_cone(node).nodes; }
+    /// The files that the cone names.
+    std::vector<std::string> file_paths(int node);
+    /// Puts the files' contents into the keys. False if one has changed since this program first saw it: the
+    /// program is then out of date as a whole. Throws Failure if files are missing.
+    bool set_files(int node, const FileContents& contents);
+    /// A diagnostic about this node, placed in the graph file as exactly as possible.
+    Diagnostic about(const Place& p, std::string_view attribute, std::string_view code, std::string message,
+                     std::string hint = {}) const;
+
+    /// Keys whose warnings have reached the observer.
+    std::unordered_set<Digest, DigestHash> delivered;
+    /// True once something was pulled through this snapshot; explain compares against such.
+    bool pulled = false;
+
+  private:
+    struct Cone {
+        std::vector<int> nodes;
+        std::vector<std::pair<int, int>> files; ///< (node, slot) of each literal that names a file
+    };
+    Cone make_cone(int node);
+    const Cone& known_cone(int node);
+    void resolve(Place& p);
+    void find_times(Place& p);
+    std::shared_ptr<const Graph> graph_;
+    std::vector<Place> places_;
+    std::unordered_map<std::string, int> index_;
+    std::unordered_map<int, Cone> cones_;
+};
+
+/// Fills in node, attribute, the best known spot and the severity's default.
+void locate(Diagnostic& d, const Graph& graph, const std::string& node);
+
+} // namespace sinew::engine

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/session.h"
+
+#include <stdexcept>
+
+namespace sinew::engine {
+
+EntryPtr Goal::find(const Digest& key) {
+    const auto it = pins_.find(key);
+    return it != pins_.end() ? it->second : session_.core.values.find(key);
+}
+
+Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f)
+    : core(c)
+    , program(std::move(p))
+    , stop(std::move(s))
+    , frame(f)
+    , keys(*program, [this](const Digest& plug, const Digest& node, int output) -> std::optional<Digest> {
+        if (!stack_.empty()) { // the goal on top is the one that asks
+            const auto it = stack_.back()->pins_.find(node);
+            if (it != stack_.back()->pins_.end())
+                return it->second->outputs[static_cast<std::size_t>(output)].digest();
+        }
+        return core.contents.find(plug);
+    }) {}
+
+void Session::run(std::unique_ptr<Goal> goal) {
+    push(std::move(goal));
+    while (stack_.size() > 1) {
+        check_stop();
+        const std::size_t top = stack_.size() - 1;
+        if (stack_[top]->step()) stack_.pop_back(); // a goal that is done has pushed nothing
+    }
+}
+
+namespace {
+// Stands at the bottom of the stack and receives the results.
+class Root : public Goal {
+  public:
+    explicit Root(Session& s)
+        : Goal(s, nullptr) {}
+    bool step() override { return true; }
+};
+} // namespace
+
+EntryPtr Session::entry(int node) {
+    push(std::make_unique<Root>(*this));
+    Goal& root = *stack_.front();
+    run(std::make_unique<ValuesGoal>(*this, &root, std::vector<Site>{program->site(node, frame)}));
+    return root.pins_.begin()->second;
+}
+
+Value Session::state(int simulation) {
+    push(std::make_unique<Root>(*this));
+    const int at = static_cast<int>(program->site(simulation, frame).frame);
+    // The goal leaves the stack when it is done, so the state is taken through a root that outlives it.
+    class StateGoal : public FrameGoal {
+      public:
+        StateGoal(Session& s, Goal* parent, int simulation, int frame, Value& out)
+            : FrameGoal(s, parent, simulation, frame, true)
+            , out_(out) {}
+        bool step() override {
+            if (!FrameGoal::step()) return false;
+            out_ = state();
+            return true;
+        }
+
+      private:
+        Value& out_;
+    };
+    Value out;
+    run(std::make_unique<StateGoal>(*this, stack_.front().get(), simulation, at, out));
+    return out;
+}
+
+Digest Session::frame_key(int simulation) {
+    push(std::make_unique<Root>(*this));
+    const int at = static_cast<int>(program->site(simulation, frame).frame);
+    run(std::make_unique<ChainGoal>(*this, stack_.front().get(), simulation, at));
+    const std::lock_guard lock(core.mutex);
+    return keys.frame_key(simulation, at);
+}
+
+void Session::push_chains(const Needs& needs, Goal* parent) {
+    for (const auto& [simulation, frame] : needs.chains)
+        push(std::make_unique<ChainGoal>(*this, parent, simulation, frame));
+}
+
+void Session::push_values(std::vector<Site> sites, Goal* parent) {
+    push(std::make_unique<ValuesGoal>(*this, parent, std::move(sites)));
+}
+
+void Session::note_reuse(const Digest& key, const Site& site, const EntryPtr& entry) {
+    if (!reused_.insert(key).second) return;
+    const Place& p = program->place(site.node);
+    reuse_events_.emplace_back(p.name, p.dynamic ? site.frame : frame);
+    if (entry->warnings.empty() || !program->delivered.insert(key).second) return;
+    for (Diagnostic d : entry->warnings) { // with today's name and place: names are not part of keys
+        if (p.dynamic && !d.frame) d.frame = site.frame;
+        locate(d, *program->graph(), p.name);
+        repeated_warnings_.push_back(std::move(d));
+    }
+}
+
+void Session::tell() {
+    for (const auto& [node, at] : reuse_events_) core.observe([&](Observer& o) { o.reused(node, at); });
+    for (const Diagnostic& d : repeated_warnings_) core.observe([&](Observer& o) { o.warning(d); });
+    reuse_events_.clear();
+    repeated_warnings_.clear();
+}
+
+EntryPtr make_entry(const Place& p, const Writes& writes, std::vector<Diagnostic> warnings) {
+    const auto bug = [&](std::string_view output, const char* what) {
+        throw std::logic_error(std::string(p.type->name) + " " + what + " output \"" + std::string(output) +
+                               "\"");
+    };
+    auto out = std::make_shared<Entry>();
+    out->warnings = std::move(warnings);
+    for (const AttributeInfo& info : p.type->outputs) {
+        const Value* found = nullptr;
+        for (const auto& [name, value] : writes.values())
+            if (name == info.name) found = &value;
+        if (!found || !*found) bug(info.name, "did not write");
+        if (found->type() != info.type) bug(info.name, "wrote another type to");
+        out->outputs.push_back(*found);
+    }
+    for (const auto& [name, value] : writes.values())
+        if (!p.type->find_output(name)) bug(name, "wrote the undeclared");
+    return out;
+}
+
+bool ChainGoal::step() {
+    Needs needs;
+    {
+        const std::lock_guard lock(session_.core.mutex);
+        if (session_.keys.extend(simulation_, frame_, needs)) return true;
+    }
+    pins_.clear(); // their content digests are in the chain or in the table now
+    if (!needs.chains.empty())
+        session_.push_chains(needs, this);
+    else if (!needs.values.empty())
+        session_.push_values(std::move(needs.values), this);
+    return false;
+}
+
+} // namespace sinew::engine

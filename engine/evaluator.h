@@ -1,0 +1,88 @@
+// Pulls plugs. Keys are computed without computing values; what has been computed is found again by key; a
+// simulation's frames form a hash chain, so an edit at frame 80 leaves frames 1…79 alone.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/graph.h"
+
+#include <memory>
+#include <stop_token>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace sinew::engine {
+
+/// Byte budgets of the memory store; hard limits, not hints.
+struct StorePolicy {
+    std::size_t value_bytes = std::size_t{2} << 30;
+    std::size_t state_bytes = std::size_t{4} << 30;
+    std::size_t scratch_bytes_entries = 64; ///< kept scratch objects (symbolic analyses and buffers)
+    int state_every = 1;                    ///< keep the state of each k-th frame, and the newest
+};
+
+/// Events for hosts, progress bars and tests. Called from worker threads, one call at a time.
+class Observer {
+  public:
+    virtual ~Observer() = default;
+    /// A node computed (never a look-up).
+    virtual void computed(const std::string& node, double frame, double seconds) {
+        (void)node, (void)frame, (void)seconds;
+    }
+    /// A simulation step ran, frame-1 -> frame (frame = start for the initial state).
+    virtual void stepped(const std::string& node, double frame, double seconds) {
+        (void)node, (void)frame, (void)seconds;
+    }
+    virtual void reused(const std::string& node, double frame) { (void)node, (void)frame; }
+    virtual void warning(const Diagnostic& d) { (void)d; }
+    virtual void progress(const std::string& node, double done, std::string_view what) {
+        (void)node, (void)done, (void)what;
+    }
+};
+
+struct Request {
+    std::shared_ptr<const Graph> graph;
+    Plug plug;
+    double frame = 1;
+    std::stop_token stop = {};
+};
+
+enum class Readiness { ready, would_run, undecided };
+
+struct Verdict {
+    Readiness readiness = Readiness::would_run;
+    std::string because; ///< in words, for people
+    std::vector<std::string>
+        changed_plugs; ///< first plug that differs from the nearest known frame, and so on
+    double first_frame = 0, last_frame = 0; ///< simulations: the frames that would be stepped
+};
+
+class Evaluator {
+  public:
+    /// threads = 0: all of the machine.
+    explicit Evaluator(StorePolicy policy = {}, int threads = 0, Observer* observer = nullptr);
+    ~Evaluator();
+    Evaluator(const Evaluator&) = delete;
+    /// Thread-safe; many pulls at once share work that is in flight. Throws Failure, SolveFailure or
+    /// Cancelled.
+    Value pull(const Request& request);
+    /// "Why would this run?" Never computes a node.
+    Verdict explain(const Request& request) const;
+    /// Ranges of frames in [first, last] whose value is ready without computing. Never computes.
+    std::vector<std::pair<int, int>> valid_frames(const Request& request, int first, int last) const;
+    /// Drops every scratch object; results must not change by a bit (a test does this each frame).
+    void drop_scratch();
+    /// Drops stored output values (not states); used by tests of the state chain.
+    void drop_values();
+    /// Saved bytes of the simulation state of `request.plug.node` at `request.frame`; runs what is missing.
+    std::vector<std::byte> save_state(const Request& request);
+    /// Puts a saved state into the store as the state of that node at that frame.
+    void load_state(const Request& request, std::span<const std::byte> bytes);
+    std::size_t stored_bytes() const;
+    int threads() const;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace sinew::engine

@@ -1,0 +1,30 @@
+// Graph files: JSON text <-> Graph. Every problem of a stage is reported at once, with line and column.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/graph.h"
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sinew::engine {
+
+struct Loaded {
+    std::shared_ptr<const Graph> graph;
+    std::vector<Diagnostic> notes; ///< warnings, for example a node type that this program does not know
+};
+
+/// Reads the text of a graph file. `file_name` stands in messages; relative paths in the graph resolve
+/// against its folder. Throws Failure with every problem found.
+Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text,
+                  const std::string& file_name);
+/// Reads a file from disk; IO4xx if it cannot.
+Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path);
+/// Only what is not default, keys in order, paths relative to the graph's folder; read_graph(write_graph(g))
+/// is g.
+std::string write_graph(const Graph& graph);
+/// JSON Schema (draft 2020-12) of a graph file that uses the registry's types.
+std::string graph_schema(const Registry& registry);
+
+} // namespace sinew::engine

@@ -1,0 +1,309 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/json_text.h"
+
+#include "engine/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <unordered_set>
+
+namespace sinew::engine {
+
+namespace {
+
+struct Stop {}; // the text cannot be read further; the problem has been recorded
+
+class Parser {
+  public:
+    explicit Parser(std::string_view text)
+        : text_(text) {}
+
+    JsonDocument document() {
+        try {
+            if (text_.substr(0, 3) == "\xEF\xBB\xBF")
+                at_ = 3; // a byte order mark is allowed, and nothing else is
+            out_.root = value(0);
+            space();
+            if (at_ < text_.size()) stop("the document ends here, but more text follows");
+        } catch (const Stop&) {
+        }
+        return std::move(out_);
+    }
+
+  private:
+    [[noreturn]] void stop(std::string message, std::string_view code = "DG001") {
+        out_.problems.push_back({code, at_, pointer_, std::move(message)});
+        throw Stop{};
+    }
+
+    bool more() const { return at_ < text_.size(); }
+
+    void space() {
+        while (more() &&
+               (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
+            ++at_;
+    }
+
+    std::string found() const {
+        if (!more()) return "the text ends";
+        const std::size_t length = std::max<std::size_t>(1, utf8_length(text_, at_));
+        return "found " + json_quoted(text_.substr(at_, length));
+    }
+
+    Json value(int depth) {
+        space();
+        if (depth > json_depth_limit)
+            stop("more than " + std::to_string(json_depth_limit) + " brackets inside each other", "DG003");
+        Json out;
+        out.begin = at_;
+        if (!more()) stop("a value is missing: the text ends");
+        const char c = text_[at_];
+        if (c == '{')
+            out.data = object(depth);
+        else if (c == '[')
+            out.data = list(depth);
+        else if (c == '"')
+            out.data = text();
+        else if (c == '-' || (c >= '0' && c <= '9'))
+            number(out);
+        else if (word("true"))
+            out.data = true;
+        else if (word("false"))
+            out.data = false;
+        else if (!word("null"))
+            stop("expected a value, " + found());
+        out.end = at_;
+        return out;
+    }
+
+    bool word(std::string_view w) {
+        if (text_.substr(at_, w.size()) != w) return false;
+        at_ += w.size();
+        return true;
+    }
+
+    Json::List list(int depth) {
+        Json::List out;
+        ++at_;
+        space();
+        if (more() && text_[at_] == ']') return ++at_, out;
+        const std::size_t pointer_size = pointer_.size();
+        while (true) {
+            pointer_ += "/" + std::to_string(out.size());
+            out.push_back(value(depth + 1));
+            pointer_.resize(pointer_size);
+            space();
+            if (more() && text_[at_] == ']') return ++at_, out;
+            if (!more() || text_[at_] != ',') stop("expected , or ] in a list, " + found());
+            ++at_;
+        }
+    }
+
+    Json::Object object(int depth) {
+        Json::Object out;
+        std::unordered_set<std::string> seen;
+        ++at_;
+        space();
+        if (more() && text_[at_] == '}') return ++at_, out;
+        const std::size_t pointer_size = pointer_.size();
+        while (true) {
+            space();
+            JsonMember m;
+            m.key_begin = at_;
+            if (!more() || text_[at_] != '"') stop("expected a key in quotes, " + found());
+            m.key = text();
+            pointer_ += pointer_token(m.key);
+            if (!seen.insert(m.key).second)
+                out_.problems.push_back(
+                    {"DG002", m.key_begin, pointer_, "the key " + json_quoted(m.key) + " is written twice"});
+            space();
+            if (!more() || text_[at_] != ':') stop("expected : after a key, " + found());
+            ++at_;
+            m.value = value(depth + 1);
+            pointer_.resize(pointer_size);
+            out.push_back(std::move(m));
+            space();
+            if (more() && text_[at_] == '}') return ++at_, out;
+            if (!more() || text_[at_] != ',') stop("expected , or } in an object, " + found());
+            ++at_;
+        }
+    }
+
+    void digits() {
+        if (!more() || text_[at_] < '0' || text_[at_] > '9') stop("expected a digit, " + found());
+        while (more() && text_[at_] >= '0' && text_[at_] <= '9') ++at_;
+    }
+
+    void number(Json& out) {
+        const std::size_t begin = at_;
+        bool whole = true, tiny = false;
+        if (text_[at_] == '-') ++at_;
+        if (more() && text_[at_] == '0')
+            ++at_;
+        else
+            digits();
+        if (more() && text_[at_] == '.') whole = false, ++at_, digits();
+        if (more() && (text_[at_] == 'e' || text_[at_] == 'E')) {
+            whole = false, ++at_;
+            tiny = more() && text_[at_] == '-';
+            if (more() && (text_[at_] == '+' || text_[at_] == '-')) ++at_;
+            digits();
+        }
+        const char *first = text_.data() + begin, *last = text_.data() + at_;
+        std::int64_t i = 0;
+        if (whole && text_.substr(begin, at_ - begin) != "-0" &&
+            std::from_chars(first, last, i).ec == std::errc()) {
+            out.data = i;
+            return;
+        }
+        double d = 0;
+        if (std::from_chars(first, last, d).ec == std::errc::result_out_of_range) {
+            d = 0; // below the smallest double: zero
+            const bool zero =
+                text_.substr(begin, at_ - begin).find_first_of("123456789") == std::string_view::npos;
+            if (!tiny && !zero)
+                out_.problems.push_back(
+                    {"DG027", begin, pointer_, std::string(first, last) + " is too large for a number"});
+        }
+        out.data = d;
+    }
+
+    unsigned hex4() {
+        unsigned v = 0;
+        for (int i = 0; i < 4; ++i, ++at_) {
+            const char c = more() ? text_[at_] : '\0';
+            if (c >= '0' && c <= '9')
+                v = 16 * v + static_cast<unsigned>(c - '0');
+            else if (c >= 'a' && c <= 'f')
+                v = 16 * v + static_cast<unsigned>(c - 'a') + 10;
+            else if (c >= 'A' && c <= 'F')
+                v = 16 * v + static_cast<unsigned>(c - 'A') + 10;
+            else
+                stop("expected four hexadecimal digits after \\u, " + found());
+        }
+        return v;
+    }
+
+    void unicode(std::string& out) {
+        unsigned v = hex4();
+        if (v >= 0xDC00 && v <= 0xDFFF) stop("\\u escape holds half of a surrogate pair");
+        if (v >= 0xD800 && v <= 0xDBFF) {
+            if (!word("\\u")) stop("\\u escape holds half of a surrogate pair");
+            const unsigned low = hex4();
+            if (low < 0xDC00 || low > 0xDFFF) stop("\\u escape holds half of a surrogate pair");
+            v = 0x10000 + ((v - 0xD800) << 10) + (low - 0xDC00);
+        }
+        const auto put = [&](unsigned byte) { out += static_cast<char>(byte); };
+        if (v < 0x80)
+            put(v);
+        else if (v < 0x800)
+            put(0xC0 | v >> 6), put(0x80 | (v & 63));
+        else if (v < 0x10000)
+            put(0xE0 | v >> 12), put(0x80 | (v >> 6 & 63)), put(0x80 | (v & 63));
+        else
+            put(0xF0 | v >> 18), put(0x80 | (v >> 12 & 63)), put(0x80 | (v >> 6 & 63)), put(0x80 | (v & 63));
+    }
+
+    void escape(std::string& out) {
+        static constexpr std::string_view from = "\"\\/bfnrt", to = "\"\\/\b\f\n\r\t";
+        const char c = more() ? text_[at_] : '\0';
+        if (c == 'u') return ++at_, unicode(out);
+        const std::size_t i = c == '\0' ? std::string_view::npos : from.find(c);
+        if (i == std::string_view::npos) stop("unknown escape in a string, " + found());
+        out += to[i];
+        ++at_;
+    }
+
+    std::string text() {
+        std::string out;
+        ++at_;
+        while (true) {
+            if (!more()) stop("a string is not closed");
+            const char c = text_[at_];
+            if (c == '"') return ++at_, out;
+            if (static_cast<unsigned char>(c) < 0x20)
+                stop("a string holds a control character or a line break");
+            if (c == '\\') {
+                ++at_;
+                escape(out);
+                continue;
+            }
+            const std::size_t length = utf8_length(text_, at_);
+            if (length == 0) stop("the text is not UTF-8");
+            out += text_.substr(at_, length);
+            at_ += length;
+        }
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+    std::string pointer_;
+    JsonDocument out_;
+};
+
+std::string unescaped(std::string_view token) {
+    std::string out;
+    for (std::size_t i = 0; i < token.size(); ++i) {
+        if (token[i] == '~' && i + 1 < token.size())
+            out += token[++i] == '1' ? '/' : '~';
+        else
+            out += token[i];
+    }
+    return out;
+}
+
+} // namespace
+
+JsonDocument parse_json(std::string_view text) { return Parser(text).document(); }
+
+const Json* Json::find(std::string_view key) const {
+    if (const Object* o = as<Object>())
+        for (const JsonMember& m : *o)
+            if (m.key == key) return &m.value;
+    return nullptr;
+}
+
+const Json& Json::nearest(std::string_view pointer) const {
+    const Json* at = this;
+    while (!pointer.empty()) {
+        pointer.remove_prefix(1);
+        const std::size_t slash = std::min(pointer.find('/'), pointer.size());
+        const std::string token = unescaped(pointer.substr(0, slash));
+        pointer.remove_prefix(slash);
+        const Json* next = at->find(token);
+        if (const List* l = at->as<List>()) {
+            std::size_t i = 0;
+            const auto end = token.data() + token.size();
+            if (std::from_chars(token.data(), end, i).ptr == end && i < l->size()) next = &(*l)[i];
+        }
+        if (!next) break;
+        at = next;
+    }
+    return *at;
+}
+
+std::string_view Json::kind() const {
+    static constexpr std::string_view kinds[] = {"null", "true or false", "an integer", "a number",
+                                                 "text", "a list",        "an object"};
+    return kinds[data.index()];
+}
+
+LineIndex::LineIndex(std::string_view text)
+    : text_(text) {
+    starts_.push_back(0);
+    for (std::size_t i = 0; i < text.size(); ++i)
+        if (text[i] == '\n') starts_.push_back(i + 1);
+}
+
+TextPlace LineIndex::at(std::size_t offset) const {
+    offset = std::min(offset, text_.size());
+    const auto after = std::upper_bound(starts_.begin(), starts_.end(), offset);
+    TextPlace out;
+    out.line = static_cast<int>(after - starts_.begin());
+    const std::size_t start = starts_[static_cast<std::size_t>(out.line) - 1];
+    for (std::size_t i = start; i < offset; ++i)
+        if ((static_cast<unsigned char>(text_[i]) & 0xC0) != 0x80) ++out.column;
+    return out;
+}
+
+} // namespace sinew::engine

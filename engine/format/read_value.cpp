@@ -1,0 +1,354 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/read_value.h"
+
+#include "engine/text.h"
+#include "engine/units.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace sinew::engine {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+// 3 mm shall be the double nearest to 0.003: a division by 1000 is, a product with 1e-3 often is not.
+double converted(double v, double factor) {
+    const double inverse = std::round(1 / factor);
+    if (factor < 1 && std::abs(1 / factor - inverse) < 1e-9 * inverse) return v / inverse;
+    return v * factor;
+}
+
+class BindingReader {
+  public:
+    BindingReader(const AttributeInfo& input, const std::string& folder, std::vector<Problem>& problems)
+        : input_(input)
+        , folder_(folder)
+        , problems_(problems)
+        , before_(problems.size()) {}
+
+    std::optional<Binding> read(const Json& json) {
+        Binding out = any(json);
+        if (problems_.size() > before_) return {};
+        return out;
+    }
+
+  private:
+    void problem(std::string_view code, std::string message, std::string hint = {}, std::string below = {}) {
+        Problem p;
+        p.diagnostic.code = code;
+        p.diagnostic.attribute = input_.name;
+        p.diagnostic.message = std::move(message);
+        p.diagnostic.hint = std::move(hint);
+        p.below = std::move(below);
+        problems_.push_back(std::move(p));
+    }
+
+    bool is_list_input() const { return input_.kind == AttributeKind::wire_list; }
+
+    Binding any(const Json& json) {
+        if (const auto* object = json.as<Json::Object>()) return from_object(json, *object);
+        const auto* list = json.as<Json::List>();
+        if (is_list_input() && list) return connections(*list);
+        if (input_.kind == AttributeKind::literal) return literal(json, "", 1);
+        if (list) {
+            problem("DG020", "takes one connection, not a list", "write { \"from\": \"node.output\" }");
+        } else {
+            problem("DG026",
+                    "a " + std::string(input_.type_name) + " can only be connected, found " +
+                        std::string(json.kind()),
+                    is_list_input() ? "write [ { \"from\": \"node.output\" } ]"
+                                    : "write { \"from\": \"node.output\" }");
+        }
+        return Value();
+    }
+
+    // Exactly one of these keys says what the object is.
+    Binding from_object(const Json& json, const Json::Object& object) {
+        static const std::vector<std::string> kinds = {"from", "value", "keys", "preset"};
+        static const std::vector<std::string> all = {"from", "value", "unit", "keys", "interp", "preset"};
+        std::string kind;
+        for (const JsonMember& m : object) {
+            if (std::find(all.begin(), all.end(), m.key) == all.end()) {
+                problem("DG007", "unknown key " + json_quoted(m.key), name_hint(m.key, all, "keys"),
+                        pointer_token(m.key));
+            } else if (std::find(kinds.begin(), kinds.end(), m.key) != kinds.end()) {
+                if (!kind.empty())
+                    problem("DG012", "holds both " + json_quoted(kind) + " and " + json_quoted(m.key),
+                            "keep one of them", pointer_token(m.key));
+                kind = m.key;
+            }
+        }
+        if (problems_.size() > before_) return Value();
+        if (kind.empty()) {
+            problem("DG012", "expected " + std::string(input_.type_name) +
+                                 ", found an object without \"from\", \"value\" or \"keys\"");
+            return Value();
+        }
+        if (json.find("unit") && kind != "value" && kind != "keys")
+            problem("DG015", "a unit stands beside \"value\" or \"keys\" only", {}, "/unit");
+        if (json.find("interp") && kind != "keys")
+            problem("DG017", "\"interp\" stands beside \"keys\" only", {}, "/interp");
+        if (kind == "from") return connection(json, "");
+        if (input_.kind != AttributeKind::literal) {
+            problem("DG026", "a " + std::string(input_.type_name) + " can only be connected",
+                    "write { \"from\": \"node.output\" }");
+            return Value();
+        }
+        if (kind == "preset") return preset(*json.find("preset"));
+        const double factor = unit(json.find("unit"));
+        if (kind == "keys") return curve(json, factor);
+        return literal(*json.find("value"), "/value", factor);
+    }
+
+    Plug connection(const Json& json, const std::string& below) {
+        const Json* from = json.find("from");
+        const auto* object = json.as<Json::Object>();
+        if (!from || object->size() != 1) {
+            problem("DG025", "expected a connection, found " + std::string(json.kind()),
+                    "write { \"from\": \"node.output\" }", below);
+            return {};
+        }
+        const auto* text = from->as<std::string>();
+        const auto plug = text ? parse_plug(*text) : std::nullopt;
+        if (!plug)
+            problem("DG025",
+                    (text ? json_quoted(*text) : std::string(from->kind())) + " does not name an output",
+                    "write \"node.output\"", below + "/from");
+        return plug.value_or(Plug{});
+    }
+
+    Binding connections(const Json::List& list) {
+        std::vector<Plug> out;
+        for (std::size_t i = 0; i < list.size(); ++i)
+            out.push_back(connection(list[i], "/" + std::to_string(i)));
+        return out;
+    }
+
+    double unit(const Json* json) {
+        if (!json) return 1;
+        const auto* text = json->as<std::string>();
+        if (!text)
+            problem("DG015", "a unit is text, found " + std::string(json->kind()), {}, "/unit");
+        else if (input_.unit.empty())
+            problem("DG015", "has no unit, found " + json_quoted(*text), "write the plain value", "/unit");
+        else if (!parse_unit(*text))
+            problem("DG015", "unknown unit " + json_quoted(*text),
+                    "usual units here: " + usual_units(input_.unit), "/unit");
+        else if (const auto factor = unit_factor(*text, input_.unit))
+            return *factor;
+        else
+            problem("DG015", json_quoted(*text) + " does not convert to " + json_quoted(input_.unit),
+                    "usual units here: " + usual_units(input_.unit), "/unit");
+        return 1;
+    }
+
+    Binding preset(const Json& json) {
+        std::vector<std::string> words;
+        for (const Preset& p : input_.presets) words.emplace_back(p.name);
+        const auto* text = json.as<std::string>();
+        for (const Preset& p : input_.presets)
+            if (text && *text == p.name) return Value::of<double>(p.value);
+        if (words.empty())
+            problem("DG016", "has no presets", "write a number", "/preset");
+        else
+            problem("DG016", "unknown preset " + (text ? json_quoted(*text) : std::string(json.kind())),
+                    text ? name_hint(*text, words, "presets") : "presets: " + listed(words), "/preset");
+        return Value();
+    }
+
+    void wrong_type(const Json& json, const std::string& below, std::string expected = {}) {
+        if (expected.empty()) expected = input_.type_name;
+        problem("DG012", "expected " + expected + ", found " + std::string(json.kind()), {}, below);
+    }
+
+    std::optional<double> number(const Json& json, const std::string& below, double factor) {
+        if (const auto* i = json.as<std::int64_t>()) return converted(static_cast<double>(*i), factor);
+        if (const auto* d = json.as<double>()) return converted(*d, factor);
+        wrong_type(json, below, "number");
+        return {};
+    }
+
+    std::optional<std::int64_t> integer(const Json& json, const std::string& below) {
+        if (const auto* i = json.as<std::int64_t>()) return *i;
+        const auto* d = json.as<double>();
+        if (d && *d == std::floor(*d) && std::abs(*d) < 9e15) return static_cast<std::int64_t>(*d);
+        if (d)
+            problem("DG012", number_text(*d) + " is not an integer", {}, below);
+        else
+            wrong_type(json, below);
+        return {};
+    }
+
+    // Reads a list of numbers; a list of lists is read row by row (matrices).
+    void numbers(const Json& json, const std::string& below, double factor, bool rows, NumberList& out) {
+        const auto* list = json.as<Json::List>();
+        if (!list) return wrong_type(json, below, "a list of numbers");
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const std::string place = below + "/" + std::to_string(i);
+            if (rows && (*list)[i].as<Json::List>())
+                numbers((*list)[i], place, factor, false, out);
+            else
+                out.push_back(number((*list)[i], place, factor).value_or(0));
+        }
+    }
+
+    template <std::size_t N>
+    Binding fixed(const Json& json, const std::string& below, double factor) {
+        NumberList all;
+        numbers(json, below, factor, N == 16, all);
+        std::array<double, N> out{};
+        if (problems_.size() > before_) return Value();
+        if (all.size() != N)
+            problem("DG012",
+                    "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()), {},
+                    below);
+        std::copy_n(all.begin(), std::min(N, all.size()), out.begin());
+        return Value::of<std::array<double, N>>(out);
+    }
+
+    Binding literal(const Json& json, const std::string& below, double factor) {
+        const Value& kind = input_.def;
+        if (kind.is<double>()) return Value::of<double>(number(json, below, factor).value_or(0));
+        if (kind.is<std::int64_t>()) return Value::of<std::int64_t>(integer(json, below).value_or(0));
+        if (kind.is<Vec3>()) return fixed<3>(json, below, factor);
+        if (kind.is<Matrix4>()) return fixed<16>(json, below, factor);
+        if (kind.is<NumberList>()) {
+            NumberList out;
+            if (json.as<Json::List>())
+                numbers(json, below, factor, false, out);
+            else if (const auto one = number(json, below, factor))
+                out.push_back(*one);
+            return Value::of<NumberList>(std::move(out));
+        }
+        if (const auto* b = json.as<bool>(); b && kind.is<bool>()) return Value::of<bool>(*b);
+        if (const auto* t = json.as<std::string>()) {
+            if (kind.is<std::string>()) return Value::of<std::string>(*t);
+            if (kind.is<File>()) return file(*t, below);
+        }
+        wrong_type(json, below,
+                   kind.is<bool>()   ? "true or false"
+                   : kind.is<File>() ? "the path of a file"
+                                     : "");
+        return Value();
+    }
+
+    Binding file(const std::string& path, const std::string& below) {
+        File out;
+        if (path.empty()) return Value::of<File>(out);
+        out.path = resolved_path(path, folder_);
+        std::error_code ec;
+        const auto status = fs::status(out.path, ec);
+        if (!fs::exists(status))
+            problem("IO401", "there is no file " + json_quoted(path),
+                    "looked for " + out.path + "; relative paths start at the graph's folder", below);
+        else if (fs::is_directory(status))
+            problem("IO402", json_quoted(path) + " is a folder", {}, below);
+        return Value::of<File>(std::move(out));
+    }
+
+    std::vector<double> keyed(const Json& json, const std::string& below, double factor) {
+        if (input_.def.is<Vec3>()) {
+            NumberList out;
+            numbers(json, below, factor, false, out);
+            return out;
+        }
+        if (const auto* b = json.as<bool>(); b && input_.def.is<bool>()) return {*b ? 1.0 : 0.0};
+        if (input_.def.is<bool>()) return wrong_type(json, below, "true or false"), std::vector<double>{0};
+        if (input_.def.is<std::int64_t>()) return {static_cast<double>(integer(json, below).value_or(0))};
+        return {number(json, below, factor).value_or(0)};
+    }
+
+    void tangents(Key& key, const Json& json, const std::string& below, double factor) {
+        const auto* object = json.as<Json::Object>();
+        if (!object) return wrong_type(json, below, "{ \"in\": …, \"out\": … }");
+        static const std::vector<std::string> known = {"in", "out"};
+        for (const JsonMember& m : *object) {
+            const std::string place = below + pointer_token(m.key);
+            if (m.key == "in")
+                key.tangent_in = keyed(m.value, place, factor);
+            else if (m.key == "out")
+                key.tangent_out = keyed(m.value, place, factor);
+            else
+                problem("DG007", "unknown key " + json_quoted(m.key), name_hint(m.key, known, "keys"), place);
+        }
+    }
+
+    Binding curve(const Json& json, double factor) {
+        Curve out;
+        const bool whole = input_.def.is<bool>() || input_.def.is<std::int64_t>();
+        out.interpolation = whole ? Interpolation::step : Interpolation::linear;
+        if (!input_.keyable) return out; // check_binding says so
+        static const std::vector<std::string> words = {"step", "linear", "smooth"};
+        if (const Json* interp = json.find("interp")) {
+            const auto* text = interp->as<std::string>();
+            const auto word = std::find(words.begin(), words.end(), text ? *text : "");
+            if (word == words.end())
+                problem("DG017",
+                        "unknown interpolation " + (text ? json_quoted(*text) : std::string(interp->kind())),
+                        "use step, linear or smooth", "/interp");
+            else
+                out.interpolation = static_cast<Interpolation>(word - words.begin());
+        }
+        const Json& keys = *json.find("keys");
+        const auto* list = keys.as<Json::List>();
+        if (!list) return wrong_type(keys, "/keys", "a list of [frame, value]"), out;
+        for (std::size_t i = 0; i < list->size(); ++i) {
+            const std::string place = "/keys/" + std::to_string(i);
+            const auto* pair = (*list)[i].as<Json::List>();
+            if (!pair || pair->size() < 2 || pair->size() > 3) {
+                problem("DG017", "a key is [frame, value] or [frame, value, { \"in\": …, \"out\": … }]", {},
+                        place);
+                continue;
+            }
+            Key key;
+            key.frame = number((*pair)[0], place + "/0", 1).value_or(0);
+            key.value = keyed((*pair)[1], place + "/1", factor);
+            if (pair->size() == 3) {
+                if (out.interpolation != Interpolation::smooth)
+                    problem("DG017", "tangents need \"interp\": \"smooth\"", {}, place + "/2");
+                tangents(key, (*pair)[2], place + "/2", factor);
+            }
+            out.keys.push_back(std::move(key));
+        }
+        return out;
+    }
+
+    const AttributeInfo& input_;
+    const std::string& folder_;
+    std::vector<Problem>& problems_;
+    std::size_t before_;
+};
+
+} // namespace
+
+std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json, const std::string& folder,
+                                    std::vector<Problem>& problems) {
+    return BindingReader(input, folder, problems).read(json);
+}
+
+const Json& offending_part(const Json& json, const std::string& below) {
+    const Json* wrapped = json.find("value");
+    if (wrapped && below.rfind("/value", 0) != 0 && &json.nearest(below) == &json)
+        return wrapped->nearest(below);
+    return json.nearest(below);
+}
+
+std::string resolved_path(const std::string& path, const std::string& folder) {
+    const fs::path p(path);
+    return (p.is_absolute() ? p : fs::path(folder) / p).lexically_normal().generic_string();
+}
+
+std::optional<Plug> parse_plug(std::string_view text) {
+    const std::size_t dot = text.rfind('.');
+    if (dot == std::string_view::npos || dot == 0 || dot + 1 == text.size()) return {};
+    return Plug{std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
+}
+
+std::string folder_of(const std::string& graph_file) {
+    return fs::path(graph_file).parent_path().generic_string();
+}
+
+} // namespace sinew::engine

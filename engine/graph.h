@@ -1,0 +1,104 @@
+// Immutable graph snapshots and edits. An edit gives a new snapshot and its inverse; the base is untouched.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/curve.h"
+#include "engine/registry.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace sinew::engine {
+
+/// "biceps.outBody"
+struct Plug {
+    std::string node, attribute;
+    friend auto operator<=>(const Plug&, const Plug&) = default;
+    std::string text() const { return node + "." + attribute; }
+};
+
+/// What stands at an input: a literal, a keyed curve, a connection, or a list of connections.
+using Binding = std::variant<Value, Curve, Plug, std::vector<Plug>>;
+
+struct NodeOrigin;
+
+struct Node {
+    std::string type_name;
+    const NodeType* type =
+        nullptr; ///< nullptr: a type that this program does not know; fails only when pulled
+    std::map<std::string, Binding, std::less<>> inputs; ///< only what the file or an edit set
+    std::string raw_json;                               ///< unknown types: the node as it stood in the file
+    std::vector<std::string> input_order;               ///< the order in which a file lists `inputs`
+    std::shared_ptr<const NodeOrigin> origin; ///< where it stood in a file; nullptr if it came from an edit
+};
+
+struct Timing {
+    double fps = 24;
+    int start = 1, end = 1;
+};
+
+class Graph {
+  public:
+    explicit Graph(std::shared_ptr<const Registry> registry);
+    const Registry& registry() const { return *registry_; }
+    const std::shared_ptr<const Registry>& registry_ptr() const { return registry_; }
+    /// nullptr if there is none.
+    const Node* find(std::string_view name) const;
+    std::vector<std::string> node_names() const; ///< in file order
+    const Timing& timing() const { return timing_; }
+    const std::string& file() const { return file_; }
+    const std::string& editor_json() const { return editor_json_; }
+    /// Where an input (or a node, with an empty attribute) stands in the graph file, if it came from one.
+    std::optional<SourceSpot> spot(std::string_view node, std::string_view attribute = {}) const;
+
+  private:
+    friend class Edit;
+    friend class GraphReader;
+    std::shared_ptr<const Registry> registry_;
+    std::vector<std::string> order_;
+    std::map<std::string, std::shared_ptr<const Node>, std::less<>> nodes_; ///< shared between snapshots
+    Timing timing_;
+    std::string file_, editor_json_ = "{}";
+};
+
+/// A transaction: all or nothing. Every call is checked at commit, and all problems are thrown at once as
+/// Failure.
+class Edit {
+  public:
+    struct Done; // {graph, inverse}
+    explicit Edit(std::shared_ptr<const Graph> base);
+    Edit& add_node(std::string name, std::string type);
+    Edit& remove_node(std::string name);
+    Edit& rename_node(std::string from, std::string to); ///< connections follow
+    Edit& set(Plug input, Binding binding);
+    /// `json` is what a graph file would hold at this input: literal, {value, unit}, {keys}, {from}, [ … ].
+    Edit& set_json(Plug input, std::string json);
+    Edit& set_key(Plug input, double frame,
+                  double value); ///< adds or replaces one key; a literal becomes a curve
+    Edit& reset(Plug input);     ///< back to the default, disconnected
+    Edit& set_editor_json(std::string json);
+    Edit& set_timing(Timing timing);
+    Done commit() const;
+    /// Applies the same operations to another snapshot; how an inverse is used.
+    Edit rebased(std::shared_ptr<const Graph> base) const;
+
+  private:
+    struct Operation;
+    class Draft;
+    Edit& push(Operation op);
+    std::shared_ptr<const Graph> base_;
+    std::vector<std::shared_ptr<const Operation>> operations_;
+};
+
+struct Edit::Done {
+    std::shared_ptr<const Graph> graph;
+    std::shared_ptr<const Edit> inverse; ///< based on `graph`; inverse->commit() restores the base
+};
+
+/// The path "a.out -> b.in … -> a" of a connection cycle, or empty.
+std::string find_cycle(const Graph& graph);
+
+} // namespace sinew::engine

@@ -1,0 +1,193 @@
+// Node types are data plus free functions. compute() reaches inputs only through Reads, so the reads are the
+// dependency declaration; there is no per-node object in which state could hide.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/attribute.h"
+#include "engine/diagnostics.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sinew::engine {
+
+/// The evaluator's side of Reads; nodes never see it.
+class ReadSource {
+  public:
+    virtual ~ReadSource() = default;
+    /// The value of a literal or wire attribute; an empty Value for an unconnected optional wire.
+    virtual Value get(std::string_view attribute) = 0;
+    virtual std::vector<Value> get_list(std::string_view attribute) = 0;
+    virtual double
+    frame() = 0; ///< throws std::logic_error unless the type says uses_time (or is a simulation)
+    virtual double fps() = 0;
+    virtual void checkpoint() = 0;
+    virtual void progress(double done, std::string_view what) = 0;
+    virtual void report(Diagnostic) = 0;
+    [[noreturn]] virtual void fail(Diagnostic) = 0;
+    virtual std::shared_ptr<void> take_scratch(const Digest& key) = 0;
+    virtual void give_scratch(const Digest& key, std::shared_ptr<void> scratch) = 0;
+    /// "biceps" for entry 2 of attribute "bodies": the node at the other end; for messages only.
+    virtual std::string source_name(std::string_view attribute, std::size_t index) = 0;
+    virtual bool stop_requested() = 0;
+    /// The content digest of a literal, a wire or a whole list of wires.
+    virtual Digest digest(std::string_view attribute) { return get(attribute).digest(); }
+};
+
+/// A scratch object (symbolic analysis, buffers) on loan to one compute at a time. Dropping it at any moment
+/// must not change a bit of any result; it only saves work.
+template <class T>
+class Lease {
+  public:
+    Lease(ReadSource& source, Digest key, std::shared_ptr<T> p)
+        : source_(&source)
+        , key_(key)
+        , p_(std::move(p)) {}
+    Lease(Lease&&) = default;
+    ~Lease() {
+        if (p_) source_->give_scratch(key_, std::move(p_));
+    }
+    T& operator*() { return *p_; }
+    T* operator->() { return p_.get(); }
+
+  private:
+    ReadSource* source_;
+    Digest key_;
+    std::shared_ptr<T> p_;
+};
+
+/// The only door to inputs. Reading an attribute that was not declared, or one that affects nothing, throws
+/// std::logic_error in every build. References stay valid while the Reads lives.
+class Reads {
+  public:
+    explicit Reads(ReadSource& source)
+        : source_(&source) {}
+    template <class T>
+    const T& operator[](const Input<T>& a) const {
+        return keep(source_->get(a.name)).template as<T>();
+    }
+    template <class T>
+    const T& operator[](const Wire<T>& a) const {
+        return keep(source_->get(a.name)).template as<T>();
+    }
+    /// nullptr if an optional wire is not connected.
+    template <class T>
+    const T* find(const Wire<T>& a) const {
+        const Value& v = keep(source_->get(a.name));
+        return v ? &v.template as<T>() : nullptr;
+    }
+    template <class T>
+    std::vector<std::reference_wrapper<const T>> operator[](const WireList<T>& a) const {
+        std::vector<std::reference_wrapper<const T>> out;
+        for (Value& v : source_->get_list(a.name)) out.emplace_back(keep(std::move(v)).template as<T>());
+        return out;
+    }
+    /// The content digest of a literal, a wire or a whole list of wires, for scratch keys.
+    Digest digest_of(std::string_view attribute) const { return source_->digest(attribute); }
+    double frame() const { return source_->frame(); }
+    double fps() const { return source_->fps(); }
+    /// Throws Cancelled if the host asked to stop.
+    void checkpoint() const { source_->checkpoint(); }
+    bool stop_requested() const { return source_->stop_requested(); }
+    void progress(double done_0_to_1, std::string_view what = {}) const {
+        source_->progress(done_0_to_1, what);
+    }
+    void warn(std::string_view attribute, std::string_view code, std::string message,
+              std::string hint = {}) const;
+    /// Throws Failure with node and place filled in; codes FE3xx throw SolveFailure.
+    [[noreturn]] void fail(std::string_view attribute, std::string_view code, std::string message,
+                           std::string hint = {}) const;
+    /// The name of the node connected at `attribute[index]`; for messages only, never for results.
+    std::string source_name(std::string_view attribute, std::size_t index = 0) const {
+        return source_->source_name(attribute, index);
+    }
+    template <class T, class Make>
+    Lease<T> lease(const Digest& key, Make make) const {
+        auto p = std::static_pointer_cast<T>(source_->take_scratch(key));
+        if (!p) p = make();
+        return Lease<T>(*source_, key, std::move(p));
+    }
+
+  private:
+    const Value& keep(Value v) const;
+    ReadSource* source_;
+    mutable std::vector<std::unique_ptr<Value>> kept_;
+};
+
+class Writes {
+  public:
+    template <class T>
+    void set(const Output<T>& o, T v) {
+        put(o.name, Value::of<T>(std::move(v)));
+    }
+    void put(std::string_view output, Value v);
+    const std::vector<std::pair<std::string, Value>>& values() const { return values_; }
+
+  private:
+    std::vector<std::pair<std::string, Value>> values_;
+};
+
+/// Type-erased simulation: see SimulationType.
+struct SimulationFunctions {
+    std::function<Value(const Reads&)> initial;
+    std::function<Value(const Value& before, std::span<const Reads> substeps)> advance;
+    std::function<void(const Value& state, const Reads&, Writes&)> publish;
+    std::function<std::vector<std::byte>(const Value&)> save;
+    std::function<Value(std::span<const std::byte>)> load;
+    std::string_view start_frame_input, substeps_input;
+};
+
+struct NodeType {
+    std::string_view name;
+    int version = 1;  ///< raised when meaning or defaults change; older files migrate
+    int numerics = 1; ///< raised when the same inputs give other bits; old keys die
+    std::string_view doc;
+    std::vector<AttributeInfo> inputs = {}, outputs = {};
+    bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it
+    std::function<void(const Reads&, Writes&)> compute = {}; ///< stateless
+    std::shared_ptr<const SimulationFunctions> simulation =
+        {}; ///< set for simulations, then compute is empty
+
+    const AttributeInfo* find_input(std::string_view attribute) const;
+    const AttributeInfo* find_output(std::string_view attribute) const;
+};
+
+/// A node whose frame n needs its own frame n-1. State is a complete plain value: advance is pure in
+/// (state, inputs), and load(save(s)) continues bit for bit. Needs ValueTraits<State>.
+template <class State>
+struct SimulationType {
+    NodeType base;
+    std::function<State(const Reads& at_start)> initial;
+    /// From frame n-1 to n. `substeps[k]` reads every input at time n-1 + (k+1)/N; the last one is frame n
+    /// itself.
+    std::function<State(const State& before, std::span<const Reads> substeps)> advance;
+    /// Outputs of the current frame.
+    std::function<void(const State&, const Reads& at_frame, Writes&)> publish;
+    std::function<std::vector<std::byte>(const State&)> save;
+    std::function<State(std::span<const std::byte>)> load;
+    std::string_view start_frame_input = "startFrame"; ///< Input<double>, not keyable
+    std::string_view substeps_input = "substeps";      ///< Input<std::int64_t>, read at frame n
+};
+
+/// Gives the type-erased node type that the registry keeps.
+template <class State>
+NodeType erase(SimulationType<State> t) {
+    auto f = std::make_shared<SimulationFunctions>();
+    f->initial = [g = t.initial](const Reads& r) { return Value::of<State>(g(r)); };
+    f->advance = [g = t.advance](const Value& s, std::span<const Reads> in) {
+        return Value::of<State>(g(s.as<State>(), in));
+    };
+    f->publish = [g = t.publish](const Value& s, const Reads& r, Writes& w) { g(s.as<State>(), r, w); };
+    f->save = [g = t.save](const Value& s) { return g(s.as<State>()); };
+    f->load = [g = t.load](std::span<const std::byte> b) { return Value::of<State>(g(b)); };
+    f->start_frame_input = t.start_frame_input;
+    f->substeps_input = t.substeps_input;
+    NodeType out = std::move(t.base);
+    out.simulation = std::move(f);
+    return out;
+}
+
+} // namespace sinew::engine

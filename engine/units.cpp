@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/units.h"
+
+#include "engine/text.h"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace sinew::engine {
+
+namespace {
+
+struct Named {
+    std::string_view name;
+    Unit unit;
+};
+
+constexpr double pi = std::numbers::pi;
+
+// Dimension: m, kg, s, rad, frame. Factors are to SI.
+constexpr Named named_units[] = {
+    {"1", {1, {}}},
+    {"%", {0.01, {}}},
+    {"m", {1, {1}}},
+    {"dm", {0.1, {1}}},
+    {"cm", {0.01, {1}}},
+    {"mm", {1e-3, {1}}},
+    {"um", {1e-6, {1}}},
+    {"µm", {1e-6, {1}}},
+    {"km", {1e3, {1}}},
+    {"in", {0.0254, {1}}},
+    {"ft", {0.3048, {1}}},
+    {"L", {1e-3, {3}}},
+    {"mL", {1e-6, {3}}},
+    {"kg", {1, {0, 1}}},
+    {"g", {1e-3, {0, 1}}},
+    {"mg", {1e-6, {0, 1}}},
+    {"t", {1e3, {0, 1}}},
+    {"s", {1, {0, 0, 1}}},
+    {"ms", {1e-3, {0, 0, 1}}},
+    {"us", {1e-6, {0, 0, 1}}},
+    {"min", {60, {0, 0, 1}}},
+    {"Hz", {1, {0, 0, -1}}},
+    {"kHz", {1e3, {0, 0, -1}}},
+    {"N", {1, {1, 1, -2}}},
+    {"mN", {1e-3, {1, 1, -2}}},
+    {"kN", {1e3, {1, 1, -2}}},
+    {"J", {1, {2, 1, -2}}},
+    {"mJ", {1e-3, {2, 1, -2}}},
+    {"kJ", {1e3, {2, 1, -2}}},
+    {"W", {1, {2, 1, -3}}},
+    {"Pa", {1, {-1, 1, -2}}},
+    {"hPa", {1e2, {-1, 1, -2}}},
+    {"kPa", {1e3, {-1, 1, -2}}},
+    {"MPa", {1e6, {-1, 1, -2}}},
+    {"GPa", {1e9, {-1, 1, -2}}},
+    {"bar", {1e5, {-1, 1, -2}}},
+    {"rad", {1, {0, 0, 0, 1}}},
+    {"deg", {pi / 180, {0, 0, 0, 1}}},
+    {"°", {pi / 180, {0, 0, 0, 1}}},
+    {"turn", {2 * pi, {0, 0, 0, 1}}},
+    {"frame", {1, {0, 0, 0, 0, 1}}},
+    {"frames", {1, {0, 0, 0, 0, 1}}},
+};
+
+Unit power(const Unit& u, int exponent) {
+    Unit out;
+    // Repeated products and one quotient, so that "cm^2" has the factor that a reader computes by hand.
+    for (int i = 0; i < std::abs(exponent); ++i) out.factor *= u.factor;
+    if (exponent < 0) out.factor = 1 / out.factor;
+    for (std::size_t i = 0; i < 5; ++i) out.dimension[i] = u.dimension[i] * exponent;
+    return out;
+}
+
+Unit product(const Unit& a, const Unit& b, bool divide) {
+    Unit out;
+    out.factor = divide ? a.factor / b.factor : a.factor * b.factor;
+    for (std::size_t i = 0; i < 5; ++i)
+        out.dimension[i] = a.dimension[i] + (divide ? -b.dimension[i] : b.dimension[i]);
+    return out;
+}
+
+class UnitParser {
+  public:
+    explicit UnitParser(std::string_view text)
+        : text_(text) {}
+
+    std::optional<Unit> whole() {
+        if (text_.size() > 64) return {};
+        auto u = terms(0);
+        return at_ == text_.size() ? u : std::nullopt;
+    }
+
+  private:
+    std::optional<Unit> terms(int depth) {
+        auto left = factor(depth);
+        while (left && at_ < text_.size()) {
+            const bool dot = text_.substr(at_, 2) == "·";
+            const char c = text_[at_];
+            if (c != '*' && c != '/' && !dot) break;
+            at_ += dot ? 2 : 1;
+            auto right = factor(depth);
+            if (!right) return {};
+            left = product(*left, *right, c == '/');
+        }
+        return left;
+    }
+
+    std::optional<Unit> factor(int depth) {
+        std::optional<Unit> base;
+        if (at_ < text_.size() && text_[at_] == '(' && depth < 4) {
+            ++at_;
+            base = terms(depth + 1);
+            if (!base || at_ >= text_.size() || text_[at_] != ')') return {};
+            ++at_;
+        } else {
+            const std::size_t end = std::min(text_.find_first_of("*/^()", at_), text_.size());
+            const std::size_t dot = std::min(text_.find("·", at_), text_.size());
+            const std::string_view name = text_.substr(at_, std::min(end, dot) - at_);
+            for (const Named& n : named_units)
+                if (n.name == name) base = n.unit;
+            at_ += name.size();
+        }
+        if (!base || at_ >= text_.size() || text_[at_] != '^') return base;
+        ++at_;
+        const bool negative = at_ < text_.size() && text_[at_] == '-';
+        if (negative) ++at_;
+        if (at_ >= text_.size() || text_[at_] < '1' || text_[at_] > '9') return {};
+        const int exponent = text_[at_++] - '0';
+        return power(*base, negative ? -exponent : exponent);
+    }
+
+    std::string_view text_;
+    std::size_t at_ = 0;
+};
+
+} // namespace
+
+std::optional<Unit> parse_unit(std::string_view text) { return UnitParser(text).whole(); }
+
+std::optional<double> unit_factor(std::string_view from, std::string_view to) {
+    const auto a = parse_unit(from), b = parse_unit(to);
+    if (!a || !b || a->dimension != b->dimension) return {};
+    return a->factor / b->factor;
+}
+
+std::string usual_units(std::string_view unit) {
+    static constexpr std::string_view usual[] = {
+        "Pa", "kPa", "MPa", "m",      "cm",     "mm",    "kg",     "g",   "s",     "ms",  "1/s", "Hz", "N",
+        "kN", "deg", "rad", "kg/m^3", "g/cm^3", "N/m^3", "N/cm^3", "m/s", "m/s^2", "N/m", "J",   "1",  "%"};
+    std::vector<std::string> words;
+    for (std::string_view u : usual)
+        if (unit_factor(u, unit)) words.emplace_back(u);
+    if (words.empty() && parse_unit(unit)) words.emplace_back(unit);
+    return listed(words);
+}
+
+} // namespace sinew::engine

@@ -1,0 +1,214 @@
+// Digests, values, curves, units, diagnostics, declarations.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
+#include "engine/units.h"
+#include "tests/support/engine_toys.h"
+
+#include <bit>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+
+using namespace toys;
+
+TEST_CASE("digests are stable over processes and platforms") {
+    Hasher h;
+    h.add("sinew").add(std::uint64_t{42}).add(0.5).add(true).add(-7);
+    CHECK(h.finish().hex() == "0bb5581cac5e923be41811e6a6ea02c5");
+    CHECK(Hasher().add(0.0).finish() == Hasher().add(-0.0).finish());
+    CHECK(Hasher().add(std::nan("1")).finish() == Hasher().add(-std::nan("2")).finish());
+    CHECK(Hasher().add("ab").add("c").finish() != Hasher().add("a").add("bc").finish());
+    CHECK(Hasher().add("").finish() != Hasher().finish());
+    const double d[] = {1, 2};
+    CHECK(Hasher().add_doubles(d).finish() != Hasher().add(1.0).add(2.0).finish());
+    const int odd[] = {1, 2, 3}, even[] = {1, 2, 3, 0};
+    CHECK(Hasher().add_ints(odd).finish() != Hasher().add_ints(even).finish());
+}
+
+TEST_CASE("digests of similar inputs differ in half of their bits") {
+    std::set<Digest> seen;
+    double flipped = 0;
+    int count = 0;
+    for (std::uint64_t i = 0; i < 2000; ++i)
+        for (int bit = 0; bit < 64; bit += 9) {
+            const Digest a = Hasher().add(i).add(i).finish(),
+                         b = Hasher().add(i ^ (std::uint64_t{1} << bit)).add(i).finish();
+            flipped += std::popcount(a.hi ^ b.hi) + std::popcount(a.lo ^ b.lo);
+            ++count;
+            seen.insert(a);
+        }
+    CHECK(seen.size() == 2000);
+    CHECK(flipped / count == Approx(64).margin(0.5));
+    std::set<std::uint64_t> high, low; // each half alone keeps a million inputs apart
+    for (std::uint64_t i = 0; i < 100000; ++i) {
+        const Digest d = Hasher().add(static_cast<double>(i)).finish();
+        high.insert(d.hi), low.insert(d.lo);
+    }
+    CHECK(high.size() == 100000);
+    CHECK(low.size() == 100000);
+}
+
+TEST_CASE("a value knows its type, digest and bytes, and refuses to be read as another type") {
+    const Value v = Value::of<double>(2.5);
+    CHECK(v.as<double>() == 2.5);
+    CHECK(v.digest() == Value::of<double>(2.5).digest());
+    CHECK(v.digest() != Value::of<std::string>("2.5").digest());
+    CHECK(Value::of<double>(1).digest() != Value::of<std::int64_t>(1).digest());
+    CHECK(Value::of<NumberList>(NumberList(1000, 1.0)).bytes() >= 8000);
+    CHECK_THROWS_WITH(v.as<std::string>(), "a value that holds number was read as text");
+    CHECK_THROWS_AS(Value().as<double>(), std::logic_error);
+    CHECK(Value().digest() == Digest{});
+    const Digest content = Hasher().add("x").finish();
+    CHECK(Value::of<File>({"/a/b.OBJ", content}).digest() == Value::of<File>({"c.obj", content}).digest());
+    CHECK(Value::of<File>({"a.ply", content}).digest() != Value::of<File>({"a.obj", content}).digest());
+}
+
+TEST_CASE("curves hold their keys, are constant outside and exact on flat spans") {
+    for (Interpolation i : {Interpolation::step, Interpolation::linear, Interpolation::smooth}) {
+        const Curve c{i, {{1, {0.1}}, {7, {0.1}}, {9, {0.7}}, {12, {0.3}}, {13, {0.3}}}};
+        for (const Key& k : c.keys) CHECK(c.at(k.frame) == k.value);
+        for (double f : {-100.0, 0.0, 1.0, 1.0001, 2.3, 6.9999, 7.0}) CHECK(c.at(f)[0] == 0.1);
+        for (double f : {12.0, 12.4, 13.0, 500.0}) CHECK(c.at(f)[0] == 0.3);
+    }
+}
+
+TEST_CASE("step holds, linear is straight, smooth eases") {
+    const auto at = [](Interpolation i, double f) { return Curve{i, {{0, {0}}, {10, {1}}}}.at(f)[0]; };
+    CHECK(at(Interpolation::step, 9.999) == 0);
+    CHECK(at(Interpolation::linear, 2.5) == 0.25);
+    CHECK(at(Interpolation::smooth, 5) == 0.5);
+    CHECK(at(Interpolation::smooth, 2.5) == Approx(0.15625).epsilon(1e-15)); // 3t^2 - 2t^3
+    const Curve vector{Interpolation::linear, {{0, {0, 1, 2}}, {2, {2, 1, 0}}}};
+    CHECK(vector.at(1) == std::vector<double>{1, 1, 1});
+    CHECK(Curve{}.at(3).empty());
+}
+
+TEST_CASE("smooth curves never leave the range of their neighbours and are continuous") {
+    const Curve c{Interpolation::smooth,
+                  {{0, {0}}, {1, {0.1}}, {2, {5}}, {8, {5.1}}, {9, {-3}}, {9.5, {-3}}, {20, {100}}}};
+    for (std::size_t k = 0; k + 1 < c.keys.size(); ++k) {
+        const double a = c.keys[k].value[0], b = c.keys[k + 1].value[0];
+        double before = a;
+        for (int i = 0; i <= 200; ++i) {
+            const double v = c.at(std::lerp(c.keys[k].frame, c.keys[k + 1].frame, i / 200.0))[0];
+            CHECK(v >= std::min(a, b));
+            CHECK(v <= std::max(a, b));
+            CHECK((b >= a ? v >= before - 1e-12 : v <= before + 1e-12)); // monotone between keys
+            before = v;
+        }
+    }
+    // One slope on both sides of a key: no corner.
+    const double h = 1e-6;
+    const double left = (c.at(2)[0] - c.at(2 - h)[0]) / h, right = (c.at(2 + h)[0] - c.at(2)[0]) / h;
+    CHECK(left == Approx(right).margin(1e-4));
+}
+
+TEST_CASE("given tangents are followed and may overshoot") {
+    const Curve c{Interpolation::smooth, {{0, {0}, {}, {2}}, {4, {0}, {-2}, {}}}};
+    CHECK(c.at(2)[0] == Approx(2).epsilon(1e-14)); // Hermite: h/8 (m0 - m1)
+    const double h = 1e-7;
+    CHECK(c.at(h)[0] / h == Approx(2).epsilon(1e-5));
+    CHECK(c.at(0)[0] == 0);
+}
+
+TEST_CASE("units convert between names of one dimension") {
+    CHECK(unit_factor("kPa", "Pa") == 1000.0);
+    CHECK(unit_factor("MPa", "kPa") == 1000.0);
+    CHECK(unit_factor("N/m^2", "Pa") == 1.0);
+    CHECK(*unit_factor("g/cm^3", "kg/m^3") == Approx(1000).epsilon(1e-14));
+    CHECK(*unit_factor("deg", "rad") == Approx(0.017453292519943295).epsilon(1e-16));
+    CHECK(unit_factor("Hz", "1/s") == 1.0);
+    CHECK(unit_factor("N*s/m^3", "Pa*s/m") == 1.0);
+    CHECK(unit_factor("kg/(m*s^2)", "Pa") == 1.0);
+    CHECK(unit_factor("%", "1") == 0.01);
+    CHECK(unit_factor("ms", "s") == 1e-3);
+    CHECK_FALSE(unit_factor("m", "s"));
+    CHECK_FALSE(unit_factor("deg", "1"));
+    for (const char* wrong : {"", "m^", "m^^2", "(m", "m)", "m/", "/m", "kmm", "m 2", "m**s"})
+        CHECK_FALSE(parse_unit(wrong));
+}
+
+TEST_CASE("the nearest name forgives a third of the letters") {
+    const std::vector<std::string> names = {"youngsModulus", "poissonsRatio", "density"};
+    CHECK(nearest_name("youngModulus", names) == "youngsModulus");
+    CHECK(nearest_name("Density", names) == "density");
+    CHECK(nearest_name("dnesity", names) == "density");
+    CHECK(nearest_name("colour", names).empty());
+    CHECK(nearest_name("", names).empty());
+}
+
+TEST_CASE("diagnostics read well and their JSON parses") {
+    Diagnostic d;
+    d.code = "DG011", d.node = "biceps", d.attribute = "youngModulus";
+    d.spot = SourceSpot{"arm.json", "/nodes/biceps/inputs/youngModulus", 7, 25};
+    d.message = "no such input on \"zMaterial\"", d.hint = "did you mean \"youngsModulus\"?", d.frame = 12.5;
+    CHECK(to_text(d) ==
+          "arm.json:7:25: error [DG011] biceps.youngModulus: no such input on \"zMaterial\" (frame 12.5)\n"
+          "  hint: did you mean \"youngsModulus\"?\n  at /nodes/biceps/inputs/youngModulus");
+    const auto j = nlohmann::json::parse(to_json(d));
+    CHECK(j["severity"] == "error");
+    CHECK(j["code"] == "DG011");
+    CHECK(j["line"] == 7);
+    CHECK(j["column"] == 25);
+    CHECK(j["frame"] == 12.5);
+    CHECK(j["message"] == d.message);
+    CHECK(Failure(std::vector<Diagnostic>{d, d}).what() == to_text(d) + "\n" + to_text(d));
+    CHECK(nlohmann::json::parse(json_quoted("a\x01\"\\\n\xff\xc3\xa9")) == "a\x01\"\\\n\xef\xbf\xbd\xc3\xa9");
+}
+
+TEST_CASE("codes are unique, sorted and documented") {
+    std::string before;
+    for (const CodeInfo& c : all_codes()) {
+        CHECK(c.code.size() == 5);
+        CHECK_FALSE(c.title.empty());
+        CHECK_FALSE(c.remedy.empty());
+        const std::string order = (c.code[0] == 'D'   ? "0"
+                                   : c.code[0] == 'F' ? "1"
+                                                      : "2") +
+                                  std::string(c.code);
+        CHECK(before < order);
+        before = order;
+    }
+}
+
+TEST_CASE("declarations that contradict themselves are refused") {
+    const Output<double> out{.name = "out", .doc = "Result."};
+    const auto refuses = [&](AttributeInfo a, const std::string& why, bool uses_output = true) {
+        NodeType t{
+            .name = "t", .doc = "A type.", .inputs = {std::move(a)}, .compute = [](const Reads&, Writes&) {}};
+        if (uses_output) t.outputs = {describe(out)};
+        Registry r;
+        CHECK_THROWS_WITH(r.add(std::move(t)), Catch::Contains(why));
+    };
+    const Limits unit_interval{.min = 0, .max = 1};
+    refuses(describe(Input<double>{.name = "a", .def = 2, .limits = unit_interval, .doc = "x"}),
+            "default is outside the limits");
+    refuses(
+        describe(Input<double>{.name = "a", .def = 0, .limits = {.min = 0, .open_min = true}, .doc = "x"}),
+        "default is outside the limits");
+    refuses(describe(Input<double>{.name = "a", .def = 0}), "has no doc");
+    refuses(describe(Input<double>{.name = "a.b", .def = 0, .doc = "x"}), "without a dot");
+    refuses(describe(Input<double>{.name = "a", .def = 0, .unit = "furlong", .doc = "x"}), "is no unit");
+    refuses(describe(Input<double>{
+                .name = "a", .def = 0, .limits = unit_interval, .doc = "x", .presets = {{"big", 2}}}),
+            "preset \"big\"");
+    refuses(describe(Input<std::string>{.name = "a", .def = "x", .doc = "x", .options = {"y"}}),
+            "not among the options");
+    refuses(describe(Input<double>{.name = "a", .def = 0, .doc = "x", .affects = Affects::initial_state}),
+            "initial state");
+    refuses(describe(Input<double>{.name = "a", .def = 0, .doc = "x"}), "has no output", false);
+    Registry r;
+    const NodeType good{
+        .name = "t", .doc = "A type.", .outputs = {describe(out)}, .compute = [](const Reads&, Writes&) {}};
+    r.add(good);
+    CHECK_THROWS_WITH(r.add(good), Catch::Contains("registered twice"));
+    NodeType twice = good;
+    twice.name = "u";
+    twice.inputs = {describe(Input<double>{.name = "a", .def = 0, .doc = "x"}),
+                    describe(Wire<double>{.name = "a", .doc = "x"})};
+    CHECK_THROWS_WITH(r.add(twice), Catch::Contains("declared twice"));
+    twice.inputs.pop_back(), twice.doc = "";
+    CHECK_THROWS_WITH(r.add(twice), Catch::Contains("has no doc"));
+    CHECK(r.names() == std::vector<std::string>{"t"});
+    CHECK(r.find("u") == nullptr);
+}
