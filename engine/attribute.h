@@ -1,5 +1,6 @@
 // Attribute declarations: plain data, written once per attribute, read by the loader, the checks, the keys,
-// the JSON Schema, the reference page and the tests. SPDX-License-Identifier: GPL-3.0-or-later
+// the JSON Schema, the reference page and the tests.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
 

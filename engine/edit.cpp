@@ -1,5 +1,6 @@
 // Transactions. A draft takes the operations one by one on a copy of the snapshot (nodes are shared until
-// touched) and notes for each the operation that takes it back. SPDX-License-Identifier: GPL-3.0-or-later
+// touched) and notes for each the operation that takes it back.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/check.h"
 #include "engine/format/read_value.h"
 #include "engine/graph.h"

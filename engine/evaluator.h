@@ -16,7 +16,7 @@ namespace sinew::engine {
 struct StorePolicy {
     std::size_t value_bytes = std::size_t{2} << 30;
     std::size_t state_bytes = std::size_t{4} << 30;
-    std::size_t scratch_bytes_entries = 64; ///< kept scratch objects (symbolic analyses and buffers)
+    std::size_t scratch_entries = 1024; ///< kept scratch objects: some per node (tracks, rest data), one solver each
     int state_every = 1;                    ///< keep the state of each k-th frame, and the newest
 };
 

@@ -1,5 +1,6 @@
 // What every adapter needs: the solver's errors as diagnostics that name node and attribute, and painted maps
-// by vertex. SPDX-License-Identifier: GPL-3.0-or-later
+// by vertex.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/node_type.h"
 #include "nodes/values.h"

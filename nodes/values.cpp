@@ -1,5 +1,6 @@
 // Digests and sizes of the values on wires. A value's digest covers all that a consumer can see, save the
-// wall clock. SPDX-License-Identifier: GPL-3.0-or-later
+// wall clock.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/values.h"
 
 #include <algorithm>

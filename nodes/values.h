@@ -1,6 +1,6 @@
 // The value types that travel on wires between nodes, each with its digest. Meshes are in scene units;
-// zSolver.scale converts to metres in one place (nodes/z_solver.cpp). SPDX-License-Identifier:
-// GPL-3.0-or-later
+// zSolver.scale converts to metres in one place (nodes/z_solver.cpp).
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
 #include "solver/scene.h"

@@ -15,7 +15,7 @@ constexpr std::size_t kept_programs =
 Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     : values(policy.value_bytes)
     , states(policy.state_bytes, std::max(1, policy.state_every))
-    , scratch(policy.scratch_bytes_entries)
+    , scratch(policy.scratch_entries)
     , arena(threads > 0 ? threads : tbb::task_arena::automatic)
     , observer_(watcher) {}
 

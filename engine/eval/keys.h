@@ -1,6 +1,7 @@
 // Keys without values: K of a node from the keys of its sources, and the hash chain of a simulation's frames
 // from the content digests of its inputs. Whatever cannot be known yet is named, so that the caller can
-// provide it. SPDX-License-Identifier: GPL-3.0-or-later
+// provide it.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/program.h"
 #include "engine/eval/store.h"

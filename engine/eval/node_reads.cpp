@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/node_reads.h"
 
+#include "engine/limits.h"
+#include "engine/text.h"
+
 #include <algorithm>
 #include <stdexcept>
 
@@ -28,7 +31,27 @@ Value NodeReads::get(std::string_view attribute) {
     const std::size_t i = slot(attribute);
     if (context_.place->slots[i].info->kind == AttributeKind::wire_list)
         throw std::logic_error(std::string(attribute) + " is a list and was read as a single value");
-    return values_[i].empty() ? Value() : values_[i].front();
+    if (values_[i].empty()) return {};
+    const Value& v = values_[i].front();
+    refuse_outside(context_.place->slots[i], v);
+    return v;
+}
+
+// Literals are checked when the graph is read. What a connection brings, or a curve with steep tangents passes through
+// between its keys, is known only now.
+void NodeReads::refuse_outside(const Slot& s, const Value& v) {
+    if (s.kind != Slot::Kind::wire && s.kind != Slot::Kind::curve) return;
+    if (s.info->kind != AttributeKind::literal) return;
+    const auto wrong = outside(s.info->limits, v);
+    if (!wrong) return;
+    Diagnostic d;
+    d.code = "DG013";
+    d.attribute = s.info->name;
+    const std::string from = s.kind == Slot::Kind::wire && !s.sources.empty()
+                                 ? " (from " + context_.program->place(s.sources.front().node).name + ")"
+                                 : " (between keys)";
+    d.message = number_text(wrong->value) + from + " is outside " + limits_text(s.info->limits, s.info->unit);
+    fail(std::move(d));
 }
 
 std::vector<Value> NodeReads::get_list(std::string_view attribute) {

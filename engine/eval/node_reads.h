@@ -1,5 +1,6 @@
 // The evaluator's side of Reads: hands out the values that were gathered for one node at one time, and
-// refuses what was not declared. SPDX-License-Identifier: GPL-3.0-or-later
+// refuses what was not declared.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/core.h"
 
@@ -46,6 +47,7 @@ class NodeReads : public ReadSource {
 
   private:
     std::size_t slot(std::string_view attribute) const;
+    void refuse_outside(const Slot& s, const Value& v);
     void place(Diagnostic& d) const;
     void needs_time(std::string_view what) const;
     Digest scratch_key(const Digest& key) const;

@@ -1,6 +1,7 @@
 // The nodes that one goal must evaluate, as a graph of items; runs them side by side on the arena. Work that
 // another pull has in flight is waited for, outside the arena, so that waiting never blocks a thread that
-// others need. SPDX-License-Identifier: GPL-3.0-or-later
+// others need.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/session.h"
 

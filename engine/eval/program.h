@@ -1,6 +1,7 @@
 // A graph snapshot made ready for evaluation: nodes by number, inputs resolved to literals, curves and
 // sources, and the answer to "does this change over time?" for each node. Holds the keys and frame chains
-// found so far. SPDX-License-Identifier: GPL-3.0-or-later
+// found so far.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/file_digests.h"
 #include "engine/graph.h"

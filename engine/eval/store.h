@@ -1,5 +1,6 @@
 // The memory store: outputs and states under their keys, within byte budgets. Not thread-safe by itself (the
-// core holds its mutex); knows no graphs. SPDX-License-Identifier: GPL-3.0-or-later
+// core holds its mutex); knows no graphs.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/diagnostics.h"
 #include "engine/value.h"

@@ -1,5 +1,6 @@
 // Steps from one format number to the next, each a rewrite of the document's text; files of every released
-// format load for ever. SPDX-License-Identifier: GPL-3.0-or-later
+// format load for ever.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <span>
 #include <string>

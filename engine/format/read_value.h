@@ -1,6 +1,7 @@
 // One value of a graph file -> Binding: literal, {value, unit}, {preset}, {keys, interp, unit}, {from}, [
 // {from}, … ]. Says what is malformed; limits, options and connections are checked afterwards by
-// check_binding. SPDX-License-Identifier: GPL-3.0-or-later
+// check_binding.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/check.h"
 #include "engine/format/json_text.h"

@@ -1,5 +1,6 @@
 // JSON Schema (draft 2020-12) of graph files, generated from the declarations, so that editors complete and
-// check. SPDX-License-Identifier: GPL-3.0-or-later
+// check.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/graph_file.h"
 #include "engine/format/migrate.h"
 

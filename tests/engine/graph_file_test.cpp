@@ -1,5 +1,6 @@
 // Graph files: every diagnostic with its line and column, all problems at once, and what is written reads
-// back. SPDX-License-Identifier: GPL-3.0-or-later
+// back.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/engine_toys.h"
 
 #include <catch2/catch.hpp>

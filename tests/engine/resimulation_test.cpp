@@ -1,5 +1,6 @@
 // The promise "never simulate a frame twice": how many steps each action costs, and that the bits do not
-// change. SPDX-License-Identifier: GPL-3.0-or-later
+// change.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/engine_toys.h"
 
 #include <bit>

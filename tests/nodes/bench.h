@@ -1,5 +1,6 @@
 // What the tests of nodes share: graphs from JSON text, pulls, codes of failures, counts of computes and
-// steps, files. SPDX-License-Identifier: GPL-3.0-or-later
+// steps, files.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/evaluator.h"
 #include "engine/format/graph_file.h"

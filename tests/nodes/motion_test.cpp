@@ -1,5 +1,6 @@
 // Transforms and tracks: Maya's conventions, exact samples, screw motion in between, mapping of time and
-// range. SPDX-License-Identifier: GPL-3.0-or-later
+// range.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
 #include "nodes/matrices.h"

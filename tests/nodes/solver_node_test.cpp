@@ -1,5 +1,6 @@
 // zSolver from end to end on small beams: frames, units, the rules across bodies and attachments, restarts,
-// bits. SPDX-License-Identifier: GPL-3.0-or-later
+// bits.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
 using namespace bench;

@@ -1,5 +1,6 @@
 // Small node types for tests of the engine: numbers that can be added, a simulation of ten lines, nodes that
-// fail. SPDX-License-Identifier: GPL-3.0-or-later
+// fail.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/evaluator.h"
 #include "engine/format/graph_file.h"
