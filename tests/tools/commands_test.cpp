@@ -1,0 +1,216 @@
+// The other commands from the outside.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew::test;
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// Width and height from the header of a PNG.
+std::pair<int, int> png_size(const std::string& bytes) {
+    REQUIRE(bytes.size() > 100);
+    REQUIRE(bytes.substr(1, 3) == "PNG");
+    const auto number = [&bytes](std::size_t at) {
+        int out = 0;
+        for (std::size_t i = 0; i < 4; ++i) out = out << 8 | static_cast<unsigned char>(bytes[at + i]);
+        return out;
+    };
+    return {number(16), number(20)};
+}
+
+} // namespace
+
+TEST_CASE("usage errors exit with 2 and say what was meant", "[tools]") {
+    CHECK(run_program({}).code == 2);
+    const Said command = run_program({"rum"});
+    CHECK(command.code == 2);
+    CHECK(has(command.err, "Did you mean 'run'?"));
+    const Said flag = run_program({"run", "g.json", "--frmes", "1"});
+    CHECK(flag.code == 2);
+    CHECK(has(flag.err, "Did you mean '--frames'?"));
+    CHECK(has(flag.err, "Usage: sinew run GRAPH"));
+    CHECK(run_program({"run"}).code == 2);
+    CHECK(run_program({"nodes", "zTisue"}).code == 2);
+    CHECK(run_program({"bench", "nothing"}).code == 2);
+}
+
+TEST_CASE("help and version go to the output, with exit code 0", "[tools]") {
+    CHECK(has(run_program({"--help"}).out, "snapshot"));
+    CHECK(run_program({"--version"}).out.starts_with("sinew "));
+    for (const std::string command :
+         {"run", "check", "eval", "explain", "nodes", "graph", "snapshot", "bench"}) {
+        const Said said = run_program({command, "--help"});
+        CHECK(said.code == 0);
+        CHECK(has(said.out, "Example:\n  sinew " + command));
+        CHECK(said.err.empty());
+    }
+}
+
+TEST_CASE("check sums up a right graph", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const Said said = run_program({"check", graph});
+    CHECK(said.code == 0);
+    CHECK(has(said.out, "13 nodes, 3 bodies, "));
+    CHECK(said.err.empty());
+    CHECK(run_program({"check", graph, "--json"}).lines().back().at("bodies") == 3);
+    CHECK(has(run_program({"check", graph, "--fast"}).out, "13 nodes\n"));
+}
+
+TEST_CASE("check names every problem at once, in the order of the file, each once", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["top"]["inputs"] =
+        json::parse(R"({ "mode": "list", "mesh": { "from": "blockMesh.outMesh" }, "values": [1, 2] })");
+    graph["nodes"]["block"]["inputs"].erase("materials");
+    const Said said = run_program({"check", write_graph(folder, graph), "--json"});
+    CHECK(said.code == 1);
+    std::vector<std::string> found;
+    int line = 0;
+    for (const json& d : said.lines()) {
+        CHECK(d.at("event") == "diagnostic");
+        CHECK(d.at("line") >= line);
+        line = d.at("line");
+        found.push_back(d.at("node").get<std::string>() + " " + d.at("code").get<std::string>());
+    }
+    CHECK(std::count(found.begin(), found.end(), "block FE206") == 1);
+    CHECK(std::count(found.begin(), found.end(), "top FE204") == 1);
+    CHECK(found.size() == 2);
+}
+
+TEST_CASE("a missing graph file is one clear error", "[tools]") {
+    const Said said = run_program({"check", "/nowhere/graph.json"});
+    CHECK(said.code == 1);
+    CHECK(has(said.err, "IO401"));
+    CHECK(has(said.err, "/nowhere/graph.json"));
+}
+
+TEST_CASE("eval prints meshes by size, box and digest, and numbers as they are", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const Said mesh = run_program({"eval", graph, "plateMesh.outMesh"});
+    CHECK(mesh.code == 0);
+    CHECK(has(mesh.out, "vertices: 8"));
+    CHECK(has(mesh.out, "min: -3.0 -0.5 -3.0"));
+    CHECK(has(mesh.out, "digest: "));
+    const json moved =
+        run_program({"eval", graph, "upperMove.outMatrix", "--frame", "6", "--json"}).lines().front();
+    CHECK(moved.at("type") == "matrix");
+    CHECK(moved.at("value").at(0).at(3) == 0.5);
+    const json bodies = run_program({"eval", graph, "solver.outMeshes", "--frame", "2", "--json"}).lines().front();
+    CHECK(bodies.at("value").at("block").at("faces") == 40);
+    const Said unknown = run_program({"eval", graph, "plateMesh.outMsh"});
+    CHECK(unknown.code == 2);
+    CHECK(has(unknown.err, "Did you mean 'outMesh'?"));
+    CHECK(has(run_program({"eval", graph, "plateMsh.outMesh"}).err, "Did you mean 'plateMesh'?"));
+}
+
+TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    for (const char* plug : {"block.outBody", "lower.outBody", "flesh.outMaterial", "holdTop.outAttachment",
+                             "top.outWeights", "solver.outReport", "solver.outSolved"}) {
+        INFO(plug);
+        const Said said = run_program({"eval", graph, plug, "--json"});
+        CHECK(said.code == 0);
+        CHECK_FALSE(said.lines().front().at("value").empty());
+    }
+}
+
+TEST_CASE("explain computes nothing and says why it would", "[tools]") {
+    const TemporaryFolder folder;
+    const Said said =
+        run_program({"explain", write_graph(folder, small_graph()), "solver.outMeshes", "--frame", "4", "--json"});
+    CHECK(said.code == 0);
+    const json verdict = said.lines().front();
+    CHECK(verdict.at("readiness") != "ready");
+    CHECK_FALSE(verdict.at("because").get<std::string>().empty());
+    CHECK(verdict.at("valid_frames").empty());
+}
+
+TEST_CASE("nodes lists and explains every type, for people and for programs", "[tools]") {
+    CHECK(has(run_program({"nodes"}).out, "zSolver"));
+    CHECK(has(run_program({"nodes", "zTissue"}).out, "compressionResistance"));
+    const json all = json::parse(run_program({"nodes", "--json"}).out);
+    CHECK(all.size() > 10);
+    for (const json& type : all) {
+        INFO(type.at("name"));
+        CHECK(type.at("outputs").size() > 0);
+        CHECK(run_program({"nodes", type.at("name")}).code == 0);
+    }
+    CHECK(json::parse(run_program({"nodes", "--schema"}).out).contains("$schema"));
+}
+
+TEST_CASE("a graph can be drawn, and written again as the same graph", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const Said dot = run_program({"graph", graph, "--dot"});
+    CHECK(dot.out.starts_with("digraph"));
+    CHECK(has(dot.out, "\"block\" -> \"solver\""));
+    const Said written = run_program({"graph", graph, "--json"});
+    REQUIRE(written.code == 0);
+    write_text(folder / "again.json", written.out);
+    const auto value = [](const std::string& file) {
+        return run_program({"eval", file, "solver.outMeshes", "--frame", "3", "--json"}).lines().front();
+    };
+    CHECK(value((folder / "again.json").string()) == value(graph));
+    CHECK(run_program({"graph", graph}).code == 2);
+}
+
+TEST_CASE("a snapshot is made from a folder of OBJ files or from a graph", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph()), out = (folder / "out").string(),
+                      png = (folder / "p.png").string();
+    REQUIRE(run_program({"run", graph, "--out", out, "--format", "obj"}).code == 0);
+    REQUIRE(run_program({"snapshot", out, "--frames", "1,6", "--size", "320x160", "-o", png}).code == 0);
+    CHECK(png_size(read_text(png)) == std::pair(320, 160));
+    const std::string other = (folder / "q.png").string();
+    REQUIRE(run_program({"snapshot", graph, "--frames", "1,6", "--size", "320x160", "-o", other}).code == 0);
+    CHECK(png_size(read_text(other)) == std::pair(320, 160));
+    CHECK(read_text(png).size() > 4000); // a blank picture of this size has a tenth of that
+
+    const Said missing = run_program({"snapshot", out, "--frames", "7", "-o", png});
+    CHECK(missing.code == 2);
+    CHECK(has(missing.err, "it has 1 to 6"));
+    CHECK(run_program({"snapshot", folder.path().string(), "-o", png}).code == 2);
+    CHECK(run_program({"snapshot", out, "--view", "behind", "-o", png}).code == 2);
+    CHECK(run_program({"snapshot", out, "--size", "12", "-o", png}).code == 2);
+}
+
+TEST_CASE("the benchmark prints one JSON line a run", "[tools]") {
+    const Said said = run_program({"bench", "cantilever", "--n", "8", "--E", "1e5,1e6", "--steps", "20"});
+    REQUIRE(said.code == 0);
+    const auto lines = said.lines();
+    REQUIRE(lines.size() == 2);
+    for (const json& line : lines) {
+        for (const char* key : {"bench", "n", "tets", "E", "threads", "law", "steps", "tip_y",
+                                "s_per_step_median", "newton_per_step", "assembly_ms", "factor_ms",
+                                "solve_ms", "residual_max", "unconverged", "digest"})
+            CHECK(line.contains(key));
+        CHECK(line.at("tets") == 192);
+        CHECK(line.at("unconverged") == 0);
+    }
+    CHECK(lines[0].at("tip_y") < lines[1].at("tip_y"));
+}
+
+TEST_CASE("the graphs to learn from are right and run", "[tools]") {
+    int count = 0;
+    for (const auto& entry : fs::directory_iterator(fs::path(SINEW_SOURCE_DIR) / "graphs/learn")) {
+        if (entry.path().extension() != ".json") continue;
+        INFO(entry.path());
+        ++count;
+        const Said check = run_program({"check", entry.path().string()});
+        CHECK(check.code == 0);
+        CHECK(check.err.empty());
+        const Said run = run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
+        CHECK(run.code == 0);
+        CHECK(run.err.empty());
+    }
+    CHECK(count >= 4);
+}

@@ -1,0 +1,170 @@
+// Pictures: the scene is in them, whole, in its colours, and the same for every number of threads.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/primitives.h"
+#include "tools/render/font.h"
+#include "tools/render/picture.h"
+#include "tools/render/shading_mesh.h"
+
+#include <Eigen/Geometry>
+#include <catch2/catch.hpp>
+#include <cstring>
+#include <png.h>
+#include <set>
+#include <tbb/task_arena.h>
+
+using namespace sinew;
+using namespace sinew::render;
+
+namespace {
+
+Surface surface_of(const solver::SurfaceMesh& mesh, const Look& look, const Vec3& shift = Vec3::Zero()) {
+    const ShadingMesh shading = split_creases(mesh.points, mesh.triangles);
+    Surface out;
+    out.points = shading.gather(mesh.points);
+    for (Vec3& p : out.points) p += shift;
+    out.triangles = shading.triangles;
+    out.normals = solver::vertex_normals(out.points, out.triangles);
+    out.look = look;
+    return out;
+}
+
+Image decode(const std::string& bytes) {
+    png_image header{};
+    header.version = PNG_IMAGE_VERSION;
+    REQUIRE(png_image_begin_read_from_memory(&header, bytes.data(), bytes.size()));
+    header.format = PNG_FORMAT_RGB;
+    Image image(static_cast<int>(header.width), static_cast<int>(header.height));
+    REQUIRE(png_image_finish_read(&header, nullptr, image.pixels.data(), 0, nullptr));
+    return image;
+}
+
+Image ball_picture(const Look& look, int width = 160, int height = 120) {
+    const Surface ball = surface_of(solver::make_sphere(1, 24, 16), look);
+    return draw_picture({ball}, frame_points({&ball.points}, {0, 0}, static_cast<double>(width) / height),
+                        width, height, 2);
+}
+
+bool is_background(const Pixel& p) { return std::abs(p[0] - p[2]) < 40 && p[0] < 110; }
+
+} // namespace
+
+TEST_CASE("a PNG gives back the pixels that went in", "[tools]") {
+    Image image(7, 3);
+    for (int i = 0; i < 21; ++i)
+        image.pixels[static_cast<std::size_t>(i)] = {static_cast<std::uint8_t>(12 * i), 7,
+                                                     static_cast<std::uint8_t>(255 - i)};
+    const Image back = decode(encode_png(image));
+    CHECK(back.width == 7);
+    CHECK(back.height == 3);
+    CHECK(back.pixels == image.pixels);
+}
+
+TEST_CASE("a red ball is red in the middle of its picture and absent from the corners", "[tools]") {
+    const Image image = ball_picture({Eigen::Vector3f(0.6f, 0.03f, 0.03f), 0, 0.2f});
+    const Pixel middle = image.at(80, 60);
+    CHECK(middle[0] > 100);
+    CHECK(middle[0] > 2 * middle[1]);
+    for (const auto& [x, y] : {std::pair(0, 0), std::pair(159, 0), std::pair(0, 119), std::pair(159, 119)})
+        CHECK(is_background(image.at(x, y)));
+}
+
+TEST_CASE("the key light comes from the upper left", "[tools]") {
+    const Image image = ball_picture({Eigen::Vector3f(0.5f, 0.5f, 0.5f), 0, 0});
+    CHECK(image.at(65, 42)[1] > image.at(95, 80)[1] + 25);
+}
+
+TEST_CASE("a camera frames every point, touching the border that is nearest", "[tools]") {
+    const auto points = solver::make_cube(3, 1, 2, 4, 4, 4).points;
+    for (const double azimuth : {0.0, 40.0, 135.0, -120.0})
+        for (const double elevation : {-90.0, -20.0, 0.0, 55.0, 90.0})
+            for (const double aspect : {0.4, 1.0, 2.5})
+                for (const char up : {'y', 'z'}) {
+                    const Camera camera = frame_points({&points}, {azimuth, elevation, up}, aspect, 0.05);
+                    double widest = 0;
+                    for (const Vec3& p : points) {
+                        const Vec3 c = camera.to_camera(p);
+                        REQUIRE(c[2] > 0);
+                        widest = std::max({widest, std::abs(c[0] / c[2]) / camera.tan_x,
+                                           std::abs(c[1] / c[2]) / camera.tan_y});
+                    }
+                    CHECK(widest == Approx(0.9).epsilon(1e-6));
+                }
+}
+
+TEST_CASE("views look at the side that they name, and the axis that is up stays up", "[tools]") {
+    const auto camera = [](const char* name, char up) {
+        View view = parse_view(name).value();
+        view.up = up;
+        return frame_points({}, view, 1);
+    };
+    CHECK(camera("front", 'y').backward.isApprox(Vec3(0, 0, 1), 1e-12));
+    CHECK(camera("left", 'y').backward.isApprox(Vec3(1, 0, 0), 1e-12));
+    CHECK(camera("top", 'y').backward.isApprox(Vec3(0, 1, 0), 1e-12));
+    CHECK(camera("front", 'z').backward.isApprox(Vec3(0, -1, 0), 1e-12));
+    CHECK(camera("left", 'z').backward.isApprox(Vec3(1, 0, 0), 1e-12));
+    CHECK(camera("front", 'z').up.isApprox(Vec3(0, 0, 1), 1e-12));
+    CHECK(parse_view("-45,10")->azimuth == -45);
+    for (const char* wrong : {"", "behind", "1", "1,", "x,2", "0,91", "1,2,3"})
+        CHECK_FALSE(parse_view(wrong));
+}
+
+TEST_CASE("what is nearer hides what is behind it", "[tools]") {
+    const solver::SurfaceMesh plate = solver::make_cube(2, 2, 0.1, 1, 1, 1);
+    const Surface red = surface_of(plate, {Eigen::Vector3f(0.7f, 0.02f, 0.02f), 0, 0}, Vec3(0, 0, 1)),
+                  blue = surface_of(plate, {Eigen::Vector3f(0.02f, 0.02f, 0.7f), 0, 0}, Vec3(0, 0, -1));
+    for (const auto& order : {std::vector{red, blue}, std::vector{blue, red}}) {
+        const Camera camera = frame_points({&red.points, &blue.points}, {0, 0}, 1);
+        const Pixel middle = draw_picture(order, camera, 40, 40, 1).at(20, 20);
+        CHECK(middle[0] > 2 * middle[2]);
+        const Camera back = frame_points({&red.points, &blue.points}, {180, 0}, 1);
+        const Pixel behind = draw_picture(order, back, 40, 40, 1).at(20, 20);
+        CHECK(behind[2] > 2 * behind[0]);
+    }
+}
+
+TEST_CASE("a contact sheet holds every shot with its label, all seen by one camera", "[tools]") {
+    const Look look{Eigen::Vector3f(0.6f, 0.5f, 0.4f), 0, 0.1f};
+    const solver::SurfaceMesh ball = solver::make_sphere(1, 16, 10);
+    const std::vector<Shot> shots{{"frame 1", {surface_of(ball, look, Vec3(-3, 0, 0))}},
+                                  {"frame 2", {surface_of(ball, look, Vec3(3, 0, 0))}}};
+    const Image sheet = contact_sheet(shots, {0, 0}, 400, 300, 1);
+    CHECK(sheet.width == 400);
+    CHECK(sheet.height == 300);
+    // A wide scene goes one above the other: the ball is on the left in the first and on the right in the
+    // second.
+    CHECK_FALSE(is_background(sheet.at(80, 74)));
+    CHECK(is_background(sheet.at(320, 74)));
+    CHECK(is_background(sheet.at(80, 225)));
+    CHECK_FALSE(is_background(sheet.at(320, 225)));
+    int label_pixels = 0;
+    for (int y = 135; y < 149; ++y)
+        for (int x = 0; x < 60; ++x) label_pixels += sheet.at(x, y) == Pixel{190, 196, 206};
+    CHECK(label_pixels > 40);
+}
+
+TEST_CASE("a picture does not depend on the number of threads", "[tools]") {
+    const Look look{Eigen::Vector3f(0.5f, 0.2f, 0.2f), 0, 0.4f};
+    Image one(1, 1), two(1, 1);
+    tbb::task_arena(1).execute([&] { one = ball_picture(look); });
+    tbb::task_arena(2).execute([&] { two = ball_picture(look); });
+    CHECK(one.pixels == two.pixels);
+}
+
+TEST_CASE("sharp edges are split and smooth ones are not", "[tools]") {
+    const auto cube = solver::make_cube(1, 1, 1, 1, 1, 1);
+    CHECK(split_creases(cube.points, cube.triangles).source.size() == 24);
+    const auto ball = solver::make_sphere(1, 20, 20);
+    const ShadingMesh smooth = split_creases(ball.points, ball.triangles);
+    CHECK(smooth.triangles == ball.triangles);
+    CHECK(smooth.source.size() == ball.points.size());
+}
+
+TEST_CASE("letters are drawn where they should be", "[tools]") {
+    Image image(20, 10);
+    draw_text(image, 1, 1, "i1", {255, 255, 255}, 1);
+    CHECK(text_width("i1", 1) == 11);
+    CHECK(image.at(2, 1) == Pixel{255, 255, 255}); // the serif of the I
+    CHECK(image.at(1, 1) == Pixel{0, 0, 0});
+    CHECK(image.at(9, 1) == Pixel{255, 255, 255}); // the top of the 1
+    draw_text(image, 18, 8, "M", {1, 1, 1}, 3);    // over the edge: cut off, not a crash
+}

@@ -1,0 +1,265 @@
+// `sinew run` from the outside: what is written, what is said, and what stays when something goes wrong.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/glb_checker.h"
+#include "tests/tools/program.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <csignal>
+#include <set>
+#include <thread>
+
+using namespace sinew::test;
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+std::set<std::string> names_in(const fs::path& folder) {
+    std::set<std::string> out;
+    if (fs::is_directory(folder))
+        for (const auto& entry : fs::directory_iterator(folder)) out.insert(entry.path().filename().string());
+    return out;
+}
+
+std::vector<std::string> digests(const Said& said) {
+    std::vector<std::string> out;
+    for (const json& line : said.lines())
+        if (line.at("event") == "frame") out.push_back(line.at("digest"));
+    return out;
+}
+
+std::set<std::string> keys(const json& object) {
+    std::set<std::string> out;
+    for (const auto& [key, value] : object.items()) out.insert(key);
+    return out;
+}
+
+/// The upper plate leaves for infinity after frame 3.
+json graph_that_fails_at_frame_4() {
+    json graph = small_graph();
+    graph["nodes"]["upperMove"]["inputs"]["scale"] = json::parse(
+        R"({ "keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [1e300, 1e300, 1e300]]], "interp": "step" })");
+    graph["nodes"]["upperMove"]["inputs"]["translate"] = json::parse(
+        R"({ "keys": [[1, [0, 4.5, 0]], [3, [0, 4.5, 0]], [4, [1e308, 1e308, 1e308]]], "interp": "step" })");
+    graph["nodes"]["plateMesh"]["inputs"]["width"] = 1e9;
+    return graph;
+}
+
+} // namespace
+
+TEST_CASE("a run writes every body of every frame, named after its node", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string out = (folder / "out").string();
+    const Said said = run_program({"run", write_graph(folder, small_graph()), "--out", out, "--format",
+                             "obj,ply,glb", "--report", out + "/report.json"});
+    INFO(said.err);
+    REQUIRE(said.code == 0);
+    CHECK(names_in(out) == std::set<std::string>{"obj", "ply", "report.json", "small.glb"});
+    std::set<std::string> wanted;
+    for (const std::string body : {"block", "lower", "upper"})
+        for (int frame = 1; frame <= 6; ++frame)
+            wanted.insert(body + ".000" + std::to_string(frame) + ".obj");
+    CHECK(names_in(folder / "out/obj") == wanted);
+    CHECK(names_in(folder / "out/ply").size() == 18);
+
+    // Polygons stay polygons: the block is 2 x 4 x 2 quads.
+    const std::string obj = read_text(folder / "out/obj/block.0006.obj");
+    CHECK(obj.starts_with("# sinew: tissue, y up, 100 units a metre\n"));
+    std::istringstream lines(obj);
+    int quads = 0;
+    for (std::string line; std::getline(lines, line);)
+        quads += line.starts_with("f ") && std::count(line.begin(), line.end(), ' ') == 4;
+    CHECK(quads == 2 * (2 * 4 + 2 * 4 + 2 * 2));
+
+    const Glb glb(read_text(folder / "out/small.glb"));
+    CHECK(glb.problems() == std::vector<std::string>{});
+    CHECK(glb.document.at("meshes").size() == 3);
+    // In metres: the lower plate is 6 cm wide.
+    const auto& accessor = glb.document.at("accessors")
+                               .at(glb.document.at("meshes")
+                                       .at(0)
+                                       .at("primitives")
+                                       .at(0)
+                                       .at("attributes")
+                                       .at("POSITION")
+                                       .get<std::size_t>());
+    CHECK(accessor.at("max").at(0).get<double>() - accessor.at("min").at(0).get<double>() ==
+          Approx(0.06).epsilon(1e-5));
+}
+
+TEST_CASE("the report says for every frame how it went", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    REQUIRE(run_program({"run", write_graph(folder, small_graph()), "--report", file, "--frames", "1-4", "--quiet",
+                   "--threads", "1"})
+                .code == 0);
+    const json report = json::parse(read_text(file));
+    CHECK(keys(report) ==
+          std::set<std::string>{"version", "machine", "threads", "graph", "totals", "frames", "size"});
+    CHECK(report.at("threads") == 1);
+    CHECK(report.at("totals").at("frames_simulated") == 4);
+    CHECK(report.at("totals").at("frames_reused") == 0);
+    CHECK(report.at("totals").at("peak_bytes") > 1'000'000);
+    REQUIRE(report.at("frames").size() == 4);
+    const json& last = report.at("frames").at(3);
+    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "residual",
+                            "converged", "energy", "min_J", "inverted", "contacts", "max_penetration_m"})
+        CHECK(last.contains(key));
+    CHECK(last.at("frame") == 4);
+    CHECK(last.at("converged") == true);
+    CHECK(last.at("newton") >= 1);
+    CHECK(last.at("inverted") == 0);
+    CHECK(last.at("phases").at("assembly") > 0);
+    CHECK(report.at("size").at("bodies") == 3);
+    CHECK(report.at("size").at("tets") > 0);
+    CHECK(report.at("size").at("attachments") == 2);
+}
+
+TEST_CASE("one and two threads give the same bits, and so does a run of the last frame alone", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const auto one = digests(run_program({"run", graph, "--json", "--threads", "1"}));
+    const auto two = digests(run_program({"run", graph, "--json", "--threads", "2"}));
+    REQUIRE(one.size() == 6);
+    CHECK(one == two);
+    CHECK(std::set<std::string>(one.begin(), one.end()).size() == 6);
+    const Said last = run_program({"run", graph, "--json", "--frames", "6"});
+    CHECK(digests(last) == std::vector<std::string>{one.back()});
+    CHECK(last.lines().back().at("frames_simulated") == 6);
+}
+
+TEST_CASE("without --out nothing is written", "[tools]") {
+    const TemporaryFolder folder;
+    const Said said = run_program({"run", write_graph(folder, small_graph()), "--frames", "1-2"});
+    CHECK(said.code == 0);
+    CHECK(said.out.find("nothing was written") != std::string::npos);
+    CHECK(names_in(folder.path()) == std::set<std::string>{"small.json"});
+}
+
+TEST_CASE("logs get one line a frame, --quiet nothing", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const Said lines = run_program({"run", graph, "--frames", "2-4"});
+    for (const char* frame : {"frame    2", "frame    3", "frame    4"})
+        CHECK(lines.out.find(frame) != std::string::npos);
+    CHECK(lines.out.find('\r') == std::string::npos);
+    const Said quiet = run_program({"run", graph, "--frames", "2-4", "--quiet"});
+    CHECK(quiet.out.empty());
+    CHECK(quiet.err.empty());
+}
+
+TEST_CASE("--set changes the result, and a wrong one is the graph's error", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const auto plain = digests(run_program({"run", graph, "--json", "--frames", "3"}));
+    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "flesh.youngsModulus=40000"})) !=
+          plain);
+    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "block.material=NeoHookean"})) !=
+          plain);
+    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set",
+                         R"(flesh.youngsModulus={"value": 20, "unit": "kPa"})"})) == plain);
+    const Said wrong = run_program({"run", graph, "--set", "flesh.youngsModulus=-1"});
+    CHECK(wrong.code == 1);
+    CHECK(wrong.err.find("DG013") != std::string::npos);
+    CHECK(run_program({"run", graph, "--set", "flesh=1"}).code == 2);
+    CHECK(run_program({"run", graph, "--set", "flesh.youngsModulus"}).code == 2);
+}
+
+TEST_CASE("numbers that are pulled are printed, files that are pulled are written", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["write"] = json::parse(
+        R"({ "type": "meshWriter", "inputs": { "meshes": { "from": "solver.outMeshes" }, "format": "off" } })");
+    const std::string file = write_graph(folder, graph), out = (folder / "out").string();
+    const Said numbers = run_program({"run", file, "--pull", "upperMove.outMatrix", "--frames", "1,6", "--json"});
+    REQUIRE(numbers.code == 0);
+    int values = 0;
+    for (const json& line : numbers.lines())
+        if (line.at("event") == "value") {
+            ++values;
+            CHECK(line.at("value").at(1).at(3) == (line.at("frame") == 1 ? 4.5 : 4.7));
+        }
+    CHECK(values == 2);
+    REQUIRE(run_program({"run", file, "--pull", "write.outFile", "--frames", "1-2", "--out", out}).code == 0);
+    CHECK(names_in(out) == std::set<std::string>{"write.0001.off", "write.0002.off"});
+    CHECK(read_text(folder / "out/write.0002.off").starts_with("OFF"));
+}
+
+TEST_CASE("a frame that fails keeps the frames before it, with report and animation", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string out = (folder / "out").string();
+    const Said said = run_program({"run", write_graph(folder, graph_that_fails_at_frame_4()), "--out", out,
+                             "--format", "glb,obj", "--report", out + "/r.json"});
+    INFO(said.out << said.err);
+    CHECK((said.code == 1 || said.code == 3));
+    CHECK(said.err.find("error [") != std::string::npos);
+    CHECK(names_in(folder / "out/obj").size() == 9);
+    CHECK(names_in(folder / "out/obj").contains("block.0003.obj"));
+    CHECK(json::parse(read_text(folder / "out/r.json")).at("frames").size() == 3);
+    const Glb glb(read_text(folder / "out/small.glb"));
+    CHECK(glb.problems() == std::vector<std::string>{});
+    const json& samplers = glb.document.at("animations").at(0).at("samplers");
+    CHECK(glb.floats(samplers.at(0).at("input")).size() == 3);
+}
+
+TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-made", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["timing"]["end"] = 100000;
+    const std::string out = (folder / "out").string();
+    for (const int signal : {SIGINT, SIGTERM}) {
+        fs::remove_all(out);
+        Program program({"run", write_graph(folder, graph), "--out", out, "--format", "glb,obj", "--report",
+                         out + "/r.json"});
+        while (names_in(folder / "out/obj").size() < 9)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        program.signal(signal);
+        CHECK(program.exit_code() == 4);
+        CHECK(program.err().find("cancelled") != std::string::npos);
+        const std::set<std::string> files = names_in(folder / "out/obj");
+        CHECK(files.size() % 3 == 0);
+        for (const std::string& name : files) {
+            CHECK(name.ends_with(".obj"));
+            CHECK(read_text(folder / ("out/obj/" + name)).ends_with("\n"));
+        }
+        CHECK(names_in(out) == std::set<std::string>{"obj", "r.json", "small.glb"});
+        CHECK(Glb(read_text(folder / "out/small.glb")).problems() == std::vector<std::string>{});
+        CHECK(json::parse(read_text(folder / "out/r.json")).at("frames").size() == files.size() / 3);
+    }
+}
+
+TEST_CASE("a place that cannot be written to is found before anything is simulated", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "file", "x");
+    const Said said =
+        run_program({"run", write_graph(folder, small_graph()), "--out", (folder / "file/out").string()});
+    CHECK(said.code == 1);
+    CHECK(said.err.find("IO405") != std::string::npos);
+    CHECK(said.out.empty());
+}
+
+TEST_CASE("frames that have not converged are counted, and --strict makes them a failure", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const std::vector<std::string> words{"run", graph, "--json", "--set", "solver.maxNewtonIterations=1"};
+    const Said lax = run_program(words);
+    CHECK(lax.code == 0);
+    CHECK(lax.lines().back().at("unconverged") > 0);
+    std::vector<std::string> strict = words;
+    strict.emplace_back("--strict");
+    CHECK(run_program(strict).code == 3);
+}
+
+TEST_CASE("several solvers without --pull are an error that lists them", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["second"] = graph["nodes"]["solver"];
+    const Said said = run_program({"run", write_graph(folder, graph)});
+    CHECK(said.code == 2);
+    CHECK(said.err.find("solver.outMeshes") != std::string::npos);
+    CHECK(said.err.find("second.outMeshes") != std::string::npos);
+    graph["nodes"].erase("second");
+    graph["nodes"].erase("solver");
+    CHECK(run_program({"run", write_graph(folder, graph)}).code == 2);
+}

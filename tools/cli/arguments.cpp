@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+
+#include "engine/diagnostics.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+
+namespace sinew::cli {
+
+namespace {
+
+const Flag* find_flag(const Command& command, std::string_view word) {
+    for (const Flag& f : command.flags)
+        if (f.name == word || (f.letter && word.size() == 2 && word[0] == '-' && word[1] == f.letter))
+            return &f;
+    return nullptr;
+}
+
+[[noreturn]] void unknown_flag(const Command& command, std::string_view word) {
+    std::vector<std::string> known{"--help"};
+    for (const Flag& f : command.flags) known.emplace_back(f.name);
+    throw UsageError("unknown flag '" + std::string(word) + "'." + did_you_mean(word, known));
+}
+
+template <class T>
+std::optional<T> whole_text(std::string_view text) {
+    T value{};
+    if (text.starts_with('+')) text.remove_prefix(1);
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || text.empty()) return {};
+    return value;
+}
+
+} // namespace
+
+Arguments::Arguments(const Command& command, std::span<const std::string> words) {
+    bool only_operands = false;
+    for (std::size_t i = 0; i < words.size(); ++i) {
+        const std::string& word = words[i];
+        if (only_operands || word.size() < 2 || word[0] != '-') {
+            operands_.push_back(word);
+            continue;
+        }
+        if (word == "--") {
+            only_operands = true;
+            continue;
+        }
+        const std::size_t equals = word.starts_with("--") ? word.find('=') : std::string::npos;
+        const std::string name = word.substr(0, equals);
+        if (name == "--help" || name == "-h") {
+            help_ = true;
+            continue;
+        }
+        const Flag* flag = find_flag(command, name);
+        if (!flag) unknown_flag(command, name);
+        std::vector<std::string>& given = flags_[std::string(flag->name)];
+        if (!given.empty() && !flag->repeats) throw UsageError(std::string(flag->name) + " is given twice.");
+        if (flag->value.empty()) {
+            if (equals != std::string::npos) throw UsageError(std::string(flag->name) + " takes no value.");
+            given.emplace_back();
+        } else if (equals != std::string::npos) {
+            given.push_back(word.substr(equals + 1));
+        } else if (i + 1 < words.size()) {
+            given.push_back(words[++i]);
+        } else {
+            throw UsageError(std::string(flag->name) + " needs a value: " + std::string(flag->value) + ".");
+        }
+    }
+    if (help_) return; // whoever asks for help need not get the rest right
+    for (std::size_t i = operands_.size(); i < command.operands.size(); ++i)
+        if (command.operands[i].required)
+            throw UsageError(std::string(command.operands[i].name) + " is missing.");
+    if (operands_.size() > command.operands.size())
+        throw UsageError("unexpected word '" + operands_[command.operands.size()] + "'.");
+}
+
+std::optional<std::string> Arguments::value(std::string_view flag) const {
+    const auto it = flags_.find(flag);
+    return it == flags_.end() ? std::nullopt : std::optional(it->second.back());
+}
+
+std::vector<std::string> Arguments::values(std::string_view flag) const {
+    const auto it = flags_.find(flag);
+    return it == flags_.end() ? std::vector<std::string>{} : it->second;
+}
+
+int Arguments::whole_number(std::string_view flag, int otherwise, int least) const {
+    const auto text = value(flag);
+    if (!text) return otherwise;
+    const auto number = to_int(*text);
+    if (!number || *number < least)
+        throw UsageError(std::string(flag) + " needs a whole number of at least " + std::to_string(least) +
+                         ", not '" + *text + "'.");
+    return *number;
+}
+
+std::vector<double> Arguments::numbers(std::string_view flag, std::vector<double> otherwise) const {
+    const auto text = value(flag);
+    if (!text) return otherwise;
+    std::vector<double> out;
+    for (const std::string& word : split(*text, ',')) {
+        const auto number = to_number(word);
+        if (!number)
+            throw UsageError(std::string(flag) + " needs numbers with commas between them, not '" + *text +
+                             "'.");
+        out.push_back(*number);
+    }
+    return out;
+}
+
+std::optional<std::string> Arguments::operand(std::size_t index) const {
+    return index < operands_.size() ? std::optional(operands_[index]) : std::nullopt;
+}
+
+std::vector<std::string> split(std::string_view text, char separator) {
+    std::vector<std::string> out;
+    for (std::size_t at = 0;;) {
+        const std::size_t next = text.find(separator, at);
+        out.emplace_back(text.substr(at, next - at));
+        if (next == std::string_view::npos) return out;
+        at = next + 1;
+    }
+}
+
+std::optional<int> to_int(std::string_view text) { return whole_text<int>(text); }
+
+std::optional<double> to_number(std::string_view text) {
+    const auto value = whole_text<double>(text);
+    return value && std::isfinite(*value) ? value : std::nullopt;
+}
+
+std::vector<int> parse_frames(std::string_view text) {
+    constexpr int most = 1'000'000; // a typing error, not a film
+    std::vector<int> out;
+    for (const std::string& part : split(text, ',')) {
+        // The dash of a range is not the sign of its first frame.
+        const std::size_t dash = part.find('-', 1);
+        const auto first = to_int(std::string_view(part).substr(0, dash));
+        const auto last = dash == std::string::npos ? first : to_int(std::string_view(part).substr(dash + 1));
+        if (!first || !last || *last < *first)
+            throw UsageError("'" + std::string(text) + "' is no list of frames; write 12, 1-24 or 1,64,128.");
+        if (static_cast<long long>(*last) - *first >= most)
+            throw UsageError("'" + part + "' is more than a million frames.");
+        for (int frame = *first; frame <= *last; ++frame)
+            if (std::find(out.begin(), out.end(), frame) == out.end()) out.push_back(frame);
+    }
+    return out;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string> known) {
+    const std::string nearest = engine::nearest_name(word, known);
+    return nearest.empty() ? "" : " Did you mean '" + nearest + "'?";
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,79 @@
+// `sinew check`: everything that can be found wrong without simulating.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/open_graph.h"
+#include "tools/cli/print.h"
+#include "tools/cli/problems.h"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace sinew::cli {
+
+namespace {
+
+struct Counts {
+    std::size_t nodes = 0;
+    std::int64_t bodies = 0, tets = 0;
+};
+
+/// From the solvers' reports at their start; they have been computed before.
+Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+             std::stop_token stop) {
+    const std::vector<std::string> all = graph->node_names();
+    Counts out;
+    out.nodes = all.size();
+    for (const std::string& solver : simulations(*graph, all)) {
+        const double frame = start_frame(*graph, {solver});
+        const engine::Value value = evaluator.pull({graph, {solver, "outReport"}, frame, stop});
+        out.bodies += value.as<nodes::SolveReport>().bodies;
+        out.tets += value.as<nodes::SolveReport>().tets;
+    }
+    return out;
+}
+
+ExitCode check(const Invocation& in) {
+    const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast");
+    OpenGraph open = open_graph(in.arguments);
+    std::vector<engine::Diagnostic> found = std::move(open.notes);
+    WarningCollector warnings;
+    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    if (!fast)
+        for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop))
+            found.push_back(std::move(problem));
+    for (auto& warning : warnings.take()) found.push_back(std::move(warning));
+    sort_by_place(found);
+    print_diagnostics(found, json, in.out, in.err);
+    if (has_error(found)) return graph_wrong;
+
+    const Counts counts =
+        fast ? Counts{open.graph->node_names().size()} : count(open.graph, evaluator, in.stop);
+    if (json) {
+        nlohmann::ordered_json line = {
+            {"event", "checked"}, {"graph", open.graph->file()}, {"nodes", counts.nodes}};
+        if (!fast) line["bodies"] = counts.bodies, line["tets"] = counts.tets;
+        in.out << line.dump() << "\n";
+    } else {
+        in.out << open.graph->file() << ": right, " << counts.nodes << " nodes";
+        if (!fast) in.out << ", " << counts.bodies << " bodies, " << counts.tets << " tets";
+        in.out << "\n";
+    }
+    return done;
+}
+
+} // namespace
+
+Command check_command() {
+    return {"check",
+            "say everything that is wrong with a graph, without simulating",
+            {{"GRAPH", "the graph file (JSON)"}},
+            {{"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
+             {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             {"--threads", "N", "default: all cores", false, 'j'},
+             {"--json", "", "one JSON object a line instead of text"}},
+            "sinew check graphs/scenes/arm.json",
+            check};
+}
+
+} // namespace sinew::cli

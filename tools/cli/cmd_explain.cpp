@@ -1,0 +1,68 @@
+// `sinew explain`: would this run, and why? Never computes anything.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/open_graph.h"
+#include "tools/cli/print.h"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace sinew::cli {
+
+namespace {
+
+std::string_view word_of(engine::Readiness readiness) {
+    switch (readiness) {
+    case engine::Readiness::ready:
+        return "ready";
+    case engine::Readiness::would_run:
+        return "would run";
+    case engine::Readiness::undecided:
+        break;
+    }
+    return "undecided";
+}
+
+ExitCode explain(const Invocation& in) {
+    const bool json = in.arguments.has("--json");
+    OpenGraph open = open_graph(in.arguments);
+    print_diagnostics(open.notes, json, in.out, in.err);
+    const engine::Timing timing = open.graph->timing();
+    const engine::Request request{
+        open.graph, parse_plug(*open.graph, in.arguments.operand(1).value()),
+        static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)), in.stop};
+    const engine::Evaluator evaluator;
+    const engine::Verdict verdict = evaluator.explain(request);
+    nlohmann::ordered_json description = {{"plug", request.plug.text()},
+                                          {"frame", request.frame},
+                                          {"readiness", word_of(verdict.readiness)},
+                                          {"because", verdict.because}};
+    if (!verdict.changed_plugs.empty()) description["changed_plugs"] = verdict.changed_plugs;
+    if (verdict.readiness == engine::Readiness::would_run &&
+        !simulations(*open.graph, upstream_of(*open.graph, {request.plug.node})).empty())
+        description["steps"] = {{"first_frame", verdict.first_frame}, {"last_frame", verdict.last_frame}};
+    description["valid_frames"] = nlohmann::ordered_json::array();
+    for (const auto& [first, last] : evaluator.valid_frames(request, timing.start, timing.end))
+        description["valid_frames"].push_back(std::to_string(first) + "-" + std::to_string(last));
+    if (json)
+        in.out << description.dump() << "\n";
+    else
+        in.out << as_text(description);
+    return done;
+}
+
+} // namespace
+
+Command explain_command() {
+    return {"explain",
+            "say whether a plug would have to be computed, and why",
+            {{"GRAPH", "the graph file (JSON)"}, {"NODE.PLUG", "an output, for example solver.outMeshes"}},
+            {{"--frame", "N", "default: the graph's last frame"},
+             {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             {"--json", "", "one JSON object instead of text"}},
+            "sinew explain graphs/scenes/arm.json solver.outMeshes --frame 80",
+            explain};
+}
+
+} // namespace sinew::cli

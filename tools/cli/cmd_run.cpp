@@ -1,0 +1,255 @@
+// `sinew run`: evaluates a plug frame after frame and writes what it gives.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+#include "tools/cli/atomic_file.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/print.h"
+#include "tools/cli/problems.h"
+#include "tools/cli/progress.h"
+#include "tools/cli/run_output.h"
+
+#include <chrono>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <numeric>
+#include <ostream>
+#include <unistd.h>
+
+namespace sinew::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+    return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+/// What the command line asks for.
+struct Plan {
+    std::shared_ptr<const engine::Graph> graph;
+    std::vector<engine::Plug> plugs;
+    std::vector<std::string> needed; ///< nodes that the plugs depend on
+    std::vector<std::string> solvers;
+    std::vector<int> frames;
+    fs::path out; ///< empty: nothing is written
+    std::set<std::string> formats;
+};
+
+std::set<std::string> parse_formats(const Arguments& arguments) {
+    const std::vector<std::string> known{"glb", "obj", "ply"};
+    std::set<std::string> formats;
+    for (const std::string& word : split(arguments.value("--format").value_or("glb"), ',')) {
+        if (std::find(known.begin(), known.end(), word) == known.end())
+            throw UsageError("unknown format '" + word + "'; known are glb, obj and ply." +
+                             did_you_mean(word, known));
+        formats.insert(word);
+    }
+    return formats;
+}
+
+Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::Graph>& graph) {
+    Plan plan;
+    plan.graph = graph;
+    for (const std::string& text : arguments.values("--pull")) plan.plugs.push_back(parse_plug(*graph, text));
+    if (plan.plugs.empty()) plan.plugs.push_back(default_plug(*graph));
+    std::vector<std::string> pulled;
+    for (const engine::Plug& plug : plan.plugs) pulled.push_back(plug.node);
+    plan.needed = upstream_of(*graph, pulled);
+    plan.solvers = simulations(*graph, plan.needed);
+    if (const auto text = arguments.value("--frames")) {
+        plan.frames = parse_frames(*text);
+    } else {
+        plan.frames.resize(static_cast<std::size_t>(graph->timing().end - graph->timing().start + 1));
+        std::iota(plan.frames.begin(), plan.frames.end(), graph->timing().start);
+    }
+    std::sort(plan.frames.begin(), plan.frames.end());
+    plan.out = arguments.value("--out").value_or("");
+    plan.formats = parse_formats(arguments);
+    if (plan.out.empty() && arguments.has("--format")) throw UsageError("--format needs --out DIR.");
+    return plan;
+}
+
+/// Found now rather than after a long run.
+void check_writable(const fs::path& folder) {
+    if (folder.empty()) return;
+    std::error_code error;
+    fs::create_directories(folder, error);
+    if (!error && access(folder.c_str(), W_OK) == 0) return;
+    engine::Diagnostic d;
+    d.code = "IO405";
+    d.message =
+        "cannot write into '" + folder.string() + "': " + (error ? error.message() : std::strerror(errno));
+    d.hint = "choose another folder with --out";
+    throw engine::Failure(d);
+}
+
+ProgressStyle style_of(const Arguments& arguments) {
+    if (arguments.has("--json")) return ProgressStyle::json;
+    if (arguments.has("--quiet")) return ProgressStyle::quiet;
+    return isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar : ProgressStyle::lines;
+}
+
+class Run {
+  public:
+    Run(const Invocation& in, Plan plan)
+        : in_(in)
+        , plan_(std::move(plan))
+        , json_(in.arguments.has("--json"))
+        , progress_(style_of(in.arguments), static_cast<int>(plan_.frames.size()), in.out, in.err)
+        , evaluator_({}, in.arguments.whole_number("--threads", 0, 1), &progress_)
+        , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(),
+                  plan_.graph->timing().fps, scene_axes(*plan_.graph, plan_.needed)) {
+        report_.graph = in.arguments.operand(0).value();
+        report_.threads = evaluator_.threads();
+    }
+
+    ExitCode operator()() {
+        const Clock::time_point start = Clock::now();
+        try {
+            // All that is wrong at once, before anything is written or simulated. What this computes is kept.
+            if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop);
+                has_error(problems))
+                throw engine::Failure(std::move(problems));
+            check_writable(plan_.out);
+            report_.setup_s = seconds_since(start);
+            for (const int frame : plan_.frames) evaluate(frame);
+        } catch (...) {
+            // The finished frames stay, and the report says what was done up to here.
+            report_.wall_s = seconds_since(start);
+            progress_.clear();
+            if (!report_.frames.empty()) close_after_failure();
+            throw;
+        }
+        close();
+        report_.wall_s = seconds_since(start);
+        write_report();
+        progress_.clear();
+        print_summary();
+        if (!in_.arguments.has("--strict") || report_.unconverged() == 0) return done;
+        in_.err << "sinew run: " << report_.unconverged() << " frames have not converged (--strict)\n";
+        return solve_failed;
+    }
+
+  private:
+    void evaluate(int frame) {
+        progress_.begin_frame(frame);
+        const Clock::time_point start = Clock::now();
+        FrameReport f;
+        f.frame = frame;
+        engine::Hasher digest;
+        std::vector<engine::Value> values;
+        for (const engine::Plug& plug : plan_.plugs) {
+            values.push_back(evaluator_.pull({plan_.graph, plug, static_cast<double>(frame), in_.stop}));
+            digest.add(values.back().digest());
+        }
+        if (!plan_.solvers.empty()) {
+            const engine::Value value = evaluator_.pull(
+                {plan_.graph, {plan_.solvers.front(), "outReport"}, static_cast<double>(frame), in_.stop});
+            report_.size = value.as<nodes::SolveReport>();
+            f.step = report_.size->record;
+        }
+        f.wall_s = seconds_since(start);
+        f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
+        if (!plan_.out.empty())
+            for (std::size_t i = 0; i < values.size(); ++i)
+                output_.add(*plan_.graph, plan_.plugs[i], frame, values[i]);
+        report_.frames.push_back(f);
+        progress_.end_frame(f, digest.finish().hex());
+        for (std::size_t i = 0; i < values.size(); ++i) print_value(frame, plan_.plugs[i], values[i]);
+    }
+
+    /// Numbers and the like; meshes and files go to disk.
+    void print_value(int frame, const engine::Plug& plug, const engine::Value& value) {
+        if (!meshes_in(value).empty() || value.is<nodes::FileContent>()) return;
+        const nlohmann::ordered_json description = describe_value(value);
+        if (json_) {
+            const nlohmann::ordered_json line = {
+                {"event", "value"}, {"frame", frame}, {"plug", plug.text()}, {"value", description}};
+            in_.out << line.dump() << "\n";
+        } else {
+            progress_.clear();
+            in_.out << "frame " << frame << ": " << plug.text()
+                    << (description.is_structured() ? "\n" : " = ") << as_text(description);
+        }
+        in_.out.flush();
+    }
+
+    void close() {
+        if (!plan_.out.empty()) output_.finish();
+    }
+
+    void write_report() {
+        report_.frames_simulated = progress_.steps();
+        if (const auto file = in_.arguments.value("--report")) write_file(*file, report_json(report_));
+    }
+
+    /// What goes wrong here is told, but the first failure is the one that counts.
+    void close_after_failure() {
+        for (const auto part : {&Run::close, &Run::write_report}) {
+            try {
+                (this->*part)();
+            } catch (const engine::Failure& second) {
+                print_diagnostics(second.diagnostics(), json_, in_.out, in_.err);
+            }
+        }
+    }
+
+    void print_summary() {
+        if (json_) {
+            nlohmann::ordered_json line = {{"event", "done"},
+                                           {"frames", report_.frames.size()},
+                                           {"wall_s", report_.wall_s},
+                                           {"frames_simulated", report_.frames_simulated},
+                                           {"unconverged", report_.unconverged()},
+                                           {"written", nlohmann::ordered_json::array()}};
+            for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
+            in_.out << line.dump() << "\n";
+            return;
+        }
+        if (in_.arguments.has("--quiet")) return;
+        in_.out << summary(report_);
+        for (const fs::path& path : output_.written()) in_.out << "wrote " << path.string() << "\n";
+        if (plan_.out.empty()) in_.out << "nothing was written; --out DIR keeps the meshes\n";
+        if (const auto file = in_.arguments.value("--report")) in_.out << "wrote " << *file << "\n";
+    }
+
+    const Invocation& in_;
+    const Plan plan_;
+    const bool json_;
+    Progress progress_;
+    engine::Evaluator evaluator_;
+    RunOutput output_;
+    RunReport report_;
+};
+
+ExitCode run_graph(const Invocation& in) {
+    OpenGraph open = open_graph(in.arguments);
+    print_diagnostics(open.notes, in.arguments.has("--json"), in.out, in.err);
+    return Run(in, make_plan(in.arguments, open.graph))();
+}
+
+} // namespace
+
+Command run_command() {
+    return {"run",
+            "evaluate a graph frame after frame and write the meshes",
+            {{"GRAPH", "the graph file (JSON)"}},
+            {{"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: the graph's timing"},
+             {"--pull", "NODE.PLUG", "what to evaluate; default: outMeshes of the only zSolver", true},
+             {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             {"--out", "DIR", "where to write; without it nothing is written", false, 'o'},
+             {"--format", "glb,obj,ply",
+              "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
+             {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
+             {"--report", "FILE", "write times, convergence and sizes of every frame as JSON"},
+             {"--json", "", "one JSON object a line instead of text"},
+             {"--quiet", "", "print warnings and errors only", false, 'q'},
+             {"--strict", "", "exit code 3 if a frame has not converged"}},
+            "sinew run graphs/scenes/arm.json --out out/arm --format glb,obj --report out/arm/report.json\n"
+            "sinew run graphs/scenes/arm.json --frames 1-10 --set solver.substeps=4 --json",
+            run_graph};
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,25 @@
+// All commands of the program, one file each.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/cli/command.h"
+
+#include <vector>
+
+namespace sinew::cli {
+
+Command run_command();
+Command check_command();
+Command eval_command();
+Command explain_command();
+Command nodes_command();
+Command graph_command();
+Command snapshot_command();
+Command bench_command();
+
+/// In the order in which `sinew --help` lists them.
+inline std::vector<Command> all_commands() {
+    return {run_command(),   check_command(), eval_command(),     explain_command(),
+            nodes_command(), graph_command(), snapshot_command(), bench_command()};
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,55 @@
+// A stop token runs callbacks, which a signal handler must not do. So the handler only wakes a thread that
+// does it. Waiting for blocked signals would need no handler, but libraries start threads before main() that
+// do not block them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/interrupts.h"
+
+#include "tools/cli/exit_code.h"
+
+#include <stdexcept>
+#include <unistd.h>
+
+namespace sinew::cli {
+
+namespace {
+
+// A handler gets nothing but the number of its signal; this is its only way to the object.
+std::atomic<sem_t*> wake_waiter{nullptr};
+std::atomic<bool> has_asked{false};
+static_assert(std::atomic<sem_t*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+void on_signal(int) {
+    if (has_asked.exchange(true)) _exit(cancelled); // files that are being written have no name yet
+    if (sem_t* wake = wake_waiter.load()) sem_post(wake);
+}
+
+} // namespace
+
+Interrupts::Interrupts() {
+    if (wake_waiter.load()) throw std::logic_error("two Interrupts at once");
+    sem_init(&wake_, 0, 0);
+    wake_waiter = &wake_;
+    waiter_ = std::thread([this] {
+        while (sem_wait(&wake_) != 0) {
+        } // EINTR
+        if (!over_) stop_.request_stop();
+    });
+    struct sigaction action {};
+    action.sa_handler = on_signal;
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGINT, &action, &interrupt_before_);
+    sigaction(SIGTERM, &action, &terminate_before_);
+}
+
+Interrupts::~Interrupts() {
+    sigaction(SIGINT, &interrupt_before_, nullptr);
+    sigaction(SIGTERM, &terminate_before_, nullptr);
+    over_ = true;
+    wake_waiter = nullptr;
+    sem_post(&wake_);
+    waiter_.join();
+    sem_destroy(&wake_);
+    has_asked = false;
+}
+
+} // namespace sinew::cli

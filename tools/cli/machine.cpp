@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/machine.h"
+
+#include <fstream>
+#include <sys/resource.h>
+#include <thread>
+#include <unistd.h>
+
+namespace sinew::cli {
+
+std::string machine_name() {
+    std::string name = "unknown processor";
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("model name")) {
+            name = line.substr(std::min(line.size(), line.find(':') + 2));
+            break;
+        }
+    const double bytes =
+        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, " +
+           std::to_string(static_cast<long long>(bytes / (1 << 30) + 0.5)) + " GB";
+}
+
+std::int64_t peak_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return std::int64_t{1024} * usage.ru_maxrss; // Linux counts in kilobytes
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,80 @@
+// sinew: parses the command line, runs one command, and turns what it throws into an exit code.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/interrupts.h"
+#include "tools/cli/print.h"
+
+#include <iostream>
+
+namespace {
+
+using namespace sinew;
+using namespace sinew::cli;
+
+ExitCode run(const Command& command, const std::vector<std::string>& words, std::stop_token stop) {
+    const std::string name = "sinew " + std::string(command.name);
+    bool json = false;
+    try {
+        const Arguments arguments(command, words);
+        if (arguments.wants_help()) {
+            std::cout << help_text(command);
+            return done;
+        }
+        json = arguments.has("--json");
+        return command.run({arguments, std::cout, std::cerr, stop});
+    } catch (const UsageError& e) {
+        std::cerr << name << ": " << e.what() << "\nUsage: " << usage_line(command) << "`" << name
+                  << " --help` says more.\n";
+        return wrong_usage;
+    } catch (const engine::SolveFailure& e) {
+        print_diagnostics(e.diagnostics(), json, std::cout, std::cerr);
+        return solve_failed;
+    } catch (const engine::Failure& e) {
+        print_diagnostics(e.diagnostics(), json, std::cout, std::cerr);
+        return graph_wrong;
+    } catch (const engine::Cancelled&) {
+        if (json) std::cout << "{\"event\":\"cancelled\"}\n";
+        std::cerr << name << ": cancelled\n";
+        return cancelled;
+    } catch (const std::exception& e) {
+        std::cerr << name << ": internal error: " << e.what()
+                  << "\nThis is a bug in Sinew; please report it.\n";
+        return internal_error;
+    }
+}
+
+ExitCode dispatch(std::vector<std::string> words, std::stop_token stop) {
+    const std::vector<Command> commands = all_commands();
+    if (words.empty()) {
+        std::cerr << overview(commands);
+        return wrong_usage;
+    }
+    if (words[0] == "--version") {
+        std::cout << "sinew " SINEW_VERSION "\n";
+        return done;
+    }
+    if (words[0] == "help" && words.size() == 2) words = {words[1], "--help"};
+    if (words[0] == "--help" || words[0] == "-h" || words[0] == "help") {
+        std::cout << overview(commands);
+        return done;
+    }
+    std::vector<std::string> names;
+    for (const Command& c : commands) {
+        if (c.name == words[0]) return run(c, {words.begin() + 1, words.end()}, stop);
+        names.emplace_back(c.name);
+    }
+    std::cerr << "sinew: unknown command '" << words[0] << "'." << did_you_mean(words[0], names)
+              << "\n`sinew --help` lists the commands.\n";
+    return wrong_usage;
+}
+
+} // namespace
+
+int main(int count, char** words) {
+    const Interrupts interrupts;
+    const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
+    // A full disk behind a redirection must not pass for success.
+    std::cout.flush();
+    return code == done && !std::cout ? internal_error : code;
+}

@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/open_graph.h"
+
+#include "engine/format/graph_file.h"
+#include "nodes/register_all.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <set>
+
+namespace sinew::cli {
+
+using engine::Binding;
+using engine::Graph;
+using engine::Node;
+using engine::Plug;
+
+namespace {
+
+/// "node.attribute", split at the last dot. Empty node if there is none.
+Plug split_plug(const std::string& text) {
+    const std::size_t dot = text.rfind('.');
+    if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) return {};
+    return {text.substr(0, dot), text.substr(dot + 1)};
+}
+
+void apply_setting(engine::Edit& edit, const std::string& setting) {
+    const std::size_t equals = setting.find('=');
+    const Plug plug = split_plug(setting.substr(0, equals));
+    if (equals == std::string::npos || plug.node.empty())
+        throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
+    const std::string json = setting.substr(equals + 1);
+    edit.set_json(plug, nlohmann::json::accept(json) ? json : nlohmann::json(json).dump());
+}
+
+/// The connections that stand at an input.
+std::vector<Plug> sources(const Binding& binding) {
+    if (const auto* plug = std::get_if<Plug>(&binding)) return {*plug};
+    if (const auto* list = std::get_if<std::vector<Plug>>(&binding)) return *list;
+    return {};
+}
+
+/// The literal at an input, or its default. Empty if it is connected, keyed or unknown.
+engine::Value literal(const Graph& graph, const std::string& node, std::string_view attribute) {
+    const Node* n = graph.find(node);
+    if (!n) return {};
+    if (const auto it = n->inputs.find(attribute); it != n->inputs.end()) {
+        const auto* value = std::get_if<engine::Value>(&it->second);
+        return value ? *value : engine::Value();
+    }
+    const engine::AttributeInfo* info = n->type ? n->type->find_input(attribute) : nullptr;
+    return info ? info->def : engine::Value();
+}
+
+render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
+    const Node* n = graph.find(node);
+    if (!n) return render::BodyKind::plain;
+    if (n->type_name == "zBone") return render::BodyKind::bone;
+    if (n->type_name == "zTissue") return render::BodyKind::tissue;
+    return n->type_name == "zCloth" ? render::BodyKind::cloth : render::BodyKind::plain;
+}
+
+std::string file_name(const std::string& node) {
+    std::string out;
+    for (const char c : node)
+        out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+    return out;
+}
+
+} // namespace
+
+OpenGraph open_graph(const Arguments& arguments) {
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), arguments.operand(0).value());
+    if (arguments.has("--set")) {
+        engine::Edit edit(loaded.graph);
+        for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
+        loaded.graph = edit.commit().graph;
+    }
+    return {std::move(loaded.graph), std::move(loaded.notes)};
+}
+
+Plug parse_plug(const Graph& graph, const std::string& text) {
+    const Plug plug = split_plug(text);
+    if (plug.node.empty())
+        throw UsageError("'" + text + "' is no plug; write NODE.PLUG, for example solver.outMeshes.");
+    const Node* node = graph.find(plug.node);
+    if (!node)
+        throw UsageError("the graph has no node '" + plug.node + "'." +
+                         did_you_mean(plug.node, graph.node_names()));
+    if (node->type && !node->type->find_output(plug.attribute)) {
+        std::vector<std::string> known;
+        for (const auto& output : node->type->outputs) known.emplace_back(output.name);
+        std::string list;
+        for (const std::string& name : known) list += (list.empty() ? " Its outputs: " : ", ") + name;
+        const std::string near = did_you_mean(plug.attribute, known);
+        throw UsageError("a " + node->type_name + " has no output '" + plug.attribute + "'." +
+                         (near.empty() ? list + "." : near));
+    }
+    return plug;
+}
+
+Plug default_plug(const Graph& graph) {
+    std::vector<std::string> found;
+    for (const std::string& name : graph.node_names())
+        if (graph.find(name)->type_name == "zSolver") found.push_back(name);
+    if (found.size() == 1) return {found.front(), "outMeshes"};
+    if (found.empty())
+        throw UsageError("the graph has no zSolver; name what to evaluate with --pull NODE.PLUG.");
+    std::string list;
+    for (const std::string& name : found) list += (list.empty() ? "" : ", ") + name + ".outMeshes";
+    throw UsageError("the graph has several solvers; choose with --pull: " + list + ".");
+}
+
+std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::string>& nodes) {
+    std::set<std::string> seen(nodes.begin(), nodes.end());
+    std::vector<std::string> open(nodes), out;
+    while (!open.empty()) {
+        const Node* node = graph.find(open.back());
+        open.pop_back();
+        if (!node) continue;
+        for (const auto& [name, binding] : node->inputs)
+            for (const Plug& source : sources(binding))
+                if (seen.insert(source.node).second) open.push_back(source.node);
+    }
+    for (const std::string& name : graph.node_names())
+        if (seen.contains(name)) out.push_back(name);
+    return out;
+}
+
+std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {
+    std::vector<std::string> out;
+    for (const std::string& name : nodes) {
+        const Node* node = graph.find(name);
+        if (node && node->type && node->type->simulation) out.push_back(name);
+    }
+    return out;
+}
+
+int start_frame(const Graph& graph, const std::vector<std::string>& nodes) {
+    std::vector<int> starts;
+    for (const std::string& name : simulations(graph, nodes)) {
+        const auto value = literal(graph, name, graph.find(name)->type->simulation->start_frame_input);
+        if (value.is<double>() && std::abs(value.as<double>()) < 1e9)
+            starts.push_back(static_cast<int>(std::floor(value.as<double>())));
+    }
+    return starts.empty() ? graph.timing().start : *std::min_element(starts.begin(), starts.end());
+}
+
+SceneAxes scene_axes(const Graph& graph, const std::vector<std::string>& nodes) {
+    SceneAxes axes;
+    const auto found = simulations(graph, nodes);
+    if (found.empty()) return axes;
+    if (const auto scale = literal(graph, found.front(), "scale"); scale.is<double>())
+        axes.units_per_metre = scale.as<double>();
+    if (const auto gravity = literal(graph, found.front(), "gravity"); gravity.is<engine::Vec3>()) {
+        const engine::Vec3& g = gravity.as<engine::Vec3>();
+        if (std::abs(g[2]) > std::max(std::abs(g[0]), std::abs(g[1]))) axes.up = 'z';
+    }
+    return axes;
+}
+
+std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::size_t count) {
+    const Node* node = graph.find(plug.node);
+    std::vector<BodyLabel> labels;
+    if (node && node->type)
+        for (const engine::AttributeInfo& input : node->type->inputs) {
+            const auto it = node->inputs.find(input.name);
+            if (input.kind != engine::AttributeKind::wire_list || it == node->inputs.end()) continue;
+            const std::vector<Plug> list = sources(it->second);
+            if (list.size() != count) continue;
+            for (const Plug& source : list)
+                labels.push_back({file_name(source.node), kind_of_node(graph, source.node)});
+            break;
+        }
+    if (labels.empty())
+        for (std::size_t i = 0; i < count; ++i)
+            labels.push_back({file_name(plug.node) + (count > 1 ? "_" + std::to_string(i + 1) : ""),
+                              kind_of_node(graph, plug.node)});
+    std::set<std::string> taken;
+    for (BodyLabel& label : labels) {
+        const std::string base = label.name;
+        for (int number = 2; !taken.insert(label.name).second; ++number)
+            label.name = base + "_" + std::to_string(number);
+    }
+    return labels;
+}
+
+std::vector<nodes::Mesh> meshes_in(const engine::Value& value) {
+    if (value.is<nodes::MeshList>()) return value.as<nodes::MeshList>().meshes;
+    if (value.is<nodes::Mesh>()) return {value.as<nodes::Mesh>()};
+    return {};
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,59 @@
+// From words on the command line to a graph, its plugs and what else of it the program needs.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/evaluator.h"
+#include "nodes/values.h"
+#include "tools/cli/arguments.h"
+#include "tools/render/look.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+struct OpenGraph {
+    std::shared_ptr<const engine::Graph> graph;
+    std::vector<engine::Diagnostic> notes; ///< warnings of the reader
+};
+
+/// The GRAPH operand, edited by every --set NODE.ATTR=JSON. A value that is no JSON is taken as text, so that
+/// `--set biceps.material=NeoHookean` needs no quotes. Throws Failure or UsageError.
+OpenGraph open_graph(const Arguments& arguments);
+
+/// "node.output" of this graph. Throws UsageError with the nearest name.
+engine::Plug parse_plug(const engine::Graph& graph, const std::string& text);
+
+/// The plug that `run` and `snapshot` pull when none is named: the only zSolver's outMeshes.
+engine::Plug default_plug(const engine::Graph& graph);
+
+/// `node` and all that it depends on, in file order.
+std::vector<std::string> upstream_of(const engine::Graph& graph, const std::vector<std::string>& nodes);
+
+/// Simulation nodes among `nodes`.
+std::vector<std::string> simulations(const engine::Graph& graph, const std::vector<std::string>& nodes);
+
+/// A frame at which nothing among `nodes` has been stepped yet: the first start frame of their simulations,
+/// or the graph's.
+int start_frame(const engine::Graph& graph, const std::vector<std::string>& nodes);
+
+/// How the scene's numbers are to be read, from the first solver among `nodes`.
+struct SceneAxes {
+    double units_per_metre = 1;
+    char up = 'y'; ///< the axis against gravity: 'y' or 'z'
+};
+SceneAxes scene_axes(const engine::Graph& graph, const std::vector<std::string>& nodes);
+
+struct BodyLabel {
+    std::string name; ///< unique, and fit for a file name
+    render::BodyKind kind = render::BodyKind::plain;
+};
+
+/// Names and kinds for the `count` meshes that `plug` gives: the nodes connected to the list that the node
+/// works on (zSolver.bodies, zEmbedder.meshes), or the node's own name.
+std::vector<BodyLabel> body_labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count);
+
+/// The meshes in a value: one, several or none.
+std::vector<nodes::Mesh> meshes_in(const engine::Value& value);
+
+} // namespace sinew::cli

@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/print.h"
+
+#include "nodes/values.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace sinew::cli {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::size_t long_list = 12, shown_of_long_list = 6;
+
+Json coordinates(const solver::Vec3& p) { return {p[0], p[1], p[2]}; }
+
+void add_box(Json& out, const solver::Points& points) {
+    if (points.empty()) return;
+    const solver::Box box = solver::bounding_box(points);
+    out["box"] = {{"min", coordinates(box.min)}, {"max", coordinates(box.max)}};
+}
+
+Json describe(const nodes::Mesh& mesh) {
+    Json out = {{"vertices", mesh.points->size()},
+                {"faces", mesh.topology->face_sizes.size()},
+                {"triangles", mesh.topology->triangles.size()},
+                {"closed", solver::is_closed(mesh.topology->triangles)}};
+    add_box(out, *mesh.points);
+    out["digest"] = mesh.points_digest.hex();
+    return out;
+}
+
+Json describe(const solver::TetMesh& mesh) {
+    double volume = 0;
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+        const auto corner = [&](std::size_t k) -> const solver::Vec3& {
+            return mesh.vertices[static_cast<std::size_t>(mesh.tets[t][k])];
+        };
+        volume += solver::tet_volume(corner(0), corner(1), corner(2), corner(3)) * mesh.coverage[t];
+    }
+    Json out = {{"vertices", mesh.vertices.size()}, {"tets", mesh.tets.size()}, {"solid_volume", volume}};
+    add_box(out, mesh.vertices);
+    return out;
+}
+
+Json describe(const solver::MaterialValues& m) {
+    return {{"youngsModulus", m.youngs_modulus},
+            {"poissonsRatio", m.poissons_ratio},
+            {"massDensity", m.mass_density},
+            {"envelope", m.envelope}};
+}
+
+Json describe(const solver::FiberValues& f) {
+    return {{"strength", f.strength},
+            {"contractionLimit", f.contraction_limit},
+            {"excitation", f.excitation},
+            {"envelope", f.envelope}};
+}
+
+Json describe(const nodes::Body& body) {
+    Json out = {{"kind", body.is_bone() ? "bone" : "tissue"}, {"enable", body.enable}};
+    out["mesh"] = describe(body.is_bone() ? std::get<nodes::Mesh>(body.values) : body.rest->mesh);
+    if (const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data))
+        out["tets"] = describe((*tissue)->tets);
+    if (const auto* values = std::get_if<solver::TissueInputs>(&body.values)) {
+        out["compressionResistance"] = values->compression_resistance;
+        for (const auto& layer : values->layers) out["materials"].push_back(describe(layer));
+        for (const auto& fiber : values->fibers) out["fibers"].push_back(describe(fiber));
+    }
+    return out;
+}
+
+Json describe(const nodes::Attachment& a) {
+    std::size_t held = 0;
+    for (const double w : a.rest.source_weights) held += w > 0;
+    return {{"attachmentMode", a.rest.mode == solver::AttachmentMode::fixed ? "fixed" : "none"},
+            {"source_vertices", held},
+            {"stiffness", a.values.stiffness},
+            {"damping", a.values.damping},
+            {"envelope", a.values.envelope}};
+}
+
+Json describe(const nodes::SolveReport& r) {
+    Json out = describe_step(r.record);
+    out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},
+                   {"triangles", r.triangles},     {"dofs", r.dofs},
+                   {"attachments", r.attachments}, {"terms", r.terms}};
+    return out;
+}
+
+Json describe(const nodes::CurvePoints& curve) {
+    double length = 0;
+    for (std::size_t i = 1; i < curve.points.size(); ++i)
+        length += (curve.points[i] - curve.points[i - 1]).norm();
+    Json out = {{"points", curve.points.size()}, {"length", length}};
+    add_box(out, curve.points);
+    return out;
+}
+
+Json describe(const nodes::Solved& solved) {
+    Json out = Json::array();
+    for (std::size_t i = 0; i < solved.positions.size(); ++i) {
+        Json body = {{"vertices", solved.positions[i].size()}};
+        add_box(body, solved.positions[i]);
+        out.push_back(std::move(body));
+    }
+    return out;
+}
+
+/// A list of numbers as one line.
+std::string line_of(const Json& list) {
+    if (list.empty()) return "none";
+    const bool shorten = list.size() > long_list;
+    std::string out;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+        if (shorten && i == shown_of_long_list) {
+            out += " … (" + std::to_string(list.size()) + " in all)";
+            break;
+        }
+        out += (i ? " " : "") + (list[i].is_string() ? list[i].get<std::string>() : list[i].dump());
+    }
+    return out;
+}
+
+void append_text(const Json& d, const std::string& indent, std::string& out) {
+    const bool flat = !d.is_structured() || (d.is_array() && (d.empty() || !d.front().is_structured()));
+    if (flat) {
+        out += (d.is_array() ? line_of(d) : d.is_string() ? d.get<std::string>() : d.dump()) + "\n";
+        return;
+    }
+    std::size_t number = 0;
+    for (const auto& [key, entry] : d.items()) {
+        out += indent + (d.is_array() ? std::to_string(++number) : key) + ":";
+        const bool nested =
+            entry.is_object() || (entry.is_array() && !entry.empty() && entry.front().is_structured());
+        out += nested ? "\n" : " ";
+        append_text(entry, indent + "  ", out);
+    }
+}
+
+} // namespace
+
+Json describe_step(const solver::StepRecord& r) {
+    return {{"phases",
+             {{"assembly", r.seconds_assembly},
+              {"factor", r.seconds_factor},
+              {"solve", r.seconds_solve},
+              {"contact", 0.0},
+              {"other", r.seconds_other}}},
+            {"substeps", r.substeps},
+            {"newton", r.newton_iterations},
+            {"residual", r.residual},
+            {"converged", r.converged},
+            {"energy", r.energy},
+            {"min_J", r.min_j},
+            {"inverted", r.inverted},
+            {"max_stretch_m", r.max_stretch},
+            {"contacts", 0},
+            {"max_penetration_m", 0.0}};
+}
+
+Json describe_value(const engine::Value& v) {
+    using namespace nodes;
+    if (!v) return nullptr;
+    if (v.is<bool>()) return v.as<bool>();
+    if (v.is<std::int64_t>()) return v.as<std::int64_t>();
+    if (v.is<double>()) return v.as<double>();
+    if (v.is<std::string>()) return v.as<std::string>();
+    if (v.is<engine::Vec3>()) return v.as<engine::Vec3>();
+    if (v.is<engine::NumberList>()) return v.as<engine::NumberList>();
+    if (v.is<engine::Matrix4>()) {
+        const engine::Matrix4& m = v.as<engine::Matrix4>();
+        Json rows = Json::array();
+        for (std::size_t r = 0; r < 4; ++r)
+            rows.push_back({m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]});
+        return rows;
+    }
+    if (v.is<engine::File>())
+        return {{"path", v.as<engine::File>().path}, {"digest", v.as<engine::File>().content.hex()}};
+    if (v.is<Mesh>()) return describe(v.as<Mesh>());
+    if (v.is<MeshList>()) {
+        Json out = Json::array();
+        for (const Mesh& mesh : v.as<MeshList>().meshes) out.push_back(describe(mesh));
+        return out;
+    }
+    if (v.is<TetMeshValue>()) return describe(*v.as<TetMeshValue>().mesh);
+    if (v.is<CurvePoints>()) return describe(v.as<CurvePoints>());
+    if (v.is<Material>()) {
+        Json out = describe(v.as<Material>().values);
+        out["weights"] = v.as<Material>().weights;
+        return out;
+    }
+    if (v.is<Fiber>()) {
+        Json out = describe(v.as<Fiber>().values);
+        out["weights"] = v.as<Fiber>().weights;
+        out["endPoints"] = v.as<Fiber>().end_points;
+        return out;
+    }
+    if (v.is<Body>()) return describe(v.as<Body>());
+    if (v.is<Attachment>()) return describe(v.as<Attachment>());
+    if (v.is<SolveReport>()) return describe(v.as<SolveReport>());
+    if (v.is<Solved>()) return describe(v.as<Solved>());
+    if (v.is<FileContent>())
+        return {{"ending", v.as<FileContent>().ending}, {"bytes", v.as<FileContent>().bytes.size()}};
+    return Json::object();
+}
+
+std::string as_text(const Json& description) {
+    std::string out;
+    append_text(description, "  ", out);
+    return out;
+}
+
+void print_diagnostics(std::span<const engine::Diagnostic> diagnostics, bool as_json, std::ostream& out,
+                       std::ostream& err) {
+    for (const engine::Diagnostic& d : diagnostics) {
+        if (!as_json) {
+            err << engine::to_text(d) << "\n";
+            continue;
+        }
+        Json line = {{"event", "diagnostic"}};
+        line.update(Json::parse(engine::to_json(d)));
+        out << line.dump() << "\n";
+    }
+    (as_json ? out : err).flush();
+}
+
+} // namespace sinew::cli

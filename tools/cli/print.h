@@ -1,0 +1,27 @@
+// Values and diagnostics for people and for programs. One description serves both: JSON, and the same as
+// text.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/diagnostics.h"
+#include "engine/value.h"
+#include "solver/state.h"
+
+#include <iosfwd>
+#include <nlohmann/json_fwd.hpp>
+#include <span>
+#include <string>
+
+namespace sinew::cli {
+
+/// What is in a value: numbers as they are, meshes by size, bounding box and digest.
+nlohmann::ordered_json describe_value(const engine::Value& value);
+/// How a step went: the fields that every frame has in a report.
+nlohmann::ordered_json describe_step(const solver::StepRecord& record);
+/// "key: value" lines; nested objects are indented, long lists shortened.
+std::string as_text(const nlohmann::ordered_json& description);
+
+/// As text to `err`, or one JSON object a line to `out`.
+void print_diagnostics(std::span<const engine::Diagnostic> diagnostics, bool as_json, std::ostream& out,
+                       std::ostream& err);
+
+} // namespace sinew::cli

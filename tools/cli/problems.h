@@ -1,0 +1,34 @@
+// All that can be found wrong with a graph without simulating a step.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/evaluator.h"
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+/// Keeps the warnings that nodes give.
+class WarningCollector : public engine::Observer {
+  public:
+    void warning(const engine::Diagnostic& d) override;
+    std::vector<engine::Diagnostic> take();
+
+  private:
+    std::mutex mutex_;
+    std::vector<engine::Diagnostic> warnings_;
+};
+
+/// Evaluates `nodes` at a frame at which their simulations start, and returns every error once, in the order
+/// of the file. Throws Cancelled.
+std::vector<engine::Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph,
+                                              engine::Evaluator& evaluator,
+                                              const std::vector<std::string>& nodes, std::stop_token stop);
+
+/// By place in the file; what has no place comes last, in the order given. Says each thing once.
+void sort_by_place(std::vector<engine::Diagnostic>& diagnostics);
+
+bool has_error(const std::vector<engine::Diagnostic>& diagnostics);
+
+} // namespace sinew::cli

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/progress.h"
+
+#include "tools/cli/print.h"
+
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace sinew::cli {
+
+namespace {
+
+constexpr int bar_width = 24;
+constexpr auto redraw_interval = std::chrono::milliseconds(100);
+
+std::string step_text(const FrameReport& f) {
+    if (!f.step) return {};
+    char text[160];
+    std::snprintf(text, sizeof text, "residual %.1e  Newton %d%s", f.step->residual,
+                  f.step->newton_iterations, f.step->converged ? "" : "  NOT CONVERGED");
+    return text;
+}
+
+} // namespace
+
+Progress::Progress(ProgressStyle style, int frame_count, std::ostream& out, std::ostream& err)
+    : style_(style)
+    , frame_count_(frame_count)
+    , out_(out)
+    , err_(err) {}
+
+Progress::~Progress() { clear(); }
+
+void Progress::clear() {
+    const std::lock_guard lock(mutex_);
+    if (!bar_is_shown_) return;
+    err_ << "\r\x1b[K" << std::flush;
+    bar_is_shown_ = false;
+}
+
+void Progress::begin_frame(int frame) {
+    const std::lock_guard lock(mutex_);
+    current_ = frame;
+    draw("", true);
+}
+
+void Progress::end_frame(const FrameReport& f, const std::string& digest) {
+    const std::lock_guard lock(mutex_);
+    ++frames_done_;
+    seconds_done_ += f.wall_s;
+    if (f.step && !f.step->converged) ++unconverged_;
+    last_step_ = step_text(f);
+    if (style_ == ProgressStyle::json) {
+        nlohmann::ordered_json line = {
+            {"event", "frame"}, {"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
+        if (f.step) line.update(describe_step(*f.step));
+        line["digest"] = digest;
+        out_ << line.dump() << "\n" << std::flush;
+    } else if (style_ == ProgressStyle::lines) {
+        char text[64];
+        std::snprintf(text, sizeof text, "frame %4d  %7.0f ms  ", f.frame, 1000 * f.wall_s);
+        out_ << text << last_step_ << (f.reused ? "reused" : "") << "\n" << std::flush;
+    }
+    draw("", true);
+}
+
+int Progress::steps() const {
+    const std::lock_guard lock(mutex_);
+    return steps_;
+}
+
+bool Progress::was_stepped(int frame) const {
+    const std::lock_guard lock(mutex_);
+    return stepped_frames_.contains(frame);
+}
+
+void Progress::stepped(const std::string&, double frame, double) {
+    const std::lock_guard lock(mutex_);
+    ++steps_;
+    stepped_frames_.insert(frame);
+    // A run that starts in the middle simulates what comes before first; say so.
+    if (frame < current_)
+        draw("simulating frame " + std::to_string(static_cast<int>(frame)) + " on the way", false);
+}
+
+void Progress::progress(const std::string& node, double done, std::string_view what) {
+    const std::lock_guard lock(mutex_);
+    char percent[16];
+    std::snprintf(percent, sizeof percent, " %.0f %%", 100 * done);
+    draw(node + (what.empty() ? "" : ": ") + std::string(what) + percent, false);
+}
+
+void Progress::warning(const engine::Diagnostic& d) {
+    const std::lock_guard lock(mutex_);
+    // A frame that has not converged is counted and marked in its own line.
+    if (style_ == ProgressStyle::bar && d.code == "FE301") return;
+    if (bar_is_shown_) err_ << "\r\x1b[K";
+    bar_is_shown_ = false;
+    print_diagnostics({&d, 1}, style_ == ProgressStyle::json, out_, err_);
+}
+
+std::string Progress::rate() const {
+    if (frames_done_ == 0) return {};
+    const double mean = seconds_done_ / frames_done_;
+    char text[64];
+    std::snprintf(text, sizeof text, "  %.0f ms a frame  %s left", 1000 * mean,
+                  clock_text(mean * (frame_count_ - frames_done_)).c_str());
+    return text;
+}
+
+void Progress::draw(const std::string& note, bool at_once) {
+    if (style_ != ProgressStyle::bar) return;
+    const auto now = std::chrono::steady_clock::now();
+    if (!at_once && now - last_drawn_ < redraw_interval) return;
+    last_drawn_ = now;
+    const int full = frame_count_ ? bar_width * frames_done_ / frame_count_ : 0;
+    err_ << "\r" << std::string(static_cast<std::size_t>(full), '#')
+         << std::string(static_cast<std::size_t>(bar_width - full), '.') << " frame " << current_ << " ("
+         << frames_done_ << "/" << frame_count_ << ")" << rate();
+    if (!last_step_.empty()) err_ << "  " << last_step_ << "  unconverged " << unconverged_;
+    if (!note.empty()) err_ << "  " << note;
+    err_ << "\x1b[K" << std::flush;
+    bar_is_shown_ = true;
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/report.h"
+
+#include "tools/cli/machine.h"
+#include "tools/cli/print.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+
+namespace sinew::cli {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+    char buffer[512];
+    std::snprintf(buffer, sizeof buffer, format, values...);
+    return buffer;
+}
+
+Json frame_json(const FrameReport& f) {
+    Json out = {{"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
+    if (f.step) out.update(describe_step(*f.step));
+    return out;
+}
+
+std::string phases_text(const std::vector<solver::StepRecord>& steps) {
+    double assembly = 0, factor = 0, solve = 0, other = 0;
+    for (const auto& s : steps)
+        assembly += s.seconds_assembly, factor += s.seconds_factor, solve += s.seconds_solve,
+            other += s.seconds_other;
+    const double scale = 1000.0 / static_cast<double>(steps.size());
+    return text("  a frame, in ms: assembly %.1f, factor %.1f, solve %.1f, other %.1f\n", assembly * scale,
+                factor * scale, solve * scale, other * scale);
+}
+
+std::string health_text(const std::vector<solver::StepRecord>& steps) {
+    int unconverged = 0, inverted = 0, most_newton = 0;
+    double residual = 0, newton = 0, stretch = 0;
+    for (const auto& s : steps) {
+        unconverged += !s.converged;
+        inverted = std::max(inverted, s.inverted);
+        most_newton = std::max(most_newton, s.newton_iterations);
+        newton += s.newton_iterations;
+        // NaN must not hide behind a comparison.
+        residual = std::isnan(s.residual) ? s.residual : std::max(residual, s.residual);
+        stretch = std::max(stretch, s.max_stretch);
+    }
+    return text(
+        "  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d, "
+        "longest attachment %.2g mm\n",
+        unconverged, residual, newton / static_cast<double>(steps.size()), most_newton, inverted,
+        1000 * stretch);
+}
+
+} // namespace
+
+int RunReport::unconverged() const {
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(),
+                                          [](const FrameReport& f) { return f.step && !f.step->converged; }));
+}
+
+std::string report_json(const RunReport& r) {
+    Json out = {
+        {"version", SINEW_VERSION}, {"machine", machine_name()}, {"threads", r.threads}, {"graph", r.graph}};
+    const auto reused =
+        std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
+    out["totals"] = {{"wall_s", r.wall_s},
+                     {"setup_s", r.setup_s},
+                     {"frames_simulated", r.frames_simulated},
+                     {"frames_reused", reused},
+                     {"peak_bytes", peak_bytes()}};
+    out["frames"] = Json::array();
+    for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f));
+    out["size"] = Json::object();
+    if (r.size)
+        out["size"] = {{"bodies", r.size->bodies},           {"tets", r.size->tets},
+                       {"triangles", r.size->triangles},     {"dofs", r.size->dofs},
+                       {"attachments", r.size->attachments}, {"terms", r.size->terms}};
+    return out.dump(1) + "\n";
+}
+
+std::string summary(const RunReport& r) {
+    std::vector<solver::StepRecord> steps;
+    for (const FrameReport& f : r.frames)
+        if (f.step && f.step->substeps > 0 && !f.reused) steps.push_back(*f.step);
+    const std::size_t count = r.frames.size();
+    std::string out = text("%zu frame%s in %.1f s", count, count == 1 ? "" : "s", r.wall_s);
+    double in_frames = 0;
+    for (const FrameReport& f : r.frames) in_frames += f.wall_s;
+    if (count)
+        out += text(": set-up %.2f s, then %.0f ms a frame", r.setup_s,
+                    1000 * in_frames / static_cast<double>(count));
+    if (r.frames_simulated) out += text("; %d simulated", r.frames_simulated);
+    if (r.size)
+        out += text("; %lld bodies, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
+                    static_cast<long long>(r.size->tets), static_cast<long long>(r.size->dofs));
+    out += "\n";
+    if (!steps.empty()) out += phases_text(steps) + health_text(steps);
+    return out;
+}
+
+std::string clock_text(double seconds) {
+    const long long s = std::llround(std::clamp(seconds, 0.0, 1e9));
+    return s < 3600 ? text("%lld:%02lld", s / 60, s % 60)
+                    : text("%lld:%02lld:%02lld", s / 3600, s / 60 % 60, s % 60);
+}
+
+} // namespace sinew::cli

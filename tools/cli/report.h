@@ -1,0 +1,36 @@
+// The machine-readable report of a run (--report) and its summary for people.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "nodes/values.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+struct FrameReport {
+    int frame = 0;
+    bool reused = false; ///< nothing was simulated for it
+    double wall_s = 0;
+    std::optional<solver::StepRecord> step; ///< none where no solver is involved
+};
+
+struct RunReport {
+    std::string graph;
+    int threads = 0, frames_simulated = 0;
+    double wall_s = 0;
+    double setup_s = 0; ///< of wall_s: meshes, tets and everything else before the first frame
+    std::vector<FrameReport> frames;
+    std::optional<nodes::SolveReport> size; ///< of the last frame
+    int unconverged() const;
+};
+
+/// JSON.
+std::string report_json(const RunReport& report);
+/// "128 frames in 41.2 s, 322 ms a frame: …", several lines.
+std::string summary(const RunReport& report);
+/// "0:07", "12:34", "1:02:03".
+std::string clock_text(double seconds);
+
+} // namespace sinew::cli

@@ -1,0 +1,48 @@
+// Puts a run on disk while it goes: mesh sequences frame by frame, the GLB at the end with the frames there
+// are.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/cli/body_files.h"
+#include "tools/cli/glb.h"
+
+#include <filesystem>
+#include <future>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+class RunOutput {
+  public:
+    /// \param formats of "obj", "ply", "glb" \param title names the GLB file
+    RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
+              SceneAxes axes);
+
+    /// What `plug` gave at `frame`: meshes, or a file. Anything else is left alone. Sequences are written
+    /// beside the next frame's work; what goes wrong there is thrown by the next call. Throws Failure (IO405,
+    /// FE211).
+    void add(const engine::Graph& graph, const engine::Plug& plug, int frame, const engine::Value& value);
+    /// Waits for the sequences and writes the GLB. Called after a failure too: the finished frames stay.
+    void finish();
+    /// Files and folders that were written, for the closing line.
+    const std::vector<std::filesystem::path>& written() const { return written_; }
+
+  private:
+    void keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes,
+                      int frame);
+    void note(const std::filesystem::path& path);
+
+    std::filesystem::path folder_;
+    std::set<std::string> formats_;
+    std::string title_;
+    SceneAxes axes_;
+    Animation animation_;
+    std::map<std::string, std::size_t> animated_;                        ///< body name -> index in animation_
+    std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of animation_.bodies
+    std::future<void> pending_;
+    std::vector<std::filesystem::path> written_;
+};
+
+} // namespace sinew::cli

@@ -1,0 +1,40 @@
+// Pictures of surfaces without a display: three lights, soft shadow, dark cavities, smooth edges.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/render/camera.h"
+#include "tools/render/image.h"
+#include "tools/render/look.h"
+
+#include <string>
+#include <vector>
+
+namespace sinew::render {
+
+/// A surface in one pose. Normals and grain have one entry a point; an empty grain means none.
+struct Surface {
+    Points points, normals;
+    std::vector<solver::Triangle> triangles;
+    Points grain; ///< rest position in the body's own frame: long axis first, half its length = 1
+    Look look;
+};
+
+/// Rest coordinates for the fibre grain: centred, turned to the principal axes, divided by half the longest
+/// side.
+Points grain_of(const Points& rest);
+
+/// \param smoothing  samples along each side of a pixel
+Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height,
+                   int smoothing = 3);
+
+/// One picture of a contact sheet.
+struct Shot {
+    std::string label;
+    std::vector<Surface> surfaces;
+};
+
+/// Several shots side by side, wrapped into rows so that each is as large as possible, all with one camera
+/// that frames the points of every shot.
+Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height,
+                    int smoothing = 3);
+
+} // namespace sinew::render
