@@ -149,7 +149,7 @@ TEST_CASE("logs get one line a frame, --quiet nothing", "[tools]") {
     CHECK(quiet.err.empty());
 }
 
-TEST_CASE("--set changes the result, and a wrong one is the graph's error", "[tools]") {
+TEST_CASE("a --set changes the result, and a wrong one is the graph's error", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
     const auto plain = digests(run_program({"run", graph, "--json", "--frames", "3"}));

@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/graph_file.h"
 #include "tools/cli/arguments.h"
+#include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
+#include "tools/viewer/graph_layout.h"
 
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -48,14 +50,19 @@ void print_dot(const engine::Graph& graph, std::ostream& out) {
 }
 
 ExitCode show_graph(const Invocation& in) {
-    if (in.arguments.has("--dot") == in.arguments.has("--json"))
-        throw UsageError("choose one of --dot and --json.");
+    const auto svg = in.arguments.value("--svg");
+    if (in.arguments.has("--dot") + in.arguments.has("--json") + svg.has_value() != 1)
+        throw UsageError("choose one of --dot, --svg and --json.");
     const OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, false, in.out, in.err);
-    if (in.arguments.has("--dot"))
+    if (svg) {
+        write_file(*svg, viewer::to_svg(viewer::layout_graph(*open.graph)));
+        in.out << "wrote " << *svg << "\n";
+    } else if (in.arguments.has("--dot")) {
         print_dot(*open.graph, in.out);
-    else
+    } else {
         in.out << engine::write_graph(*open.graph);
+    }
     return done;
 }
 
@@ -66,10 +73,12 @@ Command graph_command() {
             "print a graph as a drawing (Graphviz) or as a normalised file",
             {{"GRAPH", "the graph file (JSON)"}},
             {{"--dot", "", "Graphviz source"},
+             {"--svg", "FILE", "write the drawing that the viewer shows: types, values, connections"},
              {"--json", "",
               "the graph file as this program writes it: only what is not default, paths from its folder"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true}},
-            "sinew graph graphs/scenes/arm.json --dot | dot -Tsvg > arm.svg",
+            "sinew graph graphs/scenes/arm.json --svg arm.svg\n"
+            "sinew graph graphs/scenes/arm.json --dot | dot -Tpng > arm.png",
             show_graph};
 }
 

@@ -7,6 +7,7 @@
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/run_output.h"
+#include "tools/viewer/run_page.h"
 
 #include <chrono>
 #include <cstring>
@@ -68,6 +69,7 @@ Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::G
     plan.out = arguments.value("--out").value_or("");
     plan.formats = parse_formats(arguments);
     if (plan.out.empty() && arguments.has("--format")) throw UsageError("--format needs --out DIR.");
+    if (plan.out.empty() && arguments.has("--open")) throw UsageError("--open needs --out DIR.");
     return plan;
 }
 
@@ -178,6 +180,8 @@ class Run {
 
     void close() {
         if (!plan_.out.empty()) output_.finish();
+        if (in_.arguments.has("--open") && !report_.frames.empty() && !in_.stop.stop_requested())
+            page_ = viewer::write_run_page(plan_.out, plan_.graph, evaluator_, report_, in_.stop);
     }
 
     void write_report() {
@@ -205,6 +209,7 @@ class Run {
                                            {"unconverged", report_.unconverged()},
                                            {"written", nlohmann::ordered_json::array()}};
             for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
+            if (!page_.empty()) line["page"] = page_.string();
             in_.out << line.dump() << "\n";
             return;
         }
@@ -213,6 +218,7 @@ class Run {
         for (const fs::path& path : output_.written()) in_.out << "wrote " << path.string() << "\n";
         if (plan_.out.empty()) in_.out << "nothing was written; --out DIR keeps the meshes\n";
         if (const auto file = in_.arguments.value("--report")) in_.out << "wrote " << *file << "\n";
+        if (!page_.empty()) in_.out << "open file://" << page_.string() << "\n";
     }
 
     const Invocation& in_;
@@ -222,6 +228,7 @@ class Run {
     engine::Evaluator evaluator_;
     RunOutput output_;
     RunReport report_;
+    fs::path page_; ///< written for --open
 };
 
 ExitCode run_graph(const Invocation& in) {
@@ -244,6 +251,7 @@ Command run_command() {
               "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
              {"--report", "FILE", "write times, convergence and sizes of every frame as JSON"},
+             {"--open", "", "also write DIR/view.html, a page that plays the run, and say where it is"},
              {"--json", "", "one JSON object a line instead of text"},
              {"--quiet", "", "print warnings and errors only", false, 'q'},
              {"--strict", "", "exit code 3 if a frame has not converged"}},

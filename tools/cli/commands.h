@@ -14,12 +14,13 @@ Command explain_command();
 Command nodes_command();
 Command graph_command();
 Command snapshot_command();
+Command view_command();
 Command bench_command();
 
 /// In the order in which `sinew --help` lists them.
 inline std::vector<Command> all_commands() {
-    return {run_command(),   check_command(), eval_command(),     explain_command(),
-            nodes_command(), graph_command(), snapshot_command(), bench_command()};
+    return {run_command(),   check_command(),    eval_command(), explain_command(), nodes_command(),
+            graph_command(), snapshot_command(), view_command(), bench_command()};
 }
 
 } // namespace sinew::cli
