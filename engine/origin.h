@@ -1,6 +1,5 @@
 // Where nodes and inputs stood in the file that they were read from. Kept as byte offsets; lines and columns
-// are counted only when somebody asks, which is when something is wrong. SPDX-License-Identifier:
-// GPL-3.0-or-later
+// are counted only when somebody asks, which is when something is wrong.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/format/json_text.h"
