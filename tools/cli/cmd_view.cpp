@@ -1,0 +1,122 @@
+// `sinew view`: a run as one HTML page that opens from disk.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/arguments.h"
+#include "tools/cli/atomic_file.h"
+#include "tools/cli/commands.h"
+#include "tools/cli/open_graph.h"
+#include "tools/cli/print.h"
+#include "tools/cli/problems.h"
+#include "tools/cli/progress.h"
+#include "tools/viewer/collect.h"
+#include "tools/viewer/page.h"
+
+#include <algorithm>
+#include <numeric>
+#include <ostream>
+#include <unistd.h>
+
+namespace sinew::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+std::vector<int> wanted_frames(const Arguments& arguments) {
+    const auto text = arguments.value("--frames");
+    std::vector<int> frames = text ? parse_frames(*text) : std::vector<int>{};
+    std::sort(frames.begin(), frames.end());
+    return frames;
+}
+
+viewer::ViewScene scene_of_graph(const Invocation& in) {
+    const OpenGraph open = open_graph(in.arguments);
+    print_diagnostics(open.notes, false, in.out, in.err);
+    const std::vector<std::string> shown = viewer::shown_nodes(*open.graph);
+    if (shown.empty())
+        throw UsageError("the graph has neither a zSolver nor a zEmbedder, so there is nothing to show.");
+    viewer::Evaluation e;
+    e.graph = open.graph;
+    e.frames = wanted_frames(in.arguments);
+    e.stop = in.stop;
+    e.with_lattices = !in.arguments.has("--surfaces");
+    if (e.frames.empty()) {
+        const engine::Timing& timing = open.graph->timing();
+        e.frames.resize(static_cast<std::size_t>(std::max(0, timing.end - timing.start + 1)));
+        std::iota(e.frames.begin(), e.frames.end(), timing.start);
+    }
+    const ProgressStyle style = in.arguments.has("--quiet")                      ? ProgressStyle::quiet
+                                : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
+                                                                                 : ProgressStyle::lines;
+    Progress progress(style, static_cast<int>(e.frames.size()), in.out, in.err);
+    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &progress);
+    const auto needed = upstream_of(*open.graph, shown);
+    if (auto problems = find_problems(open.graph, evaluator, needed, in.stop); has_error(problems))
+        throw engine::Failure(std::move(problems));
+    e.evaluator = &evaluator;
+    e.begin_frame = [&](int frame) { progress.begin_frame(frame); };
+    const bool simulates = !simulations(*open.graph, needed).empty();
+    e.was_stepped = [&, simulates](int frame) { return !simulates || progress.was_stepped(frame); };
+    e.end_frame = [&](const viewer::ViewFrame& f) {
+        progress.end_frame({f.frame, f.reused, f.wall_s, f.step}, "");
+    };
+    viewer::ViewScene scene = viewer::collect_graph(e);
+    progress.clear();
+    return scene;
+}
+
+std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
+    std::size_t vertices = 0, tets = 0;
+    for (const viewer::ViewBody& b : scene.bodies) {
+        vertices += b.vertex_count();
+        if (b.lattice) tets += b.lattice->tets.size();
+    }
+    using viewer::size_text;
+    return size_text(page.html.size()) + ": " + std::to_string(scene.bodies.size()) + " bodies, " +
+           std::to_string(vertices) + " vertices, " + std::to_string(tets) + " tets, " +
+           std::to_string(scene.frames.size()) + " frames; the run takes " + size_text(page.packed_bytes) +
+           " of it, the viewer " + size_text(page.asset_bytes);
+}
+
+ExitCode view(const Invocation& in) {
+    const fs::path source = in.arguments.operand(0).value();
+    const bool is_folder = fs::is_directory(source);
+    if (is_folder &&
+        (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
+        throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() +
+                         "' is a folder.");
+    viewer::PageOptions options;
+    options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1))
+                                << 20;
+    const viewer::ViewScene scene =
+        is_folder ? viewer::collect_folder(source, wanted_frames(in.arguments)) : scene_of_graph(in);
+    const viewer::Page page = viewer::write_page(scene, options);
+    const std::string otherwise = is_folder ? (source / "view.html").string() : scene.title + ".html";
+    const fs::path file = in.arguments.value("--output").value_or(otherwise);
+    write_file(file, page.html);
+    for (const viewer::ViewNote& note : page.notes)
+        if (note.is_warning) in.err << "sinew view: " << note.text << "\n";
+    in.out << "wrote " << file.string() << ", " << summary(scene, page) << "\n";
+    // The page says what is wrong, and so does the exit code: a folder without a run is no success.
+    return scene.bodies.empty() ? graph_wrong : done;
+}
+
+} // namespace
+
+Command view_command() {
+    return {"view",
+            "write a page that plays a run in a browser, with overlays, the graph and a time line",
+            {{"SOURCE", "a graph file, which is evaluated, or a folder that `sinew run --format obj` wrote"}},
+            {{"--output", "FILE", "the page; default: NAME.html, or view.html in the folder", false, 'o'},
+             {"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: all"},
+             {"--surfaces", "", "graphs: leave out tets, fibres and attachments; a smaller page"},
+             {"--most-mb", "N",
+              "above this size of positions, before compression, frames are thinned out; default: 256"},
+             {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
+             {"--threads", "N", "graphs: default: all cores", false, 'j'},
+             {"--quiet", "", "print warnings and errors only", false, 'q'}},
+            "sinew view graphs/scenes/arm.json -o out/arm.html\n"
+            "sinew view out/arm",
+            view};
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,210 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/collect.h"
+
+#include "engine/eval/state_file.h"
+#include "nodes/simulation_state.h"
+#include "tools/cli/open_graph.h"
+#include "tools/viewer/overlays.h"
+#include "tools/viewer/recorder.h"
+
+#include <chrono>
+#include <map>
+
+namespace sinew::viewer {
+
+using engine::Plug;
+using engine::Value;
+
+namespace {
+
+/// A node whose meshes are shown, and what of the scene it fills.
+struct Source {
+    Plug meshes;
+    bool is_solver = false;
+    std::vector<std::string> nodes;  ///< of its bodies
+    std::vector<std::size_t> bodies; ///< in the scene
+    std::vector<std::size_t> solved; ///< of those that take part: positions in `bodies`
+};
+
+class Collector {
+  public:
+    explicit Collector(const Evaluation& e)
+        : e_(e) {
+        const engine::Graph& graph = *e.graph;
+        scene_.source = graph.file();
+        scene_.title = std::filesystem::path(graph.file()).stem().string();
+        scene_.fps = graph.timing().fps;
+        scene_.graph = layout_graph(graph);
+        std::vector<std::string> shown = shown_nodes(graph);
+        const cli::SceneAxes axes = cli::scene_axes(graph, cli::upstream_of(graph, shown));
+        scene_.units_per_metre = axes.units_per_metre, scene_.up = axes.up;
+        for (std::string& name : shown) {
+            const bool is_solver = graph.find(name)->type_name == "zSolver";
+            sources_.push_back({{std::move(name), "outMeshes"}, is_solver, {}, {}, {}});
+        }
+    }
+
+    ViewScene operator()() {
+        if (sources_.empty())
+            scene_.notes.push_back(
+                {true, "The graph has neither a zSolver nor a zEmbedder, so there are no bodies to show."});
+        for (const int frame : e_.frames) {
+            try {
+                add_frame(frame);
+            } catch (const engine::Failure& failure) {
+                if (scene_.frames.empty()) throw;
+                scene_.notes.push_back({true, "The run ended before frame " + std::to_string(frame) + ": " +
+                                                  std::string(failure.diagnostics().front().message)});
+                break;
+            }
+        }
+        for (BodyRecorder& recorder : recorders_) {
+            scene_.bodies.push_back(recorder.finish(scene_.notes));
+        }
+        return std::move(scene_);
+    }
+
+  private:
+    Value pull(const Plug& plug, int frame) const {
+        return e_.evaluator->pull({e_.graph, plug, static_cast<double>(frame), e_.stop});
+    }
+
+    void add_frame(int frame) {
+        using Clock = std::chrono::steady_clock;
+        if (e_.begin_frame) e_.begin_frame(frame);
+        const auto start = Clock::now();
+        std::vector<std::vector<nodes::Mesh>> meshes;
+        for (const Source& source : sources_) meshes.push_back(cli::meshes_in(pull(source.meshes, frame)));
+        ViewFrame view{.frame = frame};
+        view.wall_s = std::chrono::duration<double>(Clock::now() - start).count();
+        view.reused = e_.was_stepped && !e_.was_stepped(frame);
+        for (const Source& source : sources_)
+            if (source.is_solver && !view.step)
+                view.step = pull({source.meshes.node, "outReport"}, frame).as<nodes::SolveReport>().record;
+        // All that can fail has been computed now, so a frame is added whole or not at all.
+        if (scene_.frames.empty())
+            for (std::size_t i = 0; i < sources_.size(); ++i) begin(sources_[i], meshes[i], frame);
+        for (std::size_t i = 0; i < sources_.size(); ++i) record(sources_[i], meshes[i], frame);
+        scene_.frames.push_back(view);
+        if (e_.end_frame) e_.end_frame(view);
+    }
+
+    /// At the first frame: bodies, tets, fibres, attachments, painted maps.
+    void begin(Source& source, const std::vector<nodes::Mesh>& meshes, int frame) {
+        const engine::Graph& graph = *e_.graph;
+        const auto labels = cli::body_labels(graph, source.meshes, meshes.size());
+        if (source.is_solver)
+            for (const Plug& plug : connections(graph, source.meshes.node, "bodies"))
+                source.nodes.push_back(plug.node);
+        source.nodes.resize(meshes.size(), source.meshes.node);
+        for (std::size_t i = 0; i < meshes.size(); ++i) {
+            source.bodies.push_back(recorders_.size());
+            recorders_.emplace_back(unique_name(labels[i].name), source.nodes[i], labels[i].kind,
+                                    static_cast<int>(recorders_.size()));
+            recorders_.back().set_rest(meshes[i].surface());
+        }
+        if (source.is_solver) begin_solver(source, frame);
+    }
+
+    void begin_solver(Source& source, int frame) {
+        const engine::Graph& graph = *e_.graph;
+        const Puller at_start = [&](const Plug& plug) { return pull(plug, frame); };
+        const std::vector<Plug> plugs = connections(graph, source.meshes.node, "bodies");
+        const auto solved = pull({source.meshes.node, "outSolved"}, frame);
+        for (std::size_t i = 0; i < plugs.size() && i < source.bodies.size(); ++i) {
+            const Value value = at_start(plugs[i]);
+            const auto& body = value.as<nodes::Body>();
+            // A solver that is switched off solves nothing, and then there are no tets to show.
+            if (!body.enable || solved.as<nodes::Solved>().rests.empty()) continue;
+            source.solved.push_back(i);
+            const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data);
+            if (!tissue) continue;
+            BodyRecorder& recorder = recorders_[source.bodies[i]];
+            recorder.set_rest(body.rest->mesh.surface());
+            if (!e_.with_lattices) continue;
+            recorder.set_lattice((*tissue)->tets, (*tissue)->embedding);
+            recorder.body().fibres = fibres_of(graph, plugs[i].node, **tissue);
+        }
+        for (std::size_t i = 0; i < plugs.size() && i < source.bodies.size(); ++i)
+            recorders_[source.bodies[i]].body().maps = maps_of(graph, plugs[i].node, at_start);
+        begin_attachments(source, solved.as<nodes::Solved>(), frame);
+    }
+
+    void begin_attachments(const Source& source, const nodes::Solved& solved, int frame) {
+        if (source.solved.empty() || !e_.with_lattices) return;
+        const std::vector<std::byte> saved =
+            e_.evaluator->save_state({e_.graph, source.meshes, static_cast<double>(frame), e_.stop});
+        // The engine's header stands before the node's own bytes.
+        const engine::NodeType& type = *e_.graph->find(source.meshes.node)->type;
+        const std::size_t header = engine::wrap_state(type, {}, {}).size();
+        const nodes::SimulationState state = nodes::load_simulation(std::span(saved).subspan(header));
+        const std::vector<std::string> names = acting_attachments(
+            *e_.graph, source.meshes.node, solved, [&](const Plug& plug) { return pull(plug, frame); });
+        for (std::size_t a = 0; a < state.state.anchors.size() && a < state.scene.links.size(); ++a) {
+            const auto [from, to] = state.scene.links[a];
+            if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
+            const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
+                              target_body = source.solved[static_cast<std::size_t>(to)];
+            ViewAttachment view = attachment_of(
+                state.state.anchors[a], *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
+            view.node = a < names.size() ? names[a] : "";
+            view.source = static_cast<int>(source.bodies[source_body]);
+            view.target = static_cast<int>(source.bodies[target_body]);
+            scene_.attachments.push_back(std::move(view));
+        }
+    }
+
+    void record(const Source& source, const std::vector<nodes::Mesh>& meshes, int frame) {
+        for (std::size_t i = 0; i < source.bodies.size(); ++i) {
+            BodyRecorder& recorder = recorders_[source.bodies[i]];
+            if (i < meshes.size())
+                recorder.add_points(frame, *meshes[i].points);
+            else
+                recorder.add_missing(frame);
+        }
+        if (!source.is_solver || !e_.with_lattices) return;
+        const Value value = pull({source.meshes.node, "outSolved"}, frame);
+        const auto& solved = value.as<nodes::Solved>();
+        for (std::size_t i = 0; i < source.solved.size(); ++i) {
+            BodyRecorder& recorder = recorders_[source.bodies[source.solved[i]]];
+            if (!recorder.body().lattice) continue;
+            recorder.add_tets(solved.positions.at(i));
+            add_excitation(source.nodes[source.solved[i]], recorder.body(), frame);
+        }
+    }
+
+    void add_excitation(const std::string& node, ViewBody& body, int frame) {
+        if (body.fibres.empty()) return;
+        const Value value = pull({node, "outBody"}, frame);
+        const auto& inputs = std::get<solver::TissueInputs>(value.as<nodes::Body>().values);
+        for (std::size_t i = 0; i < body.fibres.size(); ++i)
+            body.fibres[i].excitation.push_back(
+                static_cast<float>(inputs.fibers[i].excitation * inputs.fibers[i].envelope));
+    }
+
+    std::string unique_name(const std::string& wanted) {
+        const int count = ++names_[wanted];
+        return count == 1 ? wanted : wanted + "_" + std::to_string(count);
+    }
+
+    const Evaluation& e_;
+    ViewScene scene_;
+    std::vector<Source> sources_;
+    std::vector<BodyRecorder> recorders_;
+    std::map<std::string, int> names_;
+};
+
+} // namespace
+
+std::vector<std::string> shown_nodes(const engine::Graph& graph) {
+    std::vector<std::string> out;
+    for (const std::string& name : graph.node_names()) {
+        const engine::Node& node = *graph.find(name);
+        if (node.type && (node.type_name == "zSolver" || node.type_name == "zEmbedder")) out.push_back(name);
+    }
+    return out;
+}
+
+ViewScene collect_graph(const Evaluation& evaluation) { return Collector(evaluation)(); }
+
+} // namespace sinew::viewer

@@ -1,0 +1,38 @@
+// Fills a ViewScene: from a graph, by evaluating its frames, or from a folder that `sinew run` wrote.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/evaluator.h"
+#include "tools/viewer/view_data.h"
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <stop_token>
+#include <vector>
+
+namespace sinew::viewer {
+
+/// Who evaluates, and who wants to know how far it is.
+struct Evaluation {
+    std::shared_ptr<const engine::Graph> graph;
+    engine::Evaluator* evaluator = nullptr;
+    std::vector<int> frames; ///< rising
+    std::stop_token stop = {};
+    std::function<void(int frame)> begin_frame = {};
+    std::function<bool(int frame)> was_stepped = {}; ///< false = the frame was found ready
+    std::function<void(const ViewFrame&)> end_frame = {};
+    bool with_lattices = true; ///< without: smaller, but no tets, fibres and heat maps
+};
+
+/// The nodes whose meshes are shown: all zSolvers and zEmbedders, in file order.
+std::vector<std::string> shown_nodes(const engine::Graph& graph);
+
+/// A frame that fails ends the collection: the frames before it are kept and a note says why. Throws Failure
+/// if not even the first frame works, and Cancelled.
+ViewScene collect_graph(const Evaluation& evaluation);
+
+/// OBJ sequences in `folder`, its report and its graph if there are any. Never throws for what is missing or
+/// unreadable: notes say it, and what is there is shown. \param frames empty = all
+ViewScene collect_folder(const std::filesystem::path& folder, const std::vector<int>& frames = {});
+
+} // namespace sinew::viewer

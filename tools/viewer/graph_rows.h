@@ -1,0 +1,15 @@
+// From a graph to boxes and wires without places: what a node shows of itself.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/viewer/graph_layout.h"
+
+namespace sinew::viewer {
+
+/// Boxes in file order, each with its size; wires between rows. Wires from nodes that do not exist are left
+/// out.
+GraphDrawing graph_boxes(const engine::Graph& graph);
+
+/// The group that a node type is coloured by.
+std::string family_of(const std::string& type_name, bool is_known);
+
+} // namespace sinew::viewer

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/overlays.h"
+
+#include <algorithm>
+
+namespace sinew::viewer {
+
+using engine::NumberList;
+using engine::Plug;
+
+namespace {
+
+bool varies(const NumberList& map) {
+    return std::any_of(map.begin(), map.end(), [&](double w) { return w != map.front(); });
+}
+
+void add_map(std::vector<ViewMap>& maps, const std::string& node, const std::string& name,
+             const NumberList& values) {
+    if (!varies(values)) return;
+    ViewMap map{node, name, {}};
+    for (const double v : values) map.values.push_back(static_cast<float>(v));
+    maps.push_back(std::move(map));
+}
+
+} // namespace
+
+std::vector<Plug> connections(const engine::Graph& graph, const std::string& node,
+                              std::string_view attribute) {
+    const engine::Node* n = graph.find(node);
+    const auto it = n ? n->inputs.find(attribute) : decltype(n->inputs.end()){};
+    if (!n || it == n->inputs.end()) return {};
+    if (const auto* plug = std::get_if<Plug>(&it->second)) return {*plug};
+    if (const auto* list = std::get_if<std::vector<Plug>>(&it->second)) return *list;
+    return {};
+}
+
+std::vector<ViewFibres> fibres_of(const engine::Graph& graph, const std::string& node,
+                                  const solver::TissueRest& tissue) {
+    const std::vector<Plug> plugs = connections(graph, node, "fibers");
+    std::vector<ViewFibres> out;
+    for (std::size_t i = 0; i < tissue.fibers.size(); ++i) {
+        const solver::FiberRest& rest = tissue.fibers[i];
+        ViewFibres& view = out.emplace_back();
+        view.node = i < plugs.size() ? plugs[i].node : node;
+        for (std::size_t t = 0; t < rest.directions.size(); ++t) {
+            if (rest.weights[t] <= 0 || rest.directions[t].isZero()) continue;
+            view.tets.push_back(static_cast<int>(t));
+            for (int c = 0; c < 3; ++c) view.directions.push_back(static_cast<float>(rest.directions[t][c]));
+            view.weights.push_back(static_cast<float>(rest.weights[t]));
+        }
+    }
+    return out;
+}
+
+std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node, const Puller& pull) {
+    std::vector<ViewMap> maps;
+    for (const Plug& plug : connections(graph, node, "materials"))
+        add_map(maps, plug.node, "material weights", pull(plug).as<nodes::Material>().weights);
+    for (const Plug& plug : connections(graph, node, "fibers")) {
+        const engine::Value value = pull(plug);
+        add_map(maps, plug.node, "fibre end points", value.as<nodes::Fiber>().end_points);
+        add_map(maps, plug.node, "fibre weights", value.as<nodes::Fiber>().weights);
+    }
+    for (const std::string& name : graph.node_names()) {
+        if (graph.find(name)->type_name != "zAttachment") continue;
+        for (const auto& [end, attribute] :
+             {std::pair("source", "weights"), std::pair("target", "targetWeights")}) {
+            const std::vector<Plug> body = connections(graph, name, end),
+                                    map = connections(graph, name, attribute);
+            if (body.empty() || body.front().node != node || map.empty()) continue;
+            const engine::Value value = pull(map.front());
+            if (value.is<NumberList>())
+                add_map(maps, name, std::string("attachment ") + end, value.as<NumberList>());
+        }
+    }
+    return maps;
+}
+
+std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
+                                            const nodes::Solved& solved, const Puller& pull) {
+    std::vector<std::string> out;
+    for (const Plug& plug : connections(graph, solver, "attachments")) {
+        const engine::Value value = pull(plug);
+        const auto& a = value.as<nodes::Attachment>();
+        // The same choice as zSolver's: switched on, and both ends simulated (twins are simulated too).
+        const bool acts = a.rest.mode != solver::AttachmentMode::none &&
+                          nodes::find_body(solved.bodies, a.source_body) != nodes::body_missing &&
+                          nodes::find_body(solved.bodies, a.target_body) != nodes::body_missing;
+        if (acts) out.push_back(plug.node);
+    }
+    return out;
+}
+
+ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& target,
+                             double units_per_metre) {
+    ViewAttachment out;
+    const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&target.data);
+    for (const solver::Anchor& anchor : anchors) {
+        ViewAnchor view;
+        view.source_vertex = anchor.source_vertex;
+        if (tissue && anchor.target_tet >= 0) {
+            const solver::Tet& tet = (*tissue)->tets.tets[static_cast<std::size_t>(anchor.target_tet)];
+            std::copy(tet.begin(), tet.end(), view.host.begin());
+        } else if (anchor.target_triangle >= 0) {
+            const auto& t = target.mesh.topology->triangles[static_cast<std::size_t>(anchor.target_triangle)];
+            std::copy(t.begin(), t.end(), view.host.begin());
+        } else {
+            continue;
+        }
+        for (std::size_t k = 0; k < 4; ++k) view.weights[k] = static_cast<float>(anchor.coordinates[k]);
+        for (std::size_t k = 0; k < 3; ++k)
+            view.offset[k] = static_cast<float>(anchor.offset[k] * units_per_metre);
+        out.anchors.push_back(view);
+    }
+    return out;
+}
+
+} // namespace sinew::viewer

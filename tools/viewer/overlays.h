@@ -1,0 +1,37 @@
+// What a solver's bodies carry besides their shape: fibres, painted maps, attachments.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/graph.h"
+#include "nodes/values.h"
+#include "tools/viewer/view_data.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace sinew::viewer {
+
+/// Gives a plug's value at the first frame.
+using Puller = std::function<engine::Value(const engine::Plug&)>;
+
+/// What is connected to an input, in order; empty where it is not connected.
+std::vector<engine::Plug> connections(const engine::Graph& graph, const std::string& node,
+                                      std::string_view attribute);
+
+/// Fibre fields of the zTissue `node`, without excitations.
+std::vector<ViewFibres> fibres_of(const engine::Graph& graph, const std::string& node,
+                                  const solver::TissueRest& tissue);
+
+/// What is painted on the body `node`: material and fibre weights, end points, attachment weights. Maps that
+/// are the same everywhere are left out.
+std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node, const Puller& pull);
+
+/// The zAttachment nodes that act in `solver`, in the order of its anchors.
+std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
+                                            const nodes::Solved& solved, const Puller& pull);
+
+/// Anchors in scene units; node and bodies are left for the caller.
+ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& target,
+                             double units_per_metre);
+
+} // namespace sinew::viewer

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/page.h"
+
+#include "tools/viewer/asset.h"
+#include "tools/viewer/page_data.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace sinew::viewer {
+
+namespace {
+
+/// Floats that the page must hold for one frame.
+std::size_t numbers_per_frame(const ViewScene& scene) {
+    std::size_t count = 0;
+    for (const ViewBody& body : scene.bodies) {
+        const bool rides = body.lattice && !body.lattice->surface.tet.empty();
+        if (std::holds_alternative<DeformingMotion>(body.motion) && !rides) count += body.rest.size();
+        if (body.lattice) count += body.lattice->rest.size();
+    }
+    return count;
+}
+
+template <class T>
+void keep_every(std::vector<T>& frames, std::size_t step) {
+    if (frames.empty()) return;
+    std::vector<T> kept;
+    for (std::size_t f = 0; f < frames.size(); f += step) kept.push_back(std::move(frames[f]));
+    frames = std::move(kept);
+}
+
+void keep_every(ViewScene& scene, std::size_t step) {
+    keep_every(scene.frames, step);
+    for (ViewBody& body : scene.bodies) {
+        if (auto* rigid = std::get_if<RigidMotion>(&body.motion)) keep_every(rigid->poses, step);
+        if (auto* moving = std::get_if<DeformingMotion>(&body.motion)) keep_every(moving->points, step);
+        if (body.lattice) keep_every(body.lattice->frames, step);
+        for (ViewFibres& fibres : body.fibres) keep_every(fibres.excitation, step);
+        keep_every(body.present, step);
+        keep_every(body.volume, step);
+    }
+}
+
+/// A browser cannot hold a run of any size; what does not fit is thinned out in time, not in space.
+void fit(ViewScene& scene, const PageOptions& options) {
+    const std::size_t a_frame = 2 * numbers_per_frame(scene), all = a_frame * scene.frames.size();
+    if (all <= options.most_motion_bytes || scene.frames.size() < 2) return;
+    const std::size_t fits = std::max<std::size_t>(1, options.most_motion_bytes / a_frame);
+    const std::size_t step = (scene.frames.size() + fits - 1) / fits;
+    const std::size_t before = scene.frames.size();
+    keep_every(scene, step);
+    scene.notes.push_back({true, "This run has " + size_text(all) + " of positions, and a page holds " +
+                                     size_text(options.most_motion_bytes) + ": of " + std::to_string(before) +
+                                     " frames every " + std::to_string(step) +
+                                     ". is shown. Choose fewer frames with --frames, or raise --most-mb."});
+}
+
+std::string html_escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text) out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
+    return out;
+}
+
+/// Nothing but what stands in the file may load or run: a promise that the browser keeps.
+constexpr const char* policy = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
+                               "img-src data: blob:";
+
+} // namespace
+
+Page write_page(ViewScene scene, const PageOptions& options) {
+    fit(scene, options);
+    Page page;
+    page.notes = scene.notes;
+    page.motion_bytes = 2 * numbers_per_frame(scene) * scene.frames.size();
+    page.asset_bytes = page_script().size() + page_style().size();
+    const PageData data = page_data(scene);
+    std::string& html = page.html;
+    html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+           "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+           "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
+           std::string(policy) + "\">\n<meta name=\"generator\" content=\"sinew\">\n<title>" +
+           html_escaped(scene.title) + " · Sinew</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>" +
+           std::string(page_style()) + "</style>\n</head>\n<body>\n<div id=\"app\"></div>\n" +
+           "<noscript>This page shows a simulation and needs JavaScript.</noscript>\n"
+           "<script type=\"application/json\" id=\"sinew-scene\">" +
+           data.header + "</script>\n";
+    for (std::size_t i = 0; i < data.blocks.size(); ++i) {
+        const std::string text = base64(data.blocks[i].deflated);
+        page.packed_bytes += text.size();
+        html += "<script type=\"application/octet-stream\" id=\"b" + std::to_string(i) + "\">" + text +
+                "</script>\n";
+    }
+    page.packed_bytes += data.header.size();
+    html += "<script>" + std::string(page_script()) + "</script>\n</body>\n</html>\n";
+    return page;
+}
+
+std::string size_text(std::size_t bytes) {
+    char out[32];
+    const double mb = static_cast<double>(bytes) / 1e6;
+    std::snprintf(out, sizeof out, mb < 0.1 ? "%.2f MB" : mb < 100 ? "%.1f MB" : "%.0f MB", mb);
+    return out;
+}
+
+} // namespace sinew::viewer

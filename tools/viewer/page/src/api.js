@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// window.sinew: the page by script, for tests and for the console. Frames are frame numbers, bodies names or indices.
+import { anchorPoints } from "./attachment_view.js";
+import { LatticeFields } from "./fields.js";
+import { overlayNames, setOverlay } from "./store.js";
+
+export function makeApi(app, loadMs) {
+    const { scene, store, world, player, selection } = app;
+    const bodyIndex = (body) => {
+        const index = typeof body === "number" ? body : scene.bodies.findIndex((b) => b.name === body);
+        if (!scene.bodies[index]) throw new Error(`no body ${body}`);
+        return index;
+    };
+    const api = {
+        scene,
+        loadMs,
+        frames: scene.frames.map((f) => f.frame),
+        get frame() {
+            return scene.frames[store.state.frame]?.frame;
+        },
+        get state() {
+            return structuredClone(store.state);
+        },
+        setFrame(number) {
+            const index = api.frames.indexOf(number);
+            if (index < 0) throw new Error(`no frame ${number}`);
+            player.goTo(index);
+            api.draw();
+        },
+        set: (patch) => (store.set(patch), api.draw()),
+        /** As it lies in the buffers that are drawn, where there are any: what is seen is what is measured. */
+        vertexPosition(body, vertex) {
+            const b = scene.bodies[bodyIndex(body)];
+            return Array.from(b.positionsAt(store.state.frame).subarray(3 * vertex, 3 * vertex + 3));
+        },
+        drawnPosition(body, vertex) {
+            api.draw();
+            const view = world.bodies[bodyIndex(body)];
+            const at = view.body.shading ? view.body.shading.indexOf(vertex) : vertex;
+            const p = view.geometry.attributes.position;
+            const v = world.stage.centre.clone().fromBufferAttribute(p, at).applyMatrix4(view.mesh.matrix);
+            return v.toArray();
+        },
+        toggle(name, on = !store.state.overlays[name]) {
+            if (!overlayNames.includes(name)) throw new Error(`no overlay ${name}`);
+            setOverlay(store, name, on);
+            api.draw();
+        },
+        show(body, on = true) {
+            const index = bodyIndex(body);
+            store.set({ solo: -1, visible: store.state.visible.map((v, i) => (i === index ? on : v)) });
+            api.draw();
+        },
+        solo: (body) => (store.set({ solo: body === null ? -1 : bodyIndex(body) }), api.draw()),
+        selectBody: (body) => selection.selectBody(bodyIndex(body)),
+        selectNode: (name) => selection.selectNode(name),
+        bodiesOf: (node) => selection.bodiesOf(node).map((i) => scene.bodies[i].name),
+        bodyAt: (x, y) => scene.bodies[world.pickBody(x, y)]?.name ?? null,
+        project: (point) => world.stage.project(point),
+        look: (name) => (world.stage.look(name), api.draw()),
+        draw: () => world.stage.draw(),
+        picture: () => world.stage.picture(),
+        /** Least det F over all tets at this frame, as the solver reports it. */
+        leastVolumeRatio() {
+            let least = Infinity;
+            for (const b of scene.bodies) {
+                if (!b.lattice) continue;
+                const fields = new LatticeFields(b.lattice);
+                fields.update(store.state.frame);
+                for (const v of fields.values.volume) least = Math.min(least, v + 1);
+            }
+            return least;
+        },
+        /** Distances of an attachment's vertices from their anchors, in metres. */
+        stretch: (index) => world.allAttachments()[index].measure(store.state.frame),
+        anchors: (index) => Array.from(anchorPoints(scene.attachments[index], scene.bodies, store.state.frame,
+            new Float32Array(3 * scene.attachments[index].count))),
+        timelineX: (number) => app.timeline.xOf(api.frames.indexOf(number)),
+    };
+    return api;
+}

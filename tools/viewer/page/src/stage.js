@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Camera, light, ground and the canvas. Draws only when something has changed.
+import {
+    AmbientLight, Color, DirectionalLight, Group, HemisphereLight, LineBasicMaterial, LineSegments, BufferGeometry,
+    Float32BufferAttribute, PerspectiveCamera, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+} from "three";
+import { OrbitControls } from "three/addons/controls/OrbitControls.js";
+
+const themes = {
+    light: { background: 0xeef1f5, grid: 0xc6ced8, sky: 0xffffff, ground: 0x9a928a, hemisphere: 1.35, key: 1.9, fill: 0.5 },
+    dark: { background: 0x14181d, grid: 0x2c343d, sky: 0xdfe8f5, ground: 0x3a342f, hemisphere: 1.0, key: 2.0, fill: 0.45 },
+};
+
+/** Directions from which one looks, in the scene's own axes (y up); z-up scenes are turned. */
+const views = { front: [0, 0, 1], back: [0, 0, -1], left: [1, 0, 0], right: [-1, 0, 0], top: [0, 1, 1e-3], corner: [0.5, 0.28, 0.82] };
+
+/** Up to `most` points of a body, evenly over its vertices. */
+export function samplePoints(body, frame, most) {
+    const p = body.positionsAt(frame), out = [], step = 3 * Math.max(1, Math.floor(body.vertices / most));
+    for (let i = 0; i + 2 < p.length; i += step) out.push(new Vector3(p[i], p[i + 1], p[i + 2]));
+    return out;
+}
+
+export class Stage {
+    constructor(host, data) {
+        this.host = host;
+        this.data = data;
+        this.renderer = new WebGLRenderer({ antialias: true, preserveDrawingBuffer: true, stencil: true });
+        this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
+        this.canvas = this.renderer.domElement;
+        this.canvas.className = "canvas";
+        this.canvas.tabIndex = 0;
+        this.canvas.setAttribute("aria-label", "3D view; drag to turn, right-drag to move, wheel to zoom");
+        host.prepend(this.canvas);
+        this.scene = new Scene();
+        this.world = new Group();
+        this.scene.add(this.world);
+        const [low, high] = data.bounds.map((p) => new Vector3(...p));
+        this.centre = low.clone().add(high).multiplyScalar(0.5);
+        this.size = Math.max(1e-6, high.clone().sub(low).length());
+        this.camera = new PerspectiveCamera(32, 1, this.size / 500, this.size * 50);
+        if (data.up === "z") this.camera.up.set(0, 0, 1);
+        this.controls = new OrbitControls(this.camera, this.canvas);
+        this.controls.enableDamping = false;
+        this.controls.zoomToCursor = true;
+        this.controls.addEventListener("change", () => this.invalidate());
+        this.addLights();
+        this.addGrid(low, high);
+        this.beforeDraw = [];
+        new ResizeObserver(() => this.resize()).observe(host);
+        this.resize();
+        this.look("corner");
+    }
+
+    addLights() {
+        this.hemisphere = new HemisphereLight(0xffffff, 0x888888, 1);
+        if (this.data.up === "z") this.hemisphere.position.set(0, 0, 1);
+        this.key = new DirectionalLight(0xfff4e6, 2);
+        this.fill = new DirectionalLight(0xd8e6ff, 0.5);
+        // The lights go with the eye, so that no side of the scene stays dark.
+        this.camera.add(this.key, this.key.target, this.fill, this.fill.target);
+        this.key.position.set(-0.45, 0.9, 1);
+        this.fill.position.set(1, -0.25, 0.4);
+        this.key.target.position.set(0, 0, -1);
+        this.fill.target.position.set(0, 0, -1);
+        this.scene.add(this.camera, this.hemisphere, new AmbientLight(0xffffff, 0.12));
+    }
+
+    addGrid(low, high) {
+        const up = this.data.up === "z" ? 2 : 1;
+        const [a, b] = up === 2 ? [0, 1] : [0, 2];
+        const spacing = 10 ** Math.floor(Math.log10(this.size / 2));
+        const floor = low.getComponent(up) - this.size * 0.02;
+        const range = (axis) => [
+            Math.floor((low.getComponent(axis) - this.size * 0.2) / spacing),
+            Math.ceil((high.getComponent(axis) + this.size * 0.2) / spacing),
+        ];
+        const [a0, a1] = range(a), [b0, b1] = range(b);
+        const lines = [];
+        const add = (u, v) => {
+            const p = [0, 0, 0];
+            p[up] = floor;
+            p[a] = u * spacing;
+            p[b] = v * spacing;
+            lines.push(...p);
+        };
+        for (let u = a0; u <= a1; ++u) add(u, b0), add(u, b1);
+        for (let v = b0; v <= b1; ++v) add(a0, v), add(a1, v);
+        const geometry = new BufferGeometry().setAttribute("position", new Float32BufferAttribute(lines, 3));
+        this.grid = new LineSegments(geometry, new LineBasicMaterial({ transparent: true, opacity: 0.55 }));
+        this.scene.add(this.grid);
+    }
+
+    setTheme(name) {
+        const t = themes[name];
+        this.scene.background = new Color(t.background);
+        this.grid.material.color.set(t.grid);
+        this.hemisphere.color.set(t.sky);
+        this.hemisphere.groundColor.set(t.ground);
+        this.hemisphere.intensity = t.hemisphere;
+        this.key.intensity = t.key;
+        this.fill.intensity = t.fill;
+        this.invalidate();
+    }
+
+    resize() {
+        const width = Math.max(1, this.host.clientWidth), height = Math.max(1, this.host.clientHeight);
+        // A view that grows shows more at the same scale; one that shrinks shows the same, smaller.
+        const factor = Math.max(1, height / this.framedHeight) / Math.max(1, this.height / this.framedHeight);
+        if (factor !== 1 && Number.isFinite(factor)) this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
+        this.height = height;
+        this.renderer.setSize(width, height, false);
+        this.camera.aspect = width / height;
+        this.camera.updateProjectionMatrix();
+        this.invalidate();
+    }
+
+    /** Looks from a named side at everything. */
+    look(name) {
+        const [x, y, z] = views[name];
+        const d = this.data.up === "z" ? new Vector3(x, -z, y) : new Vector3(x, y, z);
+        this.frame(this.everything(), d.normalize());
+    }
+
+    /** Points of all bodies at a handful of frames: enough to see where the motion goes. */
+    everything() {
+        if (this.samples) return this.samples;
+        const { frames, bodies } = this.data, out = [];
+        const step = Math.max(1, Math.floor((frames.length - 1) / 8));
+        for (let f = 0; f < frames.length; f += step)
+            for (const body of bodies) if (body.isThere(f)) out.push(...samplePoints(body, f, 240));
+        return (this.samples = out);
+    }
+
+    /** The camera nearest to `points` that sees them all, from where it looks now unless `direction` says otherwise. */
+    frame(points, direction = null) {
+        if (points.length === 0) return;
+        this.framedHeight = this.height;
+        const d = direction ?? this.camera.position.clone().sub(this.controls.target).normalize();
+        const right = new Vector3().crossVectors(this.camera.up, d).normalize();
+        const up = new Vector3().crossVectors(d, right);
+        const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.93, wide = tall * this.camera.aspect;
+        // Planes of the view's pyramid pushed out until they hold every point; the eye is where they meet.
+        const extent = { left: Infinity, right: -Infinity, low: Infinity, high: -Infinity };
+        for (const p of points) {
+            const x = p.dot(right), y = p.dot(up), z = p.dot(d);
+            extent.left = Math.min(extent.left, x - wide * z);
+            extent.right = Math.max(extent.right, x + wide * z);
+            extent.low = Math.min(extent.low, y - tall * z);
+            extent.high = Math.max(extent.high, y + tall * z);
+        }
+        const back = Math.max((extent.right - extent.left) / (2 * wide), (extent.high - extent.low) / (2 * tall));
+        const eye = new Vector3().addScaledVector(right, (extent.left + extent.right) / 2)
+            .addScaledVector(up, (extent.low + extent.high) / 2).addScaledVector(d, back);
+        const middle = points.reduce((sum, p) => sum + p.dot(d), 0) / points.length;
+        this.camera.position.copy(eye);
+        this.controls.target.copy(eye).addScaledVector(d, Math.min(middle - eye.dot(d), -1e-3 * this.size));
+        this.controls.update();
+        this.invalidate();
+    }
+
+    invalidate() {
+        if (this.requested) return;
+        this.requested = true;
+        requestAnimationFrame(() => this.requested && this.draw());
+    }
+    draw() {
+        this.requested = false;
+        for (const call of this.beforeDraw) call();
+        this.renderer.render(this.scene, this.camera);
+    }
+
+    /** The first of `meshes` under a point of the page. */
+    pick(x, y, meshes) {
+        const r = this.canvas.getBoundingClientRect();
+        const at = new Vector2(((x - r.left) / r.width) * 2 - 1, 1 - ((y - r.top) / r.height) * 2);
+        const ray = new Raycaster();
+        ray.setFromCamera(at, this.camera);
+        return ray.intersectObjects(meshes, false)[0] ?? null;
+    }
+    /** Where a point of the scene is on the page, in CSS pixels. */
+    project(point) {
+        const p = new Vector3(...point).project(this.camera);
+        const r = this.canvas.getBoundingClientRect();
+        return [r.left + ((p.x + 1) / 2) * r.width, r.top + ((1 - p.y) / 2) * r.height];
+    }
+    picture() {
+        this.draw();
+        return this.canvas.toDataURL("image/png");
+    }
+}

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the user has chosen. Everything that shows something listens here; nothing else knows of the others.
+
+export class Store {
+    constructor(state) {
+        this.state = state;
+        this.listeners = [];
+    }
+    /** Calls `call(state, changed)` when one of `keys` changes (any key if there are none). */
+    on(keys, call) {
+        this.listeners.push({ keys: new Set(keys), call });
+    }
+    set(patch) {
+        const changed = new Set();
+        for (const [key, value] of Object.entries(patch)) {
+            if (Object.is(this.state[key], value)) continue;
+            this.state[key] = value;
+            changed.add(key);
+        }
+        if (changed.size === 0) return;
+        for (const { keys, call } of this.listeners)
+            if (keys.size === 0 || [...changed].some((k) => keys.has(k))) call(this.state, changed);
+    }
+}
+
+export const overlayNames = ["lattice", "fibres", "attachments", "contacts", "grid"];
+
+/** Attachments: up to the longest of the run, so that frames compare. */
+function usualRanges(scene) {
+    const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.maxStretch ?? 0), 0);
+    return longest > 0 ? { stretch: [0, Number(longest.toPrecision(2))] } : {};
+}
+
+/** What a fresh page shows. */
+export function initialState(scene) {
+    return {
+        frame: 0,
+        playing: false,
+        speed: 1,
+        loop: true,
+        theme: "light",
+        surface: "shaded", // "shaded", "edges" or "wire"
+        smooth: true,
+        visible: scene.bodies.map(() => true),
+        solo: -1,
+        selectedBodies: [],
+        selectedNode: null,
+        overlays: { lattice: false, fibres: false, attachments: false, contacts: false, grid: true },
+        filledLattice: true,
+        cut: { on: false, axis: 0, at: 0.5, flip: false },
+        colourBy: "material", // "volume", "strain", "area", "weights"
+        map: "",
+        ranges: usualRanges(scene), // by quantity: [least, most]
+        opacity: 1, // of tissues and cloth
+        opacityIsAutomatic: true,
+        panel: "timeline",
+        panelOpen: true,
+    };
+}
+
+/** Turns an overlay on or off. Inner things are shown through the tissue unless the user has set it otherwise. */
+export function setOverlay(store, name, on) {
+    const overlays = { ...store.state.overlays, [name]: on };
+    const patch = { overlays };
+    if (store.state.opacityIsAutomatic) {
+        const inner = overlays.lattice || overlays.fibres || overlays.attachments;
+        patch.opacity = inner ? 0.28 : 1;
+    }
+    store.set(patch);
+}
+
+export function isShown(state, body) {
+    return state.solo >= 0 ? state.solo === body : state.visible[body];
+}

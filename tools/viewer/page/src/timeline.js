@@ -1,0 +1,186 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The time line: rows of small charts over the frames. A click or a drag goes to a frame.
+import { h, show } from "./dom.js";
+import { frameSummary, phases, timelineRows } from "./timeline_rows.js";
+
+const left = 132, right = 86, top = 20, gap = 7;
+
+export function timelinePanel(scene, store, player) {
+    const rows = timelineRows(scene);
+    const canvas = h("canvas", { class: "timeline-canvas" });
+    const tip = h("div", { class: "tip", hidden: true });
+    const key = h("div", { class: "timeline-key" }, phases.map(([name, colour]) =>
+        h("span", {}, h("i", { style: `background:${colour}` }), name)), h("span", {}, h("i", { class: "reused" }), "reused"),
+        h("span", {}, h("i", { style: "background:#d23b3b" }), "not converged"));
+    const scroller = h("div", { class: "timeline-scroll" }, canvas, tip);
+    const element = h("div", { class: "timeline" }, scroller, key);
+    if (scene.frames.length === 0) {
+        element.replaceChildren(h("p", { class: "empty" }, "There are no frames to show."));
+        return { element, opened() {} };
+    }
+    const numbers = scene.frames.map((f) => f.frame);
+    const firstFrame = numbers[0], lastFrame = numbers[numbers.length - 1];
+    const span = lastFrame - firstFrame + 1; // by frame number, so that missing frames leave gaps
+    let width = 0, height = 0;
+
+    /** Rows share the room there is, within reason; then they scroll. */
+    function fitHeights(room) {
+        const fixed = top + rows.length * gap + 4, usual = rows.reduce((sum, r) => sum + r.usual, 0);
+        const factor = Math.min(1.6, Math.max(0.72, (room - fixed) / usual));
+        for (const row of rows) row.height = Math.floor(row.usual * factor);
+        height = fixed + rows.reduce((sum, r) => sum + r.height, 0);
+    }
+    const slot = () => (width - left - right) / span;
+    const xOf = (index) => left + (numbers[index] - firstFrame) * slot();
+    const colours = () => {
+        const style = getComputedStyle(document.documentElement);
+        return Object.fromEntries(["text", "soft", "line", "accent", "panel"].map((n) => [n, style.getPropertyValue("--" + n).trim()]));
+    };
+
+    function drawRow(g, row, y, c) {
+        const { height: tall, values, most } = row;
+        const w = Math.max(1, slot()), bar = Math.max(1, w - (w > 4 ? 1 : 0));
+        g.fillStyle = c.line;
+        g.globalAlpha = 0.35;
+        g.fillRect(left, y + tall, width - left - right, 1);
+        g.globalAlpha = 1;
+        if (row.kind === "stack") {
+            row.stacks.forEach((stack, i) => {
+                let base = y + tall;
+                stack.forEach((ms, k) => {
+                    const part = (ms / (most || 1)) * tall;
+                    g.fillStyle = phases[k][1];
+                    g.globalAlpha = scene.frames[i].reused ? 0.3 : 1;
+                    g.fillRect(xOf(i), base - part, bar, part);
+                    base -= part;
+                });
+                g.globalAlpha = 1;
+            });
+        } else if (row.kind === "bars") {
+            values.forEach((v, i) => {
+                if (!Number.isFinite(v)) return;
+                g.fillStyle = row.key === "newton" && scene.frames[i].converged === false ? "#d23b3b" : row.colour;
+                const part = (v / (most || 1)) * tall;
+                g.fillRect(xOf(i), y + tall - part, bar, part);
+            });
+        } else drawLine(g, row, y, c);
+    }
+
+    function drawLine(g, row, y, c) {
+        const { height: tall, kind, zero } = row;
+        const raw = kind === "log" ? row.values.map((v) => (v > 0 ? Math.log10(v) : NaN)) : row.values;
+        const finite = raw.filter(Number.isFinite);
+        let low = Math.min(...finite), high = Math.max(...finite);
+        if (zero) (low = Math.min(0, low)), (high = Math.max(0, high));
+        if (!(high > low)) high = low + 1;
+        const at = (v) => y + tall - ((v - low) / (high - low)) * (tall - 3) - 1;
+        if (zero && low < 0) {
+            g.fillStyle = c.line;
+            g.fillRect(left, at(0), width - left - right, 1);
+        }
+        g.strokeStyle = row.colour;
+        g.lineWidth = 1.5;
+        g.beginPath();
+        let open = false;
+        raw.forEach((v, i) => {
+            const isNext = i > 0 && numbers[i] === numbers[i - 1] + 1;
+            if (!Number.isFinite(v)) return (open = false);
+            const x = xOf(i) + slot() / 2;
+            if (open && isNext) g.lineTo(x, at(v));
+            else g.moveTo(x, at(v)), g.lineTo(x + 0.5, at(v));
+            open = true;
+        });
+        g.stroke();
+    }
+
+    function drawMarks(g, c) {
+        const w = Math.max(1, slot());
+        scene.frames.forEach((f, i) => {
+            if (f.reused) (g.fillStyle = "#3aa0a0"), g.fillRect(xOf(i), top - 4, w, 3);
+            if (f.converged === false) (g.fillStyle = "#d23b3b"), g.fillRect(xOf(i), top - 4, w, 3);
+        });
+        g.fillStyle = c.line;
+        g.globalAlpha = 0.6;
+        for (let i = 1; i < numbers.length; ++i)
+            for (let x = xOf(i - 1) + w; x < xOf(i) - 0.5; x += 6) g.fillRect(x, top, 2, height - top - 4);
+        g.globalAlpha = 1;
+        const step = [1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 5000].find((s) => s * w > 46) ?? 10000;
+        g.fillStyle = c.soft;
+        g.textAlign = "center";
+        for (let n = Math.ceil(firstFrame / step) * step; n <= lastFrame; n += step)
+            g.fillText(String(n), left + (n - firstFrame + 0.5) * w, 10);
+        g.textAlign = "left";
+    }
+
+    const still = document.createElement("canvas"); // everything but the play head
+    function drawStill() {
+        const ratio = window.devicePixelRatio || 1;
+        for (const s of [still, canvas]) (s.width = Math.round(width * ratio)), (s.height = Math.round(height * ratio));
+        canvas.style.height = `${height}px`;
+        const g = still.getContext("2d"), c = colours();
+        g.setTransform(ratio, 0, 0, ratio, 0, 0);
+        g.clearRect(0, 0, width, height);
+        g.font = "11px Inter, 'Segoe UI', Arial, sans-serif";
+        drawMarks(g, c);
+        let y = top;
+        for (const row of rows) {
+            g.fillStyle = c.text;
+            g.fillText(row.title, 10, y + 12);
+            g.fillStyle = c.soft;
+            if (row.height > 26) g.fillText(`most ${show(row.most)} ${row.unit}`, 10, y + 26);
+            drawRow(g, row, y, c);
+            row.y = y;
+            y += row.height + gap;
+        }
+    }
+    function draw() {
+        if (width <= 0) return;
+        const ratio = window.devicePixelRatio || 1, g = canvas.getContext("2d"), c = colours();
+        g.setTransform(1, 0, 0, 1, 0, 0);
+        g.clearRect(0, 0, canvas.width, canvas.height);
+        g.drawImage(still, 0, 0);
+        g.setTransform(ratio, 0, 0, ratio, 0, 0);
+        const { frame } = store.state, x = xOf(frame), w = Math.max(2, slot());
+        g.fillStyle = c.accent;
+        g.globalAlpha = 0.22;
+        g.fillRect(x, top - 6, w, height - top + 6);
+        g.globalAlpha = 1;
+        g.fillRect(x + w / 2 - 0.75, top - 6, 1.5, height - top + 6);
+        g.font = "11px Inter, 'Segoe UI', Arial, sans-serif";
+        for (const row of rows) g.fillText(`${show(row.values[frame])} ${row.unit}`, width - right + 10, row.y + row.height / 2 + 4);
+    }
+    function resize() {
+        if (scroller.clientWidth === 0) return;
+        width = scroller.clientWidth;
+        fitHeights(scroller.clientHeight);
+        drawStill();
+        draw();
+    }
+    new ResizeObserver(resize).observe(scroller);
+    store.on(["frame"], draw);
+    store.on(["theme"], () => requestAnimationFrame(resize));
+
+    /** The frame nearest to a point of the page. */
+    function frameAt(clientX) {
+        const number = firstFrame + (clientX - canvas.getBoundingClientRect().left - left) / slot() - 0.5;
+        let best = 0;
+        for (let i = 1; i < numbers.length; ++i) if (Math.abs(numbers[i] - number) < Math.abs(numbers[best] - number)) best = i;
+        return best;
+    }
+    canvas.addEventListener("pointerdown", (e) => {
+        canvas.setPointerCapture(e.pointerId);
+        store.set({ playing: false });
+        player.goTo(frameAt(e.clientX));
+    });
+    canvas.addEventListener("pointermove", (e) => {
+        const index = frameAt(e.clientX);
+        if (e.buttons & 1) player.goTo(index);
+        tip.hidden = false;
+        tip.replaceChildren(...frameSummary(scene, index).map((line) => h("div", {}, line)));
+        const r = scroller.getBoundingClientRect();
+        tip.style.left = `${Math.min(e.clientX - r.left + 14, r.width - 300)}px`;
+        tip.style.top = `${Math.max(0, e.clientY - r.top - 20) + scroller.scrollTop}px`;
+    });
+    canvas.addEventListener("pointerleave", () => (tip.hidden = true));
+    return { element, opened: resize, xOf: (index) => canvas.getBoundingClientRect().left + xOf(index) + slot() / 2, canvas };
+}

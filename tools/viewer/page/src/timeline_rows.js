@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The rows of the time line: what each draws, taken from the frames' reports. A row without any data is left out.
+import { show } from "./dom.js";
+
+export const phases = [
+    ["assembly", "#4f8fd0"],
+    ["factor", "#8a63c9"],
+    ["solve", "#e0913a"],
+    ["contact", "#d0524f"],
+    ["other", "#8d98a5"],
+];
+
+/** The value farthest from 0. */
+const largest = (values) => values.reduce((m, v) => (Number.isFinite(v) && Math.abs(v) > Math.abs(m) ? v : m), 0);
+
+/** Volume change farthest from 0 over all bodies, per frame. */
+function volumeError(scene) {
+    return scene.frames.map((_, f) => {
+        let worst = NaN;
+        for (const b of scene.bodies) {
+            const v = b.volume ? 100 * (b.volume[f] - 1) : NaN;
+            if (Number.isFinite(v) && !(Math.abs(v) <= Math.abs(worst))) worst = v;
+        }
+        return worst;
+    });
+}
+
+/** Time of one frame by phase, in ms; a frame without phases has its wall time as "other". */
+export function phaseTimes(frame) {
+    if (!frame.phases) return phases.map(([name]) => (name === "other" ? 1000 * (frame.wall_s ?? 0) : 0));
+    return phases.map(([name]) => 1000 * (frame.phases[name] ?? 0));
+}
+
+export function timelineRows(scene) {
+    const { frames } = scene;
+    const of = (key) => frames.map((f) => (f[key] === undefined || f[key] === null ? NaN : Number(f[key])));
+    const stacks = frames.map(phaseTimes);
+    const rows = [
+        { key: "time", title: "Time a frame", unit: "ms", kind: "stack", usual: 54, stacks, values: stacks.map((s) => s.reduce((a, b) => a + b, 0)) },
+        { key: "newton", title: "Newton iterations", unit: "", kind: "bars", usual: 30, values: of("newton"), colour: "#4f8fd0" },
+        { key: "residual", title: "Residual", unit: "", kind: "log", usual: 34, values: of("residual"), colour: "#8a63c9" },
+        { key: "energy", title: "Energy", unit: "J", kind: "line", usual: 34, values: of("energy"), colour: "#e0913a" },
+        { key: "volume", title: "Volume error", unit: "%", kind: "line", usual: 34, values: volumeError(scene), colour: "#2f9e75", zero: true },
+        { key: "minJ", title: "Least det F", unit: "", kind: "line", usual: 30, values: of("minJ"), colour: "#2b93a8", zero: true },
+        { key: "stretch", title: "Longest attachment", unit: "mm", kind: "line", usual: 30, values: of("maxStretch").map((v) => 1000 * v), colour: "#b0713a" },
+        { key: "contacts", title: "Contacts", unit: "", kind: "bars", usual: 26, values: of("contactCount"), colour: "#d0524f" },
+    ];
+    for (const row of rows) row.most = largest(row.values);
+    const optional = new Set(["contacts"]);
+    return rows.filter((r) => r.values.some(Number.isFinite) && !(optional.has(r.key) && r.most === 0) && !(r.key === "time" && r.most === 0));
+}
+
+/** Lines of text about one frame. */
+export function frameSummary(scene, index) {
+    const f = scene.frames[index];
+    const out = [`Frame ${f.frame}${f.reused ? " (reused)" : ""}`];
+    if (f.phases) {
+        out.push(phaseTimes(f).map((ms, i) => [phases[i][0], ms]).filter(([, ms]) => ms > 0).map(([n, ms]) => `${n} ${show(ms)} ms`).join(", ") || "no time");
+        out.push(`${f.newton} Newton in ${f.substeps} step${f.substeps === 1 ? "" : "s"}, residual ${show(f.residual)}${f.converged ? "" : ": not converged"}`);
+        out.push(`energy ${show(f.energy)} J, least det F ${show(f.minJ)}${f.inverted ? `, ${f.inverted} inverted` : ""}`);
+    } else if (f.wall_s) out.push(`${show(1000 * f.wall_s)} ms`);
+    return out;
+}

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// All bodies and overlays in one stage, brought up to date when the state changes.
+import { AttachmentView } from "./attachment_view.js";
+import { cutPlane } from "./body_material.js";
+import { BodyView } from "./body_view.js";
+import { ContactView } from "./contact_view.js";
+import { FibreView } from "./fibre_view.js";
+import { LatticeView } from "./lattice_view.js";
+import { samplePoints, Stage } from "./stage.js";
+import { isShown } from "./store.js";
+
+export class World {
+    constructor(host, scene, store) {
+        this.scene = scene;
+        this.store = store;
+        this.stage = new Stage(host, scene);
+        this.bodies = scene.bodies.map((b) => new BodyView(b));
+        this.lattices = new Map();
+        this.fibres = new Map();
+        this.attachments = [];
+        this.contacts = new ContactView(scene, this.stage.size);
+        for (const view of this.bodies) this.stage.world.add(view.group);
+        this.stage.world.add(this.contacts.group);
+        this.restBox = this.findRestBox();
+        store.on([], (_, changed) => {
+            if (changed.has("theme")) this.stage.setTheme(store.state.theme);
+            this.dirty = true;
+            this.stage.invalidate();
+        });
+        this.stage.beforeDraw.push(() => this.refresh());
+        this.stage.setTheme(store.state.theme);
+        this.dirty = true;
+    }
+
+    /** Of everything soft, as modelled: what the cut plane moves through. */
+    findRestBox() {
+        const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+        for (const b of this.scene.bodies) {
+            if (b.kind === "bone") continue;
+            for (let i = 0; i < b.rest.length; ++i) {
+                low[i % 3] = Math.min(low[i % 3], b.rest[i]);
+                high[i % 3] = Math.max(high[i % 3], b.rest[i]);
+            }
+        }
+        return low[0] <= high[0] ? [low, high] : [[0, 0, 0], [1, 1, 1]];
+    }
+
+    /** [nx, ny, nz, w], or null where nothing is cut. */
+    plane() {
+        const { on, axis, at, flip } = this.store.state.cut;
+        if (!on) return null;
+        const n = [0, 0, 0];
+        const w = this.restBox[0][axis] + at * (this.restBox[1][axis] - this.restBox[0][axis]);
+        n[axis] = flip ? -1 : 1;
+        return [...n, flip ? -w : w];
+    }
+
+    refresh() {
+        if (!this.dirty) return;
+        this.dirty = false;
+        const { state } = this.store, { overlays } = state;
+        const plane = this.plane();
+        if (plane) cutPlane.value.set(...plane);
+        this.stage.grid.visible = overlays.grid;
+        for (const view of this.bodies) view.update(state);
+        this.showLayer(this.lattices, overlays.lattice, (v) => v.body.lattice, (v) => new LatticeView(v), plane);
+        this.showLayer(this.fibres, overlays.fibres, (v) => v.body.fibres.length > 0, (v) => new FibreView(v));
+        this.showAttachments(overlays.attachments);
+        this.contacts.group.visible = false;
+        if (overlays.contacts) this.contacts.update(state);
+    }
+
+    /** Made when first shown: a layer that is off costs nothing. */
+    showLayer(layer, on, has, make, plane = null) {
+        const { state } = this.store;
+        for (const view of this.bodies) {
+            const index = view.body.index;
+            const wanted = on && has(view) && isShown(state, index) && view.body.isThere(state.frame);
+            if (wanted && !layer.has(index)) {
+                layer.set(index, make(view));
+                this.stage.world.add(layer.get(index).group);
+            }
+            const shown = layer.get(index);
+            if (!shown) continue;
+            shown.group.visible = Boolean(wanted);
+            if (wanted) shown.update(state, plane);
+        }
+    }
+
+    allAttachments() {
+        if (this.attachments.length === 0)
+            this.attachments = this.scene.attachments.map((a) => new AttachmentView(a, this.scene));
+        return this.attachments;
+    }
+    showAttachments(on) {
+        if (!on && this.attachments.length === 0) return;
+        for (const view of this.allAttachments()) {
+            if (!view.group.parent) this.stage.world.add(view.group);
+            view.group.visible = on;
+            if (on) view.update(this.store.state);
+        }
+    }
+
+    /** The body under a point of the page, or -1. */
+    pickBody(x, y) {
+        const { state } = this.store;
+        const meshes = this.bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
+        const plane = this.plane();
+        if (!plane) {
+            const hit = this.stage.pick(x, y, meshes);
+            return hit ? hit.object.userData.body : -1;
+        }
+        const uncut = meshes.filter((m) => state.cut.on && this.scene.bodies[m.userData.body].kind === "bone");
+        const hit = this.stage.pick(x, y, uncut) ?? this.stage.pick(x, y, meshes);
+        return hit ? hit.object.userData.body : -1;
+    }
+
+    /** Frames the selected bodies, or all that is shown. */
+    frameSelection() {
+        const { state } = this.store;
+        const chosen = this.bodies.filter((v) => v.body.isThere(state.frame) &&
+            (state.selectedBodies.length ? state.selectedBodies.includes(v.body.index) : isShown(state, v.body.index)));
+        const points = chosen.flatMap((v) => samplePoints(v.body, state.frame, 2000));
+        this.stage.frame(points.length ? points : this.stage.everything());
+    }
+
+    /** Least and largest shown value of a quantity at this frame, leaving out the outermost 1 % on each side. */
+    measuredRange(quantity) {
+        const { state } = this.store, all = [];
+        for (const view of this.bodies) {
+            if (!isShown(state, view.body.index) || !view.body.isThere(state.frame)) continue;
+            const values = view.valuesOf(quantity, state.map, state.frame);
+            if (values) for (const v of values) if (Number.isFinite(v)) all.push(v);
+        }
+        if (all.length === 0) return null;
+        all.sort((a, b) => a - b);
+        return [all[Math.floor(0.01 * (all.length - 1))], all[Math.ceil(0.99 * (all.length - 1))]];
+    }
+}
