@@ -5,6 +5,7 @@ import { mkdtemp, rm, writeFile } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
+import { chromium } from "playwright-core";
 import { closeBrowser, openPage, pixels, sinew } from "./browser.mjs";
 
 let folder;
@@ -70,6 +71,20 @@ test("a folder that is not there, and wrong flags, are usage errors", async () =
     assert.equal((await sinew("view", path.join(folder, "nowhere"))).code, 1);
     assert.equal((await sinew("view", folder, "--surfaces")).code, 2);
     assert.equal((await sinew("view", "graphs/scenes/arm.json", "--frames", "x")).code, 2);
+});
+
+test("without WebGL the page says so, and the time line and the graph still work", async () => {
+    const place = await mkdtemp(path.join(folder, "run-"));
+    for (const f of [1, 2]) await writeFile(path.join(place, `a.${f}.obj`), cube(f));
+    await sinew("view", place);
+    const plain = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--no-sandbox", "--disable-3d-apis"] });
+    const page = await plain.newPage();
+    await page.goto("file://" + path.join(place, "view.html"));
+    await page.waitForFunction(() => document.documentElement.dataset.ready === "yes");
+    assert.match(await page.locator("main").innerText(), /3D view cannot start/);
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.locator(".frame-number").inputValue(), "2");
+    await plain.close();
 });
 
 test("a long run of a large body: 100,000 vertices, 200 frames", { skip: !process.env.SINEW_LARGE }, async () => {

@@ -4,6 +4,7 @@
 #include "nodes/register_all.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/node_facts.h"
 #include "tools/cli/print.h"
 
 #include <algorithm>
@@ -43,13 +44,6 @@ std::string_view word_of(engine::Affects affects) {
     return "nothing";
 }
 
-Json limits_json(const engine::Limits& limits) {
-    Json out = Json::object();
-    if (std::isfinite(limits.min)) out[limits.open_min ? "above" : "min"] = limits.min;
-    if (std::isfinite(limits.max)) out[limits.open_max ? "below" : "max"] = limits.max;
-    return out;
-}
-
 Json attribute_json(const engine::AttributeInfo& a) {
     Json out = {{"name", a.name}, {"kind", word_of(a.kind)}, {"type", a.type_name}};
     if (!a.unit.empty()) out["unit"] = a.unit;
@@ -79,30 +73,6 @@ Json type_json(const engine::NodeType& type) {
                 {"simulation", type.simulation != nullptr}};
     for (const auto& a : type.inputs) out["inputs"].push_back(attribute_json(a));
     for (const auto& a : type.outputs) out["outputs"].push_back(attribute_json(a));
-    return out;
-}
-
-/// "number [Pa], default 12000, above 0, keyable"
-std::string facts(const engine::AttributeInfo& a) {
-    std::string out(a.type_name);
-    if (a.kind == engine::AttributeKind::wire) out = "connection to a " + out;
-    if (a.kind == engine::AttributeKind::wire_list) out = "connections to " + out;
-    if (!a.unit.empty() && a.unit != "1") out += " [" + std::string(a.unit) + "]";
-    if (a.required) out += ", required";
-    if (a.kind == engine::AttributeKind::literal) {
-        if (!a.required) {
-            std::string text = as_text(describe_value(a.def));
-            text.erase(text.find_last_not_of('\n') + 1);
-            if (!text.empty() && text.find('\n') == std::string::npos) out += ", default " + text;
-        }
-        const Json limits = limits_json(a.limits);
-        for (const auto& [word, limit] : limits.items()) out += ", " + word + " " + limit.dump();
-        if (a.keyable) out += ", keyable";
-        for (std::size_t i = 0; i < a.options.size(); ++i)
-            out += (i ? " | " : ", one of ") + std::string(a.options[i]);
-        for (std::size_t i = 0; i < a.presets.size(); ++i)
-            out += (i ? ", " : ", presets: ") + std::string(a.presets[i].name);
-    }
     return out;
 }
 

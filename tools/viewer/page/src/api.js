@@ -13,7 +13,7 @@ export function makeApi(app, loadMs) {
     };
     const api = {
         scene,
-        loadMs,
+        loadMs, // since the browser began to open the page
         frames: scene.frames.map((f) => f.frame),
         get frame() {
             return scene.frames[store.state.frame]?.frame;

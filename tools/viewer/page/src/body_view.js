@@ -170,7 +170,7 @@ export class BodyView {
         const cut = soft && state.cut.on ? 1 : 0;
         material.userData.own.uCutOn.value = cut;
         const selected = state.selectedBodies.includes(body.index);
-        material.userData.own.uSelect.value.set(selected ? (state.theme === "dark" ? 0x0d2a52 : 0x0a2144) : 0);
+        material.userData.own.uSelect.value.set(selected ? (state.theme === "dark" ? 0x07162c : 0x061226) : 0);
         this.outline.visible = this.mask.visible = selected && state.surface !== "wire" && !cut;
         this.mesh.visible = state.surface !== "wire";
         this.edges.visible = state.surface !== "shaded";

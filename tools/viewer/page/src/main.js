@@ -16,7 +16,6 @@ import { timelinePanel } from "./timeline.js";
 import { transport } from "./transport.js";
 import { World } from "./world.js";
 
-const started = performance.now();
 const root = document.getElementById("app");
 
 function rememberedTheme() {
@@ -161,8 +160,8 @@ function clicks({ world, selection }) {
 
 window.sinewReady = start().then(
     (app) => {
-        if (app.world) window.sinew = makeApi(app, performance.now() - started);
-        else window.sinew = { scene: app.scene, frames: [], loadMs: performance.now() - started };
+        if (app.world) window.sinew = makeApi(app, performance.now());
+        else window.sinew = { scene: app.scene, frames: [], loadMs: performance.now() };
         document.documentElement.dataset.ready = "yes";
     },
     (error) => {
