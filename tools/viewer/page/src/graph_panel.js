@@ -91,14 +91,14 @@ export function graphPanel(scene, store, selection) {
     }
     store.on(["selectedNode", "selectedBodies"], highlight);
 
-    const search = h("input", { type: "search", class: "search", placeholder: "Find a node", "aria-label": "Find a node", oninput: () => {
+    const search = h("input", { type: "search", class: "search", "aria-label": "Find a node", oninput: () => {
         const word = search.value.trim().toLowerCase();
         for (const [name, g] of groups) g.classList.toggle("found", word !== "" && name.toLowerCase().includes(word));
     }, onkeydown: (e) => {
         const found = [...groups.keys()].find((n) => groups.get(n).classList.contains("found"));
         if (e.key === "Enter" && found) selection.selectNode(found), centreOn(found, true);
     } });
-    host.append(h("div", { class: "graph-tools" }, search, iconButton("focus", "Show the whole graph", fit)));
+    host.append(h("div", { class: "graph-tools" }, h("label", { class: "find" }, "Find", search), iconButton("focus", "Show the whole graph", fit)));
     let fitted = false;
     return { element: host, opened() { if (!fitted && host.clientWidth > 0) (fitted = true), fit(), highlight(); } };
 }
