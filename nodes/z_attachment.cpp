@@ -33,7 +33,7 @@ const Input<double> stiffness{
     .name = "stiffness",
     .def = 1e8,
     .unit = "N/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e14},
     .doc = "Force per attached area and distance.",
 };
 const Input<double> damping{

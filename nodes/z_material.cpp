@@ -30,7 +30,7 @@ const Input<double> youngs_modulus{
     .name = "youngsModulus",
     .def = 12e3,
     .unit = "Pa",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e13, .open_min = true},
     .doc = "Stiffness: the stress that a small stretch by 100 % would need.",
     .presets = {{"gelatin", 1},
                 {"brain", 500},

@@ -75,8 +75,8 @@ inline const Input<double> tolerance_factor{
     .name = "solverToleranceFactor",
     .def = 1,
     .unit = "1",
-    .limits = {.min = 0, .open_min = true},
-    .doc = "Multiplies the tolerance; below 1 is stricter.",
+    .limits = {.min = 0, .max = 1e5, .open_min = true},
+    .doc = "Multiplies the tolerance of 1e-6 on the residual relative to the forces at work; below 1 is stricter.",
 };
 inline const Input<double> stiffness_damping{
     .name = "stiffnessDamping",

@@ -46,7 +46,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
 }
 
 void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                          double tolerance, Outcome& outcome) {
+                                          double tolerance, bool projected, Outcome& outcome) {
     if (factor_of_this_step_) {
         ConjugateGradients::Result r;
         {
@@ -60,14 +60,14 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
         }
         outcome.iterations += r.iterations;
         outcome.definite = r.definite;
-        if (!r.definite || r.converged) return;
+        if (r.converged || (!r.definite && !projected)) return;
     }
     factorize_and_solve(a, b, x, outcome);
 }
 
 LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b,
                                           std::vector<double>& x, double tolerance, int newton_iteration,
-                                          LinearMemory& memory) {
+                                          bool projected, LinearMemory& memory) {
     Outcome outcome;
     x.resize(b.size());
     if (method == LinearMethod::direct) {
@@ -77,7 +77,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     const bool automatic = method == LinearMethod::automatic;
     if (automatic && newton_iteration >= patience) memory.factor_steps_left = factor_steps;
     if (automatic && memory.factor_steps_left > 0) {
-        solve_with_kept_factor(a, b, x, tolerance, outcome);
+        solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;
     }
     ConjugateGradients::Result r;
@@ -89,8 +89,8 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     }
     outcome.iterations = r.iterations;
     outcome.definite = r.definite;
-    if (!r.definite || r.converged || !automatic) return outcome;
-    memory.factor_steps_left = factor_steps;
+    if (r.converged || (!r.definite && !projected) || (r.definite && !automatic)) return outcome;
+    if (automatic) memory.factor_steps_left = factor_steps;
     factorize_and_solve(a, b, x, outcome);
     return outcome;
 }

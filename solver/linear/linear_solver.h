@@ -30,9 +30,11 @@ class LinearSolver {
     };
     /// A new step: the factor of the last one is not used any more.
     void begin_step() { factor_of_this_step_ = false; }
-    /// Solves A x = b. `newton_iteration` counts from 0 in the step. `tolerance` is for the iterative path; the direct one is exact to rounding.
+    /// Solves A x = b. `newton_iteration` counts from 0 in the step. `projected`: the matrix is positive definite by
+    /// construction, so iterations that find otherwise met the limits of single precision, and the factor decides.
+    /// `tolerance` is for the iterative path; the direct one is exact to rounding.
     Outcome solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                  double tolerance, int newton_iteration, LinearMemory& memory);
+                  double tolerance, int newton_iteration, bool projected, LinearMemory& memory);
     int symbolic_analyses() const { return symbolic_analyses_; }
     /// Iterations after which a factorisation would have been cheaper.
     int break_even() const;
@@ -40,7 +42,7 @@ class LinearSolver {
   private:
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                double tolerance, Outcome& outcome);
+                                double tolerance, bool projected, Outcome& outcome);
     const BlockPattern& pattern_;
     std::unique_ptr<Cholesky> direct_;             ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_; ///< made when first needed

@@ -80,11 +80,10 @@ class HarmonicSolver {
                             "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
-        Vector f =
-            solve(v, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+        Vector f = solve(v);
         if (range == HarmonicRange::painted) {
             const double slack = 1e-12 * (high - low);
-            if (f.minCoeff() < low - slack || f.maxCoeff() > high + slack) f = solve(v, low, high);
+            if (f.minCoeff() < low - slack || f.maxCoeff() > high + slack) f = solve_within(v, low, high);
             // What is left beyond the bounds is rounding, or the bounded solve's last active set.
             f = f.cwiseMax(low).cwiseMin(high);
         }
@@ -165,32 +164,39 @@ class HarmonicSolver {
         A_ = K_ + Sparse(B_.transpose() * (W_.asDiagonal() * B_));
         // Only in the matrix that corrects, so it costs accuracy nowhere and no pivot can vanish.
         for (int i = 0; i < count_; ++i) A_.coeffRef(i, i) += 1e-13 * scale;
-        factorise(free_, A_);
+        free_.compute(A_);
+        require_factor(free_);
     }
 
-    static void factorise(Factor& factor, const Sparse& matrix) {
-        factor.compute(matrix);
+    static void require_factor(const Factor& factor) {
         if (factor.info() != Eigen::Success)
             throw Error("FE212",
                         "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
-    Vector solve(const Vector& v, double low, double high) const {
+    Vector solve(const Vector& v) const {
         constexpr int rounds = 12;
-        const bool is_bounded = std::isfinite(low);
         const double spread = std::max(v.maxCoeff() - v.minCoeff(), 1e-300);
         Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
-        std::vector<char> active(at(count_), 0); // -1 at the lower bound, 1 at the upper
         for (int round = 0; round < rounds; ++round) {
-            const Vector before = f;
-            if (is_bounded) {
-                bounded_step(v + y, low, high, active, f);
-            } else {
-                const Vector residual = force(v + y, f);
-                f += free_.solve(residual);
-            }
+            const Vector residual = force(v + y, f);
+            const Vector step = free_.solve(residual);
+            f += step;
             y += v - B_ * f;
-            if ((f - before).cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
+            if (step.cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
+        }
+        return f;
+    }
+
+    /// The same within bounds. Few rounds: where the bounds contradict the paint, the multipliers would grow
+    /// for ever.
+    Vector solve_within(const Vector& v, double low, double high) const {
+        constexpr int rounds = 3;
+        Bounded bounded(*this, low, high);
+        Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
+        for (int round = 0; round < rounds; ++round) {
+            bounded.minimise(v + y, f);
+            y += v - B_ * f;
         }
         return f;
     }
@@ -200,38 +206,75 @@ class HarmonicSolver {
     }
 
     /// Minimum within the bounds, by the primal-dual active set method (Hintermueller, Ito, Kunisch 2003).
-    void bounded_step(const Vector& target, double low, double high, std::vector<char>& active,
-                      Vector& f) const {
-        constexpr int most_changes = 20;
-        const Vector diagonal = A_.diagonal();
-        for (int change = 0; change < most_changes; ++change) {
-            for (int i = 0; i < count_; ++i)
-                if (active[at(i)]) f[i] = active[at(i)] < 0 ? low : high;
-            Sparse matrix = A_;
-            Vector right = force(target, f);
+    /// One analysis of the pattern; a new factor only when the set of vertices held by a bound changes.
+    class Bounded {
+      public:
+        Bounded(const HarmonicSolver& owner, double low, double high)
+            : owner_(owner)
+            , low_(low)
+            , high_(high)
+            , diagonal_(owner.A_.diagonal())
+            , held_(at(owner.count_), 0) {
+            factor_.analyzePattern(owner.A_);
+        }
+
+        void minimise(const Vector& target, Vector& f) {
+            constexpr int most_changes = 12;
+            for (int change = 0; change < most_changes; ++change) {
+                if (!is_current_) refactorise();
+                for (std::size_t i = 0; i < held_.size(); ++i)
+                    if (held_[i]) f[index(i)] = held_[i] < 0 ? low_ : high_;
+                Vector right = owner_.force(target, f);
+                for (std::size_t i = 0; i < held_.size(); ++i)
+                    if (held_[i]) right[index(i)] = 0;
+                f += factor_.solve(right);
+                if (!update_held(owner_.force(target, f), f)) return;
+                is_current_ = false;
+            }
+            f = f.cwiseMax(low_).cwiseMin(high_);
+        }
+
+      private:
+        static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+        void refactorise() {
+            Sparse matrix = owner_.A_;
             for (int c = 0; c < matrix.outerSize(); ++c)
                 for (Sparse::InnerIterator entry(matrix, c); entry; ++entry)
-                    if (entry.row() != entry.col() && (active[at(entry.row())] || active[at(entry.col())]))
+                    if (entry.row() != entry.col() && (held_[at(entry.row())] || held_[at(entry.col())]))
                         entry.valueRef() = 0;
-            for (int i = 0; i < count_; ++i)
-                if (active[at(i)]) right[i] = 0;
-            Factor factor;
-            factorise(factor, matrix);
-            f += factor.solve(right);
-            const Vector push = force(target, f); // what the bounds must hold against
-            bool has_changed = false;
-            for (int i = 0; i < count_; ++i) {
-                const double up = push[i] + diagonal[i] * (f[i] - high),
-                             down = push[i] + diagonal[i] * (f[i] - low);
-                const double slack = 1e-12 * diagonal[i] * (high - low);
-                const char now = up > slack ? 1 : down < -slack ? -1 : 0;
-                has_changed = has_changed || now != active[at(i)];
-                active[at(i)] = now;
-            }
-            if (!has_changed) return;
+            factor_.factorize(matrix);
+            require_factor(factor_);
+            is_current_ = true;
         }
-        f = f.cwiseMax(low).cwiseMin(high);
-    }
+
+        /// `push` is what a bound must hold against. Returns whether the set has changed.
+        bool update_held(const Vector& push, const Vector& f) {
+            const std::vector<char> last = held_;
+            for (std::size_t i = 0; i < held_.size(); ++i) {
+                const Eigen::Index k = index(i);
+                const double slack =
+                    1e-9 * diagonal_[k] * (high_ - low_); // above the rounding error of `push`
+                const double up = push[k] + diagonal_[k] * (f[k] - high_),
+                             down = push[k] + diagonal_[k] * (f[k] - low_);
+                const char now = up > slack ? 1 : down < -slack ? -1 : 0;
+                if (now != 0 || may_release_) held_[i] = now;
+            }
+            // Two sets in turn: from now on vertices are only added, which ends.
+            if (held_ != last && held_ == before_last_) may_release_ = false;
+            before_last_ = last;
+            return held_ != last;
+        }
+
+        const HarmonicSolver& owner_;
+        double low_, high_;
+        Vector diagonal_;
+        std::vector<char> held_; ///< -1 at the lower bound, 1 at the upper
+        std::vector<char> before_last_;
+        bool may_release_ = true;
+        Factor factor_;
+        bool is_current_ = false;
+    };
 
     const TetMesh& mesh_;
     const Embedding& surface_;

@@ -57,6 +57,10 @@ TEST_CASE("engine and solver never include each other, nodes or tools") {
     CHECK(offenders(sources({"solver"}), R"(#\s*include\s*[<"](engine|nodes|tools|tests)/)") == "");
 }
 
+TEST_CASE("includes name files from the project's root, so that the rules above see them") {
+    CHECK(offenders(sources({"engine", "solver", "nodes", "tools", "tests"}), R"(#\s*include\s*"\.\.?/)") == "");
+}
+
 TEST_CASE("nodes do not include tools, and nothing includes tests") {
     CHECK(offenders(sources({"nodes"}), R"(#\s*include\s*[<"](tools|tests)/)") == "");
     CHECK(offenders(sources({"tools"}), R"(#\s*include\s*[<"]tests/)") == "");

@@ -98,3 +98,14 @@ TEST_CASE("writers of one file at the same time leave one whole file", "[tools]"
     CHECK(text == std::string(20000, text.front()));
     CHECK(entries(folder.path()) == 1);
 }
+
+TEST_CASE("a device stays a device, and a symbolic link stays a link to the new content", "[tools]") {
+    const test::TemporaryFolder folder;
+    write_file("/dev/null", "nothing");
+    CHECK(fs::is_character_file("/dev/null"));
+    test::write_text(folder / "real.txt", "old");
+    fs::create_symlink("real.txt", folder / "link.txt");
+    write_file(folder / "link.txt", "new");
+    CHECK(fs::is_symlink(folder / "link.txt"));
+    CHECK(test::read_text(folder / "real.txt") == "new");
+}

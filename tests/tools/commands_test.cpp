@@ -103,7 +103,8 @@ TEST_CASE("eval prints meshes by size, box and digest, and numbers as they are",
         run_program({"eval", graph, "upperMove.outMatrix", "--frame", "6", "--json"}).lines().front();
     CHECK(moved.at("type") == "matrix");
     CHECK(moved.at("value").at(0).at(3) == 0.5);
-    const json bodies = run_program({"eval", graph, "solver.outMeshes", "--frame", "2", "--json"}).lines().front();
+    const json bodies =
+        run_program({"eval", graph, "solver.outMeshes", "--frame", "2", "--json"}).lines().front();
     CHECK(bodies.at("value").at("block").at("faces") == 40);
     const Said unknown = run_program({"eval", graph, "plateMesh.outMsh"});
     CHECK(unknown.code == 2);
@@ -125,8 +126,8 @@ TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
 
 TEST_CASE("explain computes nothing and says why it would", "[tools]") {
     const TemporaryFolder folder;
-    const Said said =
-        run_program({"explain", write_graph(folder, small_graph()), "solver.outMeshes", "--frame", "4", "--json"});
+    const Said said = run_program(
+        {"explain", write_graph(folder, small_graph()), "solver.outMeshes", "--frame", "4", "--json"});
     CHECK(said.code == 0);
     const json verdict = said.lines().front();
     CHECK(verdict.at("readiness") != "ready");
@@ -208,7 +209,8 @@ TEST_CASE("the graphs to learn from are right and run", "[tools]") {
         const Said check = run_program({"check", entry.path().string()});
         CHECK(check.code == 0);
         CHECK(check.err.empty());
-        const Said run = run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
+        const Said run =
+            run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
         CHECK(run.code == 0);
         CHECK(run.err.empty());
     }

@@ -52,7 +52,7 @@ TEST_CASE("a run writes every body of every frame, named after its node", "[tool
     const TemporaryFolder folder;
     const std::string out = (folder / "out").string();
     const Said said = run_program({"run", write_graph(folder, small_graph()), "--out", out, "--format",
-                             "obj,ply,glb", "--report", out + "/report.json"});
+                                   "obj,ply,glb", "--report", out + "/report.json"});
     INFO(said.err);
     REQUIRE(said.code == 0);
     CHECK(names_in(out) == std::set<std::string>{"obj", "ply", "report.json", "small.glb"});
@@ -91,8 +91,8 @@ TEST_CASE("a run writes every body of every frame, named after its node", "[tool
 TEST_CASE("the report says for every frame how it went", "[tools]") {
     const TemporaryFolder folder;
     const std::string file = (folder / "r.json").string();
-    REQUIRE(run_program({"run", write_graph(folder, small_graph()), "--report", file, "--frames", "1-4", "--quiet",
-                   "--threads", "1"})
+    REQUIRE(run_program({"run", write_graph(folder, small_graph()), "--report", file, "--frames", "1-4",
+                         "--quiet", "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
     CHECK(keys(report) ==
@@ -153,12 +153,12 @@ TEST_CASE("a --set changes the result, and a wrong one is the graph's error", "[
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
     const auto plain = digests(run_program({"run", graph, "--json", "--frames", "3"}));
-    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "flesh.youngsModulus=40000"})) !=
-          plain);
-    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "block.material=NeoHookean"})) !=
-          plain);
+    CHECK(digests(run_program(
+              {"run", graph, "--json", "--frames", "3", "--set", "flesh.youngsModulus=40000"})) != plain);
+    CHECK(digests(run_program(
+              {"run", graph, "--json", "--frames", "3", "--set", "block.material=NeoHookean"})) != plain);
     CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set",
-                         R"(flesh.youngsModulus={"value": 20, "unit": "kPa"})"})) == plain);
+                               R"(flesh.youngsModulus={"value": 20, "unit": "kPa"})"})) == plain);
     const Said wrong = run_program({"run", graph, "--set", "flesh.youngsModulus=-1"});
     CHECK(wrong.code == 1);
     CHECK(wrong.err.find("DG013") != std::string::npos);
@@ -172,7 +172,8 @@ TEST_CASE("numbers that are pulled are printed, files that are pulled are writte
     graph["nodes"]["write"] = json::parse(
         R"({ "type": "meshWriter", "inputs": { "meshes": { "from": "solver.outMeshes" }, "format": "off" } })");
     const std::string file = write_graph(folder, graph), out = (folder / "out").string();
-    const Said numbers = run_program({"run", file, "--pull", "upperMove.outMatrix", "--frames", "1,6", "--json"});
+    const Said numbers =
+        run_program({"run", file, "--pull", "upperMove.outMatrix", "--frames", "1,6", "--json"});
     REQUIRE(numbers.code == 0);
     int values = 0;
     for (const json& line : numbers.lines())
@@ -190,7 +191,7 @@ TEST_CASE("a frame that fails keeps the frames before it, with report and animat
     const TemporaryFolder folder;
     const std::string out = (folder / "out").string();
     const Said said = run_program({"run", write_graph(folder, graph_that_fails_at_frame_4()), "--out", out,
-                             "--format", "glb,obj", "--report", out + "/r.json"});
+                                   "--format", "glb,obj", "--report", out + "/r.json"});
     INFO(said.out << said.err);
     CHECK((said.code == 1 || said.code == 3));
     CHECK(said.err.find("error [") != std::string::npos);

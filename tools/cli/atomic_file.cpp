@@ -81,8 +81,39 @@ class NewFile {
 
 } // namespace
 
-void write_file(const fs::path& path, std::string_view bytes) {
+namespace {
+
+/// Devices and pipes (/dev/null, /dev/stdout, a FIFO) are written to, never replaced by a file.
+void write_through(const fs::path& path, std::string_view bytes) {
+    const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    if (descriptor < 0) fail(path, std::strerror(errno));
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) {
+            const int reason = errno;
+            close(descriptor);
+            fail(path, std::strerror(reason));
+        }
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+    close(descriptor);
+}
+
+} // namespace
+
+void write_file(const fs::path& path_or_link, std::string_view bytes) {
     std::error_code error;
+    // A symbolic link stays; the file that it names is replaced.
+    fs::path path = path_or_link;
+    if (fs::is_symlink(fs::symlink_status(path_or_link, error))) {
+        error.clear();
+        path = fs::weakly_canonical(path_or_link, error);
+        if (error) fail(path_or_link, error.message());
+    }
+    const fs::file_status there = fs::status(path, error);
+    if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there)) return write_through(path, bytes);
+    error.clear();
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
     if (error) fail(path, error.message());
     NewFile file(path);

@@ -216,6 +216,9 @@ class Run {
         if (in_.arguments.has("--quiet")) return;
         in_.out << summary(report_);
         for (const fs::path& path : output_.written()) in_.out << "wrote " << path.string() << "\n";
+        if (const std::size_t older = plan_.out.empty() ? 0 : output_.older_files())
+            in_.err << "note: " << plan_.out.string() << " also holds " << older
+                    << " mesh files from before this run; they were left as they are\n";
         if (plan_.out.empty()) in_.out << "nothing was written; --out DIR keeps the meshes\n";
         if (const auto file = in_.arguments.value("--report")) in_.out << "wrote " << *file << "\n";
         if (!page_.empty()) in_.out << "open file://" << page_.string() << "\n";

@@ -1,14 +1,14 @@
-// `sinew snapshot`: a PNG of chosen frames, without a display.
+// `sinew snapshot`: a PNG of chosen frames or a movie of all, without a display. Draws the viewer's scene.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/mesh/mesh_files.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/body_files.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
-#include "tools/render/picture.h"
-#include "tools/render/shading_mesh.h"
+#include "tools/render/movie.h"
+#include "tools/viewer/collect.h"
+#include "tools/viewer/shot.h"
 
 #include <algorithm>
 #include <ostream>
@@ -19,103 +19,67 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A body as it is drawn in every frame: split along creases and painted once.
-struct Model {
-    BodyLabel label;
-    render::ShadingMesh shading;
-    solver::Points grain;
-    render::Look look;
-};
+constexpr std::string_view frames_doc =
+    "for example 1,64,128 or 1-24; default: first, middle and last, movies: all";
 
-Model make_model(const BodyLabel& label, const solver::Points& rest,
-                 const std::vector<solver::Triangle>& triangles, int index) {
-    Model model{
-        label, render::split_creases(rest, triangles), {}, render::look_of(label.kind, label.name, index)};
-    if (model.look.stripes > 0) model.grain = model.shading.gather(render::grain_of(rest));
-    return model;
-}
-
-render::Surface posed(const Model& model, const solver::Points& points) {
-    render::Surface surface;
-    surface.points = model.shading.gather(points);
-    surface.triangles = model.shading.triangles;
-    surface.normals = solver::vertex_normals(surface.points, surface.triangles);
-    surface.grain = model.grain;
-    surface.look = model.look;
-    return surface;
-}
-
-struct Album {
-    std::vector<render::Shot> shots;
-    char up = 'y';
-};
-
-std::string label_of(int frame) { return "frame " + std::to_string(frame); }
-
-/// The frames asked for, or the first, the middle and the last one.
+/// The frames asked for. Otherwise all for a movie, and the first, the middle and the last one for a picture.
 std::vector<int> chosen_frames(const Arguments& arguments, const std::vector<int>& there) {
     if (const auto text = arguments.value("--frames")) return parse_frames(*text);
+    if (arguments.has("--movie") || there.empty()) return there;
     std::vector<int> out{there.front(), there[there.size() / 2], there.back()};
     out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
 }
 
-Album album_of_folder(const Arguments& arguments, const fs::path& folder) {
+std::vector<int> sorted(std::vector<int> frames) {
+    std::sort(frames.begin(), frames.end());
+    return frames;
+}
+
+/// What is drawn: indices into the scene's frames, in the order asked for.
+struct Album {
+    viewer::ViewScene scene;
+    std::vector<std::size_t> shots;
+};
+
+Album make_album(viewer::ViewScene scene, const std::vector<int>& frames) {
+    Album album{std::move(scene), {}};
+    for (const int frame : frames)
+        for (std::size_t f = 0; f < album.scene.frames.size(); ++f)
+            if (album.scene.frames[f].frame == frame) album.shots.push_back(f);
+    return album;
+}
+
+Album album_of_folder(const Invocation& in, const fs::path& folder) {
     const SequenceFolder found = find_sequences(folder);
     if (found.bodies.empty())
         throw UsageError("there are no OBJ sequences in '" + folder.string() +
                          "'; make them with `sinew run … --format obj --out " + folder.string() + "`.");
-    Album album;
-    album.up = found.up;
-    std::vector<Model> models;
-    for (const BodySequence& body : found.bodies) {
-        const solver::SurfaceMesh first = solver::read_surface(body.files.begin()->second.string());
-        models.push_back(
-            make_model(body.label, first.points, first.triangles, static_cast<int>(models.size())));
-    }
-    for (const int frame : chosen_frames(arguments, {found.frames.begin(), found.frames.end()})) {
+    const std::vector<int> frames = chosen_frames(in.arguments, {found.frames.begin(), found.frames.end()});
+    for (const int frame : frames)
         if (!found.frames.contains(frame))
             throw UsageError("there is no frame " + std::to_string(frame) + " in '" + folder.string() +
                              "'; it has " + std::to_string(*found.frames.begin()) + " to " +
                              std::to_string(*found.frames.rbegin()) + ".");
-        render::Shot shot{label_of(frame), {}};
-        for (std::size_t b = 0; b < models.size(); ++b)
-            if (const auto file = found.bodies[b].files.find(frame); file != found.bodies[b].files.end())
-                shot.surfaces.push_back(posed(models[b], solver::read_surface(file->second.string()).points));
-        album.shots.push_back(std::move(shot));
-    }
-    return album;
+    return make_album(viewer::collect_folder(folder, sorted(frames)), frames);
 }
 
 Album album_of_graph(const Invocation& in) {
     const OpenGraph open = open_graph(in.arguments);
     const auto named = in.arguments.value("--pull");
     const engine::Plug plug = named ? parse_plug(*open.graph, *named) : default_plug(*open.graph);
-    const std::vector<std::string> needed = upstream_of(*open.graph, {plug.node});
-    WarningCollector warnings;
-    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
-    const auto meshes_at = [&](int frame) {
-        return meshes_in(evaluator.pull({open.graph, plug, static_cast<double>(frame), in.stop}));
-    };
-    const auto rest = meshes_at(start_frame(*open.graph, needed));
-    if (rest.empty()) throw UsageError(plug.text() + " gives no meshes.");
-    const std::vector<BodyLabel> labels = body_labels(*open.graph, plug, rest.size());
-    std::vector<Model> models;
-    for (std::size_t b = 0; b < rest.size(); ++b)
-        models.push_back(
-            make_model(labels[b], *rest[b].points, rest[b].topology->triangles, static_cast<int>(b)));
-    Album album;
-    album.up = scene_axes(*open.graph, needed).up;
     std::vector<int> all;
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame)
         all.push_back(frame);
-    for (const int frame : chosen_frames(in.arguments, all)) {
-        const auto meshes = meshes_at(frame);
-        render::Shot shot{label_of(frame), {}};
-        for (std::size_t b = 0; b < models.size() && b < meshes.size(); ++b)
-            shot.surfaces.push_back(posed(models[b], *meshes[b].points));
-        album.shots.push_back(std::move(shot));
-    }
+    const std::vector<int> frames = chosen_frames(in.arguments, all);
+    WarningCollector warnings;
+    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    viewer::Evaluation e;
+    e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
+    e.shown = {plug};
+    e.keeps_frames = e.with_lattices = false;
+    Album album = make_album(viewer::collect_graph(e), frames);
+    if (album.scene.bodies.empty()) throw UsageError(plug.text() + " gives no meshes.");
     print_diagnostics(warnings.take(), false, in.out, in.err);
     return album;
 }
@@ -129,10 +93,14 @@ std::pair<int, int> parse_size(const std::string& text) {
     return {*width, *height};
 }
 
-ExitCode snapshot(const Invocation& in) {
-    const Arguments& arguments = in.arguments;
+struct Drawing {
+    render::View view;
+    int width = 0, height = 0, smoothing = 3;
+};
+
+Drawing parse_drawing(const Arguments& arguments) {
     const auto view_text = arguments.value("--view").value_or("corner");
-    auto view = render::parse_view(view_text);
+    const auto view = render::parse_view(view_text);
     if (!view)
         throw UsageError("--view needs front, back, left, right, top, bottom, corner or AZIMUTH,ELEVATION in "
                          "degrees, not '" +
@@ -143,13 +111,83 @@ ExitCode snapshot(const Invocation& in) {
         throw UsageError("--up needs y or z, not '" + up + "'.");
     const int smoothing = arguments.whole_number("--smooth", 3, 1);
     if (smoothing > 8) throw UsageError("--smooth needs at most 8.");
+    return {*view, width, height, smoothing};
+}
+
+/// The ffmpeg to use. All that can be wrong with the words is said before anything is computed.
+fs::path check_movie(const Arguments& arguments, const Drawing& drawing) {
+    if (arguments.has("--output"))
+        throw UsageError("--output is for pictures; the movie goes to the file of --movie.");
+    if (fs::path(*arguments.value("--movie")).extension() != ".mp4")
+        throw UsageError("--movie needs a name that ends in .mp4, not '" + *arguments.value("--movie") +
+                         "'.");
+    if (drawing.width % 2 != 0 || drawing.height % 2 != 0)
+        throw UsageError("a movie needs even numbers in --size, for example " +
+                         std::to_string(drawing.width + drawing.width % 2) + "x" +
+                         std::to_string(drawing.height + drawing.height % 2) + ".");
+    const auto ffmpeg = render::find_ffmpeg();
+    if (!ffmpeg)
+        throw UsageError("--movie needs the program ffmpeg, which is not in the PATH. Install it (Debian and "
+                         "Ubuntu: apt install ffmpeg; Fedora: dnf install ffmpeg-free) and try again, or "
+                         "leave out --movie for a picture.");
+    return *ffmpeg;
+}
+
+std::string movie_of(const Album& album, const Drawing& drawing, const fs::path& ffmpeg, double fps,
+                     std::stop_token stop) {
+    // One camera that holds the whole motion, so that what stands still does so in the movie.
+    render::Framing framing(drawing.view, static_cast<double>(drawing.width) / drawing.height);
+    for (const std::size_t f : album.shots)
+        for (const render::Surface& surface : viewer::shot_of(album.scene, f).surfaces)
+            framing.add(surface.points);
+    const render::Camera camera = framing.camera();
+    render::Movie movie;
+    for (const std::size_t f : album.shots) {
+        if (stop.stop_requested()) throw engine::Cancelled();
+        movie.add(render::labelled_picture(viewer::shot_of(album.scene, f), camera, drawing.width,
+                                           drawing.height, drawing.smoothing));
+    }
+    std::string bytes = movie.encode(ffmpeg, fps, stop);
+    if (bytes.empty()) throw engine::Cancelled();
+    return bytes;
+}
+
+std::string picture_of(const Album& album, const Drawing& drawing) {
+    std::vector<render::Shot> shots;
+    for (const std::size_t f : album.shots) shots.push_back(viewer::shot_of(album.scene, f));
+    return render::encode_png(
+        render::contact_sheet(shots, drawing.view, drawing.width, drawing.height, drawing.smoothing));
+}
+
+ExitCode snapshot(const Invocation& in) {
+    const Arguments& arguments = in.arguments;
+    Drawing drawing = parse_drawing(arguments);
+    const auto movie_file = arguments.value("--movie");
+    if (!movie_file && arguments.has("--fps")) throw UsageError("--fps is for --movie.");
+    const fs::path ffmpeg = movie_file ? check_movie(arguments, drawing) : fs::path();
+    const int fps = arguments.whole_number("--fps", 0, 1);
 
     const fs::path source = arguments.operand(0).value();
-    const Album album = fs::is_directory(source) ? album_of_folder(arguments, source) : album_of_graph(in);
-    view->up = up.empty() ? album.up : up[0];
-    const std::string file = arguments.value("--output").value_or("snapshot.png");
-    write_file(file, render::encode_png(render::contact_sheet(album.shots, *view, width, height, smoothing)));
-    in.out << "wrote " << file << "\n";
+    const Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
+    for (const viewer::ViewNote& note : album.scene.notes)
+        if (note.is_warning) in.err << "sinew snapshot: " << note.text << "\n";
+    if (album.scene.bodies.empty()) return graph_wrong;
+    const std::string up = arguments.value("--up").value_or("");
+    drawing.view.up = up.empty() ? album.scene.up : up[0];
+    if (!movie_file) {
+        const std::string file = arguments.value("--output").value_or("snapshot.png");
+        write_file(file, picture_of(album, drawing));
+        in.out << "wrote " << file << "\n";
+        return done;
+    }
+    const double rate = fps > 0 ? fps : album.scene.fps;
+    try {
+        write_file(*movie_file, movie_of(album, drawing, ffmpeg, rate, in.stop));
+    } catch (const render::MovieError& e) {
+        in.err << "sinew snapshot: " << e.what() << "\n";
+        return internal_error;
+    }
+    in.out << "wrote " << *movie_file << ", " << album.shots.size() << " frames at " << rate << " a second\n";
     return done;
 }
 
@@ -157,10 +195,12 @@ ExitCode snapshot(const Invocation& in) {
 
 Command snapshot_command() {
     return {"snapshot",
-            "draw chosen frames side by side into a PNG",
+            "draw chosen frames side by side into a PNG, or all into a movie",
             {{"SOURCE", "a folder that `sinew run --format obj` wrote, or a graph file"}},
-            {{"--frames", "LIST", "for example 1,64,128; default: first, middle and last"},
+            {{"--frames", "LIST", frames_doc},
              {"--output", "FILE", "default: snapshot.png", false, 'o'},
+             {"--movie", "FILE.mp4", "a movie of the frames instead of a picture; needs ffmpeg"},
+             {"--fps", "N", "of the movie; default: the scene's"},
              {"--size", "WxH", "of the whole picture; default: 1600x900"},
              {"--view", "VIEW",
               "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
@@ -169,7 +209,8 @@ Command snapshot_command() {
              {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
              {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
              {"--threads", "N", "graphs: default: all cores", false, 'j'}},
-            "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png",
+            "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
+            "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",
             snapshot};
 }
 

@@ -60,7 +60,7 @@ void Progress::end_frame(const FrameReport& f, const std::string& digest) {
     } else if (style_ == ProgressStyle::lines) {
         char text[64];
         std::snprintf(text, sizeof text, "frame %4d  %7.0f ms  ", f.frame, 1000 * f.wall_s);
-        out_ << text << last_step_ << (f.reused ? "reused" : "") << "\n" << std::flush;
+        out_ << text << last_step_ << (f.reused ? "  reused" : "") << "\n" << std::flush;
     }
     draw("", true);
 }

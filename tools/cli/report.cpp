@@ -52,7 +52,7 @@ std::string health_text(const std::vector<solver::StepRecord>& steps) {
     }
     return text(
         "  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d, "
-        "longest attachment %.2g mm\n",
+        "largest attachment stretch %.2g mm\n",
         unconverged, residual, newton / static_cast<double>(steps.size()), most_newton, inverted,
         1000 * stretch);
 }

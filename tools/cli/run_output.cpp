@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/run_output.h"
 
+#include <chrono>
+
 #include "tools/cli/atomic_file.h"
 
 #include <algorithm>
@@ -14,7 +16,8 @@ RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string
     : folder_(std::move(folder))
     , formats_(std::move(formats))
     , title_(std::move(title))
-    , axes_(axes) {
+    , axes_(axes)
+    , started_(fs::file_time_type::clock::now() - std::chrono::seconds(1)) { // file systems round times
     animation_.fps = fps;
     animation_.units_per_metre = axes.units_per_metre;
     animation_.up = axes.up;
@@ -70,6 +73,15 @@ void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::ve
         }
         animation_.bodies[it->second].poses.push_back(meshes[i].points);
     }
+}
+
+std::size_t RunOutput::older_files() const {
+    std::size_t count = 0;
+    std::error_code error;
+    for (const std::string& format : formats_)
+        for (const auto& entry : fs::directory_iterator(folder_ / format, error))
+            if (entry.is_regular_file(error) && entry.last_write_time(error) < started_) ++count;
+    return count;
 }
 
 void RunOutput::finish() {

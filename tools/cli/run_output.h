@@ -28,6 +28,9 @@ class RunOutput {
     void finish();
     /// Files and folders that were written, for the closing line.
     const std::vector<std::filesystem::path>& written() const { return written_; }
+    /// Files in the sequences' folders that this run did not write: frames of an earlier run, which stay (ranges of a
+    /// farm share a folder) but must not be taken for this run's.
+    std::size_t older_files() const;
 
   private:
     void keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes,
@@ -43,6 +46,7 @@ class RunOutput {
     std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of animation_.bodies
     std::future<void> pending_;
     std::vector<std::filesystem::path> written_;
+    std::filesystem::file_time_type started_;
 };
 
 } // namespace sinew::cli

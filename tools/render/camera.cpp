@@ -35,17 +35,7 @@ std::optional<double> parse_degrees(std::string_view text) {
     return value;
 }
 
-/// The two planes of one opening angle that touch the points from outside: their offsets, and where they
-/// meet.
-struct Wedge {
-    double plus = -std::numeric_limits<double>::infinity(), minus = plus;
-    void add(double side, double depth, double tangent) {
-        plus = std::max(plus, side - tangent * depth);
-        minus = std::max(minus, -side - tangent * depth);
-    }
-    double centre() const { return 0.5 * (plus - minus); }
-    double apex(double tangent) const { return -0.5 * (plus + minus) / tangent; }
-};
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 } // namespace
 
@@ -60,40 +50,56 @@ std::optional<View> parse_view(std::string_view text) {
     return View{*azimuth, *elevation};
 }
 
-Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect,
-                    double margin) {
-    const double degree = std::numbers::pi / 180, a = view.azimuth * degree, e = view.elevation * degree;
-    Camera camera;
-    // Built with y up; where z is up the same picture is turned by 90 degrees about x.
-    camera.right = {std::cos(a), 0, -std::sin(a)};
-    camera.backward = {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
-    if (view.up == 'z') {
-        for (Vec3* axis : {&camera.right, &camera.backward})
-            *axis = Vec3((*axis)[0], -(*axis)[2], (*axis)[1]);
-    }
-    camera.up = camera.backward.cross(camera.right);
-    camera.tan_x = half_view_tangent * std::max(1.0, aspect);
-    camera.tan_y = camera.tan_x / aspect;
+void Framing::Wedge::add(double side, double depth, double tangent) {
+    plus = std::max(plus, side - tangent * depth);
+    minus = std::max(minus, -side - tangent * depth);
+}
 
+Framing::Framing(const View& view, double aspect, double margin)
+    : nearest_(infinity)
+    , horizontal_{-infinity, -infinity}
+    , vertical_{-infinity, -infinity} {
+    const double degree = std::numbers::pi / 180, a = view.azimuth * degree, e = view.elevation * degree;
+    // Built with y up; where z is up the same picture is turned by 90 degrees about x.
+    axes_.right = {std::cos(a), 0, -std::sin(a)};
+    axes_.backward = {std::sin(a) * std::cos(e), std::sin(e), std::cos(a) * std::cos(e)};
+    if (view.up == 'z') {
+        for (Vec3* axis : {&axes_.right, &axes_.backward}) *axis = Vec3((*axis)[0], -(*axis)[2], (*axis)[1]);
+    }
+    axes_.up = axes_.backward.cross(axes_.right);
+    axes_.tan_x = half_view_tangent * std::max(1.0, aspect);
+    axes_.tan_y = axes_.tan_x / aspect;
+    tx_ = axes_.tan_x * (1 - 2 * margin), ty_ = axes_.tan_y * (1 - 2 * margin);
+}
+
+void Framing::add(const Points& points) {
+    for (const Vec3& p : points) {
+        const double depth = -axes_.backward.dot(p);
+        horizontal_.add(axes_.right.dot(p), depth, tx_);
+        vertical_.add(axes_.up.dot(p), depth, ty_);
+        nearest_ = std::min(nearest_, depth);
+    }
+}
+
+Camera Framing::camera() const {
     // With the direction fixed, the eye must lie behind the four planes that touch the points and carry the
     // border rays. Left and right planes meet in a line (the apex of a wedge), so do top and bottom: the eye
     // stands at the rearmost apex, centred in both wedges. Exact, no search.
-    const double tx = camera.tan_x * (1 - 2 * margin), ty = camera.tan_y * (1 - 2 * margin);
-    Wedge horizontal, vertical;
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const Points* list : points)
-        for (const Vec3& p : *list) {
-            const double depth = -camera.backward.dot(p);
-            horizontal.add(camera.right.dot(p), depth, tx);
-            vertical.add(camera.up.dot(p), depth, ty);
-            nearest = std::min(nearest, depth);
-        }
-    if (!std::isfinite(nearest)) return camera; // no points: any camera shows all of them
-    double depth = std::min(horizontal.apex(tx), vertical.apex(ty));
+    Camera camera = axes_;
+    if (!std::isfinite(nearest_)) return camera; // no points: any camera shows all of them
+    double depth = std::min(horizontal_.apex(tx_), vertical_.apex(ty_));
     depth = std::min(
-        depth, nearest - 1e-3 * std::max(1e-6, std::abs(nearest))); // a lone point or a line seen end on
-    camera.eye = horizontal.centre() * camera.right + vertical.centre() * camera.up - depth * camera.backward;
+        depth, nearest_ - 1e-3 * std::max(1e-6, std::abs(nearest_))); // a lone point or a line seen end on
+    camera.eye =
+        horizontal_.centre() * camera.right + vertical_.centre() * camera.up - depth * camera.backward;
     return camera;
+}
+
+Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect,
+                    double margin) {
+    Framing framing(view, aspect, margin);
+    for (const Points* list : points) framing.add(*list);
+    return framing.camera();
 }
 
 } // namespace sinew::render

@@ -40,6 +40,30 @@ struct Camera {
     }
 };
 
+/// Collects points, and gives the camera nearest to them that looks in the view's direction and whose picture
+/// holds every one. Keeps only what touches the picture's borders, so a long run costs no memory.
+class Framing {
+  public:
+    /// \param aspect width / height; \param margin share of the picture kept free at each border
+    Framing(const View& view, double aspect, double margin = 0.05);
+    void add(const Points& points);
+    Camera camera() const;
+
+  private:
+    /// The two planes of one opening angle that touch the points from outside: their offsets, and where they
+    /// meet.
+    struct Wedge {
+        double plus, minus;
+        void add(double side, double depth, double tangent);
+        double centre() const { return 0.5 * (plus - minus); }
+        double apex(double tangent) const { return -0.5 * (plus + minus) / tangent; }
+    };
+
+    Camera axes_;
+    double tx_ = 1, ty_ = 1, nearest_;
+    Wedge horizontal_, vertical_;
+};
+
 /// The camera nearest to the scene, looking in the view's direction, whose picture holds every point.
 /// \param aspect width / height; \param margin share of the picture kept free at each border
 Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect,

@@ -44,6 +44,13 @@ double scene_aspect(const std::vector<const Points*>& points, const View& view) 
 
 } // namespace
 
+Image labelled_picture(const Shot& shot, const Camera& camera, int width, int height, int smoothing) {
+    Image picture = draw_picture(shot.surfaces, camera, width, height, smoothing);
+    const int scale = std::max(1, height / 160), border = 5 * scale;
+    draw_text(picture, border, height - border - text_height(scale), shot.label, label_colour, scale);
+    return picture;
+}
+
 Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height, int smoothing) {
     Image sheet(width, height, gap_colour);
     if (shots.empty()) return sheet;
@@ -53,11 +60,8 @@ Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width,
     const Grid grid = arrange(static_cast<int>(shots.size()), width, height, scene_aspect(points, view));
     const Camera camera = frame_points(points, view, static_cast<double>(grid.cell_width) / grid.cell_height);
     for (int i = 0; i < static_cast<int>(shots.size()); ++i) {
-        const Shot& shot = shots[static_cast<std::size_t>(i)];
-        Image picture = draw_picture(shot.surfaces, camera, grid.cell_width, grid.cell_height, smoothing);
-        const int scale = std::max(1, grid.cell_height / 160), border = 5 * scale;
-        draw_text(picture, border, grid.cell_height - border - text_height(scale), shot.label, label_colour,
-                  scale);
+        const Image picture = labelled_picture(shots[static_cast<std::size_t>(i)], camera, grid.cell_width,
+                                               grid.cell_height, smoothing);
         paste(sheet, picture, i % grid.columns * (grid.cell_width + gap),
               i / grid.columns * (grid.cell_height + gap));
     }

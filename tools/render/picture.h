@@ -32,6 +32,9 @@ struct Shot {
     std::vector<Surface> surfaces;
 };
 
+/// A shot as this camera sees it, with its label in the lower left corner.
+Image labelled_picture(const Shot& shot, const Camera& camera, int width, int height, int smoothing = 3);
+
 /// Several shots side by side, wrapped into rows so that each is as large as possible, all with one camera
 /// that frames the points of every shot.
 Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height,

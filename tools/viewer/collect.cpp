@@ -35,12 +35,17 @@ class Collector {
         scene_.title = std::filesystem::path(graph.file()).stem().string();
         scene_.fps = graph.timing().fps;
         scene_.graph = layout_graph(graph);
-        std::vector<std::string> shown = shown_nodes(graph);
-        const cli::SceneAxes axes = cli::scene_axes(graph, cli::upstream_of(graph, shown));
+        std::vector<Plug> shown = e.shown;
+        if (shown.empty())
+            for (const std::string& name : shown_nodes(graph)) shown.push_back({name, "outMeshes"});
+        std::vector<std::string> nodes;
+        for (const Plug& plug : shown) nodes.push_back(plug.node);
+        const cli::SceneAxes axes = cli::scene_axes(graph, cli::upstream_of(graph, nodes));
         scene_.units_per_metre = axes.units_per_metre, scene_.up = axes.up;
-        for (std::string& name : shown) {
-            const bool is_solver = graph.find(name)->type_name == "zSolver";
-            sources_.push_back({{std::move(name), "outMeshes"}, is_solver, {}, {}, {}});
+        for (Plug& plug : shown) {
+            const bool is_solver =
+                plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
+            sources_.push_back({std::move(plug), is_solver, {}, {}, {}});
         }
     }
 
@@ -52,7 +57,7 @@ class Collector {
             try {
                 add_frame(frame);
             } catch (const engine::Failure& failure) {
-                if (scene_.frames.empty()) throw;
+                if (scene_.frames.empty() || !e_.keeps_frames) throw;
                 scene_.notes.push_back({true, "The run ended before frame " + std::to_string(frame) + ": " +
                                                   std::string(failure.diagnostics().front().message)});
                 break;

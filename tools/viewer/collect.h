@@ -21,6 +21,8 @@ struct Evaluation {
     std::function<void(int frame)> begin_frame = {};
     std::function<bool(int frame)> was_stepped = {}; ///< false = the frame was found ready
     std::function<void(const ViewFrame&)> end_frame = {};
+    std::vector<engine::Plug> shown = {}; ///< whose meshes; empty = outMeshes of shown_nodes
+    bool keeps_frames = true;  ///< a later frame that fails ends the run with a note; without, it throws
     bool with_lattices = true; ///< without: smaller, but no tets, fibres and heat maps
 };
 
@@ -28,7 +30,7 @@ struct Evaluation {
 std::vector<std::string> shown_nodes(const engine::Graph& graph);
 
 /// A frame that fails ends the collection: the frames before it are kept and a note says why. Throws Failure
-/// if not even the first frame works, and Cancelled.
+/// if not even the first frame works (any frame, without `keeps_frames`), and Cancelled.
 ViewScene collect_graph(const Evaluation& evaluation);
 
 /// OBJ sequences in `folder`, its report and its graph if there are any. Never throws for what is missing or

@@ -133,6 +133,13 @@ ViewBody read_body(const cli::BodySequence& sequence, const std::vector<int>& fr
     BodyRecorder recorder(sequence.label.name, in_graph ? sequence.label.name : "", sequence.label.kind,
                           index);
     std::string first_error;
+    // Creases, grain and volume come from the first file, so they do not depend on the frames chosen.
+    if (const auto& [first, path] = *sequence.files.begin(); !frames.empty() && first < frames.front()) {
+        try {
+            recorder.set_rest(solver::read_surface(path.string()));
+        } catch (const solver::Error&) { // then the first chosen frame serves
+        }
+    }
     for (const int frame : frames) {
         const auto file = sequence.files.find(frame);
         try {
@@ -173,7 +180,7 @@ ViewScene collect_folder(const fs::path& folder, const std::vector<int>& wanted)
     if (const auto units = units_of(found.bodies.front().files.begin()->second); units && *units > 0)
         scene.units_per_metre = *units;
     const std::vector<int> frames = chosen(found.frames, wanted, scene);
-    note_gaps(frames, scene);
+    if (wanted.empty()) note_gaps(frames, scene); // chosen frames have gaps by choice
     for (const int frame : frames) scene.frames.push_back({.frame = frame});
     if (is_report(report))
         for (const json& j : report["frames"]) {

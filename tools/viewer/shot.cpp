@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/shot.h"
+
+#include "solver/mesh/surface_mesh.h"
+#include "tools/render/shading_mesh.h"
+
+namespace sinew::viewer {
+
+namespace {
+
+using solver::Points;
+
+solver::Vec3 vec3(const std::array<float, 3>& p) {
+    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+
+/// The body's points as those of its shading vertices.
+Points gather(const ViewBody& body, Points points) {
+    return body.shading.empty() ? points : render::ShadingMesh{body.shading, {}}.gather(points);
+}
+
+render::Surface surface_of(const ViewBody& body, std::size_t frame) {
+    Points points, rest;
+    for (std::size_t v = 0; v < body.vertex_count(); ++v) {
+        points.push_back(vec3(vertex_position(body, frame, v)));
+        rest.push_back(vec3({body.rest[3 * v], body.rest[3 * v + 1], body.rest[3 * v + 2]}));
+    }
+    render::Surface surface;
+    surface.points = gather(body, std::move(points));
+    surface.triangles = body.triangles;
+    surface.normals = solver::vertex_normals(surface.points, surface.triangles);
+    if (body.look.stripes > 0) surface.grain = gather(body, render::grain_of(rest));
+    surface.look = body.look;
+    return surface;
+}
+
+} // namespace
+
+render::Shot shot_of(const ViewScene& scene, std::size_t frame) {
+    render::Shot shot{"frame " + std::to_string(scene.frames.at(frame).frame), {}};
+    for (const ViewBody& body : scene.bodies)
+        if (body.is_there(frame)) shot.surfaces.push_back(surface_of(body, frame));
+    return shot;
+}
+
+} // namespace sinew::viewer

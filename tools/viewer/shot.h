@@ -1,0 +1,12 @@
+// A frame of a ViewScene as surfaces that tools/render draws: pictures show what the page shows.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/render/picture.h"
+#include "tools/viewer/view_data.h"
+
+namespace sinew::viewer {
+
+/// All bodies that are there at `frame` (an index), labelled "frame N".
+render::Shot shot_of(const ViewScene& scene, std::size_t frame);
+
+} // namespace sinew::viewer
