@@ -40,7 +40,7 @@ struct Input {
     std::string_view doc = "";
     bool required = false; ///< a graph without it is wrong
     bool keyable =
-        true; ///< may carry {keys}; bool and integer keys are stepped, text and files never keyable
+        true; ///< may carry {keys}; bool, integer and option keys are stepped, other text and files never keyable
     Affects affects = Affects::result;
     std::vector<std::string_view> options = {}; ///< T = std::string: the allowed words
     std::vector<Preset> presets = {};           ///< T = double
@@ -85,6 +85,11 @@ struct AttributeInfo {
     Affects affects = Affects::result;
     std::vector<std::string_view> options;
     std::vector<Preset> presets;
+    /// Values between two keys are that of the first; options are keyed by their number.
+    bool is_stepped() const {
+        return kind == AttributeKind::literal &&
+               (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
+    }
 };
 
 template <class T>
@@ -95,7 +100,7 @@ AttributeInfo describe(const Input<T>& a) {
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     i.def = Value::of<T>(a.def);
     i.required = a.required, i.affects = a.affects, i.options = a.options, i.presets = a.presets;
-    i.keyable = a.keyable && !std::is_same_v<T, std::string> && !std::is_same_v<T, File> &&
+    i.keyable = a.keyable && !(std::is_same_v<T, std::string> && a.options.empty()) && !std::is_same_v<T, File> &&
                 !std::is_same_v<T, NumberList> && !std::is_same_v<T, Matrix4>;
     return i;
 }

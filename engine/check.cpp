@@ -66,12 +66,15 @@ class Checker {
         const auto wrong = outside(input_.limits, v);
         number(wrong, wrong && wrong->index >= 0 ? "/" + std::to_string(wrong->index) : "");
         if (input_.options.empty() || !v.is<std::string>()) return;
-        std::vector<std::string> words(input_.options.begin(), input_.options.end());
-        for (const std::string& w : words)
-            if (w == v.as<std::string>()) return;
-        const std::string near = nearest_name(v.as<std::string>(), words);
-        problem("DG014", json_quoted(v.as<std::string>()) + " is not an option",
-                (near.empty() ? "" : "did you mean \"" + near + "\"? ") + "options: " + listed(words));
+        if (std::find(input_.options.begin(), input_.options.end(), v.as<std::string>()) == input_.options.end())
+            not_an_option(v.as<std::string>());
+    }
+
+    void not_an_option(const std::string& found, const std::string& below = {}) {
+        const std::vector<std::string> words(input_.options.begin(), input_.options.end());
+        const std::string near = nearest_name(found, words);
+        problem("DG014", json_quoted(found) + " is not an option",
+                (near.empty() ? "" : "did you mean \"" + near + "\"? ") + "options: " + listed(words), below);
     }
 
     void curve(const Curve& c) {
@@ -80,7 +83,7 @@ class Checker {
             return problem("DG018", "this " + std::string(input_.type_name) + " cannot carry keyframes",
                            "write a plain value");
         if (c.keys.empty()) return problem("DG017", "no keyframes", "write [frame, value] pairs", "/keys");
-        const bool whole = input_.def.is<bool>() || input_.def.is<std::int64_t>();
+        const bool whole = input_.is_stepped();
         if (whole && c.interpolation != Interpolation::step)
             problem("DG017", "keys of " + std::string(input_.type_name) + " are stepped",
                     "write \"interp\": \"step\"", "/interp");
@@ -110,6 +113,8 @@ class Checker {
         for (double v : k.value) {
             if (whole && v != std::floor(v))
                 problem("DG012", number_text(v) + " is not a whole number", {}, place + "/1");
+            else if (!input_.options.empty() && !(v >= 0 && v < static_cast<double>(input_.options.size())))
+                not_an_option(number_text(v), place + "/1");
             else if (!inside(input_.limits, v))
                 number(Outside{v, -1, std::isfinite(v)}, place + "/1");
         }

@@ -308,9 +308,7 @@ class Edit::Draft {
         const Node& n = *graph_.find(op.plug.node);
         const auto bound = n.inputs.find(op.plug.attribute);
         Curve curve;
-        const bool whole =
-            info->kind == AttributeKind::literal && (info->def.is<bool>() || info->def.is<std::int64_t>());
-        curve.interpolation = whole ? Interpolation::step : Interpolation::linear;
+        curve.interpolation = info->is_stepped() ? Interpolation::step : Interpolation::linear;
         if (bound != n.inputs.end()) {
             if (const Curve* c = std::get_if<Curve>(&bound->second))
                 curve = *c;

@@ -20,6 +20,7 @@ const Input<std::string> format{
     .name = "format",
     .def = "obj",
     .doc = "The kind of file: obj and off (text, polygons), ply (binary, polygons), stl (binary, triangles).",
+    .keyable = false,
     .options = {"obj", "ply", "stl", "off"},
 };
 const Output<FileContent> out_file{.name = "outFile", .doc = "The file's bytes and ending, in scene units."};

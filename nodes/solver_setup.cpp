@@ -163,8 +163,11 @@ solver::SceneDescription describe_scene(const Setup& setup) {
 solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t steps_per_frame) {
     solver::StepInputs s;
     s.step_size = 1 / (in[frames_per_second] * static_cast<double>(steps_per_frame));
-    s.integrator = in[integrator] == "QuasiStatic" ? solver::Integrator::quasi_static
-                                                   : solver::Integrator::backward_euler;
+    const std::string& scheme = in[integrator];
+    s.integrator = scheme == "BDF2"          ? solver::Integrator::bdf2
+                   : scheme == "TR-BDF2"     ? solver::Integrator::tr_bdf2
+                   : scheme == "QuasiStatic" ? solver::Integrator::quasi_static
+                                             : solver::Integrator::backward_euler;
     const std::string& method = in[linear_solver];
     s.linear_method = method == "Direct"      ? solver::LinearMethod::direct
                       : method == "Iterative" ? solver::LinearMethod::iterative
@@ -173,6 +176,7 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     s.mass_damping = in[mass_damping];
     s.stiffness_damping = in[stiffness_damping];
     s.max_newton_iterations = static_cast<int>(in[max_newton_iterations]);
+    s.max_halvings = static_cast<int>(in[step_halvings]);
     s.tolerance_factor = in[tolerance_factor];
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
         const Body& b = setup.body(i);
@@ -229,7 +233,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         resists =
             resists || (t->law != solver::ElasticLaw::corotational && values.compression_resistance > 0);
     }
-    const bool moves = in[integrator] == "BackwardEuler";
+    const bool moves = in[integrator] != "QuasiStatic";
     r.terms = std::move(laws);
     if (resists) r.terms.push_back("compressionResistance");
     if (in[gravity] != engine::Vec3{}) r.terms.push_back("gravity");

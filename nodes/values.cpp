@@ -50,7 +50,7 @@ void add(Hasher& h, const solver::TissueInputs& t) {
 void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_digest); }
 
 void add(Hasher& h, const solver::StepRecord& r) {
-    h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps);
+    h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps).add(r.halvings);
     h.add(r.energy).add(r.min_j).add(r.inverted).add(r.max_stretch);
 }
 

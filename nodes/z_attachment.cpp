@@ -27,6 +27,7 @@ const Input<std::string> mode{
     .name = "attachmentMode",
     .def = "fixed",
     .doc = "fixed holds the vertices at their places on the target; none switches the attachment off.",
+    .keyable = false,
     .options = {"none", "fixed"},
 };
 const Input<double> stiffness{
@@ -55,6 +56,7 @@ const Input<std::string> correspondence{
     .doc = "worldSpace ties each vertex to the closest point of the target at the start frame; vertexID to "
            "the vertex "
            "of the same number.",
+    .keyable = false,
     .options = {"worldSpace", "vertexID"},
 };
 const Input<NumberList> weights{

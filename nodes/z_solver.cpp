@@ -154,6 +154,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
+    type.base.numerics = 2;
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),
@@ -165,6 +166,7 @@ void add_z_solver(Registry& registry) {
                         describe(frames_per_second),
                         describe(substeps),
                         describe(max_newton_iterations),
+                        describe(step_halvings),
                         describe(tolerance_factor),
                         describe(stiffness_damping),
                         describe(mass_damping),

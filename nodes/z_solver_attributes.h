@@ -39,9 +39,10 @@ inline const Input<double> scale{
 inline const Input<std::string> integrator{
     .name = "integrator",
     .def = "BackwardEuler",
-    .doc = "BackwardEuler follows the motion in time; QuasiStatic finds the shape at rest for each frame, so "
-           "every tissue must be tied to a bone.",
-    .options = {"BackwardEuler", "QuasiStatic"},
+    .doc = "How time is stepped. BackwardEuler is the most robust and damps the most; BDF2 and, more so, TR-BDF2 keep "
+           "swings alive and are accurate to second order, TR-BDF2 at twice the cost a step. QuasiStatic has no "
+           "momentum: it finds the shape at rest for each frame, so every tissue must be tied to a bone. May be keyed.",
+    .options = {"BackwardEuler", "BDF2", "TR-BDF2", "QuasiStatic"},
 };
 inline const Input<std::string> linear_solver{
     .name = "solver",
@@ -70,6 +71,13 @@ inline const Input<std::int64_t> max_newton_iterations{
     .doc =
         "Upper bound of Newton iterations per step; a step stops earlier when it has converged, and one that "
         "has not is reported.",
+};
+inline const Input<std::int64_t> step_halvings{
+    .name = "stepHalvings",
+    .def = 3,
+    .limits = {.min = 0, .max = 10},
+    .doc = "How often a step that has not converged is taken again as two steps of half the size, and those again. "
+           "The report counts it.",
 };
 inline const Input<double> tolerance_factor{
     .name = "solverToleranceFactor",

@@ -38,6 +38,7 @@ const Input<std::string> law{
     .doc = "The elastic law: StVK (stiff under large stretch), NeoHookean (keeps its volume better), "
            "Corotational "
            "(linear, stable under large rotation).",
+    .keyable = false,
     .options = {"StVK", "NeoHookean", "Corotational"},
 };
 const Input<double> compression_resistance{

@@ -11,7 +11,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 2\n";
+constexpr std::string_view magic = "sinew state 3\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -55,9 +55,27 @@ class Reader {
     std::span<const std::byte> in_;
 };
 
+void put_bones(Writer& w, const std::vector<Points>& bones) {
+    w.put(static_cast<std::uint64_t>(bones.size()));
+    for (const Points& points : bones) {
+        w.put(static_cast<std::uint64_t>(points.size()));
+        for (const Vec3& p : points)
+            for (int c = 0; c < 3; ++c) w.put(p[c]);
+    }
+}
+
+void get_bones(Reader& r, std::vector<Points>& bones) {
+    bones.resize(r.get_count(sizeof(std::uint64_t)));
+    for (Points& points : bones) {
+        points.resize(r.get_count(3 * sizeof(double)));
+        for (Vec3& p : points)
+            for (int c = 0; c < 3; ++c) r.get(p[c]);
+    }
+}
+
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
 template <class Record, class Visit> void visit_record(Record& r, const Visit& visit) {
-    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.linear_iterations), visit(r.energy);
+    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.halvings), visit(r.linear_iterations), visit(r.energy);
     visit(r.min_j), visit(r.inverted), visit(r.max_stretch);
 }
 
@@ -69,6 +87,9 @@ std::vector<std::byte> save(const State& s) {
     for (const char c : magic) w.put(c);
     w.put_all(s.x);
     w.put_all(s.v);
+    w.put(s.history.step_size);
+    w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
+    put_bones(w, s.history.bones);
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
     for (const auto& list : s.anchors) {
         w.put(static_cast<std::uint64_t>(list.size()));
@@ -77,12 +98,7 @@ std::vector<std::byte> save(const State& s) {
             w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
         }
     }
-    w.put(static_cast<std::uint64_t>(s.bones.size()));
-    for (const Points& points : s.bones) {
-        w.put(static_cast<std::uint64_t>(points.size()));
-        for (const Vec3& p : points)
-            for (int c = 0; c < 3; ++c) w.put(p[c]);
-    }
+    put_bones(w, s.bones);
     w.put(s.steps);
     w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
@@ -99,6 +115,9 @@ State load(std::span<const std::byte> bytes) {
     State s;
     r.get_all(s.x);
     r.get_all(s.v);
+    r.get(s.history.step_size);
+    r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
+    get_bones(r, s.history.bones);
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
     for (auto& list : s.anchors) {
         list.resize(r.get_count(sizeof(double)));
@@ -107,12 +126,7 @@ State load(std::span<const std::byte> bytes) {
             r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
         }
     }
-    s.bones.resize(r.get_count(sizeof(std::uint64_t)));
-    for (Points& points : s.bones) {
-        points.resize(r.get_count(3 * sizeof(double)));
-        for (Vec3& p : points)
-            for (int c = 0; c < 3; ++c) r.get(p[c]);
-    }
+    get_bones(r, s.bones);
     r.get(s.steps);
     r.get(s.linear.factor_steps_left);
     visit_record(s.record, [&](auto& field) { r.get(field); });

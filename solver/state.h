@@ -27,6 +27,7 @@ struct StepRecord {
     double residual = 0; ///< force residual / forces at work
     bool converged = true;
     int newton_iterations = 0, substeps = 0;
+    int halvings = 0;          ///< steps that failed and were taken again in two halves
     int linear_iterations = 0; ///< of conjugate gradients; 0 where every solve was direct
     double energy = 0; ///< elastic + fibre + attachment [J]
     double min_j = 1;  ///< least det F over all tets
@@ -35,8 +36,17 @@ struct StepRecord {
     double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_other = 0; ///< not digested
 };
 
+/// What multi-step schemes know of the step before the last one. Kept by the schemes that read it, empty otherwise.
+struct History {
+    double step_size = 0;      ///< of the last step [s]; 0 = nothing is known
+    std::vector<double> x, v;  ///< at the start of the last step
+    std::vector<Points> bones; ///< likewise, per body
+    std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
+};
+
 struct State {
     std::vector<double> x, v; ///< 3 numbers per unknown vertex; order of the scene [m], [m/s]
+    History history;
     std::vector<std::vector<Anchor>> anchors; ///< per attachment
     std::vector<Points> bones;                ///< per body: bone vertex positions at the end of the step; empty for tissues
     long long steps = 0;                      ///< since the start frame

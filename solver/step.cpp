@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
 #include <string>
 
 namespace sinew::solver {
@@ -17,6 +18,7 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
+    std::vector<double> x, v, x_gamma, v_gamma;
     explicit Impl(const Scene& scene) : potential(scene) {}
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors) {
@@ -77,6 +79,104 @@ std::vector<Points> bone_positions(const Scene& scene, const StepInputs& in) {
     return bones;
 }
 
+/// Minimises the stage that impl.form describes, from x.
+void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, const std::vector<Points>& bones,
+                 const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    impl.potential.begin_stage(s, impl.form, bones);
+    const NewtonOptions options{in.max_newton_iterations, base_tolerance * in.tolerance_factor, in.linear_method};
+    if (impl.newton) minimise(impl.potential, *impl.newton, options, control, x, memory, record);
+}
+
+/// One time step in place. What it did is added to `record`.
+void take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vector<Points> bones, const StepControl& control,
+               StepRecord& record) {
+    const double h = in.step_size;
+    LinearMemory memory = s.linear;
+    if (memory.factor_steps_left > 0) --memory.factor_steps_left;
+    impl.potential.begin_step(s, in);
+    impl.x = s.x;
+    std::vector<double> acceleration;
+    switch (in.integrator) {
+    case Integrator::backward_euler: backward_euler_form(s, h, impl.form); break;
+    case Integrator::quasi_static: quasi_static_form(s, impl.form); break;
+    case Integrator::bdf2: bdf2_form(s, h, impl.form); break;
+    case Integrator::tr_bdf2:
+        if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
+        tr_bdf2_trapezoid_form(s, h, impl.form);
+        solve_stage(impl, s, in, bones, control, impl.x, memory, record);
+        update_velocity(impl.form, impl.x, impl.v_gamma);
+        impl.x_gamma = impl.x;
+        tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, impl.form);
+        break;
+    }
+    solve_stage(impl, s, in, bones, control, impl.x, memory, record);
+    update_velocity(impl.form, impl.x, impl.v);
+
+    // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
+    if (in.integrator == Integrator::tr_bdf2 && record.converged) implied_acceleration(impl.form, impl.x, acceleration);
+    const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
+    if (multistep)
+        s.history = {h, std::move(s.x), std::move(s.v), std::move(s.bones), std::move(acceleration)};
+    else
+        s.history = {};
+    s.x = impl.x;
+    s.v = impl.v;
+    s.bones = std::move(bones);
+    s.linear = memory;
+}
+
+void add_work(const StepRecord& from, StepRecord& to) {
+    to.newton_iterations += from.newton_iterations;
+    to.linear_iterations += from.linear_iterations;
+    to.seconds_assembly += from.seconds_assembly;
+    to.seconds_factor += from.seconds_factor;
+    to.seconds_solve += from.seconds_solve;
+}
+
+/// Bones halfway through the step, on the curve that the schemes read them from.
+std::vector<Points> bones_halfway(const State& s, double step_size, const std::vector<Points>& after) {
+    ImplicitForm form;
+    set_bone_weights(s, step_size, 0.5, form);
+    const std::vector<Points>& last = s.history.bones.empty() ? s.bones : s.history.bones;
+    std::vector<Points> out = after;
+    for (std::size_t body = 0; body < out.size(); ++body)
+        for (std::size_t i = 0; i < out[body].size(); ++i)
+            out[body][i] = form.bone_position[0] * last[body][i] + form.bone_position[1] * s.bones[body][i] +
+                           form.bone_position[2] * after[body][i];
+    return out;
+}
+
+/// One step; where it fails and `halvings` are left, again as two steps of half the size, the bones moved in between.
+/// If the halves fail too, what they reached is kept and reported as not converged.
+void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones,
+                         int halvings, const StepControl& control, StepRecord& record) {
+    StepRecord attempt;
+    std::exception_ptr failure;
+    const bool may_halve = halvings > 0 && impl.newton;
+    if (!may_halve) {
+        take_step(impl, s, in, bones, control, record);
+        return;
+    }
+    State trial = s;
+    try {
+        take_step(impl, trial, in, bones, control, attempt);
+    } catch (const Error&) {
+        failure = std::current_exception();
+    }
+    add_work(attempt, record);
+    if (!failure && attempt.converged) {
+        record.residual = std::max(record.residual, attempt.residual);
+        s = std::move(trial);
+        return;
+    }
+    ++record.halvings;
+    StepInputs half = in;
+    half.step_size = 0.5 * in.step_size;
+    const std::vector<Points> middle = bones_halfway(s, in.step_size, bones);
+    for (const std::vector<Points>* goal : {&middle, &bones})
+        take_step_or_halves(impl, s, half, *goal, halvings - 1, control, record);
+}
+
 } // namespace
 
 State initial_state(const Scene& scene, const StepInputs& inputs) {
@@ -98,36 +198,26 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     const Scene& scene = workspace.scene();
     Workspace::Impl& impl = workspace.impl();
     State s = before;
-    s.record = {};
+    StepRecord record;
     impl.prepare(s.anchors);
     for (std::size_t k = 0; k < substeps.size(); ++k) {
         const StepInputs& in = substeps[k];
         check_inputs(scene, in);
-        std::vector<Points> bones = bone_positions(scene, in);
-        make_form(s, in, impl.form);
-        impl.potential.begin_step(s, in, impl.form, bones);
-        std::vector<double> x = s.x;
         StepControl inner = control;
         if (control.progress)
             inner.progress = [&, k](double done, int iteration, double residual) {
                 control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
             };
-        if (s.linear.factor_steps_left > 0) --s.linear.factor_steps_left;
-        if (impl.newton)
-            minimise(impl.potential, *impl.newton, {in.max_newton_iterations, base_tolerance * in.tolerance_factor, in.linear_method}, inner,
-                     x, s.linear, s.record);
-        update_velocity(impl.form, x, s.v);
-        s.x = std::move(x);
-        s.bones = std::move(bones);
+        take_step_or_halves(impl, s, in, bone_positions(scene, in), in.max_halvings, inner, record);
         ++s.steps;
-        ++s.record.substeps;
+        ++record.substeps;
     }
     for (const double c : s.x)
         if (!std::isfinite(c)) throw Error("FE302", "the step gave positions that are not finite numbers");
-    impl.potential.describe(s.x, s.record);
+    impl.potential.describe(s.x, record);
     const double total = std::chrono::duration<double>(Clock::now() - start).count();
-    s.record.seconds_other =
-        std::max(0.0, total - s.record.seconds_assembly - s.record.seconds_factor - s.record.seconds_solve);
+    record.seconds_other = std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
+    s.record = record;
     return s;
 }
 

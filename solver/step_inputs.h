@@ -9,7 +9,7 @@
 
 namespace sinew::solver {
 
-enum class Integrator { backward_euler, quasi_static };
+enum class Integrator { backward_euler, bdf2, tr_bdf2, quasi_static };
 
 /// Values of one material layer of a tissue; composited bottom to top with envelope x painted weight.
 struct MaterialValues {
@@ -52,6 +52,7 @@ struct StepInputs {
     LinearMethod linear_method = LinearMethod::automatic;
     int max_newton_iterations = 10;
     double tolerance_factor = 1;
+    int max_halvings = 0; ///< how often a step that fails is taken again in two halves, and those again
     std::vector<BodyInputs> bodies;           ///< one per body, same order as the scene's
     std::vector<AttachmentInputs> attachments; ///< one per attachment
 };

@@ -28,6 +28,7 @@ Value Slot::sample(double frame) const {
     const double v = curve->component_at(frame, 0);
     if (as.is<bool>()) return Value::of<bool>(v != 0);
     if (as.is<std::int64_t>()) return Value::of<std::int64_t>(static_cast<std::int64_t>(v));
+    if (as.is<std::string>()) return Value::of<std::string>(std::string(info->options[static_cast<std::size_t>(v)]));
     return Value::of<double>(v);
 }
 

@@ -258,7 +258,19 @@ class BindingReader {
         if (const auto* b = json.as<bool>(); b && input_.def.is<bool>()) return {*b ? 1.0 : 0.0};
         if (input_.def.is<bool>()) return wrong_type(json, below, "true or false"), std::vector<double>{0};
         if (input_.def.is<std::int64_t>()) return {static_cast<double>(integer(json, below).value_or(0))};
+        if (input_.def.is<std::string>()) return {option(json, below)};
         return {number(json, below, factor).value_or(0)};
+    }
+
+    // The number of an option. An unknown word is told here; it stands for the first one from there on.
+    double option(const Json& json, const std::string& below) {
+        const auto* word = json.as<std::string>();
+        if (!word) return wrong_type(json, below, "one of the options"), 0.0;
+        const auto at = std::find(input_.options.begin(), input_.options.end(), *word);
+        if (at != input_.options.end()) return static_cast<double>(at - input_.options.begin());
+        const std::vector<std::string> words(input_.options.begin(), input_.options.end());
+        problem("DG014", json_quoted(*word) + " is not an option", name_hint(*word, words, "options"), below);
+        return 0;
     }
 
     void tangents(Key& key, const Json& json, const std::string& below, double factor) {
@@ -278,8 +290,7 @@ class BindingReader {
 
     Binding curve(const Json& json, double factor) {
         Curve out;
-        const bool whole = input_.def.is<bool>() || input_.def.is<std::int64_t>();
-        out.interpolation = whole ? Interpolation::step : Interpolation::linear;
+        out.interpolation = input_.is_stepped() ? Interpolation::step : Interpolation::linear;
         if (!input_.keyable) return out; // check_binding says so
         static const std::vector<std::string> words = {"step", "linear", "smooth"};
         if (const Json* interp = json.find("interp")) {

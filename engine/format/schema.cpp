@@ -110,6 +110,7 @@ Tree keys_definition() {
     const Tree value = {{"anyOf",
                          {{{"type", "number"}},
                           {{"type", "boolean"}},
+                          {{"type", "string"}},
                           {{"type", "array"}, {"items", {{"type", "number"}}}}}}};
     const Tree tangents = {
         {"type", "object"}, {"properties", {{"in", value}, {"out", value}}}, {"additionalProperties", false}};

@@ -39,6 +39,7 @@ std::string literal_text(const Value& v, const std::string& folder) {
 
 std::string keyed_text(const AttributeInfo& info, const std::vector<double>& v) {
     if (info.def.is<bool>()) return v[0] != 0 ? "true" : "false";
+    if (!info.options.empty()) return json_quoted(info.options[static_cast<std::size_t>(v[0])]);
     return v.size() == 1 ? number_text(v[0]) : joined(v);
 }
 

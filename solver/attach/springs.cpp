@@ -56,34 +56,40 @@ void Springs::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
             for (int j = 0; j < i; ++j) couplings.emplace_back(s.vertex[i], s.vertex[j]);
 }
 
-void Springs::begin_step(const StepInputs& inputs, const std::vector<std::vector<Anchor>>& anchors,
-                         const std::vector<Points>& before, const std::vector<Points>& after, double velocity_factor,
-                         const std::vector<double>& x_before) {
+void Springs::begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
+                          const ImplicitForm& form) {
     const auto& attachments = scene_.description().attachments;
+    const std::vector<Points>* bones[3] = {before.history.bones.empty() ? &before.bones : &before.history.bones,
+                                           &before.bones, &bones_after};
     for (std::size_t k = 0; k < springs_.size(); ++k) {
         const Spring& s = springs_[k];
         const std::size_t a = static_cast<std::size_t>(s.attachment);
-        const Anchor& anchor = anchors[a][static_cast<std::size_t>(s.anchor_index)];
+        const Anchor& anchor = before.anchors[a][static_cast<std::size_t>(s.anchor_index)];
         const AttachmentInputs& in = inputs.attachments[a];
         const AttachmentRest& rest = attachments[a];
         Values& v = values_[k];
         v.stiffness = in.stiffness * in.envelope * s.area_weight;
-        v.viscous = in.damping * velocity_factor * s.area_weight;
-        Vec3 anchor_before = Vec3::Zero();
+        v.viscous = in.damping * form.velocity_factor * s.area_weight;
+        Vec3 velocity = Vec3::Zero();
         v.anchor = Vec3::Zero();
-        if (const BoneRest* bone = scene_.bone(rest.target)) {
-            const std::size_t b = static_cast<std::size_t>(rest.target);
-            v.anchor = bone_anchor(anchor, bone->triangles, after[b]);
-            anchor_before = bone_anchor(anchor, bone->triangles, before[b]);
-        } else if (scene_.bone(rest.source)) {
-            const std::size_t b = static_cast<std::size_t>(rest.source);
-            v.anchor = after[b][static_cast<std::size_t>(anchor.source_vertex)];
-            anchor_before = before[b][static_cast<std::size_t>(anchor.source_vertex)];
+        for (std::size_t time = 0; time < 3; ++time) {
+            if (form.bone_position[time] == 0 && form.bone_velocity[time] == 0) continue;
+            Vec3 p = Vec3::Zero();
+            if (const BoneRest* bone = scene_.bone(rest.target))
+                p = bone_anchor(anchor, bone->triangles, (*bones[time])[static_cast<std::size_t>(rest.target)]);
+            else if (scene_.bone(rest.source))
+                p = (*bones[time])[static_cast<std::size_t>(rest.source)][static_cast<std::size_t>(anchor.source_vertex)];
+            v.anchor += form.bone_position[time] * p;
+            velocity += form.bone_velocity[time] * p;
         }
-        const Vec3 now = v.anchor;
-        v.anchor = anchor_before;
-        v.reference = stretch(s, v, x_before);
-        v.anchor = now;
+        v.reference = Vec3::Zero();
+        if (v.viscous == 0) continue;
+        // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
+        Vec3 offset = Vec3::Zero();
+        for (int i = 0; i < s.count; ++i)
+            for (int c = 0; c < 3; ++c)
+                offset[c] += s.coefficient[i] * form.velocity_offset[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
+        v.reference = (velocity - offset) / form.velocity_factor - v.anchor;
     }
 }
 

@@ -3,6 +3,7 @@
 // Hessian is constant over a step, and what one side gets the other gives.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/integrate/implicit_form.h"
 #include "solver/linear/block_matrix.h"
 #include "solver/scene.h"
 #include "solver/state.h"
@@ -25,11 +26,9 @@ class Springs {
     Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors);
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
-    /// Values of the coming step. `before` and `after`: bone positions at its two ends.
-    /// velocity_factor: relative velocity = factor x (displacement over the step); 0 switches damping off.
-    void begin_step(const StepInputs& inputs, const std::vector<std::vector<Anchor>>& anchors,
-                    const std::vector<Points>& before, const std::vector<Points>& after, double velocity_factor,
-                    const std::vector<double>& x_before);
+    /// Values of the coming stage of a step from `before`; `bones_after`: bone positions at the end of the step.
+    void begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
+                     const ImplicitForm& form);
     bool empty() const { return springs_.empty(); }
     /// Energy [J] with its gradient added to `gradient` (3 a vertex) unless that is null.
     double energy(const std::vector<double>& x, double* gradient) const;
@@ -46,7 +45,7 @@ class Springs {
     struct Values {
         double stiffness, viscous; ///< [N/m]; viscous = damping x velocity factor
         Vec3 anchor;               ///< prescribed point, 0 if both ends are free
-        Vec3 reference;            ///< sum c x - anchor at the start of the step
+        Vec3 reference;            ///< the stretch at which the relative velocity would be zero
     };
     Vec3 stretch(const Spring& s, const Values& v, const std::vector<double>& x) const;
     const Scene& scene_;

@@ -140,18 +140,41 @@ void Potential::update_moduli(const StepInputs& inputs) {
     stiffness_scale_ = std::sqrt(stiffness);
 }
 
-void Potential::begin_step(const State& before, const StepInputs& inputs, const ImplicitForm& form,
-                           const std::vector<Points>& bones_after) {
+void Potential::begin_step(const State& before, const StepInputs& inputs) {
     inputs_ = inputs;
-    form_ = &form;
     x_before_ = before.x;
     update_moduli(inputs);
-    springs_->begin_step(inputs, before.anchors, before.bones, bones_after, form.velocity_factor, before.x);
-    if (inputs.stiffness_damping > 0 && form.velocity_factor > 0) {
+    if (inputs.stiffness_damping > 0 && inputs.integrator != Integrator::quasi_static) {
         if (!damping_) damping_ = std::make_unique<BlockMatrix>(*pattern_);
         run_hessian_pass(before.x, true);
         gather_hessian(*damping_);
     }
+}
+
+void Potential::begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after) {
+    form_ = &form;
+    springs_->begin_stage(inputs_, before, bones_after, form);
+}
+
+void Potential::accelerations(const State& before, std::vector<double>& out) {
+    // A stage without inertia that ends where it starts, with the velocities of `before`: its gradient is the force.
+    ImplicitForm now;
+    now.velocity_factor = 1;
+    now.target = before.x;
+    now.velocity_offset.resize(before.x.size());
+    for (std::size_t i = 0; i < before.x.size(); ++i) now.velocity_offset[i] = before.v[i] - before.x[i];
+    now.bone_position = {0, 1, 0};
+    if (const double h = before.history.step_size; h > 0 && !before.history.bones.empty())
+        now.bone_velocity = {-1 / h, 1 / h, 0};
+    begin_stage(before, now, before.bones);
+    std::vector<double> gradient;
+    evaluate(before.x, &gradient, nullptr);
+    out.assign(before.x.size(), 0.0);
+    for (std::size_t u = 0; u < unknown_count(); ++u) {
+        const std::size_t v = static_cast<std::size_t>(system_.vertex_of_unknown[u]);
+        for (std::size_t c = 0; c < 3; ++c) out[3 * v + c] = -gradient[3 * u + c] / mass_[v];
+    }
+    form_ = nullptr;
 }
 
 void Potential::run_gradient_pass(const std::vector<double>& x) {

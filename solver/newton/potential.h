@@ -25,9 +25,12 @@ class Potential {
 
     /// Makes the pattern for these anchors, if it is not there yet. Returns true if the pattern is new.
     bool set_anchors(const std::vector<std::vector<Anchor>>& anchors);
-    /// Fixes everything that is constant over the step. `bones_before` are those of `before`.
-    void begin_step(const State& before, const StepInputs& inputs, const ImplicitForm& form,
-                    const std::vector<Points>& bones_after);
+    /// Fixes everything that is constant over the step from `before`.
+    void begin_step(const State& before, const StepInputs& inputs);
+    /// Fixes what is constant over one stage of it. `form` must outlive the stage.
+    void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
+    /// Acceleration of every vertex at `before` under the values of begin_step, 3 a vertex [m/s^2]; 0 where held.
+    void accelerations(const State& before, std::vector<double>& out);
 
     const std::vector<int>& vertex_of_unknown() const { return system_.vertex_of_unknown; }
     std::size_t unknown_count() const { return scene_.system().vertex_of_unknown.size(); }

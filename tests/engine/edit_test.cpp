@@ -109,7 +109,7 @@ TEST_CASE("all problems of an edit come at once and the base stays") {
     CHECK(codes(Edit(g).set({"r", "in"}, std::vector<Plug>{{"a", "out"}})) == "DG020");
     CHECK(codes(Edit(g).set({"s", "terms"}, Plug{"a", "out"})) == "DG020");
     CHECK(codes(Edit(g).set_key({"r", "in"}, 1, 1)) == "DG042");
-    CHECK(codes(Edit(g).set_key({"a", "mode"}, 1, 1)) == "DG018");
+    CHECK(codes(Edit(g).set_key({"a", "mode"}, 1, 2)) == "DG014");
     CHECK(codes(Edit(g).set({"odd", "x"}, Value::of<double>(1))) == "DG101");
     CHECK(codes(Edit(g).set_editor_json("[]").set_timing({0, 5, 1})) == "DG008 DG009 DG009");
     CHECK(codes(Edit(g).set({"a", "value"}, Plug{"r", "out"})) == "DG030");

@@ -188,7 +188,10 @@ TEST_CASE("keyframes are checked") {
     CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"in\": 1}]]}") == "DG017@2:67");
     CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"inn\": 1}]], \"interp\": \"smooth\"}") ==
           "DG007@2:75");
-    CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"]]}") == "DG018@2:50");
+    CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"], [4, \"double\"]]}").empty());
+    CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"], [4, \"duoble\"]]}") == "DG014@2:78");
+    CHECK(input_problem("mode", "{\"keys\": [[1, 0]]}") == "DG012@2:64");
+    CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"]], \"interp\": \"linear\"}") == "DG017@2:85");
     CHECK(input_problem("times", "{\"keys\": [[1, 2], [3, 4]]}").empty());
     CHECK(input_problem("times", "{\"keys\": [[1, 2.5]]}") == "DG012@2:64");
     CHECK(input_problem("times", "{\"keys\": [[1, 2]], \"interp\": \"linear\"}") == "DG017@2:79");

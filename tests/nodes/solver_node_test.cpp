@@ -73,6 +73,22 @@ TEST_CASE("a beam sags under gravity, follows its bone and reports how it conver
     CHECK(s.counter.steps["solver"] == 8); // the start state and seven steps
 }
 
+TEST_CASE("the integrator may be keyed: the scheme of each frame is the one that stands there", "[nodes]") {
+    const std::string keys = R"(, "integrator": {"keys": [[1, "QuasiStatic"], [3, "BDF2"], [5, "TR-BDF2"]]})";
+    Session keyed(beam(1, keys)), still(beam(1, R"(, "integrator": "QuasiStatic")"));
+    CHECK(points(keyed, 2) == points(still, 2));
+    CHECK(largest_difference(points(keyed, 4), points(still, 4)) > 1e-5);
+    for (const double frame : {3., 4., 5., 6., 7.}) {
+        (void)points(keyed, frame);
+        CHECK(keyed.get<nodes::SolveReport>("solver", "outReport", frame).record.converged);
+    }
+    // TR-BDF2 solves twice a step.
+    const auto newton = [&](double frame) {
+        return keyed.get<nodes::SolveReport>("solver", "outReport", frame).record.newton_iterations;
+    };
+    CHECK(newton(6) > newton(4));
+}
+
 TEST_CASE("bones pass through the solver as they are", "[nodes]") {
     Session s(beam(100));
     CHECK(points(s, 3, 0) == *std::get<nodes::Mesh>(s.get<nodes::Body>("bone", "outBody", 3).values).points);

@@ -5,8 +5,12 @@
 #include "tests/support/solver_scenes.h"
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <complex>
 #include <fstream>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <tbb/global_control.h>
@@ -70,61 +74,227 @@ State run(const Swing& swing, Workspace& w, State s, int first, int last) {
     return s;
 }
 
+struct Scheme {
+    Integrator integrator;
+    const char* name; ///< in the reference file
+    double order;
+};
+const Scheme schemes[] = {{Integrator::backward_euler, "BE", 1},
+                          {Integrator::bdf2, "BDF2", 2},
+                          {Integrator::tr_bdf2, "TRBDF2_gamma_2_minus_sqrt2", 2}};
+
+/// One tet whose four vertices hang on springs: exactly one oscillator, whatever the material.
+struct Oscillator {
+    nlohmann::json reference = integrators()["one_dof"];
+    TetMesh mesh = regular_tet(reference["edge"]);
+    std::shared_ptr<const Scene> scene;
+    Oscillator() {
+        auto t = tissue(mesh, ElasticLaw::neo_hookean);
+        SceneDescription d;
+        d.bodies = {t, bone(mesh.vertices, t->triangles)};
+        AttachmentRest a;
+        a.source = 0, a.target = 1, a.source_weights = {1};
+        d.attachments = {a};
+        scene = std::make_shared<const Scene>(d);
+    }
+    StepInputs inputs(Integrator integrator, double step_size, double damping_per_mass = 0) const {
+        StepInputs in = still_inputs();
+        in.integrator = integrator;
+        in.tolerance_factor = 1e-7;
+        in.bodies = {material(1e5, 0.3, reference["rho"]), BoneInputs{mesh.vertices}};
+        in.attachments = {{reference["attachment_stiffness"], 1,
+                           damping_per_mass * double(reference["mass"]) / double(reference["area"])}};
+        in.gravity = Vec3(0, 0, -9.81);
+        in.step_size = step_size;
+        in.max_newton_iterations = 4;
+        return in;
+    }
+    double height(const State& s, int vertex = 0) const {
+        return position(s, vertex).z() - mesh.vertices[static_cast<std::size_t>(vertex)].z();
+    }
+};
+
 } // namespace
 
-TEST_CASE("the one-tet oscillator follows backward Euler's exact sequence, digit by digit") {
-    const nlohmann::json one_dof = integrators()["one_dof"];
-    const TetMesh mesh = regular_tet(one_dof["edge"]);
-    auto t = tissue(mesh, ElasticLaw::neo_hookean);
-    SceneDescription d;
-    d.bodies = {t, bone(mesh.vertices, t->triangles)};
-    AttachmentRest a;
-    a.source = 0, a.target = 1, a.source_weights = {1};
-    d.attachments = {a};
-    auto scene = std::make_shared<const Scene>(d);
-    for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/48", 48}, {"dt=1/96", 96}, {"dt=1/240", 240}}) {
-        Workspace w(scene);
-        StepInputs in = still_inputs();
-        in.tolerance_factor = 1e-7;
-        in.bodies = {material(1e5, 0.3, one_dof["rho"]), BoneInputs{mesh.vertices}};
-        in.attachments = {{one_dof["attachment_stiffness"], 1, 0}};
-        in.gravity = Vec3(0, 0, -9.81);
-        in.step_size = 1.0 / steps;
-        in.max_newton_iterations = 4;
-        const auto& expected = one_dof["runs"][title]["BE"];
-        State s = initial_state(*scene, in);
-        for (int i = 0; i < steps; ++i) {
-            s = advance(w, s, std::span(&in, 1));
-            if (i + 1 < static_cast<int>(expected["z_first_steps"].size()))
-                for (int v = 0; v < 4; ++v)
-                    CHECK(position(s, v).z() - mesh.vertices[static_cast<std::size_t>(v)].z() ==
-                          Approx(double(expected["z_first_steps"][static_cast<std::size_t>(i) + 1])).epsilon(1e-9));
+TEST_CASE("the one-tet oscillator follows each scheme's exact sequence, digit by digit") {
+    const Oscillator o;
+    const auto check = [&](const nlohmann::json& runs, double damping) {
+        for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/48", 48}, {"dt=1/96", 96}, {"dt=1/240", 240}}) {
+            if (!runs.contains(title)) continue;
+            for (const Scheme& scheme : schemes) {
+                INFO(title << " " << scheme.name << " damping " << damping);
+                Workspace w(o.scene);
+                const StepInputs in = o.inputs(scheme.integrator, 1.0 / steps, damping);
+                const auto& expected = runs[title][scheme.name];
+                const auto& first = expected["z_first_steps"];
+                State s = initial_state(*o.scene, in);
+                for (int i = 0; i < steps; ++i) {
+                    s = advance(w, s, std::span(&in, 1));
+                    if (i + 1 < static_cast<int>(first.size()))
+                        for (int v = 0; v < 4; ++v)
+                            CHECK(o.height(s, v) == Approx(double(first[static_cast<std::size_t>(i) + 1])).epsilon(1e-8));
+                }
+                CHECK(o.height(s) == Approx(double(expected["z_end"])).epsilon(1e-7));
+            }
         }
-        CHECK(position(s, 0).z() - mesh.vertices[0].z() == Approx(double(expected["z_end"])).epsilon(1e-8));
+    };
+    check(o.reference["runs"], 0);
+    check(o.reference["with_viscous_damping"]["runs"], o.reference["with_viscous_damping"]["c_per_mass"]);
+}
+
+TEST_CASE("each scheme amplifies the undamped oscillator by its closed form") {
+    const Oscillator o;
+    const double omega = o.reference["omega"], sag = -double(o.reference["static_sag"]);
+    using Complex = std::complex<double>;
+    const double g = 2 - std::sqrt(2.0);
+    const auto factor = [&](Integrator integrator, Complex z) -> Complex {
+        if (integrator == Integrator::backward_euler) return 1.0 / (1.0 - z);
+        if (integrator == Integrator::bdf2) return (2.0 + std::sqrt(1.0 + 2.0 * z)) / (3.0 - 2.0 * z);
+        const Complex y = (1.0 + 0.5 * g * z) / (1.0 - 0.5 * g * z);
+        return (y / (g * (2 - g)) - (1 - g) * (1 - g) / (g * (2 - g))) / (1.0 - (1 - g) / (2 - g) * z);
+    };
+    for (const Scheme& scheme : schemes)
+        for (const double per_period : {0.01, 0.05, 0.2}) {
+            INFO(scheme.name << " dt/T " << per_period);
+            const double h = per_period * 2 * M_PI / omega;
+            const Complex r = factor(scheme.integrator, Complex(0, omega * h));
+            Workspace w(o.scene);
+            const StepInputs in = o.inputs(scheme.integrator, h);
+            // y = (x - sag) + v / (i omega) is multiplied by r in every step. BDF2's history is set to its principal root.
+            State s = initial_state(*o.scene, in);
+            const double start = 1e-3;
+            const auto set = [&](std::vector<double>& x, std::vector<double>& v, Complex y) {
+                for (std::size_t i = 0; i < 4; ++i)
+                    x[3 * i + 2] = o.mesh.vertices[i].z() + sag + y.real(), v[3 * i + 2] = -omega * y.imag();
+            };
+            set(s.x, s.v, start);
+            if (scheme.integrator == Integrator::bdf2) {
+                s.history.step_size = h;
+                s.history.x = s.x, s.history.v = s.v, s.history.bones = s.bones;
+                set(s.history.x, s.history.v, start / r);
+            }
+            Complex expected = start;
+            for (int i = 0; i < 20; ++i) {
+                s = advance(w, s, std::span(&in, 1));
+                expected *= r;
+                CHECK(std::abs(Complex(o.height(s) - sag, -s.v[2] / omega) - expected) < 1e-8 * start);
+            }
+        }
+}
+
+TEST_CASE("schemes converge at their orders, also over changes of scheme and of step size") {
+    const Oscillator o;
+    const double omega = o.reference["omega"], sag = double(o.reference["static_sag"]), end = 0.25;
+    const auto error = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share, int steps) {
+        Workspace w(o.scene);
+        StepInputs in = o.inputs(Integrator::backward_euler, 1);
+        State s = initial_state(*o.scene, in);
+        double sum = 0;
+        for (int i = 0; i < steps; ++i) sum += share(i);
+        for (int i = 0; i < steps; ++i) {
+            in.integrator = scheme(i);
+            in.step_size = end * share(i) / sum;
+            s = advance(w, s, std::span(&in, 1));
+        }
+        return std::abs(o.height(s) + sag * (1 - std::cos(omega * end)));
+    };
+    const auto order = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share, int steps) {
+        return std::log2(error(scheme, share, steps) / error(scheme, share, 2 * steps));
+    };
+    const auto even = [](int) { return 1.0; };
+    for (const Scheme& scheme : schemes) {
+        INFO(scheme.name);
+        CHECK(order([&](int) { return scheme.integrator; }, even, 4000) == Approx(scheme.order).margin(0.1));
+    }
+    const auto bdf2 = [](int) { return Integrator::bdf2; };
+    CHECK(order(bdf2, [](int i) { return i % 3 == 0 ? 1.5 : 1.0; }, 3000) == Approx(2).margin(0.1));
+    // Restarts: from TR-BDF2 to BDF2 and back, a fixed number of times whatever the step.
+    for (const int steps : {2000}) {
+        const auto mixed = [&](int n) {
+            return error([n](int i) { return i * 8 / n % 2 ? Integrator::bdf2 : Integrator::tr_bdf2; }, even, n);
+        };
+        CHECK(std::log2(mixed(steps) / mixed(2 * steps)) == Approx(2).margin(0.1));
     }
 }
 
-TEST_CASE("free fall is exact to backward Euler and does not deform the body") {
+TEST_CASE("from quasi-static to dynamic a body starts without velocity") {
+    const Oscillator o;
+    const double sag = o.reference["static_sag"];
+    for (const Scheme& scheme : schemes) {
+        Workspace w(o.scene);
+        StepInputs in = o.inputs(Integrator::quasi_static, 0.01);
+        State s = initial_state(*o.scene, in);
+        for (double& v : s.v) v = 3;
+        s = advance(w, s, std::span(&in, 1));
+        CHECK(o.height(s) == Approx(-sag).epsilon(1e-8));
+        CHECK(*std::max_element(s.v.begin(), s.v.end()) == 0);
+        in.integrator = scheme.integrator;
+        for (int i = 0; i < 10; ++i) s = advance(w, s, std::span(&in, 1));
+        CHECK(o.height(s) == Approx(-sag).epsilon(1e-7));
+    }
+}
+
+TEST_CASE("liveliness: TR-BDF2 keeps more of a swing than BDF2, and BDF2 more than backward Euler") {
+    const Oscillator o;
+    double kept[3];
+    for (int k = 0; k < 3; ++k) {
+        Workspace w(o.scene);
+        const StepInputs in = o.inputs(schemes[k].integrator, 0.005);
+        State s = initial_state(*o.scene, in);
+        double low = 0, high = -1;
+        for (int i = 0; i < 100; ++i) {
+            s = advance(w, s, std::span(&in, 1));
+            if (i >= 80) low = std::min(low, o.height(s)), high = std::max(high, o.height(s));
+        }
+        kept[k] = high - low;
+    }
+    CHECK(kept[2] > 1.05 * kept[1]);
+    CHECK(kept[1] > 1.05 * kept[0]);
+}
+
+TEST_CASE("free fall is exact to each scheme and does not deform the body") {
     const TetMesh mesh = box_mesh({0.3, 0.2, 0.2}, 3, 2, 2);
     const auto expected = integrators()["free_fall"]["discrete"];
     for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/96", 96}})
-        for (const double tolerance : {1.0, 1e-4}) {
-            auto scene = std::make_shared<const Scene>(SceneDescription{{tissue(mesh, ElasticLaw::stvk)}, {}});
-            Workspace w(scene);
-            StepInputs in = still_inputs();
-            in.tolerance_factor = tolerance;
-            in.gravity = Vec3(0, -9.81, 0);
-            in.bodies = {material(1e4, 0.45)};
-            in.step_size = 1.0 / steps;
-            State s = initial_state(*scene, in);
-            for (std::size_t v = 0; v < s.v.size(); v += 3) s.v[v + 1] = 2;
-            for (int i = 0; i < steps; ++i) s = advance(w, s, std::span(&in, 1));
-            const double fall = expected[title]["BE"]["x"];
-            double worst = 0;
-            for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-                worst = std::max(worst, (position(s, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, fall, 0)).norm());
-            CHECK(worst < 1e-9);
-        }
+        for (const Scheme& scheme : schemes)
+            for (const double tolerance : {1.0, 1e-4}) {
+                INFO(title << " " << scheme.name << " " << tolerance);
+                auto scene = std::make_shared<const Scene>(SceneDescription{{tissue(mesh, ElasticLaw::stvk)}, {}});
+                Workspace w(scene);
+                StepInputs in = still_inputs();
+                in.integrator = scheme.integrator;
+                in.tolerance_factor = tolerance;
+                in.gravity = Vec3(0, -9.81, 0);
+                in.bodies = {material(1e4, 0.45)};
+                in.step_size = 1.0 / steps;
+                State s = initial_state(*scene, in);
+                for (std::size_t v = 0; v < s.v.size(); v += 3) s.v[v + 1] = 2;
+                for (int i = 0; i < steps; ++i) s = advance(w, s, std::span(&in, 1));
+                const double fall = expected[title][scheme.name]["x"];
+                double worst = 0;
+                for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+                    worst = std::max(worst, (position(s, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, fall, 0)).norm());
+                CHECK(worst < 1e-9);
+            }
+}
+
+TEST_CASE("a step that fails is taken again in halves, and says so") {
+    // The second bone jumps by a quarter turn in one step, with few Newton iterations allowed.
+    const Swing swing;
+    Workspace w(swing.scene);
+    const State start = initial_state(*swing.scene, swing.inputs(0));
+    StepInputs in = swing.inputs(15);
+    in.max_newton_iterations = 8;
+    const State failed = advance(w, start, std::span(&in, 1));
+    CHECK_FALSE(failed.record.converged);
+    CHECK(failed.record.halvings == 0);
+    in.max_halvings = 6;
+    const State s = advance(w, start, std::span(&in, 1));
+    CHECK(s.record.converged);
+    CHECK(s.record.halvings > 0);
+    CHECK(s.record.residual <= 1e-6);
+    CHECK(s.record.inverted == 0);
+    CHECK(s.bones == failed.bones);
 }
 
 TEST_CASE("mass damping gives the exact discrete terminal motion") {
@@ -182,10 +352,11 @@ TEST_CASE("the whole potential's gradient and Hessian converge to finite differe
     // The compression resistance has a third derivative that jumps at J = 1, which hides the order.
     std::get<TissueInputs>(in.bodies[0]).compression_resistance = 0;
     ImplicitForm form;
-    make_form(s, in, form);
+    backward_euler_form(s, in.step_size, form);
     std::vector<Points> bones(3);
     for (const int b : {1, 2}) bones[static_cast<std::size_t>(b)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(b)]).positions;
-    potential.begin_step(s, in, form, bones);
+    potential.begin_step(s, in);
+    potential.begin_stage(s, form, bones);
     std::mt19937 random(8);
     std::normal_distribution<double> normal;
     std::vector<double> direction(s.x.size());

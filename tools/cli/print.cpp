@@ -152,6 +152,7 @@ Json describe_step(const solver::StepRecord& r) {
               {"other", r.seconds_other}}},
             {"substeps", r.substeps},
             {"newton", r.newton_iterations},
+            {"halvings", r.halvings},
             {"residual", r.residual},
             {"converged", r.converged},
             {"energy", r.energy},
