@@ -69,7 +69,12 @@ class Scene {
     const BoneRest* bone(int body) const;
     /// First unknown vertex of a tissue in the state's arrays.
     int first_vertex(int body) const { return first_vertex_[static_cast<std::size_t>(body)]; }
-    int vertex_count() const { return vertex_count_; } ///< unknown vertices of all tissues
+    int vertex_count() const { return vertex_count_; } ///< vertices of all tissues
+    /// Vertices of one tissue in the state's arrays; 0 for bones.
+    std::size_t vertex_count(int body) const {
+        const std::size_t next = static_cast<std::size_t>(body) + 1;
+        return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) - first_vertex(body));
+    }
     struct System;                                     ///< element batches and pattern; solver-internal
     const System& system() const { return *system_; }
 

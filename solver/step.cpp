@@ -67,6 +67,8 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
             const TissueRest& rest = *scene.tissue(body);
             if (t.layers.size() != rest.layer_weights.size() || t.fibers.size() != rest.fibers.size())
                 throw std::logic_error("step inputs must give values for every layer and fibre of a tissue");
+            if (!t.forces.empty() && t.forces.size() != scene.vertex_count(body))
+                throw std::logic_error("step inputs must give one load per vertex of a tissue, or none");
         }
     }
 }

@@ -29,6 +29,7 @@ struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
+    Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
 };
 
 struct BoneInputs {

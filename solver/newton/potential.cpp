@@ -42,7 +42,7 @@ double fiber_stiffness(const FiberValues& f) { return f.strength * f.envelope * 
 
 } // namespace
 
-double ForceNorms::largest() const { return std::max({elements, fibers, inertia, gravity, attachments, damping}); }
+double ForceNorms::largest() const { return std::max({elements, fibers, inertia, gravity, loads, attachments, damping}); }
 
 Potential::Potential(const Scene& scene) : scene_(scene), system_(scene.system()) {
     tissue_inputs_.resize(system_.tissues.size());
@@ -140,10 +140,23 @@ void Potential::update_moduli(const StepInputs& inputs) {
     stiffness_scale_ = std::sqrt(stiffness);
 }
 
+void Potential::update_loads(const StepInputs& inputs) {
+    loads_.clear();
+    for (const TissueElements& elements : system_.tissues) {
+        const Points& forces = std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(elements.body)]).forces;
+        if (forces.empty()) continue;
+        loads_.resize(3 * static_cast<std::size_t>(scene_.vertex_count()), 0.0);
+        double* out = loads_.data() + 3 * static_cast<std::size_t>(scene_.first_vertex(elements.body));
+        for (std::size_t v = 0; v < forces.size(); ++v)
+            for (std::size_t c = 0; c < 3; ++c) out[3 * v + c] = forces[v][static_cast<Eigen::Index>(c)];
+    }
+}
+
 void Potential::begin_step(const State& before, const StepInputs& inputs) {
     inputs_ = inputs;
     x_before_ = before.x;
     update_moduli(inputs);
+    update_loads(inputs);
     if (inputs.stiffness_damping > 0 && inputs.integrator != Integrator::quasi_static) {
         if (!damping_) damping_ = std::make_unique<BlockMatrix>(*pattern_);
         run_hessian_pass(before.x, true);
@@ -279,8 +292,14 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
             w += inputs_.gravity[static_cast<Eigen::Index>(c)] * (x[3 * v + c] - x_before_[3 * v + c]);
         return mass_[v] * w;
     });
-    energy_scale_ = std::abs(elastic) + spring_energy + damping_energy + inertia_energy + std::abs(gravity_energy);
-    const double total = elastic + spring_energy + damping_energy + inertia_energy + gravity_energy;
+    const double load_energy = loads_.empty() ? 0 : -ordered_sum(n, [&](std::size_t u) {
+        const std::size_t v = 3 * vertex(u);
+        double w = 0;
+        for (std::size_t c = v; c < v + 3; ++c) w += loads_[c] * (x[c] - x_before_[c]);
+        return w;
+    });
+    energy_scale_ = std::abs(elastic) + spring_energy + damping_energy + inertia_energy + std::abs(gravity_energy) + std::abs(load_energy);
+    const double total = elastic + spring_energy + damping_energy + inertia_energy + gravity_energy + load_energy;
     if (!gradient) return total;
 
     gradient->resize(3 * n);
@@ -301,6 +320,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
                 g[c] += mass_[v] * alpha * (form_->velocity_factor * xi + form_->velocity_offset[3 * v + c]);
             if (beta > 0) g[c] += beta * damping_force_[3 * u + c];
             if (!springs_->empty()) g[c] += spring_gradient_[3 * v + c];
+            if (!loads_.empty()) g[c] -= loads_[3 * v + c];
             (*gradient)[3 * u + c] = g[c];
         }
     });
@@ -327,6 +347,10 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         }));
         const double g = inputs_.gravity.norm();
         norms->gravity = g * std::sqrt(ordered_sum(n, [&](std::size_t u) { return mass_[vertex(u)] * mass_[vertex(u)]; }));
+        norms->loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(n, [&](std::size_t u) {
+            const std::size_t v = 3 * vertex(u);
+            return loads_[v] * loads_[v] + loads_[v + 1] * loads_[v + 1] + loads_[v + 2] * loads_[v + 2];
+        }));
         norms->attachments = springs_->empty() ? 0 : springs_->force_norm(x);
         norms->damping = beta > 0 ? beta * std::sqrt(ordered_sum(3 * n, [&](std::size_t i) {
             return damping_force_[i] * damping_force_[i];

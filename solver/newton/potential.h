@@ -15,7 +15,7 @@ namespace sinew::solver {
 
 /// Euclidean norms of the forces that act in the step [N], before they cancel.
 struct ForceNorms {
-    double elements = 0, fibers = 0, inertia = 0, gravity = 0, attachments = 0, damping = 0;
+    double elements = 0, fibers = 0, inertia = 0, gravity = 0, loads = 0, attachments = 0, damping = 0;
     double largest() const;
 };
 
@@ -54,6 +54,7 @@ class Potential {
 
   private:
     void update_moduli(const StepInputs& inputs);
+    void update_loads(const StepInputs& inputs);
     void run_gradient_pass(const std::vector<double>& x);
     void run_hessian_pass(const std::vector<double>& x, bool project);
     void gather_hessian(BlockMatrix& a) const;
@@ -74,6 +75,7 @@ class Potential {
     StepInputs inputs_;
     const ImplicitForm* form_ = nullptr;
     std::vector<double> x_before_;
+    std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none
     std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
     std::vector<TetGradient> gradients_;
     std::vector<TetHessian> hessians_;
