@@ -20,10 +20,6 @@ struct EdgeBatch {
 /// Values of the ten shape functions at a point given by its barycentric coordinates.
 void quadratic_shape(const double* barycentric, double* values);
 
-/// Share of the tet's mass that each corner and each edge gets: diagonal scaling of the consistent mass matrix
-/// (Hinton, Rock, Zienkiewicz 1976), which keeps all of them positive.
-inline constexpr double quadratic_corner_mass = 1.0 / 36, quadratic_edge_mass = 4.0 / 27;
-
 /// g[node][component][lane]; the summary's energy includes those on means if `means` (some of moduli.lambda_mean or
 /// moduli.volume are not zero). `in.share` and `in.pressures` are not read.
 void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,

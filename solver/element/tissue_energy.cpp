@@ -70,7 +70,7 @@ TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.sy
     summaries_.resize(system_.batches.size());
     gradients_.resize(system_.gradient_size);
     hessians_.resize(system_.hessian_size);
-    mass_.assign(static_cast<std::size_t>(scene.vertex_count()), 0.0);
+    tet_mass_.assign(lanes * system_.batches.size(), 0.0);
 }
 
 TissueEnergy::~TissueEnergy() = default;
@@ -106,16 +106,23 @@ bool TissueEnergy::set_values(const StepInputs& inputs) {
                 fibers_[t].push_back({&batches.fibers[k][i], f.strength * f.envelope * f.excitation, f.contraction_limit});
             }
     }
-    if (changed) set_scales();
+    if (changed) {
+        set_scales();
+        if (pattern_ && !new_couplings) mass_.set(system_, *pattern_, tet_mass_);
+    }
     return new_couplings;
+}
+
+void TissueEnergy::relax_volume(int level) {
+    volume_share_ = std::pow(10.0, -level);
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t)
+        if (has_means_[t] || patches_[t]) set_materials(t, inputs_[t]);
 }
 
 void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
     const TissueBatches& batches = system_.tissues[t];
     const TissueRest& rest = *scene_.tissue(batches.body);
     const bool quadratic = batches.kind == ElementKind::quadratic;
-    const std::size_t first = static_cast<std::size_t>(scene_.first_vertex(batches.body));
-    std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(first), scene_.vertex_count(batches.body), 0.0);
     has_means_[t] = 0;
     Patches* patches = patches_[t].get();
     if (patches) {
@@ -134,27 +141,23 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
         const bool splits = quadratic && rest.law != ElasticLaw::anisotropic;
         moduli.mu[lane] = l.mu;
         moduli.lambda[lane] = splits ? std::min(l.lambda, pointwise_lambda * l.mu) : l.lambda;
-        moduli.lambda_mean[lane] = l.lambda - moduli.lambda[lane];
-        moduli.volume[lane] = quadratic ? m.volume_conservation : 0;
+        moduli.lambda_mean[lane] = volume_share_ * (l.lambda - moduli.lambda[lane]);
+        moduli.volume[lane] = quadratic ? volume_share_ * m.volume_conservation : 0;
         moduli.compression[lane] = compression_coefficient(in.compression_resistance, m.youngs_modulus, m.poissons_ratio);
         if (moduli.lambda_mean[lane] > 0 || moduli.volume[lane] > 0) has_means_[t] = 1;
         if (!anisotropy_[t].empty())
             anisotropy_[t][i].root[lane] = batches.anisotropy[i].root[lane] == 0 ? 1 : std::pow(in.transverse_anisotropy, 0.25);
-        const double mass = m.mass_density * batch.volume[lane];
-        for (int n = 0; n < batches.nodes(); ++n) {
-            const double share = !quadratic ? 0.25 : n < 4 ? quadratic_corner_mass : quadratic_edge_mass;
-            mass_[static_cast<std::size_t>(system_.node(batches, i, n)[lane])] += share * mass;
-        }
+        tet_mass_[batches.first_batch * lanes + slot] = m.mass_density * batch.volume[lane];
         if (patches && slot < batches.tet_count) {
             const std::size_t p = static_cast<std::size_t>(patches->of.patch_of_tet[tet]);
             patches->volume[p] += batch.volume[lane];
-            patches->stiffness[p] += m.volume_conservation * batch.volume[lane];
+            patches->stiffness[p] += volume_share_ * m.volume_conservation * batch.volume[lane];
         }
     }
 }
 
 void TissueEnergy::set_scales() {
-    double sum = 0, stiffness = 0;
+    double sum = 0, stiffness = 0, stiffest = 0;
     elastic_scale_ = 0;
     for (std::size_t e = 0; e < system_.batches.size(); ++e)
         for (int lane = 0; lane < lanes; ++lane) {
@@ -165,13 +168,26 @@ void TissueEnergy::set_scales() {
             const double lambda = m.lambda[lane] + m.lambda_mean[lane];
             const double scale = (2 * m.mu[lane] + std::min(lambda, 2 * m.mu[lane])) * b.volume[lane];
             const double modulus_volume = (2 * m.mu[lane] + lambda + m.volume[lane]) * b.volume[lane];
+            if (b.volume[lane] > 0) stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
             sum += scale * scale * squares;
             elastic_scale_ += modulus_volume;
             stiffness += modulus_volume * modulus_volume * squares * squares;
         }
-    for (const auto& patches : patches_)
-        if (patches)
-            for (const double k : patches->stiffness) elastic_scale_ += k;
+    for (std::size_t t = 0; t < patches_.size(); ++t) {
+        if (!patches_[t]) continue;
+        const Patches& patches = *patches_[t];
+        for (std::size_t p = 0; p < patches.stiffness.size(); ++p) {
+            elastic_scale_ += patches.stiffness[p];
+            const std::size_t tet = static_cast<std::size_t>(patches.of.tets[static_cast<std::size_t>(patches.of.tet_start[p])]);
+            const std::size_t e = system_.tissues[t].first_batch + tet / lanes;
+            const double mu = moduli_[e].mu[tet % lanes];
+            double squares = 0;
+            for (const auto& row : system_.batches[e].shape) squares += row[tet % lanes] * row[tet % lanes];
+            stiffness += patches.stiffness[p] * patches.stiffness[p] * squares * squares;
+            stiffest = std::max(stiffest, patches.stiffness[p] / (patches.volume[p] * mu));
+        }
+    }
+    volume_levels_ = stiffest > 100 ? static_cast<int>(std::ceil(std::log10(stiffest / 100))) : 0;
     force_floor_ = 1e-6 * std::sqrt(sum);
     stiffness_scale_ = std::sqrt(stiffness);
 }
@@ -211,6 +227,7 @@ void sort_into(std::size_t buckets, std::vector<int>& start, std::vector<int>& v
 
 void TissueEnergy::set_pattern(const BlockPattern& pattern) {
     pattern_ = &pattern;
+    mass_.set(system_, pattern, tet_mass_);
     const auto row = [&](int vertex) { return system_.unknown[static_cast<std::size_t>(vertex)]; };
     // An element entry is named by twice the place of its first number, plus one if it has to be transposed.
     sort_into(pattern.block_count(), contribution_start_, contributions_, [&](const auto& visit) {

@@ -3,6 +3,7 @@
 // fixed order, so that sums have the same bits for any number of threads.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/element/mass_matrix.h"
 #include "solver/element/volume_patches.h"
 #include "solver/linear/block_matrix.h"
 #include "solver/step_inputs.h"
@@ -20,9 +21,13 @@ class TissueEnergy {
     /// Takes the material and fibre values of a step. Returns true if the couplings changed: volume conservation came or
     /// went on a tissue of linear tets, whose patches couple more vertices.
     bool set_values(const StepInputs& inputs);
+    /// How many tenfold steps the stiffness on means and patches lies above a hundred times the shear modulus.
+    int volume_levels() const { return volume_levels_; }
+    /// Takes 10^-level of that stiffness for what follows; 0 = all of it.
+    void relax_volume(int level);
     /// Pairs of vertices that elements and patches couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
-    /// Finds where each entry goes. The pattern must outlive this.
+    /// Finds where each entry goes and sets the masses. The pattern must outlive this.
     void set_pattern(const BlockPattern& pattern);
 
     /// Energy at x (3 a vertex) [J]; keeps the gradient for the functions below.
@@ -43,7 +48,7 @@ class TissueEnergy {
     /// Hessian at x into `a`, over whatever stood there. `project` clamps each element's eigenvalues at zero.
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
 
-    const std::vector<double>& mass() const { return mass_; } ///< lumped, per vertex [kg]
+    const MassMatrix& mass() const { return mass_; }
     double force_floor() const { return force_floor_; }         ///< forces that would strain every tet by 1e-6 [N]
     double elastic_scale() const { return elastic_scale_; }     ///< sum of modulus x volume [J]
     double stiffness_scale() const { return stiffness_scale_; } ///< root of summed squares of tets' stiffnesses [N/m]
@@ -66,7 +71,10 @@ class TissueEnergy {
     std::vector<std::vector<ActiveFiber>> fibers_;    ///< per tissue, batch by batch, `active_count_` each
     std::vector<std::size_t> active_count_;
     std::vector<std::unique_ptr<Patches>> patches_; ///< per tissue; null where none are used
-    std::vector<double> mass_;
+    std::vector<double> tet_mass_; ///< per slot of all batches [kg]
+    MassMatrix mass_;
+    int volume_levels_ = 0;
+    double volume_share_ = 1;
     double force_floor_ = 0, elastic_scale_ = 0, stiffness_scale_ = 0;
 
     const BlockPattern* pattern_ = nullptr;

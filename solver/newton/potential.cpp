@@ -68,20 +68,20 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
     if (const double h = before.history.step_size; h > 0 && !before.history.bones.empty())
         now.bone_velocity = {-1 / h, 1 / h, 0};
     begin_stage(before, now, before.bones);
-    std::vector<double> gradient;
+    std::vector<double> gradient, solved;
     evaluate(before.x, &gradient, nullptr);
-    const std::vector<double>& mass = tissues_.mass();
+    for (double& g : gradient) g = -g;
+    tissues_.mass().solve(gradient, solved);
     out.assign(before.x.size(), 0.0);
-    for (std::size_t u = 0; u < unknown_count(); ++u) {
-        const std::size_t v = static_cast<std::size_t>(system_.vertex_of_unknown[u]);
-        for (std::size_t c = 0; c < 3; ++c) out[3 * v + c] = -gradient[3 * u + c] / mass[v];
-    }
+    for (std::size_t u = 0; u < unknown_count(); ++u)
+        for (std::size_t c = 0; c < 3; ++c) out[3 * static_cast<std::size_t>(system_.vertex_of_unknown[u]) + c] = solved[3 * u + c];
     form_ = nullptr;
 }
 
 double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms) {
     const double elastic = tissues_.evaluate(x);
-    const std::vector<double>& mass = tissues_.mass();
+    const MassMatrix& masses = tissues_.mass();
+    const std::vector<double>& weight = masses.weight();
     const bool moving = form_->velocity_factor > 0;
     const double alpha = moving ? inputs_.mass_damping : 0, beta = moving ? inputs_.stiffness_damping : 0;
     const std::size_t n = unknown_count();
@@ -104,27 +104,33 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         damping_energy = beta / (2 * form_->velocity_factor) *
                          ordered_sum(3 * n, [&](std::size_t i) { return velocity_[i] * damping_force_[i]; });
     }
-    // Inertia, gravity and mass damping are diagonal: one loop for their energies.
     const auto vertex = [&](std::size_t u) { return static_cast<std::size_t>(system_.vertex_of_unknown[u]); };
-    double inertia_energy = ordered_sum(n, [&](std::size_t u) {
-        double w = 0;
-        const std::size_t v = vertex(u);
-        for (std::size_t c = 0; c < 3; ++c) {
-            const double d = x[3 * v + c] - form_->target[3 * v + c];
-            w += 0.5 * form_->mass_factor * d * d;
-            if (alpha > 0) {
-                const double velocity = form_->velocity_factor * x[3 * v + c] + form_->velocity_offset[3 * v + c];
-                w += 0.5 * alpha / form_->velocity_factor * velocity * velocity;
-            }
-        }
-        return mass[v] * w;
+    // Inertia and mass damping: M (m (x - target) + alpha v), its energy on the way.
+    offset_.resize(3 * n);
+    parallel_for(n, 4096, [&](std::size_t u) {
+        for (std::size_t c = 0; c < 3; ++c) offset_[3 * u + c] = x[3 * vertex(u) + c] - form_->target[3 * vertex(u) + c];
     });
+    double inertia_energy = 0;
+    if (form_->mass_factor > 0) {
+        masses.multiply(offset_, inertia_);
+        inertia_energy = 0.5 * form_->mass_factor * ordered_sum(3 * n, [&](std::size_t i) { return offset_[i] * inertia_[i]; });
+    }
+    if (alpha > 0) {
+        velocity_.resize(3 * n);
+        parallel_for(n, 4096, [&](std::size_t u) {
+            const std::size_t v = 3 * vertex(u);
+            for (std::size_t c = 0; c < 3; ++c) velocity_[3 * u + c] = form_->velocity_factor * x[v + c] + form_->velocity_offset[v + c];
+        });
+        masses.multiply(velocity_, drag_);
+        inertia_energy += 0.5 * alpha / form_->velocity_factor *
+                          ordered_sum(3 * n, [&](std::size_t i) { return velocity_[i] * drag_[i]; });
+    }
     const double gravity_energy = -ordered_sum(n, [&](std::size_t u) {
         const std::size_t v = vertex(u);
         double w = 0;
         for (std::size_t c = 0; c < 3; ++c)
             w += inputs_.gravity[static_cast<Eigen::Index>(c)] * (x[3 * v + c] - x_before_[3 * v + c]);
-        return mass[v] * w;
+        return weight[v] * w;
     });
     const double load_energy = loads_.empty() ? 0 : -ordered_sum(n, [&](std::size_t u) {
         const std::size_t v = 3 * vertex(u);
@@ -142,11 +148,9 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         tissues_.add_gradient(u, g);
         const std::size_t v = vertex(u);
         for (std::size_t c = 0; c < 3; ++c) {
-            const double xi = x[3 * v + c];
-            g[c] += mass[v] * (form_->mass_factor * (xi - form_->target[3 * v + c]) -
-                                inputs_.gravity[static_cast<Eigen::Index>(c)]);
-            if (alpha > 0)
-                g[c] += mass[v] * alpha * (form_->velocity_factor * xi + form_->velocity_offset[3 * v + c]);
+            g[c] -= weight[v] * inputs_.gravity[static_cast<Eigen::Index>(c)];
+            if (form_->mass_factor > 0) g[c] += form_->mass_factor * inertia_[3 * u + c];
+            if (alpha > 0) g[c] += alpha * drag_[3 * u + c];
             if (beta > 0) g[c] += beta * damping_force_[3 * u + c];
             if (!springs_->empty()) g[c] += spring_gradient_[3 * v + c];
             if (!loads_.empty()) g[c] -= loads_[3 * v + c];
@@ -156,17 +160,11 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     if (norms) {
         norms->elements = tissues_.force_norm();
         norms->fibers = tissues_.fiber_norm();
-        norms->inertia = std::sqrt(ordered_sum(n, [&](std::size_t u) {
-            const std::size_t v = vertex(u);
-            double squares = 0;
-            for (std::size_t c = 0; c < 3; ++c) {
-                const double f = mass[v] * form_->mass_factor * (x[3 * v + c] - form_->target[3 * v + c]);
-                squares += f * f;
-            }
-            return squares;
-        }));
+        norms->inertia = form_->mass_factor > 0 ? form_->mass_factor * std::sqrt(ordered_sum(3 * n, [&](std::size_t i) {
+            return inertia_[i] * inertia_[i];
+        })) : 0;
         const double g = inputs_.gravity.norm();
-        norms->gravity = g * std::sqrt(ordered_sum(n, [&](std::size_t u) { return mass[vertex(u)] * mass[vertex(u)]; }));
+        norms->gravity = g * std::sqrt(ordered_sum(n, [&](std::size_t u) { return weight[vertex(u)] * weight[vertex(u)]; }));
         norms->loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(n, [&](std::size_t u) {
             const std::size_t v = 3 * vertex(u);
             return loads_[v] * loads_[v] + loads_[v + 1] * loads_[v + 1] + loads_[v + 2] * loads_[v + 2];
@@ -198,15 +196,10 @@ double Potential::force_rounding(const std::vector<double>& x) const {
 
 void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix& a) {
     tissues_.assemble(x, project, a);
-    const std::vector<double>& mass = tissues_.mass();
     if (!springs_->empty()) springs_->add_hessian(system_.unknown, a);
     const double f = form_->velocity_factor;
-    const double diagonal = form_->mass_factor + (f > 0 ? inputs_.mass_damping * f : 0);
-    parallel_for(unknown_count(), 1024, [&](std::size_t u) {
-        double* block = a.block(static_cast<std::size_t>(pattern_->row_start[u]));
-        const double m = mass[static_cast<std::size_t>(system_.vertex_of_unknown[u])] * diagonal;
-        for (int c = 0; c < 3; ++c) block[4 * c] += m;
-    });
+    const double factor = form_->mass_factor + (f > 0 ? inputs_.mass_damping * f : 0);
+    if (factor > 0) tissues_.mass().add_to(a, factor);
     if (inputs_.stiffness_damping > 0 && f > 0)
         parallel_for(pattern_->block_count(), 2048, [&](std::size_t index) {
             double* out = a.block(index);

@@ -42,6 +42,9 @@ class Potential {
     std::vector<double> free_flight(const std::vector<double>& x) const;
     /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
+    /// See TissueEnergy.
+    int volume_levels() const { return tissues_.volume_levels(); }
+    void relax_volume(int level) { tissues_.relax_volume(level); }
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
     /// Forces that would strain every element by 1e-6 [N]: the floor under "the forces at work".
@@ -71,6 +74,7 @@ class Potential {
     std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none
     std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
     std::vector<double> spring_gradient_, velocity_, damping_force_;
+    std::vector<double> offset_, inertia_, drag_; ///< x - target, M times it, M times the velocity, 3 an unknown
 };
 
 } // namespace sinew::solver
