@@ -3,6 +3,8 @@
 #pragma once
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/meshing/meshing_control.h"
+#include "solver/meshing/shells.h"
 
 namespace sinew::solver {
 
@@ -18,7 +20,8 @@ struct Solid {
         bool are_known() const { return below != above; }
         bool operator==(const Sides& o) const { return below == o.below && above == o.above; }
     };
-    Points points;                   ///< vertices at the same place are one
+    Points points;          ///< as given
+    std::vector<int> place; ///< first vertex at the same place, for each; the triangles use only these
     std::vector<Triangle> triangles; ///< without those that have two corners in one place; lids at the end
     Box box;                         ///< of the triangles
     bool is_closed = false;          ///< the triangles' edges cancel: winding numbers are whole numbers
@@ -28,7 +31,9 @@ struct Solid {
     double winding_number(const Vec3& p) const { return tree.winding_number(p); }
 };
 
-/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume).
-Solid make_solid(const Points& points, const std::vector<Triangle>& triangles);
+/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume),
+/// FE220 (not watertight, where empty cavities ask for it); Stopped.
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles,
+                 Fill fill = Fill::filled_cavities, const MeshingControl& control = {});
 
 } // namespace sinew::solver
