@@ -156,8 +156,7 @@ std::vector<std::array<int, 2>> border_edges_of(const std::vector<Triangle>& tri
     return border;
 }
 
-void check_watertight(const std::vector<Triangle>& triangles) {
-    const auto border = border_edges_of(triangles);
+void check_watertight(const std::vector<std::array<int, 2>>& border) {
     if (border.empty()) return;
     std::string first;
     for (std::size_t i = 0; i < std::min<std::size_t>(3, border.size()); ++i)

@@ -20,7 +20,7 @@ enum class Fill {
 std::vector<std::array<int, 2>> border_edges_of(const std::vector<Triangle>& triangles);
 
 /// Throws Error FE220, with the number of border edges and the first of them, if there are any.
-void check_watertight(const std::vector<Triangle>& triangles);
+void check_watertight(const std::vector<std::array<int, 2>>& border_edges);
 
 /// Prepares welded triangles for the rule "inside is where the winding number exceeds one half in size":
 /// drops shells inside others, or (empty_cavities) turns shells so that solids and cavities alternate. A

@@ -125,7 +125,8 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     if (!(box.size().minCoeff() > 1e-9 * longest))
         throw Error("FE211", "the mesh is flat: its bounding box has no volume",
                     "a tissue needs a surface with an inside");
-    if (fill == Fill::empty_cavities) check_watertight(kept);
+    const auto border = border_edges_of(kept);
+    if (fill == Fill::empty_cavities) check_watertight(border);
     const std::vector<Triangle> lids = close_holes(points, kept);
     const bool closed = area(points, lids) <= 0.1 * area(points, kept);
     if (closed) kept.insert(kept.end(), lids.begin(), lids.end());
@@ -145,7 +146,8 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     SurfaceTree tree(points, kept);
     std::vector<Solid::Sides> sides(kept.size());
     if (closed) sides = find_sides(points, kept, tree, longest, phase);
-    return Solid{points, std::move(first), std::move(kept), box, closed, std::move(sides), std::move(tree)};
+    return Solid{points, std::move(first), std::move(kept), box, static_cast<int>(border.size()),
+                 closed, std::move(sides), std::move(tree)};
 }
 
 } // namespace sinew::solver

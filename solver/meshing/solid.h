@@ -24,6 +24,7 @@ struct Solid {
     std::vector<int> place; ///< first vertex at the same place, for each; the triangles use only these
     std::vector<Triangle> triangles; ///< without those that have two corners in one place; lids at the end
     Box box;                         ///< of the triangles
+    int border_edges = 0;            ///< before holes were closed
     bool is_closed = false;          ///< the triangles' edges cancel: winding numbers are whole numbers
     std::vector<Sides> sides;        ///< of the triangles; unknown if the surface is not closed
     SurfaceTree tree;
