@@ -83,14 +83,18 @@ const Output<TetMeshValue> out_tets{
     .name = "outTets",
     .doc = "The tets, in scene units; connect to zTissue.tets.",
 };
+const Output<Mesh> out_mesh{
+    .name = "outMesh",
+    .doc = "The boundary triangles of the tets, facing outwards, to look at them, or to carry them along by "
+           "zEmbedder; its vertices are those of the tet mesh, numbered alike.",
+};
 
 solver::Fill fill_of(const std::string& word) {
     if (word == "SurfaceOnly") return solver::Fill::surface_only;
     return word == "EmptyCavities" ? solver::Fill::empty_cavities : solver::Fill::filled_cavities;
 }
 
-void compute(const Reads& in, Writes& out) {
-    if (const TetMeshValue* own = in.find(tets)) return out.set(out_tets, *own);
+TetMeshValue make_tets(const Reads& in) {
     const Mesh* m = in.find(mesh);
     if (!m) in.fail(mesh.name, "DG110", "neither mesh nor tets is connected", "Connect the tissue's mesh.");
     const NumberList& painted = in[weights];
@@ -102,10 +106,18 @@ void compute(const Reads& in, Writes& out) {
     options.propagation = in[refinement_propagation];
     options.refinement = painted.empty() ? NumberList{1} : painted;
     for (double& w : options.refinement) w *= in[envelope] * in[surface_refinement];
-    out.set(out_tets, guarded(in, mesh.name, [&] {
-                return TetMeshValue::from(
-                    solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
-            }));
+    return guarded(in, mesh.name, [&] {
+        return TetMeshValue::from(
+            solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
+    });
+}
+
+void compute(const Reads& in, Writes& out) {
+    const TetMeshValue* own = in.find(tets);
+    TetMeshValue result = own ? *own : make_tets(in);
+    out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(
+                          result.mesh->vertices, solver::boundary_triangles(result.mesh->tets))));
+    out.set(out_tets, std::move(result));
 }
 
 } // namespace
@@ -128,7 +140,7 @@ void add_z_tet(Registry& registry) {
                    describe(fill_interior),
                    describe(max_resolution),
                    describe(tets)};
-    type.outputs = {describe(out_tets)};
+    type.outputs = {describe(out_tets), describe(out_mesh)};
     type.compute = compute;
     registry.add(std::move(type));
 }

@@ -70,6 +70,23 @@ TEST_CASE("zTet multiplies envelope, weights and surfaceRefinement", "[nodes]") 
     }
 }
 
+TEST_CASE("zTet's border is a closed mesh on the tets' vertices, of the user's tets too", "[nodes]") {
+    Session s(ball(R"(, "weights": {"from": "top.outWeights"})") +
+              R"(, "own": {"type": "zTet", "inputs": {"tets": {"from": "t.outTets"}}})");
+    const auto tets = s.get<nodes::TetMeshValue>("t", "outTets").mesh;
+    const auto border = s.get<nodes::Mesh>("t", "outMesh");
+    CHECK(*border.points == tets->vertices);
+    CHECK(solver::is_closed(border.topology->triangles));
+    double volume = 0;
+    for (const solver::Tet& t : tets->tets) {
+        const auto at = [&](int v) { return tets->vertices[static_cast<std::size_t>(v)]; };
+        volume += solver::tet_volume(at(t[0]), at(t[1]), at(t[2]), at(t[3]));
+    }
+    CHECK(solver::enclosed_volume(*border.points, border.topology->triangles) ==
+          Approx(volume).epsilon(1e-12));
+    CHECK(s.pull("own", "outMesh").digest() == s.pull("t", "outMesh").digest());
+}
+
 TEST_CASE("zTet refuses weights for another mesh and refinement past maxResolution, by name", "[nodes]") {
     Session s(ball(""));
     std::string text;

@@ -217,5 +217,5 @@ TEST_CASE("the graphs to learn from are right and run", "[tools]") {
         CHECK(run.code == 0);
         CHECK(run.err.empty());
     }
-    CHECK(count >= 4);
+    CHECK(count >= 5);
 }
