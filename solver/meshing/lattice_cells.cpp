@@ -169,21 +169,20 @@ class Finder {
 
     /// An open surface has no regions: the winding number changes smoothly through its holes.
     std::vector<Untouched> inside_open() {
-        std::vector<double> winding(at(grid_.vertex_numbers()), 0.0);
+        std::vector<char> inside(at(grid_.vertex_numbers()), 0);
         const auto is_vertex = [](const BccGrid::Key& k) {
             return k[0] % 2 == k[1] % 2 && k[1] % 2 == k[2] % 2;
         };
         const MeshingPhase phase{control_, 0.3, 0.45, "finding the inside"};
-        phase.run(winding.size(), 256, [&](std::size_t i) {
+        phase.run(inside.size(), 256, [&](std::size_t i) {
             const BccGrid::Key key = grid_.vertex_key(static_cast<std::int64_t>(i));
-            if (is_vertex(key)) winding[i] = std::abs(solid_.winding_number(grid_.position(key)));
+            if (is_vertex(key)) inside[i] = solid_.tree.inside_either_way(grid_.position(key));
         });
         std::vector<Untouched> kept;
         for_each_untouched([&](std::int64_t tet) {
-            int inside = 0;
-            for (const auto& key : grid_.tet_vertices(tet))
-                inside += winding[at(grid_.vertex_number(key))] > 0.5;
-            if (inside > 0) kept.push_back({tet, inside < 4 ? CellState::mixed : CellState::inside});
+            int count = 0;
+            for (const auto& key : grid_.tet_vertices(tet)) count += inside[at(grid_.vertex_number(key))];
+            if (count > 0) kept.push_back({tet, count < 4 ? CellState::mixed : CellState::inside});
         });
         return kept;
     }
@@ -222,7 +221,7 @@ std::array<Vec3, 4> corner_positions(const BccGrid& grid, std::int64_t tet) {
 }
 
 CellState untouched_state(const Solid& solid, const std::array<Vec3, 4>& c) {
-    const auto is_inside = [&](const Vec3& p) { return std::abs(solid.winding_number(p)) > 0.5; };
+    const auto is_inside = [&](const Vec3& p) { return solid.tree.inside_either_way(p); };
     if (solid.is_closed)
         return is_inside((c[0] + c[1] + c[2] + c[3]) / 4) ? CellState::inside : CellState::outside;
     const auto count = std::count_if(c.begin(), c.end(), is_inside);

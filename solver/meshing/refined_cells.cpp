@@ -215,7 +215,10 @@ class Refiner {
         if (state == CellState::outside) return left_out;
         if (state != CellState::touched && options_.is_surface_only) return left_out;
         if (state == CellState::inside) return 1;
-        if (!solid_.is_closed) return quadrature_share(solid_, corners, state == CellState::touched);
+        if (!solid_.is_closed) {
+            const auto exact = share_away_from_holes(solid_, corners, touching);
+            return exact ? *exact : quadrature_share(solid_, corners, state == CellState::touched);
+        }
         const double result = closed_share(solid_, corners, touching);
         return result < negligible_share ? left_out : result;
     }

@@ -131,9 +131,8 @@ std::vector<int> shell_depths(const Points& points, const std::vector<Shell>& sh
         if (inner.empty()) continue;
         const SurfaceTree tree(points, shells[outer].triangles);
         for (std::size_t i : inner)
-            depth[i] += std::all_of(shells[i].vertices.begin(), shells[i].vertices.end(), [&](int v) {
-                return std::abs(tree.winding_number(points[at(v)])) > 0.5;
-            });
+            depth[i] += std::all_of(shells[i].vertices.begin(), shells[i].vertices.end(),
+                                    [&](int v) { return tree.inside_either_way(points[at(v)]); });
     }
     return depth;
 }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace sinew::solver {
@@ -97,6 +98,17 @@ std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Tri
     return result;
 }
 
+/// At a border the solid does not end at the triangle alone.
+void forget_sides_at_border(const std::vector<Triangle>& triangles, std::vector<Solid::Sides>& sides) {
+    std::set<std::array<int, 2>> border;
+    for (const auto& [a, b] : border_edges_of(triangles)) border.insert({std::min(a, b), std::max(a, b)});
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            if (border.count({std::min(a, b), std::max(a, b)}) > 0) sides[t] = {};
+        }
+}
+
 } // namespace
 
 Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, Fill fill,
@@ -144,8 +156,8 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
         for (Triangle& t : kept) std::swap(t[1], t[2]);
 
     SurfaceTree tree(points, kept);
-    std::vector<Solid::Sides> sides(kept.size());
-    if (closed) sides = find_sides(points, kept, tree, longest, phase);
+    std::vector<Solid::Sides> sides = find_sides(points, kept, tree, longest, phase);
+    if (!closed) forget_sides_at_border(kept, sides);
     return Solid{points, std::move(first), std::move(kept), box, static_cast<int>(border.size()),
                  closed, std::move(sides), std::move(tree)};
 }

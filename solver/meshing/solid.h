@@ -13,7 +13,7 @@ namespace sinew::solver {
 /// tenth of the surface's area are closed first (holes.h); larger ones are closed by the surface on which the
 /// winding number is one half.
 struct Solid {
-    /// The whole winding numbers just below and above a triangle of a closed surface: 1 and 0 on an ordinary
+    /// The whole winding numbers just below and above a triangle: 1 and 0 on an ordinary
     /// one, 2 and 1 inside another part, 0 and -1 on a part that is turned inside out.
     struct Sides {
         signed char below = 0, above = 0; ///< both 0: not the same all over the triangle
@@ -26,7 +26,7 @@ struct Solid {
     Box box;                         ///< of the triangles
     int border_edges = 0;            ///< before holes were closed
     bool is_closed = false;          ///< the triangles' edges cancel: winding numbers are whole numbers
-    std::vector<Sides> sides;        ///< of the triangles; unknown if the surface is not closed
+    std::vector<Sides> sides;        ///< of the triangles; unknown near large holes
     SurfaceTree tree;
 
     double winding_number(const Vec3& p) const { return tree.winding_number(p); }
