@@ -22,12 +22,18 @@ std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 /// States and touching triangles of one level's cells, in the order of RedGreen's cells.
 struct CellFacts {
     std::vector<CellState> states;
+    /// Around a closed surface, corners of cells that no triangle touches, with 1 inside and 0 outside: a
+    /// cell that shares one lies on the same side.
+    NumberMap sides;
     std::vector<std::size_t> first{0};
     std::vector<int> triangles;
     std::span<const int> touching(std::size_t i) const {
         return {triangles.data() + first[i], first[i + 1] - first[i]};
     }
 };
+
+/// Not asked yet.
+constexpr CellState unknown = static_cast<CellState>(-1);
 
 /// A tet that is not cut any more, or a cell with a green cut.
 struct Leaf {
@@ -43,9 +49,10 @@ class Refiner {
         , paint_(paint)
         , options_(options)
         , control_(control)
+        , sides_tell_(solid.is_closed && !options.is_surface_only)
         , corners_(lattice_corners(solid, grid))
         , cells_(grid, coarse.tets) {
-        facts_.push_back({coarse.states, coarse.first, coarse.triangles});
+        facts_.push_back({coarse.states, {}, coarse.first, coarse.triangles});
     }
 
     RefinedCells refined() {
@@ -103,14 +110,77 @@ class Refiner {
             for (int t : above.touching(at(cell.parent)))
                 if (touches_tet(seen_from(here.grid, cell.number, scaled(t, level)), touch_slack))
                     touching[i].push_back(t);
-            states[i] = part_state(above.states[at(cell.parent)], !touching[i].empty(),
-                                   [&] { return corner_positions(here.grid, cell.number); });
+            // Closed surfaces are asked below, once for cells that hang together.
+            const CellState whole = above.states[at(cell.parent)];
+            const bool is_asked_later = touching[i].empty() && whole == CellState::touched && sides_tell_;
+            states[i] = is_asked_later ? unknown : part_state(whole, !touching[i].empty(), [&] {
+                return corner_positions(here.grid, cell.number);
+            });
         });
+        if (sides_tell_) ask_sides(level, first, states);
         CellFacts& facts = facts_[at(level)];
         facts.states.insert(facts.states.end(), states.begin(), states.end());
         for (const std::vector<int>& list : touching) {
             facts.triangles.insert(facts.triangles.end(), list.begin(), list.end());
             facts.first.push_back(facts.triangles.size());
+        }
+    }
+
+    /// Fills in the unknown states around a closed surface. Cells that no triangle touches and that share a
+    /// corner are on the same side, because a triangle between them would touch one; so one winding number
+    /// serves all that hang together.
+    void ask_sides(int level, std::size_t first, std::vector<CellState>& states) {
+        const RedGreen::Level& here = cells_.levels()[at(level)];
+        CellFacts& facts = facts_[at(level)];
+        std::vector<std::size_t> queue;
+        NumberMap waiting; // corner -> place of its first cell in `next`
+        std::vector<std::array<std::int64_t, 4>> corners(states.size());
+        struct Link {
+            std::size_t cell;
+            int next;
+        };
+        std::vector<Link> links;     // of each corner, the cells about it whose side is not known yet
+        std::vector<int> first_link; // by corner
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (states[i] == CellState::touched || states[i] == CellState::mixed) continue;
+            const auto keys = here.grid.tet_vertices(here.cells[first + i].number);
+            for (std::size_t k = 0; k < 4; ++k) corners[i][k] = here.grid.vertex_number(keys[k]);
+            if (states[i] != unknown) {
+                for (std::int64_t c : corners[i]) facts.sides.insert(c, states[i] == CellState::inside);
+                continue;
+            }
+            for (std::int64_t c : corners[i]) {
+                if (waiting.insert(c, static_cast<int>(first_link.size()))) first_link.push_back(-1);
+                int& head = first_link[at(waiting.find(c))];
+                links.push_back({i, head});
+                head = static_cast<int>(links.size()) - 1;
+            }
+        }
+        const auto settle = [&](std::size_t cell, CellState state) {
+            states[cell] = state;
+            queue.push_back(cell);
+        };
+        const auto spread = [&] {
+            while (!queue.empty()) {
+                const std::size_t cell = queue.back();
+                queue.pop_back();
+                for (std::int64_t c : corners[cell]) {
+                    if (!facts.sides.insert(c, states[cell] == CellState::inside)) continue;
+                    for (int l = first_link[at(waiting.find(c))]; l >= 0; l = links[at(l)].next)
+                        if (states[links[at(l)].cell] == unknown) settle(links[at(l)].cell, states[cell]);
+                }
+            }
+        };
+        for (std::size_t i = 0; i < states.size(); ++i) {
+            if (states[i] != unknown) continue;
+            int side = -1;
+            for (std::int64_t c : corners[i]) side = std::max(side, facts.sides.find(c));
+            const CellState state =
+                side >= 0
+                    ? (side == 1 ? CellState::inside : CellState::outside)
+                    : untouched_state(solid_, corner_positions(here.grid, here.cells[first + i].number));
+            settle(i, state);
+            spread();
         }
     }
 
@@ -173,6 +243,7 @@ class Refiner {
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = i + 1; j < 4; ++j, ++edge)
                 for (std::size_t d = 0; d < 3; ++d) points[edge][d] = keys[i][d] + keys[j][d];
+        const NumberMap& finer_sides = facts_[at(leaf.level + 1)].sides;
         for (const GreenPart& part : green_parts(leaf.pattern)) {
             std::array<Vec3, 4> lattice_corners, corners;
             for (std::size_t k = 0; k < 4; ++k) {
@@ -182,7 +253,12 @@ class Refiner {
                 corners[k] = fine.position(key);
             }
             const std::vector<int> inner = touching_part(lattice_corners, touching, leaf.level + 1);
-            out->share = share(part_state(state, !inner.empty(), [&] { return corners; }), corners, inner);
+            int side = -1;
+            if (sides_tell_ && inner.empty() && state == CellState::touched)
+                for (int v : part) side = std::max(side, finer_sides.find(fine.vertex_number(points[at(v)])));
+            const CellState part_is = side >= 0 ? (side == 1 ? CellState::inside : CellState::outside)
+                                                : part_state(state, !inner.empty(), [&] { return corners; });
+            out->share = share(part_is, corners, inner);
             ++out;
         }
     }
@@ -227,6 +303,7 @@ class Refiner {
     const Paint& paint_;
     const RefineOptions& options_;
     const MeshingControl& control_;
+    const bool sides_tell_; ///< whether cells away from the surface are kept or not by their side of it
     std::vector<std::array<Vec3, 3>> corners_; ///< of the triangles, in the coarse lattice's coordinates
     RedGreen cells_;
     std::vector<CellFacts> facts_; ///< by level

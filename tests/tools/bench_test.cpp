@@ -81,7 +81,16 @@ TEST_CASE("the meshing benchmark measures each file in each fill mode, and a ref
     const test::Said table =
         test::run_program({"bench", "meshing", (folder / "ball.obj").string(), "--parts", "3.5,7"});
     CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 2 + 6);
-    CHECK(table.out.find("| 0 | 0 | FilledCavities | 3.5 | ok | 600 | 168 | 60-90 |") != std::string::npos);
+    CHECK(table.out.find("| 0 | 0 | FilledCavities | 3.5 | 0 | ok | 600 | 168 | 60-90 |") !=
+          std::string::npos);
+    const auto refined = test::run_program({"bench", "meshing", (folder / "ball.obj").string(), "--parts",
+                                            "3.5", "--refine", "1", "--json"})
+                             .lines();
+    CHECK(refined[1].at("refine") == 1);
+    CHECK(refined[1].at("tets").get<int>() > 1500);
+    CHECK(refined[1].at("least_angle").get<double>() > 29.9);
+    CHECK(refined[1].at("most_angle").get<double>() > 100);
+    CHECK(refined[1].at("phases").size() == 5);
     CHECK(test::run_program({"bench", "meshing", (folder / "none.obj").string()}).code != 0);
 }
 
@@ -90,7 +99,7 @@ TEST_CASE("the meshing benchmark stops when asked", "[tools]") {
     test::write_text(folder / "ball.obj", solver::write_obj(solver::make_sphere(1, 20, 20)));
     std::stop_source stop;
     stop.request_stop();
-    CHECK_THROWS_AS(bench::run_meshing((folder / "ball.obj").string(), solver::Fill::filled_cavities, 10,
+    CHECK_THROWS_AS(bench::run_meshing((folder / "ball.obj").string(), solver::Fill::filled_cavities, 10, 0,
                                        stop.get_token()),
                     solver::Stopped);
 }

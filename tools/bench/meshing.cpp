@@ -134,15 +134,17 @@ std::vector<std::string> mesh_files_under(const std::vector<std::string>& paths)
     return files;
 }
 
-MeshingResult run_meshing(const std::string& file, Fill fill, double parts, std::stop_token stop) {
+MeshingResult run_meshing(const std::string& file, Fill fill, double parts, int refine,
+                          std::stop_token stop) {
     MeshingResult r;
-    r.file = file, r.fill = fill, r.parts = parts;
+    r.file = file, r.fill = fill, r.parts = parts, r.refine = refine;
     PhaseClock clock;
     try {
         const SurfaceMesh mesh = read(file);
         r.triangles = mesh.triangles.size();
         LatticeOptions options;
         options.fill = fill;
+        options.refinement = {static_cast<double>(refine)};
         options.max_resolution = std::numeric_limits<int>::max();
         options.tet_size = bounding_box(mesh.points).size().maxCoeff() / parts;
         const TetMesh tets = make_lattice(mesh.points, mesh.triangles, options, clock.control(stop));
@@ -156,11 +158,8 @@ MeshingResult run_meshing(const std::string& file, Fill fill, double parts, std:
 }
 
 nlohmann::ordered_json as_json(const MeshingResult& r) {
-    nlohmann::ordered_json line = {{"bench", "meshing"},
-                                   {"file", r.file},
-                                   {"fill", fill_name(r.fill)},
-                                   {"parts", r.parts},
-                                   {"triangles", r.triangles}};
+    nlohmann::ordered_json line = {{"bench", "meshing"}, {"file", r.file},     {"fill", fill_name(r.fill)},
+                                   {"parts", r.parts},   {"refine", r.refine}, {"triangles", r.triangles}};
     if (!r.code.empty()) {
         line["code"] = r.code;
         line["message"] = r.message;
@@ -180,20 +179,21 @@ nlohmann::ordered_json as_json(const MeshingResult& r) {
 }
 
 std::string meshing_table_head() {
-    return "| file | triangles | border edges | crossings | fill | parts | result | tets | whole | dihedral "
+    return "| file | triangles | border edges | crossings | fill | parts | refine | result | tets | whole | "
+           "dihedral "
            "| "
            "covered volume | error | seconds (by phase) |\n"
-           "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
+           "|---|---|---|---|---|---|---|---|---|---|---|---|---|---|\n";
 }
 
 std::string as_table_row(const MeshingResult& r) {
     std::string row = "| " + r.file + " | " + std::to_string(r.triangles);
     if (!r.code.empty())
-        return row + " | | | " + fill_name(r.fill) + format(" | %g | ", r.parts) + r.code + ": " + r.message +
-               " | | | | | | |\n";
+        return row + " | | | " + fill_name(r.fill) + format(" | %g | %d | ", r.parts, r.refine) + r.code +
+               ": " + r.message + " | | | | | | |\n";
     row += " | " + std::to_string(r.border_edges) + " | " + std::to_string(r.crossings) + " | " +
-           fill_name(r.fill) + format(" | %g | ok | ", r.parts) + std::to_string(r.tets) + " | " +
-           std::to_string(r.whole) +
+           fill_name(r.fill) + format(" | %g | %d | ok | ", r.parts, r.refine) + std::to_string(r.tets) +
+           " | " + std::to_string(r.whole) +
            format(" | %.0f-%.0f | %.6g | ", r.least_angle, r.most_angle, r.covered_volume);
     // A shell at the surface is not meant to cover the whole of it.
     if (r.surface_volume != 0 && r.fill != Fill::surface_only)

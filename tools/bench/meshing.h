@@ -19,6 +19,7 @@ struct MeshingResult {
     std::string file;
     solver::Fill fill = solver::Fill::filled_cavities;
     double parts = 0;          ///< cubes along the longest side
+    int refine = 0;            ///< how often the size is halved at the surface
     std::string code, message; ///< why there is no lattice; empty if there is one
     std::size_t triangles = 0, tets = 0, whole = 0;
     int border_edges = -1; ///< -1: not known, the mesh was refused
@@ -36,9 +37,9 @@ struct MeshingResult {
 /// Throws solver::Error IO401 for a path that does not exist.
 std::vector<std::string> mesh_files_under(const std::vector<std::string>& paths);
 
-/// The lattice with cubes of the longest side / `parts`, on the calling thread's TBB arena; of tet files
-/// their border. Refusals are results. Throws solver::Stopped.
-MeshingResult run_meshing(const std::string& file, solver::Fill fill, double parts,
+/// The lattice with cubes of the longest side / `parts`, halved `refine` times all over the surface, on the
+/// calling thread's TBB arena; of tet files their border. Refusals are results. Throws solver::Stopped.
+MeshingResult run_meshing(const std::string& file, solver::Fill fill, double parts, int refine,
                           std::stop_token stop = {});
 
 nlohmann::ordered_json as_json(const MeshingResult& result);

@@ -105,13 +105,15 @@ void bench_meshing(const Invocation& in, int threads) {
     const std::vector<double> parts = in.arguments.numbers("--parts", {20});
     for (const double p : parts)
         if (!(p > 0) || !(p <= 10000)) throw UsageError("--parts needs numbers above 0, up to 10000.");
+    const int refine = in.arguments.whole_number("--refine", 0, 0);
     if (!as_json) in.out << bench::meshing_table_head();
     tbb::task_arena arena(threads);
     for (const std::string& file : bench::mesh_files_under(paths))
         for (const double p : parts)
             for (const solver::Fill fill : bench::all_fills) {
                 bench::MeshingResult r;
-                guarded([&] { arena.execute([&] { r = bench::run_meshing(file, fill, p, in.stop); }); });
+                guarded(
+                    [&] { arena.execute([&] { r = bench::run_meshing(file, fill, p, refine, in.stop); }); });
                 if (!as_json) {
                     in.out << bench::as_table_row(r) << std::flush;
                     continue;
@@ -154,6 +156,7 @@ Command bench_command() {
              {"--law", "LAW", "StVK, NeoHookean (default) or Corotational"},
              {"--steps", "N", "default: 20"},
              {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
+             {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
              {"--json", "", "meshing: one JSON line a row instead of the table"},
              {"--threads", "N", "default: all cores", false, 'j'}},
             "sinew bench cantilever --n 24 --E 1e5 --threads 2\n"
