@@ -78,6 +78,12 @@ constexpr CodeInfo table[] = {
     {"FE218", "bone where a tissue is needed",
      "Connect a tissue; what rides on a bone is moved by a transform."},
     {"FE219", "attachment from a body to itself", "Choose two bodies."},
+    {"FE230", "open mesh where a closed one is needed", "Close the mesh, or remesh it by zIsoMesh with isoValue > 0."},
+    {"FE231", "level set is empty", "Choose an isoValue of smaller size, or a higher resolution."},
+    {"FE232", "mesh would be too large", "Choose larger triangles or a smaller resolution."},
+    {"FE233", "meshing took too long", "Raise maxTime, or ask for a coarser mesh."},
+    {"FE234", "level set could not be meshed as a manifold", "Choose smaller triangles or a higher resolution."},
+    {"FE235", "pieces too small to be meshed", "Choose smaller triangles to keep them."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

@@ -13,6 +13,8 @@ void add_poly_plane(engine::Registry&);
 void add_poly_cylinder(engine::Registry&);
 void add_poly_helix(engine::Registry&);
 void add_curve(engine::Registry&);
+// meshing
+void add_z_iso_mesh(engine::Registry&);
 // motion
 void add_transform(engine::Registry&);
 void add_track_channel(engine::Registry&);
@@ -37,7 +39,7 @@ void register_all(engine::Registry& registry) {
           add_poly_cylinder, add_poly_helix,    add_curve,        add_transform, add_track_channel,
           add_weights,       add_end_points,    add_z_bone,       add_z_tet,     add_z_material,
           add_z_fiber,       add_z_tissue,      add_z_attachment, add_z_solver,  add_z_embedder,
-          add_mesh_writer})
+          add_mesh_writer,   add_z_iso_mesh})
         add(registry);
 }
 

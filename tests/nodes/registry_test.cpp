@@ -9,9 +9,10 @@ using namespace bench;
 namespace {
 
 const std::vector<std::string> all_types = {
-    "curve",     "endPoints",  "meshFile",    "meshWriter",   "polyCube",  "polyCylinder", "polyHelix",
-    "polyPlane", "polySphere", "tetMeshFile", "trackChannel", "transform", "weights",      "zAttachment",
-    "zBone",     "zEmbedder",  "zFiber",      "zMaterial",    "zSolver",   "zTet",         "zTissue"};
+    "curve",     "endPoints",   "meshFile",   "meshWriter",  "polyCube",     "polyCylinder",
+    "polyHelix", "polyPlane",   "polySphere", "tetMeshFile", "trackChannel", "transform",
+    "weights",   "zAttachment", "zBone",      "zEmbedder",   "zFiber",       "zIsoMesh",
+    "zMaterial", "zSolver",     "zTet",       "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -68,6 +69,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
          node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},
         {"zFiber", node("zFiber", "")},
+        {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},
         {"zMaterial", node("zMaterial", "")},
         {"zSolver", node("zSolver", R"("bodies": [{"from": "bone.outBody"}, {"from": "tissue.outBody"}],
                                            "attachments": [{"from": "tie.outAttachment"}])")},
