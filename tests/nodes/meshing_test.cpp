@@ -54,6 +54,31 @@ TEST_CASE("zIsoMesh says which input is to blame", "[nodes]") {
     CHECK(codes(iso(""), "iso", "outMesh") == Codes{"DG019"});
 }
 
+TEST_CASE("zDelaunayTetMesh fills an iso mesh and leaves its triangles as they are", "[nodes]") {
+    const std::string fill = iso(both) + R"(, "tets": {"type": "zDelaunayTetMesh", "inputs": {
+        "mesh": {"from": "iso.outMesh"}}}, "flesh": {"type": "zMaterial"}, "tissue": {"type": "zTissue", "inputs": {
+        "mesh": {"from": "iso.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}})";
+    Session s(fill);
+    const auto skin = s.get<nodes::Mesh>("iso", "outMesh");
+    const auto tets = s.get<nodes::TetMeshValue>("tets", "outTets");
+    CHECK(solver::boundary_triangles(tets.mesh->tets).size() == skin.topology->triangles.size());
+    const auto& x = tets.mesh->vertices;
+    CHECK(std::equal(skin.points->begin(), skin.points->end(), x.begin()));
+    s.set("tets", "refinementQuality", "0.2");
+    CHECK(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->tets.size() < tets.mesh->tets.size());
+    CHECK(s.pull("tissue", "outBody"));
+    CHECK(s.counter.computes["iso"] == 1);
+    CHECK(s.counter.warnings.empty());
+    std::string text;
+    const auto refused = [&](const std::string& mesh) {
+        return codes(two_balls + R"("tets": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": ")" +
+                         mesh + R"("}}})",
+                     "tets", "outTets", &text);
+    };
+    CHECK(refused("plane.outMesh") == Codes{"FE230"});
+    CHECK(text.find("tets.mesh") != std::string::npos);
+}
+
 TEST_CASE("a meshing node stops when the host asks", "[nodes]") {
     Session s(iso(both));
     std::stop_source stop;

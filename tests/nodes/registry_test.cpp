@@ -8,11 +8,12 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {
-    "curve",     "endPoints",   "meshFile",   "meshWriter",  "polyCube",     "polyCylinder",
-    "polyHelix", "polyPlane",   "polySphere", "tetMeshFile", "trackChannel", "transform",
-    "weights",   "zAttachment", "zBone",      "zEmbedder",   "zFiber",       "zIsoMesh",
-    "zMaterial", "zSolver",     "zTet",       "zTissue"};
+const std::vector<std::string> all_types = {"curve",      "endPoints",    "meshFile",     "meshWriter",
+                                            "polyCube",   "polyCylinder", "polyHelix",    "polyPlane",
+                                            "polySphere", "tetMeshFile",  "trackChannel", "transform",
+                                            "weights",    "zAttachment",  "zBone",        "zDelaunayTetMesh",
+                                            "zEmbedder",  "zFiber",       "zIsoMesh",     "zMaterial",
+                                            "zSolver",    "zTet",         "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -69,6 +70,9 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
          node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},
         {"zFiber", node("zFiber", "")},
+        {"zDelaunayTetMesh",
+         base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
+                   "n": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": "skin.outMesh"}}})"},
         {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},
         {"zMaterial", node("zMaterial", "")},
         {"zSolver", node("zSolver", R"("bodies": [{"from": "bone.outBody"}, {"from": "tissue.outBody"}],
