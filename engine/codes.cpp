@@ -86,6 +86,7 @@ constexpr CodeInfo table[] = {
     {"FE235", "pieces too small to be meshed", "Choose smaller triangles to keep them."},
     {"FE236", "mesh cannot be the boundary of tets", "Repair the edges that are named, or remesh by zIsoMesh."},
     {"FE237", "triangles that tets cannot keep", "Remesh the surface by zIsoMesh."},
+    {"FE238", "mesh switches a feature off", "Repair the edges that are named, or remesh by zIsoMesh."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

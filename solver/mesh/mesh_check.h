@@ -30,6 +30,7 @@ struct MeshCheck {
     Flaw duplicate_triangles;   ///< with the corners of an earlier triangle, in any order
     Flaw coinciding_vertices;   ///< at the place of an earlier vertex
     Flaw unused_vertices;       ///< of no triangle
+    Flaw crossing_triangles;    ///< pairs that cross or overlap; only inspect_mesh looks for them
     std::size_t components = 0; ///< of triangles joined over edges
     double volume = 0;          ///< enclosed volume, negative if the mesh is inside out; meaningless if open
 
@@ -39,8 +40,8 @@ struct MeshCheck {
     bool is_manifold() const { return !non_manifold_edges && !non_manifold_vertices; }
 };
 
-/// Indices must be in range (Error FE203 else). Time grows with n log n. Self-intersections need
-/// solver/meshing/self_intersections.h.
+/// Indices must be in range (Error FE203 else). Time grows with n log n. For self-intersections
+/// there is inspect_mesh in solver/meshing/self_intersections.h.
 MeshCheck check_mesh(const Points& points, const std::vector<Triangle>& triangles);
 
 /// "12 open edges (3-4, 7-9, …)": the flaw with its first places; empty if there is none.

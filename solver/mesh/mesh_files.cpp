@@ -71,6 +71,9 @@ TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> t
     });
 }
 
+std::vector<std::string> surface_endings() { return {".obj", ".off", ".ply", ".stl"}; }
+std::vector<std::string> tet_endings() { return {".mesh", ".vtk"}; }
+
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
     if (ending == ".obj") return read_obj(bytes, path);

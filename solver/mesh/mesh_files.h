@@ -7,6 +7,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace sinew::solver {
 
@@ -14,6 +15,9 @@ namespace sinew::solver {
 SurfaceMesh read_surface(const std::string& path);
 /// .mesh (Medit ascii), .vtk (legacy ascii unstructured grid); further kinds are refused with IO404
 TetMesh read_tets(const std::string& path);
+/// The endings that they know, lower case with the dot.
+std::vector<std::string> surface_endings();
+std::vector<std::string> tet_endings();
 /// The same from the bytes of a file; the ending of `path` tells the format, messages begin with `path`.
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path);
 TetMesh parse_tets(std::string_view bytes, const std::string& path);

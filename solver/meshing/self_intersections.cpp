@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/self_intersections.h"
 
+#include "solver/error.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
@@ -88,6 +90,14 @@ Flaw self_intersections(const Points& points, const std::vector<Triangle>& trian
     Flaw flaw;
     for (const auto& [s, t] : Finder(points, triangles).pairs()) flaw.add(s, t);
     return flaw;
+}
+
+MeshCheck inspect_mesh(const Points& points, const std::vector<Triangle>& triangles) {
+    for (std::size_t v = 0; v < points.size(); ++v)
+        if (!points[v].allFinite()) throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
+    MeshCheck found = check_mesh(points, triangles);
+    found.crossing_triangles = self_intersections(points, triangles);
+    return found;
 }
 
 } // namespace sinew::solver

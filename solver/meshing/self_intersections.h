@@ -10,4 +10,7 @@ namespace sinew::solver {
 /// corners are left to check_mesh. By exact predicates: no tolerance. Indices must be in range.
 Flaw self_intersections(const Points& points, const std::vector<Triangle>& triangles);
 
+/// All that check_mesh finds, and crossing_triangles. Throws Error FE203 (index), FE202 (not finite).
+MeshCheck inspect_mesh(const Points& points, const std::vector<Triangle>& triangles);
+
 } // namespace sinew::solver
