@@ -33,6 +33,7 @@ void add_z_solver(engine::Registry&);
 void add_z_embedder(engine::Registry&);
 // output
 void add_mesh_writer(engine::Registry&);
+void add_tet_writer(engine::Registry&);
 
 void register_all(engine::Registry& registry) {
     for (auto* add : {add_mesh_file,
@@ -57,7 +58,8 @@ void register_all(engine::Registry& registry) {
                       add_z_embedder,
                       add_mesh_writer,
                       add_z_iso_mesh,
-                      add_z_delaunay_tet_mesh})
+                      add_z_delaunay_tet_mesh,
+                      add_tet_writer})
         add(registry);
 }
 

@@ -134,7 +134,7 @@ struct Solved {
 
 /// A file that a writer node made: pure content; the command line puts it on disk, whole or not at all.
 struct FileContent {
-    std::string ending; ///< "obj", "ply", "stl", "off"
+    std::string ending; ///< "obj", "ply", "vtk" …
     std::string bytes;
 };
 

@@ -8,12 +8,12 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {"curve",      "endPoints",    "meshFile",     "meshWriter",
-                                            "polyCube",   "polyCylinder", "polyHelix",    "polyPlane",
-                                            "polySphere", "tetMeshFile",  "trackChannel", "transform",
-                                            "weights",    "zAttachment",  "zBone",        "zDelaunayTetMesh",
-                                            "zEmbedder",  "zFiber",       "zIsoMesh",     "zMaterial",
-                                            "zSolver",    "zTet",         "zTissue"};
+const std::vector<std::string> all_types = {
+    "curve",        "endPoints",        "meshFile",  "meshWriter", "polyCube",
+    "polyCylinder", "polyHelix",        "polyPlane", "polySphere", "tetMeshFile",
+    "tetWriter",    "trackChannel",     "transform", "weights",    "zAttachment",
+    "zBone",        "zDelaunayTetMesh", "zEmbedder", "zFiber",     "zIsoMesh",
+    "zMaterial",    "zSolver",          "zTet",      "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -57,6 +57,8 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"polyPlane", node("polyPlane", "")},
         {"polySphere", node("polySphere", "")},
         {"tetMeshFile", node("tetMeshFile", R"("file": ")" + tets + "\"")},
+        {"tetWriter", base + R"("fill": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}}},
+                   "n": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}}})"},
         {"trackChannel",
          node("trackChannel", R"("channel": "angle", "inMax": 10, "file": ")" + track + "\"")},
         {"transform",
