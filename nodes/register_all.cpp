@@ -21,6 +21,7 @@ void add_transform(engine::Registry&);
 void add_track_channel(engine::Registry&);
 // painting
 void add_weights(engine::Registry&);
+void add_transfer_weights(engine::Registry&);
 void add_end_points(engine::Registry&);
 // simulation
 void add_z_bone(engine::Registry&);
@@ -59,7 +60,8 @@ void register_all(engine::Registry& registry) {
                       add_mesh_writer,
                       add_z_iso_mesh,
                       add_z_delaunay_tet_mesh,
-                      add_tet_writer})
+                      add_tet_writer,
+                      add_transfer_weights})
         add(registry);
 }
 

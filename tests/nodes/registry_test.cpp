@@ -9,11 +9,11 @@ using namespace bench;
 namespace {
 
 const std::vector<std::string> all_types = {
-    "curve",        "endPoints",        "meshFile",  "meshWriter", "polyCube",
-    "polyCylinder", "polyHelix",        "polyPlane", "polySphere", "tetMeshFile",
-    "tetWriter",    "trackChannel",     "transform", "weights",    "zAttachment",
-    "zBone",        "zDelaunayTetMesh", "zEmbedder", "zFiber",     "zIsoMesh",
-    "zMaterial",    "zSolver",          "zTet",      "zTissue"};
+    "curve",        "endPoints",    "meshFile",         "meshWriter", "polyCube",
+    "polyCylinder", "polyHelix",    "polyPlane",        "polySphere", "tetMeshFile",
+    "tetWriter",    "trackChannel", "transferWeights",  "transform",  "weights",
+    "zAttachment",  "zBone",        "zDelaunayTetMesh", "zEmbedder",  "zFiber",
+    "zIsoMesh",     "zMaterial",    "zSolver",          "zTet",       "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -61,6 +61,9 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
                    "n": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}}})"},
         {"trackChannel",
          node("trackChannel", R"("channel": "angle", "inMax": 10, "file": ")" + track + "\"")},
+        {"transferWeights",
+         node("transferWeights", R"("oldMesh": {"from": "cube.outMesh"}, "newMesh": {"from": "far.outMesh"},
+                                    "weights": {"from": "half.outWeights"})")},
         {"transform",
          node("transform",
               R"("mesh": {"from": "cube.outMesh"}, "trackName": "ulna", "track": ")" + track + "\"")},
