@@ -4,11 +4,11 @@
 
 #include "solver/error.h"
 #include "solver/mesh/tet_quality.h"
+#include "solver/meshing/tet_complex.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace sinew::solver {
 namespace {
@@ -18,26 +18,14 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 constexpr double fair = 0.5;  ///< tets below are worth a flip
 constexpr double bad = 0.2;   ///< tets below are worth a new vertex
 constexpr double gain = 1e-6; ///< least improvement, so that no two states alternate
-constexpr int longest_ring = 9;
-
-/// The faces of a tet, each seen from outside and followed by the corner across.
-constexpr std::array<std::array<std::size_t, 4>, 4> faces{
-    {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}}};
-constexpr std::array<std::array<std::size_t, 2>, 6> edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
-
-bool has(const Tet& t, int v) { return t[0] == v || t[1] == v || t[2] == v || t[3] == v; }
-
 class Improver {
   public:
     Improver(TetMesh& mesh, const MeshingControl& control)
         : mesh_(mesh)
         , control_(control)
-        , tets_of_(mesh.vertices.size())
-        , is_fixed_(mesh.vertices.size(), 0)
-        , alive_(mesh.tets.size(), 1) {
-        for (std::size_t t = 0; t < mesh.tets.size(); ++t)
-            for (const int v : mesh.tets[t]) tets_of_[at(v)].push_back(static_cast<int>(t));
-        for (const Triangle& t : boundary_triangles(mesh.tets))
+        , complex_(std::move(mesh.vertices), std::move(mesh.tets))
+        , is_fixed_(complex_.vertices.size(), 0) {
+        for (const Triangle& t : boundary_triangles(complex_.living()))
             for (const int v : t) is_fixed_[at(v)] = 1;
     }
 
@@ -49,12 +37,15 @@ class Improver {
             if (pass > 0 && flips == 0) break;
         }
         split_bad();
-        drop_dead();
+        mesh_.vertices = std::move(complex_.vertices);
+        mesh_.tets = complex_.living();
     }
 
   private:
-    const Vec3& x(int v) const { return mesh_.vertices[at(v)]; }
-    const Tet& tet(int t) const { return mesh_.tets[at(t)]; }
+    using Ring = TetComplex::Ring;
+    const Vec3& x(int v) const { return complex_.vertices[at(v)]; }
+    const Tet& tet(int t) const { return complex_.tet(t); }
+    const std::vector<int>& star(int v) const { return complex_.tets_of[at(v)]; }
     double quality(const Tet& t) const { return tet_quality(x(t[0]), x(t[1]), x(t[2]), x(t[3])); }
     double worst_of(const std::vector<int>& tets) const {
         double worst = std::numeric_limits<double>::infinity();
@@ -71,75 +62,15 @@ class Improver {
 
     // ---- changes of connectivity ----
 
-    int add(const Tet& t) {
-        const int number = static_cast<int>(mesh_.tets.size());
-        mesh_.tets.push_back(t);
-        alive_.push_back(1);
-        for (const int v : t) tets_of_[at(v)].push_back(number);
-        return number;
-    }
-    void remove(int t) {
-        alive_[at(t)] = 0;
-        for (const int v : tet(t)) std::erase(tets_of_[at(v)], t);
-    }
-    void replace(const std::vector<int>& old, const std::vector<Tet>& fresh) {
-        for (const int t : old) remove(t);
-        for (const Tet& t : fresh) add(t);
-    }
-
-    /// The tets around edge ab and the vertices of the ring about it, in order; none if the edge lies in the
-    /// boundary or the ring is too long.
-    struct Ring {
-        int a, b;
-        std::vector<int> tets, vertices;
-    };
-    std::optional<Ring> ring_of(int a, int b) const {
-        Ring ring{a, b, {}, {}};
-        std::vector<std::array<int, 2>> steps;
-        for (const int t : tets_of_[at(a)]) {
-            if (!has(tet(t), b)) continue;
-            ring.tets.push_back(t);
-            steps.push_back(across(tet(t), a, b));
-        }
-        if (steps.size() < 3 || steps.size() > longest_ring) return std::nullopt;
-        int v = steps.front()[0];
-        do {
-            ring.vertices.push_back(v);
-            const auto next =
-                std::find_if(steps.begin(), steps.end(), [&](const auto& s) { return s[0] == v; });
-            if (next == steps.end()) return std::nullopt; // the ring is open: a boundary edge
-            v = (*next)[1];
-        } while (v != steps.front()[0] && ring.vertices.size() <= steps.size());
-        if (ring.vertices.size() != steps.size()) return std::nullopt;
-        return ring;
-    }
-    /// The two other corners (c, d) of a tet, such that (a, b, c, d) is positively oriented.
-    static std::array<int, 2> across(const Tet& t, int a, int b) {
-        std::array<std::size_t, 4> p{};
-        std::size_t k = 2;
-        for (std::size_t i = 0; i < 4; ++i)
-            if (t[i] == a)
-                p[0] = i;
-            else if (t[i] == b)
-                p[1] = i;
-            else
-                p[k++] = i;
-        int swaps = 0; // parity of the permutation p
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t j = i + 1; j < 4; ++j) swaps += p[i] > p[j];
-        if (swaps % 2) std::swap(p[2], p[3]);
-        return {t[p[2]], t[p[3]]};
-    }
-
     /// Replaces the tets around an edge by tets on triangles of its ring, if the worst gets better.
     bool remove_edge(int a, int b) {
-        const std::optional<Ring> ring = ring_of(a, b);
+        const std::optional<Ring> ring = complex_.ring_of(a, b);
         if (!ring) return false;
         const std::size_t n = ring->vertices.size();
         const double old = worst_of(ring->tets);
         // best[i][j]: the worst quality over the best triangulation of the polygon i, i + 1 … j.
-        std::array<std::array<double, longest_ring>, longest_ring> best{};
-        std::array<std::array<std::size_t, longest_ring>, longest_ring> by{};
+        std::array<std::array<double, TetComplex::longest_ring>, TetComplex::longest_ring> best{};
+        std::array<std::array<std::size_t, TetComplex::longest_ring>, TetComplex::longest_ring> by{};
         const auto lower = [&](std::size_t i, std::size_t k, std::size_t j) {
             return Tet{a, ring->vertices[i], ring->vertices[k], ring->vertices[j]};
         };
@@ -171,17 +102,15 @@ class Improver {
             open.push_back({i, k});
             open.push_back({k, j});
         }
-        replace(ring->tets, fresh);
+        complex_.replace(ring->tets, fresh);
         return true;
     }
 
     /// Two tets on a face become three around the edge between the corners across, if the worst gets better.
     bool remove_face(int t, std::size_t face) {
-        const auto& [i, j, k, l] = faces[face];
+        const auto& [i, j, k, l] = tet_faces[face];
         const int a = tet(t)[i], b = tet(t)[j], c = tet(t)[k], below = tet(t)[l];
-        int other = -1;
-        for (const int s : tets_of_[at(a)])
-            if (s != t && has(tet(s), b) && has(tet(s), c)) other = s;
+        const int other = complex_.beside(t, a, b, c);
         if (other < 0) return false;
         int above = -1;
         for (const int v : tet(other))
@@ -191,13 +120,13 @@ class Improver {
         double worst = std::numeric_limits<double>::infinity();
         for (const Tet& f : fresh) worst = std::min(worst, quality(f));
         if (!(worst > std::max(old, 0.0) + gain)) return false;
-        replace({t, other}, fresh);
+        complex_.replace({t, other}, fresh);
         return true;
     }
 
     bool flip(int t) {
         const Tet corners = tet(t);
-        for (const auto& [i, j] : edges)
+        for (const auto& [i, j] : tet_edges)
             if (remove_edge(corners[i], corners[j])) return true;
         for (std::size_t f = 0; f < 4; ++f)
             if (remove_face(t, f)) return true;
@@ -207,9 +136,9 @@ class Improver {
     /// Living tets below a quality, worst first.
     std::vector<int> below(double limit) const {
         std::vector<std::pair<double, int>> found;
-        for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
-            if (!alive_[t]) continue;
-            if (const double q = quality(mesh_.tets[t]); q < limit) found.push_back({q, static_cast<int>(t)});
+        for (int t = 0; t < static_cast<int>(complex_.count()); ++t) {
+            if (!complex_.is_alive(t)) continue;
+            if (const double q = quality(tet(t)); q < limit) found.push_back({q, t});
         }
         std::sort(found.begin(), found.end());
         std::vector<int> out;
@@ -222,7 +151,7 @@ class Improver {
         const std::vector<int> poor = below(fair);
         for (std::size_t i = 0; i < poor.size(); ++i) {
             report(from, to, i, poor.size());
-            if (alive_[at(poor[i])]) flips += flip(poor[i]);
+            if (complex_.is_alive(poor[i])) flips += flip(poor[i]);
         }
         return flips;
     }
@@ -238,19 +167,19 @@ class Improver {
 
     /// Tries places towards the middle of the neighbours, and for bad tets away from their opposite face.
     void smooth(int v) {
-        const std::vector<int>& star = tets_of_[at(v)];
-        if (star.empty()) return;
-        double best = worst_of(star);
-        Vec3& place = mesh_.vertices[at(v)];
+        const std::vector<int>& around = star(v);
+        if (around.empty()) return;
+        double best = worst_of(around);
+        Vec3& place = complex_.vertices[at(v)];
         Vec3 middle = Vec3::Zero();
-        for (const int t : star)
+        for (const int t : around)
             for (const int n : tet(t))
                 if (n != v) middle += x(n);
-        middle /= static_cast<double>(3 * star.size());
+        middle /= static_cast<double>(3 * around.size());
         const auto try_at = [&](const Vec3& p) {
             const Vec3 before = place;
             place = p;
-            const double q = worst_of(star);
+            const double q = worst_of(around);
             if (q > best + gain) {
                 best = q;
                 return true;
@@ -264,7 +193,7 @@ class Improver {
         if (best > fair) return;
         for (int step = 0; step < 4; ++step) {
             const auto worst = *std::min_element(
-                star.begin(), star.end(), [&](int s, int t) { return quality(tet(s)) < quality(tet(t)); });
+                around.begin(), around.end(), [&](int s, int t) { return quality(tet(s)) < quality(tet(t)); });
             const Vec3 up = rise(tet(worst), v);
             bool moved = false;
             for (const double share : {0.5, 0.2, 0.05})
@@ -275,7 +204,7 @@ class Improver {
 
     /// From the opposite face upwards, as long as the side of a regular tet on that face would be.
     Vec3 rise(const Tet& t, int v) const {
-        for (const auto& [i, j, k, l] : faces)
+        for (const auto& [i, j, k, l] : tet_faces)
             if (t[l] == v) {
                 const Vec3 cross = (x(t[j]) - x(t[i])).cross(x(t[k]) - x(t[i]));
                 const double twice_area = cross.norm();
@@ -287,9 +216,9 @@ class Improver {
     /// A new vertex on an interior edge of every bad tet, where that helps.
     void split_bad() {
         for (const int t : below(bad)) {
-            if (!alive_[at(t)]) continue;
+            if (!complex_.is_alive(t)) continue;
             const Tet corners = tet(t);
-            for (const auto& [i, j] : edges)
+            for (const auto& [i, j] : tet_edges)
                 if (split_edge(corners[i], corners[j])) break;
         }
         for (int round = 0; round < 3; ++round) {
@@ -301,12 +230,10 @@ class Improver {
     }
 
     bool split_edge(int a, int b) {
-        const std::optional<Ring> ring = ring_of(a, b);
+        const std::optional<Ring> ring = complex_.ring_of(a, b);
         if (!ring) return false;
         const double old = worst_of(ring->tets);
-        const int middle = static_cast<int>(mesh_.vertices.size());
-        mesh_.vertices.push_back(0.5 * (x(a) + x(b)));
-        tets_of_.emplace_back();
+        const int middle = complex_.add_vertex(0.5 * (x(a) + x(b)));
         is_fixed_.push_back(0);
         std::vector<Tet> fresh, whole;
         for (const int t : ring->tets) {
@@ -317,27 +244,19 @@ class Improver {
                 fresh.push_back(half);
             }
         }
-        replace(ring->tets, fresh);
+        complex_.replace(ring->tets, fresh);
         for (int k = 0; k < 3; ++k) smooth(middle);
-        if (worst_of(tets_of_[at(middle)]) > std::max(old, 0.0) + gain) return true;
-        replace(std::vector<int>(tets_of_[at(middle)]), whole);
-        mesh_.vertices.pop_back();
-        tets_of_.pop_back();
+        if (worst_of(star(middle)) > std::max(old, 0.0) + gain) return true;
+        complex_.replace(std::vector<int>(star(middle)), whole);
+        complex_.drop_last_vertex();
         is_fixed_.pop_back();
         return false;
     }
 
-    void drop_dead() {
-        std::size_t kept = 0;
-        for (std::size_t t = 0; t < mesh_.tets.size(); ++t)
-            if (alive_[t]) mesh_.tets[kept++] = mesh_.tets[t];
-        mesh_.tets.resize(kept);
-    }
-
     TetMesh& mesh_;
     const MeshingControl& control_;
-    std::vector<std::vector<int>> tets_of_; ///< of each vertex, living ones
-    std::vector<char> is_fixed_, alive_;
+    TetComplex complex_;
+    std::vector<char> is_fixed_;
 };
 
 } // namespace
