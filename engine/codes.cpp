@@ -87,7 +87,7 @@ constexpr CodeInfo table[] = {
     {"FE234", "level set could not be meshed as a manifold", "Choose smaller triangles or a higher resolution."},
     {"FE235", "pieces too small to be meshed", "Choose smaller triangles to keep them."},
     {"FE236", "mesh cannot be the boundary of tets", "Repair the edges that are named, or remesh by zIsoMesh."},
-    {"FE237", "triangles that tets cannot keep", "Remesh the surface by zIsoMesh."},
+    {"FE237", "triangles that cross, or that tets cannot keep", "Remesh the surface by zIsoMesh."},
     {"FE238", "mesh switches a feature off", "Repair the edges that are named, or remesh by zIsoMesh."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},

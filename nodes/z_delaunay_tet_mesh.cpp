@@ -13,9 +13,8 @@ namespace {
 
 const Wire<Mesh> mesh{
     .name = "mesh",
-    .doc =
-        "A closed manifold surface with well-shaped triangles, typically zIsoMesh.outMesh. Anything else is "
-        "refused with the edges or triangles to blame.",
+    .doc = "A closed manifold surface that does not cross itself, such as zIsoMesh.outMesh; the better its "
+           "triangles, the better the tets. Anything else is refused with the edges or triangles to blame.",
 };
 const Input<double> refinement_quality{
     .name = "refinementQuality",

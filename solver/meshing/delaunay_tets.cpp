@@ -40,19 +40,27 @@ void check_surface(const MeshCheck& found) {
                     "Repair the mesh, or remesh it by zIsoMesh, whose results can always be filled.");
 }
 
-[[noreturn]] void refuse_missing(const Points& points, const std::vector<Triangle>& triangles,
-                                 const std::vector<int>& missing) {
+void refuse_crossings(const Points& points, const std::vector<Triangle>& triangles) {
+    if (const Flaw crossing = self_intersections(points, triangles))
+        throw Error("FE237",
+                    "the mesh cannot be the boundary of tets: " +
+                        describe(crossing, "pair of crossing triangles", "pairs of crossing triangles"),
+                    "Repair the mesh, or remesh it by zIsoMesh, which makes one surface of what overlaps.");
+}
+
+[[noreturn]] void refuse_missing(const std::vector<int>& missing) {
     Flaw flaw;
     for (const int t : missing) flaw.add(t);
-    std::string message = describe(flaw, "triangle", "triangles") + (flaw.count == 1 ? " is" : " are") +
-                          " not in the Delaunay triangulation of the " + std::to_string(points.size()) +
-                          " vertices";
-    const Flaw crossing = self_intersections(points, triangles);
-    if (crossing)
-        message += "; " + describe(crossing, "pair of crossing triangles", "pairs of crossing triangles");
-    throw Error(
-        "FE237", message,
-        "Remesh the surface by zIsoMesh, whose triangles always are; flat or long triangles seldom are.");
+    throw Error("FE237", describe(flaw, "triangle", "triangles") + " could not be made faces of tets",
+                "Remesh the surface by zIsoMesh, whose triangles always can; very flat or long triangles are "
+                "to blame.");
+}
+
+/// Every triangle with its lowest corner first, in order.
+std::vector<Triangle> canonical(std::vector<Triangle> triangles) {
+    for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(triangles.begin(), triangles.end());
+    return triangles;
 }
 
 MeshingControl part(const MeshingControl& control, double from, double to) {
@@ -72,6 +80,7 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
                                  " is not between 0 and 1");
     const MeshCheck found = check_mesh(points, triangles);
     check_surface(found);
+    refuse_crossings(points, triangles);
     std::vector<Triangle> outward = triangles;
     if (found.volume < 0)
         for (Triangle& t : outward) std::swap(t[1], t[2]);
@@ -82,12 +91,15 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
                              ? inner_points(points, outward, growth, most_inner, part(control, 0, 0.2))
                              : Points{};
     GuardedDelaunay filled = guarded_delaunay(points, outward, inner, part(control, 0.2, 0.4));
-    if (!filled.missing.empty()) refuse_missing(points, triangles, filled.missing);
+    if (!filled.missing.empty()) refuse_missing(filled.missing);
     TetMesh mesh;
     mesh.vertices = std::move(filled.vertices);
     mesh.tets = std::move(filled.tets);
     constexpr int passes = 6;
     improve_tets(mesh, passes, part(control, 0.4, 1));
+    if (canonical(boundary_triangles(mesh.tets)) != canonical(outward))
+        throw Error("FE237", "the boundary of the tets came out different from the mesh",
+                    "Remesh the surface by zIsoMesh, and report the mesh: this is a fault of the program.");
     mesh.coverage.assign(mesh.tets.size(), 1.0);
     if (control.progress) control.progress(1, "meshed");
     return mesh;

@@ -3,6 +3,9 @@
 #include "solver/meshing/guarded_delaunay.h"
 
 #include "solver/error.h"
+#include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/tet_boundary.h"
+#include "solver/meshing/boundary_recovery.h"
 
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -10,6 +13,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_3.h>
 
 #include <algorithm>
+#include <unordered_map>
 #include <unordered_set>
 
 namespace sinew::solver {
@@ -41,6 +45,18 @@ Triangle sorted(Triangle t) {
     return t;
 }
 
+/// The same tet with its corners in one order.
+Tet canonical(Tet t) {
+    // Even permutations keep the orientation: the smallest first, then the smallest of the rest.
+    const auto low = std::min_element(t.begin(), t.end()) - t.begin();
+    if (low != 0) {
+        std::swap(t[0], t[static_cast<std::size_t>(low)]);
+        low == 1 ? std::swap(t[2], t[3]) : std::swap(t[1], t[low == 2 ? 3 : 2]);
+    }
+    while (t[1] > t[2] || t[1] > t[3]) t = {t[0], t[2], t[3], t[1]};
+    return t;
+}
+
 class Builder {
   public:
     Builder(const Points& surface, const std::vector<Triangle>& triangles, const MeshingControl& control)
@@ -53,13 +69,17 @@ class Builder {
     GuardedDelaunay make(const Points& inner) {
         GuardedDelaunay out;
         insert_surface();
-        out.missing = missing();
-        if (!out.missing.empty()) return out;
+        const bool is_complete = missing().empty();
+        if (!is_complete) insert_box();
         out.vertices = surface_;
         for (std::size_t i = 0; i < inner.size(); ++i) {
             watch(i, inner.size());
             if (insert_guarded(inner[i], static_cast<int>(out.vertices.size())))
                 out.vertices.push_back(inner[i]);
+        }
+        if (!is_complete) {
+            recover(out);
+            return out;
         }
         find_sides();
         collect(out.tets);
@@ -83,10 +103,89 @@ class Builder {
         if (control_.stop && control_.stop()) throw Stopped();
     }
 
+    /// Eight points far around: then the surface lies inside of what is triangulated, where flips can reach
+    /// it. Their numbers are negative.
+    void insert_box() {
+        const Box box = bounding_box(surface_);
+        const double reach = 2 * box.size().norm();
+        for (int k = 0; k < 8; ++k) {
+            const Vec3 way(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+            delaunay_.insert(point(box.centre() + reach * way))->info() = -1 - k;
+        }
+    }
+
+    /// Puts the missing triangles into what is triangulated so far, and keeps the tets inside.
+    void recover(GuardedDelaunay& out) {
+        const int box_first = static_cast<int>(out.vertices.size());
+        Points all = out.vertices;
+        all.resize(all.size() + 8);
+        std::vector<Tet> tets;
+        for (auto c = delaunay_.finite_cells_begin(); c != delaunay_.finite_cells_end(); ++c) {
+            Tet t;
+            for (int k = 0; k < 4; ++k) {
+                const auto v = c->vertex(k);
+                t[at(k)] = v->info() >= 0 ? v->info() : box_first - 1 - v->info();
+                if (v->info() < 0) all[at(t[at(k)])] = {v->point().x(), v->point().y(), v->point().z()};
+            }
+            tets.push_back(canonical(t));
+        }
+        std::sort(tets.begin(), tets.end());
+        TetComplex complex(std::move(all), std::move(tets));
+        out.missing = recover_boundary(complex, triangles_, control_);
+        if (!out.missing.empty()) return;
+        out.tets = inside_of(complex.living(), box_first, box_first + 8);
+        out.vertices = std::move(complex.vertices);
+        TetMesh used{std::move(out.vertices), std::move(out.tets), {}};
+        // The box goes, and so do points that the recovery has cut off or put outside; the surface's are all
+        // in use.
+        drop_unused_vertices(used);
+        out.vertices = std::move(used.vertices);
+        out.tets = std::move(used.tets);
+    }
+
+    /// Tets that lie an odd number of triangles away from those with a vertex of the box.
+    std::vector<Tet> inside_of(const std::vector<Tet>& tets, int far_first, int far_end) const {
+        std::unordered_map<Triangle, std::array<int, 2>, TriangleHash> beside;
+        const auto face = [&](std::size_t t, std::size_t k) {
+            const Tet& c = tets[t];
+            return sorted({c[(k + 1) % 4], c[(k + 2) % 4], c[(k + 3) % 4]});
+        };
+        for (std::size_t t = 0; t < tets.size(); ++t)
+            for (std::size_t k = 0; k < 4; ++k) {
+                const auto [entry, is_new] =
+                    beside.try_emplace(face(t, k), std::array<int, 2>{static_cast<int>(t), -1});
+                if (!is_new) entry->second[1] = static_cast<int>(t);
+            }
+        std::vector<char> side(tets.size(), unknown);
+        std::vector<std::size_t> open;
+        for (std::size_t t = 0; t < tets.size(); ++t)
+            if (std::any_of(tets[t].begin(), tets[t].end(),
+                            [&](int v) { return v >= far_first && v < far_end; }))
+                side[t] = outside, open.push_back(t);
+        std::vector<Tet> out;
+        while (!open.empty()) {
+            const std::size_t t = open.back();
+            open.pop_back();
+            if (side[t] == inside) out.push_back(tets[t]);
+            for (std::size_t k = 0; k < 4; ++k) {
+                const Triangle f = face(t, k);
+                const auto& [a, b] = beside.at(f);
+                const int n = a == static_cast<int>(t) ? b : a;
+                if (n < 0 || side[at(n)] != unknown) continue;
+                const char across = side[t] == outside ? inside : outside;
+                side[at(n)] = kept_.contains(f) ? across : side[t];
+                open.push_back(at(n));
+            }
+        }
+        for (Tet& t : out) t = canonical(t);
+        std::sort(out.begin(), out.end());
+        return out;
+    }
+
     std::vector<int> missing() const {
         std::vector<Delaunay::Vertex_handle> handle(surface_.size());
         for (auto v = delaunay_.finite_vertices_begin(); v != delaunay_.finite_vertices_end(); ++v)
-            handle[at(v->info())] = v;
+            handle[at(v->info())] = v; // nothing but the surface is in yet
         std::vector<int> out;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             const auto& [a, b, c] = triangles_[t];
@@ -102,7 +201,8 @@ class Builder {
         Triangle t;
         for (int k = 0; k < 3; ++k) {
             const auto v = f.first->vertex(Delaunay::vertex_triple_index(f.second, k));
-            if (delaunay_.is_infinite(v) || v->info() >= static_cast<int>(surface_.size())) return false;
+            if (delaunay_.is_infinite(v) || v->info() < 0 || v->info() >= static_cast<int>(surface_.size()))
+                return false;
             t[at(k)] = v->info();
         }
         return kept_.contains(sorted(t));
@@ -151,14 +251,7 @@ class Builder {
             if (c->info() != inside) continue;
             Tet t;
             for (int k = 0; k < 4; ++k) t[at(k)] = c->vertex(k)->info();
-            // Even permutations keep the orientation: the smallest first, then the smallest of the rest.
-            const auto low = std::min_element(t.begin(), t.end()) - t.begin();
-            if (low != 0) {
-                std::swap(t[0], t[at(static_cast<int>(low))]);
-                low == 1 ? std::swap(t[2], t[3]) : std::swap(t[1], t[low == 2 ? 3 : 2]);
-            }
-            while (t[1] > t[2] || t[1] > t[3]) t = {t[0], t[2], t[3], t[1]};
-            tets.push_back(t);
+            tets.push_back(canonical(t));
         }
         std::sort(tets.begin(), tets.end());
     }

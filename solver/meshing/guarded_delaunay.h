@@ -16,7 +16,7 @@ struct GuardedDelaunay {
 /// Triangulates the surface's vertices, then adds inner points one by one, leaving out those that would
 /// destroy a triangle of the surface. Inside is what lies an odd number of triangles away from infinity.
 /// \param surface   no two vertices at one place
-/// \param triangles closed
+/// \param triangles closed, not crossing each other
 /// Throws Stopped.
 GuardedDelaunay guarded_delaunay(const Points& surface, const std::vector<Triangle>& triangles,
                                  const Points& inner, const MeshingControl& control);

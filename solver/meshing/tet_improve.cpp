@@ -16,7 +16,7 @@ namespace {
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double fair = 0.5;  ///< tets below are worth a flip
-constexpr double bad = 0.2;   ///< tets below are worth a new vertex
+constexpr double bad = 0.35;  ///< tets below are worth a new vertex
 constexpr double gain = 1e-6; ///< least improvement, so that no two states alternate
 class Improver {
   public:
@@ -193,8 +193,9 @@ class Improver {
             if (try_at(start + share * (middle - start))) break;
         if (best > fair) return;
         for (int step = 0; step < 4; ++step) {
-            const auto worst = *std::min_element(
-                around.begin(), around.end(), [&](int s, int t) { return quality(tet(s)) < quality(tet(t)); });
+            const auto worst = *std::min_element(around.begin(), around.end(), [&](int s, int t) {
+                return quality(tet(s)) < quality(tet(t));
+            });
             const Vec3 up = rise(tet(worst), v);
             bool moved = false;
             for (const double share : {0.5, 0.2, 0.05})
