@@ -78,6 +78,8 @@ constexpr CodeInfo table[] = {
     {"FE218", "bone where a tissue is needed",
      "Connect a tissue; what rides on a bone is moved by a transform."},
     {"FE219", "attachment from a body to itself", "Choose two bodies."},
+    {"FE220", "mesh is not watertight",
+     "Close the holes at the vertices that are named, or choose FilledCavities."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

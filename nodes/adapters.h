@@ -5,17 +5,27 @@
 #include "engine/node_type.h"
 #include "nodes/values.h"
 #include "solver/error.h"
+#include "solver/meshing/meshing_control.h"
 
 #include <string>
 #include <string_view>
 
 namespace sinew::nodes {
 
-/// Runs `call`; what the solver throws becomes a diagnostic at `attribute` of this node.
+/// Lets the host watch and stop meshing. Must not outlive `in`.
+inline solver::MeshingControl meshing_control(const engine::Reads& in) {
+    return {[&in] { return in.stop_requested(); },
+            [&in](double done, std::string_view what) { in.progress(done, what); }};
+}
+
+/// Runs `call`; what the solver throws becomes a diagnostic at `attribute` of this node, and a stop that the
+/// host asked for becomes Cancelled.
 template <class Call>
 auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call) {
     try {
         return call();
+    } catch (const solver::Stopped&) {
+        throw engine::Cancelled();
     } catch (const solver::Error& e) {
         in.fail(attribute, e.code, e.what(), e.hint);
     }

@@ -65,12 +65,13 @@ engine::Digest static_digest(const TissueParts& parts) {
     return h.finish();
 }
 
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts) {
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
+                                                 const solver::MeshingControl& control) {
     solver::check_usable(parts.mesh->surface());
     auto t = std::make_shared<solver::TissueRest>();
     t->triangles = parts.mesh->topology->triangles;
     t->surface = *parts.mesh->points;
-    t->tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {});
+    t->tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {}, control);
     t->embedding = solver::embed(t->tets, t->surface);
     t->law = parts.law;
     const std::vector<double> areas = solver::vertex_areas(t->surface, t->triangles);

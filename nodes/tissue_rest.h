@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "nodes/values.h"
+#include "solver/meshing/meshing_control.h"
 
 #include <functional>
 #include <memory>
@@ -24,7 +25,8 @@ bool is_source(double end_point);
 bool is_sink(double end_point);
 
 engine::Digest static_digest(const TissueParts& parts);
-/// Throws solver::Error FE2xx.
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts);
+/// `control` watches the making of the default lattice. Throws solver::Error FE2xx, solver::Stopped.
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
+                                                 const solver::MeshingControl& control = {});
 
 } // namespace sinew::nodes

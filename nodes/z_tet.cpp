@@ -15,16 +15,63 @@ const Input<double> tet_size{
     .name = "tetSize",
     .def = 0,
     .limits = {.min = 0},
-    .doc = "Side of the lattice's cubes, in scene units; no tet is wider. 0 takes the longest side of the "
-           "mesh's "
-           "bounding box / 3.5.",
+    .doc = "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
+           "the longest side of the mesh's bounding box / 3.5.",
     .keyable = false,
+};
+const Input<NumberList> weights{
+    .name = "weights",
+    .def = {0},
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Where the lattice is refined: one number per vertex of the mesh, one for all, or none for 1 "
+           "everywhere. Linear between vertices.",
+    .keyable = false,
+};
+const Input<double> surface_refinement{
+    .name = "surfaceRefinement",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 20},
+    .doc =
+        "How often the tet size is halved at the surface where weights are 1. At a point of the surface it "
+        "is tetSize / 2^n, n = envelope * weight * surfaceRefinement rounded up; so with 1, any weight "
+        "above 0 halves it once. A tet takes the finest size that its piece of the surface asks for.",
+    .keyable = false,
+};
+const Input<double> refinement_propagation{
+    .name = "refinementPropagation",
+    .def = 0,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "How far the inside follows the surface: its size is tetSize / 2^m, m the whole number nearest to "
+           "refinementPropagation * n, with n of the nearest surface point. 0 keeps the inside as coarse as "
+           "its neighbours allow, 1 makes it as fine as the surface nearby.",
+    .keyable = false,
+};
+const Input<double> envelope{
+    .name = "envelope",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Strength of the painted refinement: times the weights; 0 is the lattice without refinement.",
+    .keyable = false,
+};
+const Input<std::string> fill_interior{
+    .name = "fillInterior",
+    .def = "FilledCavities",
+    .doc = "Which tets are kept. SurfaceOnly: those that the surface passes through, a shell one tet thick. "
+           "FilledCavities: all inside the outer surface; closed surfaces inside others count for nothing, "
+           "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
+           "cavity, whichever way it is turned; the mesh must be watertight.",
+    .options = {"SurfaceOnly", "FilledCavities", "EmptyCavities"},
 };
 const Input<std::int64_t> max_resolution{
     .name = "maxResolution",
     .def = 150,
     .limits = {.min = 1, .max = 100000},
-    .doc = "A safety stop: a lattice with more cubes than this along the longest side is refused.",
+    .doc = "A safety stop: a lattice whose finest cubes would be more than this along the longest side is "
+           "refused.",
     .keyable = false,
 };
 const Wire<TetMeshValue> tets{
@@ -36,15 +83,41 @@ const Output<TetMeshValue> out_tets{
     .name = "outTets",
     .doc = "The tets, in scene units; connect to zTissue.tets.",
 };
+const Output<Mesh> out_mesh{
+    .name = "outMesh",
+    .doc = "The boundary triangles of the tets, facing outwards, to look at them, or to carry them along by "
+           "zEmbedder; its vertices are those of the tet mesh, numbered alike.",
+};
 
-void compute(const Reads& in, Writes& out) {
-    if (const TetMeshValue* own = in.find(tets)) return out.set(out_tets, *own);
+solver::Fill fill_of(const std::string& word) {
+    if (word == "SurfaceOnly") return solver::Fill::surface_only;
+    return word == "EmptyCavities" ? solver::Fill::empty_cavities : solver::Fill::filled_cavities;
+}
+
+TetMeshValue make_tets(const Reads& in) {
     const Mesh* m = in.find(mesh);
     if (!m) in.fail(mesh.name, "DG110", "neither mesh nor tets is connected", "Connect the tissue's mesh.");
-    const solver::LatticeOptions options{in[tet_size], static_cast<int>(in[max_resolution])};
-    out.set(out_tets, guarded(in, mesh.name, [&] {
-                return TetMeshValue::from(solver::make_lattice(*m->points, m->topology->triangles, options));
-            }));
+    const NumberList& painted = in[weights];
+    check_map(in, weights.name, painted, m->points->size(), "weights");
+    solver::LatticeOptions options;
+    options.tet_size = in[tet_size];
+    options.max_resolution = static_cast<int>(in[max_resolution]);
+    options.fill = fill_of(in[fill_interior]);
+    options.propagation = in[refinement_propagation];
+    options.refinement = painted.empty() ? NumberList{1} : painted;
+    for (double& w : options.refinement) w *= in[envelope] * in[surface_refinement];
+    return guarded(in, mesh.name, [&] {
+        return TetMeshValue::from(
+            solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
+    });
+}
+
+void compute(const Reads& in, Writes& out) {
+    const TetMeshValue* own = in.find(tets);
+    TetMeshValue result = own ? *own : make_tets(in);
+    out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(
+                          result.mesh->vertices, solver::boundary_triangles(result.mesh->tets))));
+    out.set(out_tets, std::move(result));
 }
 
 } // namespace
@@ -52,10 +125,22 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tet(Registry& registry) {
     NodeType type;
     type.name = "zTet";
+    type.numerics = 2; // closed surfaces inside others are filled unless fillInterior says otherwise
     type.doc =
-        "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded in.";
-    type.inputs = {describe(mesh), describe(tet_size), describe(max_resolution), describe(tets)};
-    type.outputs = {describe(out_tets)};
+        "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
+        "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
+        "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "
+        "anew only when an input changes.";
+    type.inputs = {describe(mesh),
+                   describe(tet_size),
+                   describe(weights),
+                   describe(surface_refinement),
+                   describe(refinement_propagation),
+                   describe(envelope),
+                   describe(fill_interior),
+                   describe(max_resolution),
+                   describe(tets)};
+    type.outputs = {describe(out_tets), describe(out_mesh)};
     type.compute = compute;
     registry.add(std::move(type));
 }

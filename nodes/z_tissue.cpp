@@ -100,7 +100,9 @@ void compute(const Reads& in, Writes& out) {
     };
     auto kept = in.lease<Kept>(static_digest(parts), [&] {
         in.progress(0, "meshing");
-        return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts)}); });
+        return guarded(in, mesh.name, [&] {
+            return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))});
+        });
     });
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
@@ -115,6 +117,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tissue(Registry& registry) {
     NodeType type;
     type.name = "zTissue";
+    type.numerics = 2; // the default lattice fills closed surfaces inside others
     type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
     type.inputs = {describe(enable),
                    describe(mesh),

@@ -29,6 +29,9 @@ void check_tissue(const TissueRest& t, int body) {
         if (w.size() != n)
             refuse(body, "FE204", "a material layer has " + std::to_string(w.size()) + " weights for " +
                                       std::to_string(n) + " tets", "one weight per tet");
+    if (t.law == ElasticLaw::anisotropic && t.stiff_directions.size() != n)
+        refuse(body, "FE205", "the anisotropic law has " + std::to_string(t.stiff_directions.size()) + " directions for " +
+                                  std::to_string(n) + " tets", "connect a fibre: it gives the stiff direction");
     if (t.layer_weights.empty())
         refuse(body, "FE206", "the tissue has no material", "connect at least one zMaterial");
     for (const auto& f : t.fibers)
@@ -36,6 +39,40 @@ void check_tissue(const TissueRest& t, int body) {
             refuse(body, "FE204", "a fibre field has " + std::to_string(f.directions.size()) + " directions and " +
                                       std::to_string(f.weights.size()) + " weights for " + std::to_string(n) + " tets",
                    "one of each per tet");
+}
+
+std::vector<Anisotropy> make_anisotropy(const TissueRest& t, std::size_t batch_count) {
+    std::vector<Anisotropy> out(batch_count);
+    for (std::size_t slot = 0; slot < batch_count * lanes; ++slot) {
+        const Vec3 d = t.stiff_directions[std::min(slot, t.tets.tets.size() - 1)];
+        Anisotropy& a = out[slot / lanes];
+        for (int c = 0; c < 3; ++c) a.direction[c][slot % lanes] = d[c];
+        a.root[slot % lanes] = d.squaredNorm() > 0 ? 1 : 0; // 0 marks tets that stay isotropic
+    }
+    return out;
+}
+
+/// Numbers the middles of the edges after the corners and puts them into batches like those of the corners.
+void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch>& corners, Points& nodes, Scene::System& system) {
+    const std::vector<std::array<int, 2>> edges = tet_edges(t.tets.tets);
+    const int first_edge = first_vertex + static_cast<int>(t.tets.vertices.size());
+    for (const auto& [a, b] : edges)
+        nodes.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(a)] + t.tets.vertices[static_cast<std::size_t>(b)]));
+    const std::size_t first_batch = system.edge_batches.size();
+    system.edge_batches.resize(first_batch + corners.size());
+    auto& of_tets = system.edge_vertices.back();
+    of_tets.resize(t.tets.tets.size());
+    for (std::size_t slot = 0; slot < corners.size() * lanes; ++slot) {
+        const std::size_t tet = std::min(slot, t.tets.tets.size() - 1);
+        for (std::size_t e = 0; e < 6; ++e) {
+            const int a = t.tets.tets[tet][static_cast<std::size_t>(tet_edge_corners[e][0])];
+            const int b = t.tets.tets[tet][static_cast<std::size_t>(tet_edge_corners[e][1])];
+            const std::array<int, 2> key{std::min(a, b), std::max(a, b)};
+            const int v = first_edge + static_cast<int>(std::lower_bound(edges.begin(), edges.end(), key) - edges.begin());
+            system.edge_batches[first_batch + slot / lanes].vertex[e][slot % lanes] = v;
+            of_tets[tet][e] = v;
+        }
+    }
 }
 
 } // namespace
@@ -47,57 +84,67 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         const TissueRest* t = tissue(body);
         if (!t) continue;
         check_tissue(*t, body);
-        TissueElements elements;
-        elements.body = body;
-        elements.law = t->law;
-        elements.first_batch = system->batches.size();
-        elements.tet_count = t->tets.tets.size();
-        const std::vector<TetBatch> batches = make_batches(t->tets, vertex_count_);
-        elements.batch_count = batches.size();
-        system->batches.insert(system->batches.end(), batches.begin(), batches.end());
-        for (const FiberRest& f : t->fibers) elements.fibers.push_back(make_fiber_batches(f, batches.size()));
-        system->tissues.push_back(std::move(elements));
-        for (const Vec3& p : t->tets.vertices)
+        TissueBatches batches;
+        batches.body = body;
+        batches.law = t->law;
+        batches.kind = t->element;
+        batches.first_batch = system->batches.size();
+        batches.first_edge_batch = system->edge_batches.size();
+        batches.tet_count = t->tets.tets.size();
+        const std::vector<TetBatch> corners = make_batches(t->tets, vertex_count_);
+        batches.batch_count = corners.size();
+        system->batches.insert(system->batches.end(), corners.begin(), corners.end());
+        for (const FiberRest& f : t->fibers) batches.fibers.push_back(make_fiber_batches(f, corners.size()));
+        if (t->law == ElasticLaw::anisotropic) batches.anisotropy = make_anisotropy(*t, corners.size());
+        batches.first_gradient = system->gradient_size;
+        batches.first_hessian = system->hessian_size;
+        system->gradient_size = batches.gradient_at(batches.batch_count);
+        system->hessian_size = batches.hessian_at(batches.batch_count);
+        Points nodes = t->tets.vertices;
+        system->edge_vertices.resize(static_cast<std::size_t>(body) + 1); // bones before this one have none
+        if (t->element == ElementKind::quadratic) add_edges(*t, vertex_count_, corners, nodes, *system);
+        for (const Vec3& p : nodes)
             for (int c = 0; c < 3; ++c) system->rest.push_back(p[c]);
-        std::vector<char> held(t->tets.vertices.size(), 0);
+        system->tissues.push_back(std::move(batches));
+        std::vector<char> held(nodes.size(), 0);
         for (const int v : t->fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
         for (std::size_t v = 0; v < held.size(); ++v) {
             system->unknown.push_back(held[v] ? -1 : static_cast<int>(system->vertex_of_unknown.size()));
             if (!held[v]) system->vertex_of_unknown.push_back(vertex_count_ + static_cast<int>(v));
         }
-        vertex_count_ += static_cast<int>(t->tets.vertices.size());
+        vertex_count_ += static_cast<int>(nodes.size());
     }
     for (const AttachmentRest& a : description_.attachments)
         if (a.source < 0 || a.target < 0 || a.source >= body_count() || a.target >= body_count())
             throw Error("FE209", "an attachment names a body that is not in the scene",
                         "both of its bodies must be among zSolver.bodies");
 
-    // Corners by unknown: count, then fill in batch order, which fixes the order of every sum.
-    const auto for_each_corner = [&](const auto& visit) {
-        for (std::size_t b = 0; b < system->batches.size(); ++b)
-            for (std::size_t corner = 0; corner < 4; ++corner)
-                for (std::size_t lane = 0; lane < lanes; ++lane) {
-                    const TetBatch& batch = system->batches[b];
-                    const int u = system->unknown[static_cast<std::size_t>(batch.vertex[corner][lane])];
-                    if (u >= 0 && batch.volume[lane] > 0) visit(u, static_cast<int>((b * 4 + corner) * lanes + lane));
-                }
+    // Element nodes by unknown: count, then fill in batch order, which fixes the order of every sum.
+    const auto for_each_node = [&](const auto& visit) {
+        for (const TissueBatches& t : system->tissues)
+            for (std::size_t i = 0; i < t.batch_count; ++i)
+                for (int n = 0; n < t.nodes(); ++n)
+                    for (std::size_t lane = 0; lane < lanes && i * lanes + lane < t.tet_count; ++lane) {
+                        const int u = system->unknown[static_cast<std::size_t>(system->node(t, i, n)[lane])];
+                        if (u >= 0) visit(u, static_cast<int>(t.gradient_at(i) + static_cast<std::size_t>(3 * n) * lanes + lane));
+                    }
     };
-    system->corner_start.assign(system->vertex_of_unknown.size() + 1, 0);
-    for_each_corner([&](int u, int) { ++system->corner_start[static_cast<std::size_t>(u) + 1]; });
-    for (std::size_t u = 0; u + 1 < system->corner_start.size(); ++u) {
-        if (system->corner_start[u + 1] == 0) {
+    system->node_start.assign(system->vertex_of_unknown.size() + 1, 0);
+    for_each_node([&](int u, int) { ++system->node_start[static_cast<std::size_t>(u) + 1]; });
+    for (std::size_t u = 0; u + 1 < system->node_start.size(); ++u) {
+        if (system->node_start[u + 1] == 0) {
             const int vertex = system->vertex_of_unknown[u];
             int body = 0;
             while (body + 1 < body_count() && first_vertex_[static_cast<std::size_t>(body) + 1] <= vertex) ++body;
             refuse(body, "FE208", "vertex " + std::to_string(vertex - first_vertex(body)) + " of the tet mesh belongs to no tet",
                    "remove unused vertices from the tet mesh");
         }
-        system->corner_start[u + 1] += system->corner_start[u];
+        system->node_start[u + 1] += system->node_start[u];
     }
-    system->corners.resize(static_cast<std::size_t>(system->corner_start.back()));
-    std::vector<int> next(system->corner_start.begin(), system->corner_start.end() - 1);
-    for_each_corner([&](int u, int slot) {
-        system->corners[static_cast<std::size_t>(next[static_cast<std::size_t>(u)]++)] = slot;
+    system->nodes.resize(static_cast<std::size_t>(system->node_start.back()));
+    std::vector<int> next(system->node_start.begin(), system->node_start.end() - 1);
+    for_each_node([&](int u, int at) {
+        system->nodes[static_cast<std::size_t>(next[static_cast<std::size_t>(u)]++)] = at;
     });
     system_ = std::move(system);
 }
@@ -107,6 +154,27 @@ Scene::~Scene() = default;
 const TissueRest* Scene::tissue(int body) const {
     const auto* p = std::get_if<std::shared_ptr<const TissueRest>>(&description_.bodies[static_cast<std::size_t>(body)]);
     return p ? p->get() : nullptr;
+}
+
+PointWeights Scene::embedded(int body, int tet, const std::array<double, 4>& barycentric) const {
+    PointWeights out;
+    const auto add = [&](int vertex, double weight) {
+        if (weight != 0) out.vertex[out.count] = vertex, out.weight[out.count++] = weight;
+    };
+    const Tet& corners = tissue(body)->tets.tets[static_cast<std::size_t>(tet)];
+    const int first = first_vertex(body);
+    // Far outside its tet a point is carried by the corners alone: a parabola would swing it about.
+    const bool outside = *std::min_element(barycentric.begin(), barycentric.end()) < -0.25;
+    if (tissue(body)->element == ElementKind::linear || outside) {
+        for (std::size_t c = 0; c < 4; ++c) add(first + corners[c], barycentric[c]);
+        return out;
+    }
+    double shape[quadratic_nodes];
+    quadratic_shape(barycentric.data(), shape);
+    const std::array<int, 6>& edges = system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)];
+    for (std::size_t c = 0; c < 4; ++c) add(first + corners[c], shape[c]);
+    for (std::size_t e = 0; e < 6; ++e) add(edges[e], shape[4 + e]);
+    return out;
 }
 
 const BoneRest* Scene::bone(int body) const {

@@ -12,7 +12,11 @@
 
 namespace sinew::solver {
 
-enum class ElasticLaw { stvk, neo_hookean, corotational };
+enum class ElasticLaw { stvk, neo_hookean, log_neo_hookean, corotational, anisotropic };
+
+/// Shape functions of the tets. Linear: a vertex each corner, constant strain. Quadratic: also one at the middle of each
+/// edge, linear strain; their numbers follow those of the mesh's vertices, in the order of tet_edges(mesh).
+enum class ElementKind { linear, quadratic };
 
 /// One fibre field of a tissue.
 struct FiberRest {
@@ -27,9 +31,11 @@ struct TissueRest {
     Points surface;                  ///< rest positions of the surface's vertices
     Embedding embedding;             ///< of the surface in the tets
     ElasticLaw law = ElasticLaw::stvk;
+    ElementKind element = ElementKind::linear;
+    Points stiff_directions; ///< law anisotropic: unit vector per tet along the fibre; zero = isotropic there
     std::vector<std::vector<double>> layer_weights; ///< [material layer][tet]; layer 0 is 1 everywhere
     std::vector<FiberRest> fibers;
-    std::vector<int> fixed_vertices; ///< tet vertices held at their rest positions (no unknowns); sorted, may be empty
+    std::vector<int> fixed_vertices; ///< vertices (of quadratic tets also edge midpoints) held at their rest positions (no unknowns); sorted, may be empty
 };
 
 /// A bone: vertices are prescribed at every step, so only connectivity is kept here.
@@ -50,6 +56,13 @@ struct AttachmentRest {
     std::vector<double> source_weights; ///< per surface vertex of the source; > 0 = attached
     std::vector<double> target_weights; ///< per surface vertex of the target; 0 = forbidden
     bool maintain_offset = true;
+};
+
+/// A point that rides on a tissue: the vertices of the state that carry it, and their weights, which sum to 1.
+struct PointWeights {
+    int count = 0;
+    int vertex[10];
+    double weight[10];
 };
 
 struct SceneDescription {
@@ -75,6 +88,8 @@ class Scene {
         const std::size_t next = static_cast<std::size_t>(body) + 1;
         return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) - first_vertex(body));
     }
+    /// What carries a point with these barycentric coordinates in a tet of a tissue.
+    PointWeights embedded(int body, int tet, const std::array<double, 4>& barycentric) const;
     struct System;                                     ///< element batches and pattern; solver-internal
     const System& system() const { return *system_; }
 

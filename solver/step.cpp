@@ -5,6 +5,7 @@
 #include "solver/error.h"
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <chrono>
@@ -21,8 +22,8 @@ struct Workspace::Impl {
     std::vector<double> x, v, x_gamma, v_gamma;
     explicit Impl(const Scene& scene) : potential(scene) {}
 
-    void prepare(const std::vector<std::vector<Anchor>>& anchors) {
-        const bool new_pattern = potential.set_anchors(anchors);
+    void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
+        const bool new_pattern = potential.set_structure(anchors, in);
         if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
         newton = std::make_unique<NewtonWorkspace>(potential.pattern());
     }
@@ -201,10 +202,10 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     Workspace::Impl& impl = workspace.impl();
     State s = before;
     StepRecord record;
-    impl.prepare(s.anchors);
     for (std::size_t k = 0; k < substeps.size(); ++k) {
         const StepInputs& in = substeps[k];
         check_inputs(scene, in);
+        impl.prepare(s.anchors, in);
         StepControl inner = control;
         if (control.progress)
             inner.progress = [&, k](double done, int iteration, double residual) {
@@ -226,8 +227,18 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
 Points surface_positions(const Scene& scene, const State& state, int body) {
     const TissueRest* tissue = scene.tissue(body);
     if (!tissue) return state.bones[static_cast<std::size_t>(body)];
-    Points out;
-    apply(tissue->embedding, tissue->tets.tets, state.x.data() + 3 * static_cast<std::size_t>(scene.first_vertex(body)), out);
+    return carried_positions(scene, state.x, body, tissue->embedding);
+}
+
+Points carried_positions(const Scene& scene, const std::vector<double>& x, int body, const Embedding& embedding) {
+    Points out(embedding.size());
+    parallel_for(out.size(), 1024, [&](std::size_t i) {
+        const PointWeights w = scene.embedded(body, embedding.tet[i], embedding.barycentric[i]);
+        Vec3 p = Vec3::Zero();
+        for (int k = 0; k < w.count; ++k)
+            for (int c = 0; c < 3; ++c) p[c] += w.weight[k] * x[3 * static_cast<std::size_t>(w.vertex[k]) + static_cast<std::size_t>(c)];
+        out[i] = p;
+    });
     return out;
 }
 

@@ -45,4 +45,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
 /// Deformed surface of every body [m]: tissues through their embedding, bones as given.
 Points surface_positions(const Scene& scene, const State& state, int body);
 
+/// Points embedded in a tissue's tets, carried to vertex positions x of the whole scene (3 a vertex) [m].
+Points carried_positions(const Scene& scene, const std::vector<double>& x, int body, const Embedding& embedding);
+
 } // namespace sinew::solver

@@ -17,6 +17,7 @@ struct MaterialValues {
     double poissons_ratio = 0.4;
     double mass_density = 1060; ///< [kg/m^3]
     double envelope = 1;
+    double volume_conservation = 0; ///< [Pa], independent of Young's modulus
 };
 
 struct FiberValues {
@@ -27,6 +28,7 @@ struct FiberValues {
 
 struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
+    double transverse_anisotropy = 1; ///< law anisotropic: stiffness across the fibre / along it
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none

@@ -11,14 +11,12 @@ namespace sinew::solver {
 namespace {
 
 /// Adds the embedded point sum_k sign b_k x_k to a spring; vertices that both ends share are merged.
-void add_point(Spring& s, const Tet& tet, int first_vertex, const std::array<double, 4>& b, double sign) {
-    for (std::size_t k = 0; k < 4; ++k) {
-        if (b[k] == 0) continue;
-        const int v = first_vertex + tet[k];
+void add_point(Spring& s, const PointWeights& point, double sign) {
+    for (int k = 0; k < point.count; ++k) {
         int i = 0;
-        while (i < s.count && s.vertex[i] != v) ++i;
-        if (i == s.count) s.vertex[s.count] = v, s.coefficient[s.count++] = 0;
-        s.coefficient[i] += sign * b[k];
+        while (i < s.count && s.vertex[i] != point.vertex[k]) ++i;
+        if (i == s.count) s.vertex[s.count] = point.vertex[k], s.coefficient[s.count++] = 0;
+        s.coefficient[i] += sign * point.weight[k];
     }
 }
 
@@ -38,12 +36,9 @@ Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anc
             s.area_weight = anchor.area_weight;
             if (source) {
                 const std::size_t v = static_cast<std::size_t>(anchor.source_vertex);
-                add_point(s, source->tets.tets[static_cast<std::size_t>(source->embedding.tet[v])],
-                          scene.first_vertex(attachments[a].source), source->embedding.barycentric[v], 1);
+                add_point(s, scene.embedded(attachments[a].source, source->embedding.tet[v], source->embedding.barycentric[v]), 1);
             }
-            if (target)
-                add_point(s, target->tets.tets[static_cast<std::size_t>(anchor.target_tet)],
-                          scene.first_vertex(attachments[a].target), anchor.coordinates, source ? -1 : 1);
+            if (target) add_point(s, scene.embedded(attachments[a].target, anchor.target_tet, anchor.coordinates), source ? -1 : 1);
             springs_.push_back(s);
         }
     }

@@ -15,8 +15,8 @@ namespace sinew::solver {
 struct Spring {
     int attachment = -1, anchor_index = -1;
     int count = 0;
-    int vertex[8];
-    double coefficient[8];
+    int vertex[20];
+    double coefficient[20];
     double area_weight = 0; ///< [m^2]
 };
 

@@ -10,9 +10,7 @@ struct FiberKinematics {
     Pack stretch, n[3], along[4]; ///< along[a] = grad N_a . a
 };
 
-FiberKinematics kinematics(const TetBatch& batch, const FiberBatch& fiber, const double* x) {
-    Pack f[9];
-    deformation_gradient(batch, x, f);
+FiberKinematics kinematics(const TetBatch& batch, const FiberBatch& fiber, const Pack* f) {
     Pack a[3];
     for (int i = 0; i < 3; ++i) a[i] = Pack::load(fiber.direction[i]);
     FiberKinematics k;
@@ -44,39 +42,38 @@ std::vector<FiberBatch> make_fiber_batches(const FiberRest& fiber, std::size_t b
     return batches;
 }
 
-void add_fiber_gradient(const TetBatch& batch, const FiberBatch& fiber, double stiffness, double contraction_limit,
-                        const double* x, TetGradient& out) {
-    const FiberKinematics k = kinematics(batch, fiber, x);
-    const Pack pull = max(k.stretch - Pack(contraction_limit), Pack(0.0));
-    const Pack volume_stiffness = Pack::load(batch.volume) * Pack(stiffness) * Pack::load(fiber.weight);
-    (Pack::load(out.energy) + Pack(0.5) * volume_stiffness * pull * pull).store(out.energy);
-    const Pack tension = volume_stiffness * pull;
-    Pack squares = Pack::load(out.fiber_squares);
-    for (int v = 0; v < 4; ++v) squares += tension * tension * k.along[v] * k.along[v];
-    squares.store(out.fiber_squares);
-    for (int v = 0; v < 4; ++v)
-        for (int c = 0; c < 3; ++c)
-            (Pack::load(out.g[v][c]) + tension * k.along[v] * k.n[c]).store(out.g[v][c]);
+void add_fiber_gradient(const TetBatch& batch, const ActiveFiber& fiber, const Pack* f, Pack volume, Pack g[4][3],
+                        Pack& energy, Pack& squares) {
+    const FiberKinematics k = kinematics(batch, *fiber.batch, f);
+    const Pack pull = max(k.stretch - Pack(fiber.contraction_limit), Pack(0.0));
+    const Pack stiffness = volume * Pack(fiber.stiffness) * Pack::load(fiber.batch->weight);
+    energy += Pack(0.5) * stiffness * pull * pull;
+    const Pack tension = stiffness * pull;
+    for (int v = 0; v < 4; ++v) {
+        squares += tension * tension * k.along[v] * k.along[v];
+        for (int c = 0; c < 3; ++c) g[v][c] += tension * k.along[v] * k.n[c];
+    }
 }
 
-void add_fiber_hessian(const TetBatch& batch, const FiberBatch& fiber, double stiffness, double contraction_limit,
-                       const double* x, TetHessian& out) {
-    const FiberKinematics k = kinematics(batch, fiber, x);
-    const Pack pull = max(k.stretch - Pack(contraction_limit), Pack(0.0));
-    const Pack volume_stiffness = Pack::load(batch.volume) * Pack(stiffness) * Pack::load(fiber.weight);
+void add_fiber_hessian(const TetBatch& batch, const ActiveFiber& fiber, const Pack* f, Pack volume, Pack blocks[6][9]) {
+    const FiberKinematics k = kinematics(batch, *fiber.batch, f);
+    const Pack pull = max(k.stretch - Pack(fiber.contraction_limit), Pack(0.0));
+    const Pack stiffness = volume * Pack(fiber.stiffness) * Pack::load(fiber.batch->weight);
     // d2psi = k n n^T + (tension / stretch)(I - n n^T) where it pulls.
-    const Pack along = select(pull > Pack(0.0), volume_stiffness, Pack(0.0));
-    const Pack across = volume_stiffness * pull / max(k.stretch, Pack(1e-300));
+    const Pack along = select(pull > Pack(0.0), stiffness, Pack(0.0));
+    const Pack across = stiffness * pull / max(k.stretch, Pack(1e-300));
     Pack m[9];
     for (int r = 0; r < 3; ++r)
         for (int c = 0; c < 3; ++c) {
             const Pack nn = k.n[r] * k.n[c];
             m[3 * r + c] = along * nn + across * (Pack(r == c ? 1.0 : 0.0) - nn);
         }
-    for (int b = 0; b < 10; ++b) {
-        const Pack weight = k.along[block_pairs[b][0]] * k.along[block_pairs[b][1]];
-        for (int e = 0; e < 9; ++e) (Pack::load(out.h[b][e]) + weight * m[e]).store(out.h[b][e]);
-    }
+    int index = 0;
+    for (int a = 1; a < 4; ++a)
+        for (int b = a; b < 4; ++b, ++index) {
+            const Pack weight = k.along[a] * k.along[b];
+            for (int e = 0; e < 9; ++e) blocks[index][e] += weight * m[e];
+        }
 }
 
 } // namespace sinew::solver

@@ -3,7 +3,8 @@
 // c and never past it. Several fibres of a tissue add.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/element/linear_tets.h"
+#include "solver/element/tet_batch.h"
+#include "solver/scene.h"
 
 namespace sinew::solver {
 
@@ -13,13 +14,21 @@ struct FiberBatch {
     double weight[lanes];       ///< 0 where there is no fibre
 };
 
+/// A field that pulls in this step.
+struct ActiveFiber {
+    const FiberBatch* batch;
+    double stiffness; ///< strength x envelope x excitation [Pa]
+    double contraction_limit;
+};
+
 std::vector<FiberBatch> make_fiber_batches(const FiberRest& fiber, std::size_t batch_count);
 
-/// Adds energy and gradient to `out`. `stiffness` = strength x envelope x excitation [Pa].
-void add_fiber_gradient(const TetBatch& batch, const FiberBatch& fiber, double stiffness, double contraction_limit,
-                        const double* x, TetGradient& out);
-/// Adds the Hessian, which is positive semi-definite wherever the fibre pulls (lf > c) and zero elsewhere.
-void add_fiber_hessian(const TetBatch& batch, const FiberBatch& fiber, double stiffness, double contraction_limit,
-                       const double* x, TetHessian& out);
+/// Adds to the gradient by the corners, the energy [J] and the sum of squared fibre forces [N^2] of a point with
+/// deformation gradient f and this volume [m^3].
+void add_fiber_gradient(const TetBatch& batch, const ActiveFiber& fiber, const Pack* f, Pack volume, Pack g[4][3],
+                        Pack& energy, Pack& squares);
+/// Adds to the Hessian blocks of corners 1…3 (upper triangle by rows, row-major each). Positive semi-definite: it is
+/// zero wherever the fibre does not pull.
+void add_fiber_hessian(const TetBatch& batch, const ActiveFiber& fiber, const Pack* f, Pack volume, Pack blocks[6][9]);
 
 } // namespace sinew::solver

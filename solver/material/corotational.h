@@ -25,4 +25,15 @@ template <class R> inline void corotational(const R* s, R mu, R lambda, Principa
     out.energy = mu * squares + R(0.5) * lambda * trace * trace;
 }
 
+/// Its measure of volume, tr S - 3: the part with lambda is lambda/2 (tr S - 3)^2.
+template <class R> inline void corotational_measure(const R* s, Principal<R>& out) {
+    clear(out);
+    out.energy = s[0] + s[1] + s[2] - R(3.0);
+    for (int i = 0; i < 3; ++i) {
+        const R sum = s[(i + 1) % 3] + s[(i + 2) % 3];
+        out.first[i] = R(1.0);
+        out.twist[i] = R(2.0) / select(abs(sum) < R(1e-6), R(1e-6), sum);
+    }
+}
+
 } // namespace sinew::solver

@@ -24,6 +24,16 @@ template <class R> inline void stvk(const R* s, R mu, R lambda, Principal<R>& ou
     }
 }
 
+/// Its measure of volume, tr E: the part with lambda is lambda/2 tr(E)^2.
+template <class R> inline void stvk_measure(const R* s, Principal<R>& out) {
+    clear(out);
+    out.energy = R(0.5) * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
+    for (int i = 0; i < 3; ++i) {
+        out.first[i] = s[i];
+        out.diagonal[i] = out.flip[i] = out.twist[i] = R(1.0);
+    }
+}
+
 /// Compression resistance: k (1-J)^3 for J < 1, else nothing; twice continuously differentiable at J = 1.
 /// k = c E / ((1 - 2 nu) 2592) with c the artist's number, as in the public VegaFEM 4.0 formulation, so that values
 /// known from production keep their meaning.

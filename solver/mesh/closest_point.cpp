@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/mesh/bvh.h"
+#include "solver/mesh/far_field.h"
 #include "solver/mesh/triangle_math.h"
 
 #include <algorithm>
@@ -16,26 +17,9 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// What a node looks like from far away (Barill et al. 2018, section 3): the first two terms of the expansion
-/// of its solid angle about `centre`.
-struct FarField {
-    Vec3 centre = Vec3::Zero();
-    double radius = 0;              ///< of the ball about `centre` that holds the node's triangles
-    Vec3 dipole = Vec3::Zero();     ///< sum of vector areas
-    Mat3 quadrupole = Mat3::Zero(); ///< sum of (vector area)(centroid - centre)^T
-};
-
-/// A node is taken from afar when its distance exceeds this many radii. With the quadrupole term the error of
-/// the winding number stays below 0.03 (measured), far from the 0.5 at which the decision falls.
+/// A node is taken from afar when its distance exceeds this many radii. With three terms the error of the
+/// winding number stays below SurfaceTree::winding_error.
 constexpr double far_ratio = 3;
-
-double far_winding(const FarField& f, const Vec3& p) {
-    const Vec3 r = f.centre - p;
-    const double r2 = r.squaredNorm(), r1 = std::sqrt(r2);
-    const double first = f.dipole.dot(r);
-    const double second = f.quadrupole.trace() - 3 * r.dot(f.quadrupole * r) / r2;
-    return (first + second) / (4 * std::numbers::pi * r2 * r1);
-}
 
 } // namespace
 
@@ -85,20 +69,13 @@ void SurfaceTree::Impl::build_far_fields() {
         f.centre =
             sums[n].area > 0 ? Vec3(sums[n].weighted / sums[n].area) : Vec3(0.5 * (node.min + node.max));
         if (node.count == 0) {
-            for (std::size_t child : {n + 1, at(node.first)}) {
-                const FarField& g = far[child];
-                f.dipole += g.dipole;
-                f.quadrupole += g.quadrupole + g.dipole * (g.centre - f.centre).transpose();
-            }
+            for (std::size_t child : {n + 1, at(node.first)}) f.add(far[child]);
         }
         double radius2 = 0;
         for (int i = sums[n].first; i < sums[n].last; ++i) {
             const auto& c = corners[at(tree.order[at(i)])];
             for (const Vec3& corner : c) radius2 = std::max(radius2, (corner - f.centre).squaredNorm());
-            if (node.count == 0) continue;
-            const Vec3 vector_area = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]);
-            f.dipole += vector_area;
-            f.quadrupole += vector_area * ((c[0] + c[1] + c[2]) / 3 - f.centre).transpose();
+            if (node.count > 0) f.add(c);
         }
         f.radius = std::sqrt(radius2);
     }
@@ -199,7 +176,7 @@ double SurfaceTree::winding_number(const Vec3& p) const {
         const BvhNode& node = tree.nodes[n];
         const FarField& f = impl_->far[n];
         if ((p - f.centre).squaredNorm() > far_ratio * far_ratio * f.radius * f.radius) {
-            sum += far_winding(f, p);
+            sum += f.winding(p);
         } else if (node.count > 0) {
             sum += impl_->exact_winding(node, p);
         } else {
@@ -208,6 +185,53 @@ double SurfaceTree::winding_number(const Vec3& p) const {
         }
     }
     return sum;
+}
+
+std::vector<double> SurfaceTree::winding_numbers(const Points& points) const {
+    const Bvh& tree = impl_->tree;
+    const bool is_finite =
+        std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
+    if (tree.nodes.empty() || points.empty() || !is_finite) {
+        std::vector<double> result;
+        for (const Vec3& p : points) result.push_back(winding_number(p));
+        return result;
+    }
+    Vec3 low = points[0], high = points[0];
+    for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    const Vec3 middle = 0.5 * (low + high);
+    double radius2 = 0;
+    for (const Vec3& p : points) radius2 = std::max(radius2, (p - middle).squaredNorm());
+    const double radius = std::sqrt(radius2);
+    WindingSums sums(points);
+    int stack[64];
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+        const std::size_t n = at(stack[--size]);
+        const BvhNode& node = tree.nodes[n];
+        const FarField& f = impl_->far[n];
+        if ((middle - f.centre).norm() - radius > far_ratio * f.radius) {
+            sums.add(f);
+        } else if (node.count > 0) {
+            for (int i = node.first; i < node.first + node.count; ++i)
+                sums.add(impl_->corners[at(tree.order[at(i)])]);
+        } else {
+            stack[size++] = node.first;
+            stack[size++] = static_cast<int>(n) + 1;
+        }
+    }
+    return sums.finish();
+}
+
+bool SurfaceTree::inside(const Vec3& p) const {
+    const double fast = winding_number(p);
+    return (std::abs(fast - 0.5) > winding_error ? fast : winding_number_exact(p)) > 0.5;
+}
+
+bool SurfaceTree::inside_either_way(const Vec3& p) const {
+    const double fast = winding_number(p);
+    const bool is_clear = std::abs(std::abs(fast) - 0.5) > winding_error;
+    return std::abs(is_clear ? fast : winding_number_exact(p)) > 0.5;
 }
 
 double SurfaceTree::winding_number_exact(const Vec3& p) const {

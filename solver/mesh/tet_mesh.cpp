@@ -111,4 +111,15 @@ int drop_unused_vertices(TetMesh& mesh) {
     return dropped;
 }
 
+std::vector<std::array<int, 2>> tet_edges(const std::vector<Tet>& tets) {
+    std::vector<std::array<int, 2>> edges;
+    edges.reserve(6 * tets.size());
+    for (const Tet& t : tets)
+        for (std::size_t a = 0; a < 4; ++a)
+            for (std::size_t b = a + 1; b < 4; ++b) edges.push_back({std::min(t[a], t[b]), std::max(t[a], t[b])});
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+}
+
 } // namespace sinew::solver

@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/types.h"
 
+#include <array>
 #include <vector>
 
 namespace sinew::solver {
@@ -20,5 +21,8 @@ std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets);
 /// Throws Error: FE201 empty, FE202 not finite, FE203 index, FE215 zero volume. Flips negatively oriented
 /// tets.
 void check_and_orient(TetMesh& mesh);
+
+/// Every edge of the mesh once, as (lower, higher) vertex, sorted.
+std::vector<std::array<int, 2>> tet_edges(const std::vector<Tet>& tets);
 
 } // namespace sinew::solver

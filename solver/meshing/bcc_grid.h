@@ -49,6 +49,23 @@ struct BccGrid {
                 static_cast<int>(number / nx / ny)};
     }
     std::int64_t vertex_numbers() const { return vertex_number(Key{0, 0, 2 * cubes[2] + 1}); }
+
+    /// The lattice of half the side that contains this one: its coordinates are twice this one's.
+    BccGrid finer() const { return {centre, side / 2, {2 * cubes[0], 2 * cubes[1], 2 * cubes[2]}}; }
+    /// The tet with these corners, in any order; -1 if the grid does not hold it.
+    std::int64_t tet_number(const std::array<Key, 4>& corners) const;
+    /// Tets of the grid about the edge from a to b: up to four for an edge between two centres or two cube
+    /// corners (a long one), up to six for one from a centre to a corner (a short one).
+    struct TetRing {
+        std::array<std::int64_t, 6> tets;
+        int count = 0;
+    };
+    TetRing tets_around(const Key& a, const Key& b) const;
+    /// The eight tets of `finer()` that fill a tet: the four at its corners, then the four about the line
+    /// that joins the midpoints of its two long edges. All of them are lattice tets again.
+    std::array<std::int64_t, 8> children(std::int64_t tet) const;
+    /// The tet of this grid in which a tet of `finer()` lies; -1 if the grid does not hold it.
+    std::int64_t parent_of(std::int64_t finer_tet) const;
 };
 
 /// Barycentric coordinates, in the tet over `cube`'s lower face across `axis` at edge `edge`, of a point

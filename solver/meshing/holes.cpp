@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/holes.h"
 
+#include "solver/meshing/shells.h"
+
 #include <algorithm>
 #include <map>
 #include <set>
@@ -13,29 +15,8 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Directed edges that are used more often than their reverse, once for each use too many, by their start.
 std::multimap<int, int> border_edges(const std::vector<Triangle>& triangles) {
-    struct Edge {
-        int low, high, sign;
-    };
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles.size());
-    for (const Triangle& t : triangles)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const int a = t[k], b = t[(k + 1) % 3];
-            edges.push_back(a < b ? Edge{a, b, 1} : Edge{b, a, -1});
-        }
-    std::sort(edges.begin(), edges.end(),
-              [](const Edge& a, const Edge& b) { return a.low != b.low ? a.low < b.low : a.high < b.high; });
     std::multimap<int, int> border;
-    for (std::size_t i = 0; i < edges.size();) {
-        int sum = 0;
-        std::size_t end = i;
-        for (; end < edges.size() && edges[end].low == edges[i].low && edges[end].high == edges[i].high;
-             ++end)
-            sum += edges[end].sign;
-        for (; sum > 0; --sum) border.emplace(edges[i].low, edges[i].high);
-        for (; sum < 0; ++sum) border.emplace(edges[i].high, edges[i].low);
-        i = end;
-    }
+    for (const auto& [start, end] : border_edges_of(triangles)) border.emplace(start, end);
     return border;
 }
 

@@ -5,11 +5,10 @@
 #include "solver/error.h"
 #include "solver/meshing/holes.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace sinew::solver {
@@ -64,9 +63,10 @@ double area(const Points& points, const std::vector<Triangle>& triangles) {
 
 /// Looks just below and above each triangle, at points no farther apart than a twentieth of the mesh or so.
 std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Triangle>& triangles,
-                                     const SurfaceTree& tree, double longest_side) {
+                                     const SurfaceTree& tree, double longest_side,
+                                     const MeshingPhase& phase) {
     std::vector<Solid::Sides> result(triangles.size());
-    tbb::parallel_for(std::size_t{0}, triangles.size(), [&](std::size_t i) {
+    phase.run(triangles.size(), 16, [&](std::size_t i) {
         const Vec3 &a = points[at(triangles[i][0])], u = points[at(triangles[i][1])] - a,
                    v = points[at(triangles[i][2])] - a;
         const Vec3 normal = u.cross(v);
@@ -98,15 +98,29 @@ std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Tri
     return result;
 }
 
+/// At a border the solid does not end at the triangle alone.
+void forget_sides_at_border(const std::vector<Triangle>& triangles, std::vector<Solid::Sides>& sides) {
+    std::set<std::array<int, 2>> border;
+    for (const auto& [a, b] : border_edges_of(triangles)) border.insert({std::min(a, b), std::max(a, b)});
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const int a = triangles[t][k], b = triangles[t][(k + 1) % 3];
+            if (border.count({std::min(a, b), std::max(a, b)}) > 0) sides[t] = {};
+        }
+}
+
 } // namespace
 
-Solid make_solid(const Points& points, const std::vector<Triangle>& triangles) {
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, Fill fill,
+                 const MeshingControl& control) {
+    const MeshingPhase phase{control, 0, 0.15, "preparing the surface"};
+    control.report(0, phase.what);
     SurfaceMesh view; // checks in the one place where the rules stand
     view.points = points;
     view.triangles = triangles;
     check_usable(view);
 
-    const std::vector<int> first = weld(points);
+    std::vector<int> first = weld(points);
     std::vector<Triangle> kept;
     for (const Triangle& t : triangles) {
         const Triangle w{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
@@ -123,9 +137,12 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles) {
     if (!(box.size().minCoeff() > 1e-9 * longest))
         throw Error("FE211", "the mesh is flat: its bounding box has no volume",
                     "a tissue needs a surface with an inside");
+    const auto border = border_edges_of(kept);
+    if (fill == Fill::empty_cavities) check_watertight(border);
     const std::vector<Triangle> lids = close_holes(points, kept);
     const bool closed = area(points, lids) <= 0.1 * area(points, kept);
     if (closed) kept.insert(kept.end(), lids.begin(), lids.end());
+    apply_fill(points, kept, fill);
     // About the box's centre, so that an open surface is judged by what it wraps.
     Points centred = points;
     for (Vec3& p : centred) p -= box.centre();
@@ -139,9 +156,10 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles) {
         for (Triangle& t : kept) std::swap(t[1], t[2]);
 
     SurfaceTree tree(points, kept);
-    std::vector<Solid::Sides> sides(kept.size());
-    if (closed) sides = find_sides(points, kept, tree, longest);
-    return Solid{points, std::move(kept), box, closed, std::move(sides), std::move(tree)};
+    std::vector<Solid::Sides> sides = find_sides(points, kept, tree, longest, phase);
+    if (!closed) forget_sides_at_border(kept, sides);
+    return Solid{points, std::move(first), std::move(kept), box, static_cast<int>(border.size()),
+                 closed, std::move(sides), std::move(tree)};
 }
 
 } // namespace sinew::solver

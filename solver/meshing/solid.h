@@ -3,6 +3,8 @@
 #pragma once
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/meshing/meshing_control.h"
+#include "solver/meshing/shells.h"
 
 namespace sinew::solver {
 
@@ -11,24 +13,28 @@ namespace sinew::solver {
 /// tenth of the surface's area are closed first (holes.h); larger ones are closed by the surface on which the
 /// winding number is one half.
 struct Solid {
-    /// The whole winding numbers just below and above a triangle of a closed surface: 1 and 0 on an ordinary
+    /// The whole winding numbers just below and above a triangle: 1 and 0 on an ordinary
     /// one, 2 and 1 inside another part, 0 and -1 on a part that is turned inside out.
     struct Sides {
         signed char below = 0, above = 0; ///< both 0: not the same all over the triangle
         bool are_known() const { return below != above; }
         bool operator==(const Sides& o) const { return below == o.below && above == o.above; }
     };
-    Points points;                   ///< vertices at the same place are one
+    Points points;          ///< as given
+    std::vector<int> place; ///< first vertex at the same place, for each; the triangles use only these
     std::vector<Triangle> triangles; ///< without those that have two corners in one place; lids at the end
     Box box;                         ///< of the triangles
+    int border_edges = 0;            ///< before holes were closed
     bool is_closed = false;          ///< the triangles' edges cancel: winding numbers are whole numbers
-    std::vector<Sides> sides;        ///< of the triangles; unknown if the surface is not closed
+    std::vector<Sides> sides;        ///< of the triangles; unknown near large holes
     SurfaceTree tree;
 
     double winding_number(const Vec3& p) const { return tree.winding_number(p); }
 };
 
-/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume).
-Solid make_solid(const Points& points, const std::vector<Triangle>& triangles);
+/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume),
+/// FE220 (not watertight, where empty cavities ask for it); Stopped.
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles,
+                 Fill fill = Fill::filled_cavities, const MeshingControl& control = {});
 
 } // namespace sinew::solver

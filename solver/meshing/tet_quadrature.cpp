@@ -9,6 +9,7 @@ namespace sinew::solver {
 namespace {
 
 constexpr int parts = 8; // along an edge
+constexpr int point_count = (parts + 1) * (parts + 2) * (parts + 3) / 6;
 
 struct Sample {
     double inside;   ///< |winding number| - 1/2
@@ -40,16 +41,21 @@ double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, 
     const Vec3 ex = (corners[1] - corners[0]) / parts, ey = (corners[2] - corners[1]) / parts,
                ez = (corners[3] - corners[2]) / parts;
     const double cell = std::max({ex.norm(), ey.norm(), ez.norm()}), radius = 2 * cell;
-    std::array<Sample, (parts + 1) * (parts + 1) * (parts + 1)> samples;
+    Points points;
+    points.reserve(point_count);
     for (int x = 0; x <= parts; ++x)
         for (int y = 0; y <= x; ++y)
-            for (int z = 0; z <= y; ++z) {
-                const Vec3 p = corners[0] + x * ex + y * ey + z * ez;
+            for (int z = 0; z <= y; ++z) points.push_back(corners[0] + x * ex + y * ey + z * ez);
+    const std::vector<double> winding = solid.tree.winding_numbers(points);
+    std::array<Sample, (parts + 1) * (parts + 1) * (parts + 1)> samples;
+    std::size_t next = 0;
+    for (int x = 0; x <= parts; ++x)
+        for (int y = 0; y <= x; ++y)
+            for (int z = 0; z <= y; ++z, ++next) {
                 ClosestPoint nearest;
-                if (is_near) nearest = solid.tree.closest(p, radius);
-                samples[static_cast<std::size_t>(index(x, y, z))] = {std::abs(solid.winding_number(p)) - 0.5,
-                                                                     nearest.triangle >= 0 ? nearest.distance
-                                                                                           : radius};
+                if (is_near) nearest = solid.tree.closest(points[next], radius);
+                samples[static_cast<std::size_t>(index(x, y, z))] = {
+                    std::abs(winding[next]) - 0.5, nearest.triangle >= 0 ? nearest.distance : radius};
             }
 
     constexpr int walks[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};

@@ -170,28 +170,39 @@ std::array<std::array<Vec3, 4>, 8> split(const std::array<Vec3, 4>& c) {
     return parts;
 }
 
+/// The winding numbers on both sides of all of the triangles, if they are known and the same for all.
+Solid::Sides common_sides(const Solid& solid, const std::vector<int>& triangles) {
+    const Solid::Sides first = solid.sides[static_cast<std::size_t>(triangles[0])];
+    const bool is_same = std::all_of(triangles.begin(), triangles.end(), [&](int t) {
+        return solid.sides[static_cast<std::size_t>(t)] == first;
+    });
+    return is_same ? first : Solid::Sides{};
+}
+
+/// The share inside from the integral, where only the two winding numbers of `sides` occur, so that the
+/// integral tells the share of each. Nothing if it lies outside of what they allow: then other numbers occur.
+std::optional<double> share_between(const Solid::Sides& sides, double integral) {
+    const double below = (integral - sides.above) / (sides.below - sides.above);
+    const double share = sides.below != 0 ? below : 1 - below;
+    if (!(share > -1e-7 && share < 1 + 1e-7)) return {};
+    return share > 1 - 1e-12 ? 1.0 : std::max(share, 0.0);
+}
+
 double split_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
                    int depth) {
     const auto inside_middle = [&] {
         const Vec3 middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
-        return std::abs(solid.winding_number(middle)) > 0.5 ? 1.0 : 0.0;
+        return solid.tree.inside_either_way(middle) ? 1.0 : 0.0;
     };
     if (triangles.empty()) return inside_middle();
-    const Solid::Sides sides = solid.sides[static_cast<std::size_t>(triangles[0])];
-    const bool is_simple = sides.are_known() && std::all_of(triangles.begin(), triangles.end(), [&](int t) {
-                               return solid.sides[static_cast<std::size_t>(t)] == sides;
-                           });
+    const Solid::Sides sides = common_sides(solid, triangles);
+    const bool is_simple = sides.are_known();
     if (is_simple && sides.below != 0 && sides.above != 0) return 1;
     const TetFrame frame(corners);
     if (is_simple || depth == deepest_split) {
         const double integral = winding_integral(solid, corners, frame, triangles);
-        if (is_simple) {
-            // Only two winding numbers occur, so the integral tells the share of each.
-            const double below = (integral - sides.above) / (sides.below - sides.above);
-            const double share = sides.below != 0 ? below : 1 - below;
-            // Outside 0 to 1 (or not a number) the triangles were not so simple after all.
-            if (share > -1e-7 && share < 1 + 1e-7) return share > 1 - 1e-12 ? 1.0 : std::max(share, 0.0);
-        }
+        if (is_simple)
+            if (const auto share = share_between(sides, integral)) return *share;
         if (depth == deepest_split)
             return std::isfinite(integral) ? std::min(std::abs(integral), 1.0) : inside_middle();
     }
@@ -211,6 +222,21 @@ double split_share(const Solid& solid, const std::array<Vec3, 4>& corners, const
 double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners,
                     const std::vector<int>& triangles) {
     return split_share(solid, corners, triangles, 0);
+}
+
+std::optional<double> share_away_from_holes(const Solid& solid, const std::array<Vec3, 4>& corners,
+                                            const std::vector<int>& triangles) {
+    if (triangles.empty()) return {};
+    const Solid::Sides sides = common_sides(solid, triangles);
+    if (!sides.are_known()) return {};
+    constexpr double near_whole = 0.2;
+    const auto is_whole = [&](const Vec3& p) {
+        const double w = solid.winding_number(p);
+        return std::abs(w - std::round(w)) < near_whole;
+    };
+    if (!std::all_of(corners.begin(), corners.end(), is_whole)) return {};
+    if (sides.below != 0 && sides.above != 0) return 1;
+    return share_between(sides, winding_integral(solid, corners, TetFrame(corners), triangles));
 }
 
 } // namespace sinew::solver

@@ -3,6 +3,9 @@
 #pragma once
 #include "solver/meshing/solid.h"
 
+#include <optional>
+#include <vector>
+
 namespace sinew::solver {
 
 /// Corners of a triangle in the barycentric coordinates of a tet.
@@ -32,5 +35,12 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
 /// the crossing itself are approximate.
 double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners,
                     const std::vector<int>& triangles);
+
+/// The same for a surface with large holes, where the tet is so far from them that the winding number is
+/// whole but for a fifth on both sides of all of the triangles and at the tet's corners, and none of the
+/// triangles is at a border: then the solid ends at the triangles alone, and the share is exact. Nothing
+/// elsewhere.
+std::optional<double> share_away_from_holes(const Solid& solid, const std::array<Vec3, 4>& corners,
+                                            const std::vector<int>& triangles);
 
 } // namespace sinew::solver

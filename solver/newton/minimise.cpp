@@ -44,25 +44,22 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
                 "zero, or stiffnesses may lie too far apart for double precision");
 }
 
-} // namespace
+/// How one run of Newton's method ended.
+enum class End { converged, out_of_iterations, stalled };
 
-void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
-              std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+/// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
+constexpr double stalled_step = 0.1;
+
+/// Newton's method from x. `may_stall` returns at the first line search that falls below stalled_step.
+End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, bool may_stall,
+            const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
-    w.linear.begin_step();
     ForceNorms norms;
     double value;
     {
         const Stopwatch timer(record.seconds_assembly);
-        const double at_rest = potential.evaluate(x, nullptr, nullptr);
-        w.trial = potential.free_flight(x);
-        value = potential.evaluate(w.trial, &w.gradient, &norms);
-        if (value <= at_rest)
-            x.swap(w.trial);
-        else
-            value = potential.evaluate(x, &w.gradient, &norms);
+        value = potential.evaluate(x, &w.gradient, &norms);
     }
-    double r = 0;
     bool converged = false;
     const auto judge = [&] {
         const double force = std::sqrt(dot(w.gradient, w.gradient));
@@ -71,14 +68,16 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
         converged = r <= options.tolerance || (r <= 1e-3 && force <= potential.force_rounding(x));
     };
     judge();
-    int iteration = 0;
-    for (; !converged && iteration < options.max_iterations; ++iteration) {
+    for (int iteration = 0; !converged; ++iteration) {
+        if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
             throw Error("FE302", "the energy of the step is not a finite number",
-                        "check for extreme material values, bone positions or step sizes at this frame");
+                        "check for extreme material values, bone positions or step sizes at this frame, and for inverted "
+                        "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
         const double slope = find_direction(potential, w, options, r, iteration, x, memory, record);
+        ++record.newton_iterations;
 
         // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to
         // the energies, the comparison says nothing and the full step is taken.
@@ -87,28 +86,55 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
         const double before = value;
         double t = 1;
         bool accepted = false;
-        for (int trial = 0; trial < 40; ++trial, t *= 0.5) {
+        for (int trial = 0; trial < 40 && !accepted; ++trial) {
             w.trial = x;
             parallel_for(vertex_of.size(), 4096, [&](std::size_t u) {
                 const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[u]);
                 for (std::size_t c = 0; c < 3; ++c) w.trial[v + c] += t * w.direction[3 * u + c];
             });
             value = potential.evaluate(w.trial, &w.gradient, &norms);
-            if (std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding) {
-                accepted = true;
-                break;
-            }
+            accepted = std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding;
+            if (accepted) break;
+            t *= 0.5;
+            if (may_stall && t < stalled_step) return End::stalled;
         }
         if (!accepted) { // no lower point along a descent direction: this is as far as the arithmetic goes
-            value = potential.evaluate(x, &w.gradient, &norms);
-            break;
+            potential.evaluate(x, &w.gradient, &norms);
+            return End::out_of_iterations;
         }
         x.swap(w.trial);
         judge();
     }
-    record.newton_iterations += iteration;
+    return End::converged;
+}
+
+} // namespace
+
+void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
+              std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    w.linear.begin_step();
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        std::vector<double> flight = potential.free_flight(x);
+        if (potential.evaluate(flight, nullptr, nullptr) <= potential.evaluate(x, nullptr, nullptr)) x.swap(flight);
+    }
+    double r = 0;
+    const int levels = potential.volume_levels();
+    End end = iterate(potential, w, options, levels > 0, control, x, memory, record, r);
+    if (end == End::stalled) {
+        // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only
+        // small ones. With the volume let go tenfold more gently the path is found in a few steps and then tightened.
+        NewtonOptions rough = options;
+        rough.tolerance = std::max(options.tolerance, 1e-2);
+        for (int level = levels; level > 0; --level) {
+            potential.relax_volume(level);
+            iterate(potential, w, rough, false, control, x, memory, record, r);
+        }
+        potential.relax_volume(0);
+        end = iterate(potential, w, options, false, control, x, memory, record, r);
+    }
     record.residual = std::max(record.residual, r);
-    record.converged = record.converged && converged;
+    record.converged = record.converged && end == End::converged;
 }
 
 } // namespace sinew::solver

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/attach/springs.h"
+#include "solver/element/tissue_energy.h"
 #include "solver/integrate/implicit_form.h"
 #include "solver/linear/block_matrix.h"
 #include "solver/system.h"
@@ -23,9 +24,10 @@ class Potential {
   public:
     explicit Potential(const Scene& scene);
 
-    /// Makes the pattern for these anchors, if it is not there yet. Returns true if the pattern is new.
-    bool set_anchors(const std::vector<std::vector<Anchor>>& anchors);
-    /// Fixes everything that is constant over the step from `before`.
+    /// Takes the step's material values and makes the pattern for them and for these anchors, if it is not there yet.
+    /// Returns true if the pattern is new.
+    bool set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs);
+    /// Fixes everything that is constant over the step from `before`, after set_structure.
     void begin_step(const State& before, const StepInputs& inputs);
     /// Fixes what is constant over one stage of it. `form` must outlive the stage.
     void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
@@ -40,46 +42,39 @@ class Potential {
     std::vector<double> free_flight(const std::vector<double>& x) const;
     /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
+    /// See TissueEnergy.
+    int volume_levels() const { return tissues_.volume_levels(); }
+    void relax_volume(int level) { tissues_.relax_volume(level); }
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
     /// Forces that would strain every element by 1e-6 [N]: the floor under "the forces at work".
-    double force_floor() const { return force_floor_; }
+    double force_floor() const { return tissues_.force_floor(); }
     /// What rounding of positions of size |x| does to the forces [N]: no gradient can be made smaller than this.
     double force_rounding(const std::vector<double>& x) const;
     /// How far the value may be off by rounding alone [J]: the laws subtract terms of the size of modulus x volume.
-    double energy_rounding() const { return 1e-14 * energy_scale_ + 4e-16 * elastic_scale_; }
+    double energy_rounding() const { return 1e-14 * energy_scale_ + 4e-16 * tissues_.elastic_scale(); }
 
     /// Elastic + fibre + attachment energy [J], least det F, tets with det F <= 0, longest attachment, at x.
     void describe(const std::vector<double>& x, StepRecord& record);
 
   private:
-    void update_moduli(const StepInputs& inputs);
     void update_loads(const StepInputs& inputs);
-    void run_gradient_pass(const std::vector<double>& x);
-    void run_hessian_pass(const std::vector<double>& x, bool project);
-    void gather_hessian(BlockMatrix& a) const;
-    double element_energy() const;
 
     const Scene& scene_;
     const Scene::System& system_;
+    TissueEnergy tissues_;
     std::optional<std::vector<std::vector<Anchor>>> anchors_;
     std::unique_ptr<Springs> springs_;
     std::unique_ptr<BlockPattern> pattern_;
-    std::vector<int> contribution_start_, contributions_; ///< per block: element entries in fixed order
-
-    std::vector<TissueInputs> tissue_inputs_; ///< per tissue: what moduli_ and mass_ were made from
-    std::vector<TetModuli> moduli_;
-    std::vector<double> mass_; ///< lumped, per vertex [kg]
-    double force_floor_ = 0, energy_scale_ = 0, elastic_scale_ = 0, stiffness_scale_ = 0;
+    double energy_scale_ = 0;
 
     StepInputs inputs_;
     const ImplicitForm* form_ = nullptr;
     std::vector<double> x_before_;
     std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none
     std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
-    std::vector<TetGradient> gradients_;
-    std::vector<TetHessian> hessians_;
     std::vector<double> spring_gradient_, velocity_, damping_force_;
+    std::vector<double> offset_, inertia_, drag_; ///< x - target, M times it, M times the velocity, 3 an unknown
 };
 
 } // namespace sinew::solver

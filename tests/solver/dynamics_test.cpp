@@ -347,7 +347,6 @@ TEST_CASE("the whole potential's gradient and Hessian converge to finite differe
     Workspace w(swing.scene);
     State s = run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 3);
     Potential potential(*swing.scene);
-    potential.set_anchors(s.anchors);
     StepInputs in = swing.inputs(4);
     // The compression resistance has a third derivative that jumps at J = 1, which hides the order.
     std::get<TissueInputs>(in.bodies[0]).compression_resistance = 0;
@@ -355,6 +354,7 @@ TEST_CASE("the whole potential's gradient and Hessian converge to finite differe
     backward_euler_form(s, in.step_size, form);
     std::vector<Points> bones(3);
     for (const int b : {1, 2}) bones[static_cast<std::size_t>(b)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(b)]).positions;
+    potential.set_structure(s.anchors, in);
     potential.begin_step(s, in);
     potential.begin_stage(s, form, bones);
     std::mt19937 random(8);

@@ -1,6 +1,6 @@
 // The elastic laws: trusted stresses and energies, derivatives, invariance, projection.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/element/linear_tets.h"
+#include "solver/element/elastic_point.h"
 #include "solver/material/principal.h"
 #include "solver/material/stvk.h"
 #include "tests/support/solver_scenes.h"
@@ -53,7 +53,7 @@ Row3 random_matrix(std::mt19937& random, double spread) {
 /// One random tet batch (all lanes the same) with its energy, gradient and Hessian at x.
 struct OneTet {
     TetBatch batch;
-    TetModuli moduli;
+    TetModuli moduli{};
     ElasticLaw law;
     OneTet(ElasticLaw law, double compression) : law(law) {
         TetMesh mesh = regular_tet(0.7);
@@ -63,27 +63,29 @@ struct OneTet {
         for (int i = 0; i < lanes; ++i) moduli.mu[i] = l.mu, moduli.lambda[i] = l.lambda, moduli.compression[i] = compression;
     }
     double energy(const Vec12& x) const {
-        TetGradient g;
-        elastic_gradient(law, batch, moduli, x.data(), g);
-        return g.energy[0];
+        double g[4][3][lanes];
+        ElementSummary summary;
+        point_gradient({law, batch, moduli}, corners_of(batch, x.data()), &g[0][0][0], summary);
+        return summary.energy[0];
     }
     Vec12 gradient(const Vec12& x) const {
-        TetGradient g;
-        elastic_gradient(law, batch, moduli, x.data(), g);
+        double g[4][3][lanes];
+        ElementSummary summary;
+        point_gradient({law, batch, moduli}, corners_of(batch, x.data()), &g[0][0][0], summary);
         Vec12 out;
         for (int a = 0; a < 4; ++a)
-            for (int c = 0; c < 3; ++c) out[3 * batch.vertex[a][0] + c] = g.g[a][c][0];
+            for (int c = 0; c < 3; ++c) out[3 * batch.vertex[a][0] + c] = g[a][c][0];
         return out;
     }
     Mat12 hessian(const Vec12& x, bool project) const {
-        TetHessian h;
-        elastic_hessian(law, batch, moduli, x.data(), project, h);
+        double h[10][9][lanes];
+        point_hessian({law, batch, moduli}, corners_of(batch, x.data()), project, &h[0][0][0]);
         Mat12 out;
         for (int b = 0; b < 10; ++b)
             for (int r = 0; r < 3; ++r)
                 for (int c = 0; c < 3; ++c) {
                     const int i = 3 * batch.vertex[block_pairs[b][0]][0] + r, j = 3 * batch.vertex[block_pairs[b][1]][0] + c;
-                    out(i, j) = out(j, i) = h.h[b][3 * r + c][0];
+                    out(i, j) = out(j, i) = h[b][3 * r + c][0];
                 }
         return out;
     }

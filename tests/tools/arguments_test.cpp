@@ -120,3 +120,15 @@ TEST_CASE("the examples in the help are command lines that the parser takes", "[
         CHECK_NOTHROW(Arguments(command, std::span(words).subspan(2)));
     }
 }
+
+TEST_CASE("only a last operand that repeats takes any number of words", "[tools]") {
+    Command many = sample;
+    many.operands = {{"NAME", "what"}, {"FILES", "on what", false, true}};
+    const std::vector<std::string> words{"a", "b", "--json", "c", "d"};
+    const Arguments arguments(many, words);
+    CHECK(arguments.operands_from(1) == std::vector<std::string>{"b", "c", "d"});
+    CHECK(arguments.operands_from(4).empty());
+    CHECK(usage_line(many).find("NAME [FILES]… ") != std::string::npos);
+    CHECK(parse({"a", "b"}).operands_from(1) == std::vector<std::string>{"b"});
+    CHECK_THROWS_AS(Arguments(sample, words), UsageError);
+}

@@ -38,6 +38,9 @@ TEST_CASE("usage errors exit with 2 and say what was meant", "[tools]") {
     CHECK(run_program({"run"}).code == 2);
     CHECK(run_program({"nodes", "zTisue"}).code == 2);
     CHECK(run_program({"bench", "nothing"}).code == 2);
+    CHECK(run_program({"bench", "cantilever", "file.obj"}).code == 2);
+    CHECK(run_program({"bench", "meshing"}).code == 2);
+    CHECK(run_program({"bench", "meshing", "file.obj", "--parts", "0"}).code == 2);
 }
 
 TEST_CASE("help and version go to the output, with exit code 0", "[tools]") {
@@ -214,5 +217,5 @@ TEST_CASE("the graphs to learn from are right and run", "[tools]") {
         CHECK(run.code == 0);
         CHECK(run.err.empty());
     }
-    CHECK(count >= 4);
+    CHECK(count >= 5);
 }

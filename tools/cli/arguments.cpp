@@ -72,7 +72,8 @@ Arguments::Arguments(const Command& command, std::span<const std::string> words)
     for (std::size_t i = operands_.size(); i < command.operands.size(); ++i)
         if (command.operands[i].required)
             throw UsageError(std::string(command.operands[i].name) + " is missing.");
-    if (operands_.size() > command.operands.size())
+    const bool any_number = !command.operands.empty() && command.operands.back().repeats;
+    if (operands_.size() > command.operands.size() && !any_number)
         throw UsageError("unexpected word '" + operands_[command.operands.size()] + "'.");
 }
 
@@ -112,6 +113,11 @@ std::vector<double> Arguments::numbers(std::string_view flag, std::vector<double
 
 std::optional<std::string> Arguments::operand(std::size_t index) const {
     return index < operands_.size() ? std::optional(operands_[index]) : std::nullopt;
+}
+
+std::vector<std::string> Arguments::operands_from(std::size_t first) const {
+    if (first >= operands_.size()) return {};
+    return {operands_.begin() + static_cast<std::ptrdiff_t>(first), operands_.end()};
 }
 
 std::vector<std::string> split(std::string_view text, char separator) {

@@ -31,6 +31,8 @@ class Arguments {
     int whole_number(std::string_view flag, int otherwise, int least) const;
     std::vector<double> numbers(std::string_view flag, std::vector<double> otherwise) const; ///< "24,40"
     std::optional<std::string> operand(std::size_t index) const;
+    /// All operands from `first` on.
+    std::vector<std::string> operands_from(std::size_t first) const;
     bool wants_help() const { return help_; }
 
   private:

@@ -16,6 +16,7 @@ class Arguments;
 struct Operand {
     std::string_view name, doc;
     bool required = true;
+    bool repeats = false; ///< the last operand only: any number of words may follow
 };
 
 struct Flag {

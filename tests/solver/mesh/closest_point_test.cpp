@@ -160,10 +160,69 @@ TEST_CASE("winding numbers of closed meshes are whole numbers", "[mesh][winding]
             REQUIRE(tree.inside(p) == (exact > 0.5));
         }
         CAPTURE(worst, worst_exact, inside);
-        REQUIRE(worst < 0.03);
+        REQUIRE(worst < SurfaceTree::winding_error);
         REQUIRE(worst_exact < 1e-12);
         REQUIRE(inside > 20);
     }
+}
+
+TEST_CASE(
+    "the fast winding number keeps its bound on torn and shuffled surfaces, and decides like the exact one",
+    "[mesh][winding]") {
+    std::mt19937 random(9);
+    int undecided = 0;
+    for (int trial = 0; trial < 6; ++trial) {
+        SurfaceMesh mesh = trial % 2 ? biceps() : make_helix(1, 0.2, 2, 3, 8, 50);
+        std::vector<Triangle> torn;
+        for (Triangle t : mesh.triangles) {
+            if (trial / 2 == 1 && random() % 100 < 40) continue;
+            if (trial / 2 == 2 && random() % 2) std::swap(t[0], t[1]);
+            torn.push_back(t);
+        }
+        const SurfaceTree tree(mesh.points, torn);
+        double worst = 0;
+        for (const Vec3& p :
+             random_points(3000, bounding_box(mesh.points), 0.2, 4 + static_cast<unsigned>(trial))) {
+            const double exact = tree.winding_number_exact(p), fast = tree.winding_number(p);
+            worst = std::max(worst, std::abs(fast - exact));
+            undecided += std::abs(std::abs(fast) - 0.5) <= SurfaceTree::winding_error;
+            REQUIRE(tree.inside(p) == (exact > 0.5));
+            REQUIRE(tree.inside_either_way(p) == (std::abs(exact) > 0.5));
+        }
+        CAPTURE(trial, worst);
+        REQUIRE(worst < SurfaceTree::winding_error);
+        REQUIRE(worst > 1e-5); // otherwise nothing was taken from afar
+    }
+    REQUIRE(undecided > 5);
+}
+
+TEST_CASE("winding numbers of many points agree with those of one, also on triangles and corners",
+          "[mesh][winding]") {
+    const SurfaceMesh mesh = biceps();
+    const SurfaceTree tree(mesh.points, mesh.triangles);
+    const double side = bounding_box(mesh.points).size().maxCoeff();
+    std::mt19937 random(10);
+    std::normal_distribution<double> g;
+    for (int trial = 0; trial < 60; ++trial) {
+        const Triangle& t = mesh.triangles[random() % mesh.triangles.size()];
+        const Vec3 &a = mesh.points[at(t[0])], &b = mesh.points[at(t[1])], &c = mesh.points[at(t[2])];
+        Points points{(a + b + c) / 3 + 1e-4 * (b - a).cross(c - a),
+                      (a + b + c) / 3 - 1e-4 * (b - a).cross(c - a)};
+        for (int i = 0; i < 40; ++i)
+            points.push_back(a +
+                             std::pow(10.0, -1 - trial % 4) * side * Vec3(g(random), g(random), g(random)));
+        const std::vector<double> many = tree.winding_numbers(points);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            REQUIRE(many[i] ==
+                    Approx(tree.winding_number_exact(points[i])).margin(SurfaceTree::winding_error));
+        // A corner of the mesh has no winding number, but it must not spoil its neighbours.
+        points[3] = a;
+        const std::vector<double> with_corner = tree.winding_numbers(points);
+        REQUIRE(std::isfinite(with_corner[3]));
+        REQUIRE(with_corner[0] == Approx(many[0]).margin(SurfaceTree::winding_error));
+    }
+    REQUIRE(tree.winding_numbers({}).empty());
+    REQUIRE(tree.winding_numbers({Vec3(std::nan(""), 0, 0), Vec3(1e3, 0, 0)})[0] == 0);
 }
 
 TEST_CASE("inside is right a thousandth of an edge away from the surface", "[mesh][winding]") {

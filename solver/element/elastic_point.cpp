@@ -1,0 +1,298 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/element/elastic_point.h"
+
+#include "solver/element/svd3.h"
+#include "solver/element/symmetric3.h"
+#include "solver/material/anisotropic.h"
+#include "solver/material/corotational.h"
+#include "solver/material/log_neo_hookean.h"
+#include "solver/material/neo_hookean.h"
+#include "solver/material/stvk.h"
+
+#include <array>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+template <class R>
+void evaluate_law(ElasticLaw law, const R* s, R mu, R lambda, R compression, Principal<R>& out) {
+    switch (law) {
+    case ElasticLaw::stvk:
+        stvk(s, mu, lambda, out);
+        add_compression_resistance(s, compression, out);
+        break;
+    case ElasticLaw::neo_hookean:
+        neo_hookean(s, mu, lambda, out);
+        add_compression_resistance(s, compression, out);
+        break;
+    case ElasticLaw::log_neo_hookean:
+        log_neo_hookean(s, mu, lambda, out);
+        add_compression_resistance(s, compression, out);
+        break;
+    case ElasticLaw::corotational: corotational(s, mu, lambda, out); break;
+    case ElasticLaw::anisotropic: clear(out); break; // not a function of principal stretches: material/anisotropic.h
+    }
+}
+
+template <class R> void evaluate_measure(ElasticLaw law, const R* s, Principal<R>& out) {
+    switch (law) {
+    case ElasticLaw::stvk: stvk_measure(s, out); break;
+    case ElasticLaw::log_neo_hookean: log_neo_hookean_measure(s, out); break;
+    case ElasticLaw::corotational: corotational_measure(s, out); break;
+    case ElasticLaw::neo_hookean:
+    case ElasticLaw::anisotropic:
+        clear(out);
+        add_volumetric(s, s[0] * s[1] * s[2] - R(1.0), R(1.0), R(0.0), out);
+        break;
+    }
+}
+
+template <class R> void add_scaled(const Principal<R>& a, R factor, Principal<R>& out) {
+    for (int i = 0; i < 3; ++i) {
+        out.first[i] += factor * a.first[i];
+        out.diagonal[i] += factor * a.diagonal[i];
+        out.off_diagonal[i] += factor * a.off_diagonal[i];
+        out.flip[i] += factor * a.flip[i];
+        out.twist[i] += factor * a.twist[i];
+    }
+}
+
+/// The law and, as fixed pressures, the terms on means. Their energies are the element's to add.
+void evaluate_point(const PointInputs& in, const Pack* s, Principal<Pack>& q) {
+    evaluate_law(in.law, s, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression), q);
+    if (!in.pressures) return;
+    Principal<Pack> measure;
+    evaluate_measure(in.law, s, measure);
+    add_scaled(measure, in.pressures->measure, q);
+    const Pack energy = q.energy;
+    add_volumetric(s, Pack(0.0), in.pressures->j, Pack(0.0), q);
+    q.energy = energy;
+}
+
+/// out = U diag(d) V^T
+template <class R> void recompose(const R* u, const R* d, const R* v, R* out) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out[3 * i + j] =
+                u[3 * i] * d[0] * v[3 * j] + u[3 * i + 1] * d[1] * v[3 * j + 1] + u[3 * i + 2] * d[2] * v[3 * j + 2];
+}
+
+template <class R> R determinant(const R* f) {
+    return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
+           f[2] * (f[3] * f[7] - f[4] * f[6]);
+}
+
+/// out = U k U^T
+void rotate_block(const Pack* u, const Pack* k, Pack* out) {
+    Pack uk[9];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            uk[3 * i + j] = u[3 * i] * k[j] + u[3 * i + 1] * k[3 + j] + u[3 * i + 2] * k[6 + j];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            out[3 * i + j] = uk[3 * i] * u[3 * j] + uk[3 * i + 1] * u[3 * j + 1] + uk[3 * i + 2] * u[3 * j + 2];
+}
+
+/// g[a] = volume P grad L_a for corners 1…3; corner 0 takes the opposite of their sum.
+void add_stress_forces(const TetBatch& batch, Pack volume, const Pack* p, Pack g[4][3]) {
+    for (int c = 0; c < 3; ++c)
+        for (int a = 1; a < 4; ++a) {
+            const Pack f = volume * (p[3 * c] * Pack::load(batch.shape[3 * (a - 1)]) +
+                                     p[3 * c + 1] * Pack::load(batch.shape[3 * (a - 1) + 1]) +
+                                     p[3 * c + 2] * Pack::load(batch.shape[3 * (a - 1) + 2]));
+            g[a][c] += f;
+        }
+}
+
+/// out = cof F = dJ/dF
+template <class R> void cofactor(const R* f, R* out) {
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
+            out[3 * i + j] = f[3 * a + c] * f[3 * b + d] - f[3 * a + d] * f[3 * b + c];
+        }
+}
+
+/// Whether the point's energy has a part in principal stretches.
+bool has_principal_part(const PointInputs& in) { return in.law != ElasticLaw::anisotropic || in.pressures; }
+
+std::array<Pack, 3> load_direction(const Anisotropy& a) {
+    return {Pack::load(a.direction[0]), Pack::load(a.direction[1]), Pack::load(a.direction[2])};
+}
+
+/// Blocks of corners 1…3 from the part in principal stretches.
+void principal_blocks(const PointInputs& in, const Pack* f, Pack volume, bool project, Pack blocks[6][9]) {
+    const TetBatch& batch = in.batch;
+    Svd3<Pack> svd;
+    svd3(f, svd);
+    Principal<Pack> q;
+    evaluate_point(in, svd.s, q);
+    if (project) {
+        clamp_symmetric3(q.diagonal, q.off_diagonal);
+        for (int k = 0; k < 3; ++k) {
+            q.flip[k] = max(q.flip[k], Pack(0.0));
+            q.twist[k] = max(q.twist[k], Pack(0.0));
+        }
+    }
+    // In the frame of U and V: same[k] on (dF_ij)^2 and (dF_ji)^2, cross[k] on dF_ij dF_ji, pair k = (i, j).
+    Pack same[3], cross[3];
+    for (int k = 0; k < 3; ++k) {
+        same[k] = Pack(0.5) * volume * (q.flip[k] + q.twist[k]);
+        cross[k] = Pack(0.5) * volume * (q.flip[k] - q.twist[k]);
+        q.diagonal[k] *= volume;
+        q.off_diagonal[k] *= volume;
+    }
+    Pack n[3][3]; // V^T grad L_a
+    for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i)
+            n[a][i] = svd.v[i] * Pack::load(batch.shape[3 * a]) + svd.v[3 + i] * Pack::load(batch.shape[3 * a + 1]) +
+                      svd.v[6 + i] * Pack::load(batch.shape[3 * a + 2]);
+    int index = 0;
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) {
+            Pack k[9];
+            for (int i = 0; i < 3; ++i) {
+                const int j = (i + 1) % 3, m = (i + 2) % 3;
+                k[4 * i] = q.diagonal[i] * n[a][i] * n[b][i] + same[m] * n[a][j] * n[b][j] + same[j] * n[a][m] * n[b][m];
+                k[3 * j + m] = q.off_diagonal[i] * n[a][j] * n[b][m] + cross[i] * n[a][m] * n[b][j];
+                k[3 * m + j] = q.off_diagonal[i] * n[a][m] * n[b][j] + cross[i] * n[a][j] * n[b][m];
+            }
+            rotate_block(svd.u, k, blocks[index++]);
+        }
+}
+
+/// Adds the anisotropic law's blocks. Projected: the tension's negative eigenvalues are set to zero, which leaves a sum
+/// of two positive semi-definite parts.
+void add_anisotropic_blocks(const PointInputs& in, const Pack* f, Pack volume, bool project, Pack blocks[6][9]) {
+    AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root), Pack::load(in.moduli.mu),
+                              Pack::load(in.moduli.lambda));
+    if (project) {
+        Pack diagonal[3], off_diagonal[3];
+        law.tension(diagonal, off_diagonal);
+        clamp_symmetric3(diagonal, off_diagonal);
+        law.set_tension(diagonal, off_diagonal);
+    }
+    Pack h[3][3];
+    for (int a = 0; a < 3; ++a) {
+        Pack g[3];
+        for (int i = 0; i < 3; ++i) g[i] = Pack::load(in.batch.shape[3 * a + i]);
+        law.weigh(g, h[a]);
+    }
+    int index = 0;
+    for (int a = 0; a < 3; ++a)
+        for (int b = a; b < 3; ++b) law.add_block(h[a], h[b], volume, blocks[index++]);
+}
+
+} // namespace
+
+void point_gradient(const PointInputs& in, const Corners& corners, double* out, ElementSummary& summary) {
+    const TetBatch& batch = in.batch;
+    Pack f[9];
+    deformation_gradient(batch, corners, f);
+    const Pack volume = Pack::load(batch.volume) * Pack(in.share);
+    Pack g[4][3];
+    for (auto& corner : g)
+        for (Pack& component : corner) component = Pack(0.0);
+    Pack energy(0.0);
+    if (has_principal_part(in)) {
+        Svd3<Pack> svd;
+        svd3(f, svd);
+        Principal<Pack> q;
+        evaluate_point(in, svd.s, q);
+        energy = q.energy;
+        Pack p[9];
+        recompose(svd.u, q.first, svd.v, p);
+        add_stress_forces(batch, volume, p, g);
+    }
+    if (in.law == ElasticLaw::anisotropic) {
+        const AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root),
+                                        Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda));
+        Pack p[9];
+        law.stress(p);
+        energy += law.energy();
+        add_stress_forces(batch, volume, p, g);
+    }
+    for (int c = 0; c < 3; ++c) g[0][c] = -(g[1][c] + g[2][c] + g[3][c]);
+    energy *= volume;
+    Pack squares(0.0);
+    for (const ActiveFiber& fiber : in.fibers) add_fiber_gradient(batch, fiber, f, volume, g, energy, squares);
+    for (int corner = 0; corner < 4; ++corner)
+        for (int c = 0; c < 3; ++c) g[corner][c].store(out + (3 * corner + c) * lanes);
+    energy.store(summary.energy);
+    determinant(f).store(summary.j);
+    squares.store(summary.fiber_squares);
+}
+
+void point_hessian(const PointInputs& in, const Corners& corners, bool project, double* out) {
+    const TetBatch& batch = in.batch;
+    Pack f[9];
+    deformation_gradient(batch, corners, f);
+    const Pack volume = Pack::load(batch.volume) * Pack(in.share);
+    Pack blocks[6][9]; // of corners a <= b in 1…3: 11 12 13 22 23 33
+    if (has_principal_part(in))
+        principal_blocks(in, f, volume, project, blocks);
+    else
+        for (auto& block : blocks)
+            for (Pack& entry : block) entry = Pack(0.0);
+    if (in.law == ElasticLaw::anisotropic) add_anisotropic_blocks(in, f, volume, project, blocks);
+    for (const ActiveFiber& fiber : in.fibers) add_fiber_hessian(batch, fiber, f, volume, blocks);
+
+    // Barycentric coordinates sum to one, so every row of blocks sums to zero: those of corner 0 follow from the others.
+    constexpr int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
+    const auto entry = [&](int a, int b, int r, int c) { return blocks[at[a][b]][a <= b ? 3 * r + c : 3 * c + r]; };
+    for (int r = 0; r < 3; ++r)
+        for (int c = 0; c < 3; ++c) {
+            const int e = 3 * r + c;
+            Pack corner(0.0);
+            for (int b = 0; b < 3; ++b) {
+                const Pack sum = entry(0, b, r, c) + entry(1, b, r, c) + entry(2, b, r, c);
+                (-sum).store(out + ((1 + b) * 9 + e) * lanes);
+                corner += sum;
+            }
+            corner.store(out + e * lanes);
+            for (int k = 0; k < 6; ++k) blocks[k][e].store(out + ((4 + k) * 9 + e) * lanes);
+        }
+}
+
+void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure, PointMeasures& out) {
+    Pack f[9], by_f[9];
+    deformation_gradient(batch, corners, f);
+    const auto by_corners = [&](Pack g[4][3]) {
+        for (int c = 0; c < 3; ++c) {
+            for (int a = 1; a < 4; ++a) g[a][c] = Pack(0.0);
+        }
+        add_stress_forces(batch, Pack(1.0), by_f, g);
+        for (int c = 0; c < 3; ++c) g[0][c] = -(g[1][c] + g[2][c] + g[3][c]);
+    };
+    out.j = determinant(f);
+    cofactor(f, by_f);
+    by_corners(out.d_j);
+    if (!with_measure) return;
+    Svd3<Pack> svd;
+    svd3(f, svd);
+    Principal<Pack> q;
+    evaluate_measure(law, svd.s, q);
+    out.measure = q.energy;
+    recompose(svd.u, q.first, svd.v, by_f);
+    by_corners(out.d_measure);
+}
+
+void elastic_stress(ElasticLaw law, double mu, double lambda, double compression, const double* f, double* p,
+                    double* energy, const double* direction, double transverse) {
+    if (law == ElasticLaw::anisotropic) {
+        const AnisotropicStVK<double> a(f, {direction[0], direction[1], direction[2]}, std::pow(transverse, 0.25), mu, lambda);
+        a.stress(p);
+        *energy = a.energy();
+        return;
+    }
+    Svd3<double> svd;
+    svd3(f, svd);
+    Principal<double> q{};
+    evaluate_law(law, svd.s, mu, lambda, compression, q);
+    recompose(svd.u, q.first, svd.v, p);
+    *energy = q.energy;
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/element/mass_matrix.h"
+
+#include "solver/parallel.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Entry (a, b) of the consistent mass matrix of a ten-node tet with straight edges and mass 1.
+double quadratic_entry(int a, int b) {
+    if (a > b) std::swap(a, b);
+    double n = 0;
+    if (b < 4) {
+        n = a == b ? 6 : 1;
+    } else {
+        const int *e = tet_edge_corners[b - 4];
+        if (a < 4) {
+            n = e[0] == a || e[1] == a ? -4 : -6;
+        } else {
+            const int* f = tet_edge_corners[a - 4];
+            const int shared = (e[0] == f[0]) + (e[0] == f[1]) + (e[1] == f[0]) + (e[1] == f[1]);
+            n = shared == 2 ? 32 : shared == 1 ? 16 : 8;
+        }
+    }
+    return n / 420;
+}
+
+} // namespace
+
+void MassMatrix::set(const Scene::System& system, const BlockPattern& pattern, const std::vector<double>& of_tet) {
+    pattern_ = &pattern;
+    diagonal_ = true;
+    weight_.assign(system.unknown.size(), 0.0);
+    value_.assign(pattern.block_count(), 0.0);
+    for (const TissueBatches& t : system.tissues) {
+        const bool quadratic = t.kind == ElementKind::quadratic;
+        diagonal_ = diagonal_ && !quadratic;
+        for (std::size_t slot = 0; slot < t.tet_count; ++slot) {
+            const double mass = of_tet[t.first_batch * lanes + slot];
+            for (int a = 0; a < t.nodes(); ++a) {
+                const int v = system.node(t, slot / lanes, a)[slot % lanes];
+                const int i = system.unknown[static_cast<std::size_t>(v)];
+                if (!quadratic) {
+                    weight_[static_cast<std::size_t>(v)] += 0.25 * mass;
+                    if (i >= 0) value_[static_cast<std::size_t>(pattern.row_start[static_cast<std::size_t>(i)])] += 0.25 * mass;
+                    continue;
+                }
+                weight_[static_cast<std::size_t>(v)] += (a < 4 ? -0.05 : 0.2) * mass;
+                for (int b = 0; b < t.nodes(); ++b) {
+                    const int j = system.unknown[static_cast<std::size_t>(system.node(t, slot / lanes, b)[slot % lanes])];
+                    if (i >= 0 && j >= i) value_[static_cast<std::size_t>(pattern.find(i, j))] += quadratic_entry(a, b) * mass;
+                }
+            }
+        }
+    }
+}
+
+void MassMatrix::multiply(const std::vector<double>& u, std::vector<double>& out) const {
+    const BlockPattern& p = *pattern_;
+    out.resize(u.size());
+    parallel_for(static_cast<std::size_t>(p.rows), 512, [&](std::size_t i) {
+        double sum[3] = {};
+        const auto add = [&](double m, std::size_t j) {
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += m * u[3 * j + c];
+        };
+        for (int e = p.lower_start[i]; e < p.lower_start[i + 1]; ++e) {
+            const auto [index, column] = p.lower[static_cast<std::size_t>(e)];
+            add(value_[static_cast<std::size_t>(index)], static_cast<std::size_t>(column));
+        }
+        for (int e = p.row_start[i]; e < p.row_start[i + 1]; ++e)
+            add(value_[static_cast<std::size_t>(e)], static_cast<std::size_t>(p.column[static_cast<std::size_t>(e)]));
+        std::copy_n(sum, 3, out.begin() + static_cast<std::ptrdiff_t>(3 * i));
+    });
+}
+
+void MassMatrix::solve(const std::vector<double>& f, std::vector<double>& u) const {
+    // Conjugate gradients with the diagonal: mass matrices are well conditioned, some thirty iterations reach rounding.
+    const auto dot = [](const std::vector<double>& a, const std::vector<double>& b) {
+        return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
+    };
+    const auto precondition = [&](const std::vector<double>& r, std::vector<double>& z) {
+        for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / value_[static_cast<std::size_t>(pattern_->row_start[i / 3])];
+    };
+    std::vector<double> r = f, z(f.size()), ap;
+    u.assign(f.size(), 0.0);
+    precondition(r, z);
+    std::vector<double> p = z;
+    double rz = dot(r, z);
+    const double goal = 1e-30 * rz;
+    for (int iteration = 0; iteration < 200 && rz > goal; ++iteration) {
+        multiply(p, ap);
+        const double alpha = rz / dot(p, ap);
+        for (std::size_t i = 0; i < r.size(); ++i) u[i] += alpha * p[i], r[i] -= alpha * ap[i];
+        precondition(r, z);
+        const double next = dot(r, z);
+        for (std::size_t i = 0; i < r.size(); ++i) p[i] = z[i] + next / rz * p[i];
+        rz = next;
+    }
+}
+
+void MassMatrix::add_to(BlockMatrix& a, double factor) const {
+    if (diagonal_)
+        return parallel_for(static_cast<std::size_t>(pattern_->rows), 1024, [&](std::size_t i) {
+            const std::size_t index = static_cast<std::size_t>(pattern_->row_start[i]);
+            for (int c = 0; c < 3; ++c) a.block(index)[4 * c] += factor * value_[index];
+        });
+    parallel_for(pattern_->block_count(), 2048, [&](std::size_t index) {
+        for (int c = 0; c < 3; ++c) a.block(index)[4 * c] += factor * value_[index];
+    });
+}
+
+} // namespace sinew::solver

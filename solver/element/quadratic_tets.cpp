@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/element/quadratic_tets.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+constexpr int point_count = 4;
+/// Barycentric coordinates of the integration points of degree 2: near at one corner, far at the others.
+constexpr double near_corner = 0.58541019662496852, far_corner = 0.13819660112501051;
+double coordinate(int point, int corner) { return point == corner ? near_corner : far_corner; }
+
+/// d (corner m of the point's linear tet) / d node: up to two corners a node.
+struct NodeWeights {
+    int count, corner[2];
+    double weight[2];
+};
+NodeWeights node_weights(int point, int node) {
+    if (node < 4) return {1, {node, 0}, {4 * coordinate(point, node) - 1, 0}};
+    const int i = tet_edge_corners[node - 4][0], j = tet_edge_corners[node - 4][1];
+    return {2, {i, j}, {4 * coordinate(point, j), 4 * coordinate(point, i)}};
+}
+
+struct Nodes {
+    Pack x[quadratic_nodes][3];
+};
+
+Nodes nodes_of(const TetBatch& batch, const EdgeBatch& edges, const double* x) {
+    Nodes out;
+    for (int n = 0; n < quadratic_nodes; ++n)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const int* vertex = n < 4 ? batch.vertex[n] : edges.vertex[n - 4];
+            double p[lanes];
+            for (int l = 0; l < lanes; ++l) p[l] = x[3 * static_cast<std::size_t>(vertex[l]) + c];
+            out.x[n][c] = Pack::load(p);
+        }
+    return out;
+}
+
+Corners corners_at(int point, const Nodes& nodes) {
+    Corners out;
+    for (auto& corner : out.y)
+        for (Pack& c : corner) c = Pack(0.0);
+    for (int n = 0; n < quadratic_nodes; ++n) {
+        const NodeWeights w = node_weights(point, n);
+        for (int k = 0; k < w.count; ++k)
+            for (int c = 0; c < 3; ++c) out.y[w.corner[k]][c] += Pack(w.weight[k]) * nodes.x[n][c];
+    }
+    return out;
+}
+
+/// Means over the tet and, if wanted, their gradients by the nodes.
+struct Means {
+    Pack measure{0.0}, j{0.0}, d_measure[quadratic_nodes][3], d_j[quadratic_nodes][3];
+    Pressures pressures(const TetModuli& m) const {
+        return {Pack::load(m.lambda_mean) * measure, Pack::load(m.volume) * (j - Pack(1.0))};
+    }
+    Pack energy(const TetModuli& m) const {
+        const Pack d = j - Pack(1.0);
+        return Pack(0.5) * (Pack::load(m.lambda_mean) * measure * measure + Pack::load(m.volume) * d * d);
+    }
+};
+
+Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
+    Means out;
+    if (gradients)
+        for (int n = 0; n < quadratic_nodes; ++n)
+            for (int c = 0; c < 3; ++c) out.d_measure[n][c] = out.d_j[n][c] = Pack(0.0);
+    const bool with_measure = in.law != ElasticLaw::anisotropic;
+    for (int point = 0; point < point_count; ++point) {
+        PointMeasures m;
+        m.measure = Pack(0.0);
+        point_measures(in.law, in.batch, corners_at(point, nodes), with_measure, m);
+        out.measure += Pack(0.25) * m.measure;
+        out.j += Pack(0.25) * m.j;
+        if (!gradients) continue;
+        for (int n = 0; n < quadratic_nodes; ++n) {
+            const NodeWeights w = node_weights(point, n);
+            for (int k = 0; k < w.count; ++k)
+                for (int c = 0; c < 3; ++c) {
+                    const Pack weight(0.25 * w.weight[k]);
+                    if (with_measure) out.d_measure[n][c] += weight * m.d_measure[w.corner[k]][c];
+                    out.d_j[n][c] += weight * m.d_j[w.corner[k]][c];
+                }
+        }
+    }
+    return out;
+}
+
+} // namespace
+
+void quadratic_shape(const double* b, double* values) {
+    for (int i = 0; i < 4; ++i) values[i] = b[i] * (2 * b[i] - 1);
+    for (int e = 0; e < 6; ++e) values[4 + e] = 4 * b[tet_edge_corners[e][0]] * b[tet_edge_corners[e][1]];
+}
+
+void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
+                        ElementSummary& summary) {
+    const Nodes nodes = nodes_of(in.batch, edges, x);
+    PointInputs at_point = in;
+    at_point.share = 0.25;
+    Pressures pressures;
+    Pack energy(0.0), least_j(0.0), squares(0.0);
+    if (means) {
+        const Means m = means_of(in, nodes, false);
+        pressures = m.pressures(in.moduli);
+        at_point.pressures = &pressures;
+        energy = Pack::load(in.batch.volume) * m.energy(in.moduli);
+    }
+    Pack sum[quadratic_nodes][3];
+    for (auto& node : sum)
+        for (Pack& c : node) c = Pack(0.0);
+    for (int point = 0; point < point_count; ++point) {
+        double force[4 * 3 * lanes];
+        ElementSummary s;
+        point_gradient(at_point, corners_at(point, nodes), force, s);
+        energy += Pack::load(s.energy);
+        squares += Pack::load(s.fiber_squares);
+        const Pack j = Pack::load(s.j);
+        least_j = point == 0 ? j : select(j < least_j, j, least_j);
+        for (int n = 0; n < quadratic_nodes; ++n) {
+            const NodeWeights w = node_weights(point, n);
+            for (int k = 0; k < w.count; ++k)
+                for (int c = 0; c < 3; ++c) sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
+        }
+    }
+    for (int n = 0; n < quadratic_nodes; ++n)
+        for (int c = 0; c < 3; ++c) sum[n][c].store(g + (3 * n + c) * lanes);
+    energy.store(summary.energy);
+    least_j.store(summary.j);
+    squares.store(summary.fiber_squares);
+}
+
+void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project, double* h) {
+    const Nodes nodes = nodes_of(in.batch, edges, x);
+    PointInputs at_point = in;
+    at_point.share = 0.25;
+    Pressures pressures;
+    Pack sum[quadratic_pairs][9];
+    for (auto& block : sum)
+        for (Pack& entry : block) entry = Pack(0.0);
+    if (means) {
+        const Means m = means_of(in, nodes, true);
+        pressures = m.pressures(in.moduli);
+        at_point.pressures = &pressures;
+        const Pack volume = Pack::load(in.batch.volume);
+        const Pack by_measure = volume * Pack::load(in.moduli.lambda_mean), by_j = volume * Pack::load(in.moduli.volume);
+        int pair = 0;
+        for (int a = 0; a < quadratic_nodes; ++a)
+            for (int b = a; b < quadratic_nodes; ++b, ++pair)
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c)
+                        sum[pair][3 * r + c] += by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
+    }
+    constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+    for (int point = 0; point < point_count; ++point) {
+        alignas(64) double blocks[10 * 9 * lanes];
+        point_hessian(at_point, corners_at(point, nodes), project, blocks);
+        NodeWeights weights[quadratic_nodes];
+        for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(point, n);
+        int pair = 0;
+        for (int a = 0; a < quadratic_nodes; ++a)
+            for (int b = a; b < quadratic_nodes; ++b, ++pair)
+                for (int k = 0; k < weights[a].count; ++k)
+                    for (int l = 0; l < weights[b].count; ++l) {
+                        const int m = weights[a].corner[k], n = weights[b].corner[l];
+                        const Pack w(weights[a].weight[k] * weights[b].weight[l]);
+                        const double* block = blocks + block_at[m][n] * 9 * lanes;
+                        if (m <= n)
+                            for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + e * lanes);
+                        else
+                            for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + (e % 3 * 3 + e / 3) * lanes);
+                    }
+    }
+    for (int pair = 0; pair < quadratic_pairs; ++pair)
+        for (int e = 0; e < 9; ++e) sum[pair][e].store(h + (9 * pair + e) * lanes);
+}
+
+} // namespace sinew::solver

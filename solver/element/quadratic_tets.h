@@ -1,0 +1,30 @@
+// Quadratic (P2, ten-node) tets with straight edges at rest: four integration points, each of which is a linear tet whose
+// corners are weighted sums of the ten nodes. So the laws, the fibres and the projection are those of elastic_point.h.
+// The part of the volumetric stiffness beyond lambda_mean and volumeConservation act on means over the tet, one condition
+// a tet, so that nearly incompressible flesh does not lock.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/element/elastic_point.h"
+
+namespace sinew::solver {
+
+inline constexpr int quadratic_nodes = 10, quadratic_pairs = 55;
+/// Corners that each edge joins; node 4 + e lies in its middle.
+inline constexpr int tet_edge_corners[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+
+/// Vertices at the middles of the edges of a batch's tets.
+struct EdgeBatch {
+    int vertex[6][lanes];
+};
+
+/// Values of the ten shape functions at a point given by its barycentric coordinates.
+void quadratic_shape(const double* barycentric, double* values);
+
+/// g[node][component][lane]; the summary's energy includes those on means if `means` (some of moduli.lambda_mean or
+/// moduli.volume are not zero). `in.share` and `in.pressures` are not read.
+void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
+                        ElementSummary& summary);
+/// h[pair (a, b), a <= b, rows of a][row*3+column][lane].
+void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project, double* h);
+
+} // namespace sinew::solver

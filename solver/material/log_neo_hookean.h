@@ -1,0 +1,30 @@
+// Neo-Hookean with logarithms (Bonet and Wood): psi = mu/2 (I_C - 3) - mu ln J + lambda/2 (ln J)^2. The form that
+// textbooks and engineering codes compare by. It is infinite at J = 0 and not defined beyond, so nothing that starts
+// inverted can come back; for animation take the stable form (neo_hookean.h).
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/material/principal.h"
+
+namespace sinew::solver {
+
+/// Not a number for J <= 0, which the line search refuses.
+template <class R> inline void log_neo_hookean(const R* s, R mu, R lambda, Principal<R>& out) {
+    clear(out);
+    out.energy = R(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
+    for (int i = 0; i < 3; ++i) {
+        out.first[i] = mu * s[i];
+        out.diagonal[i] = out.flip[i] = out.twist[i] = mu;
+    }
+    const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j, l = log(j);
+    add_volumetric(s, (R(0.5) * lambda * l - mu) * l, (lambda * l - mu) * inverse,
+                   (lambda * (R(1.0) - l) + mu) * inverse * inverse, out);
+}
+
+/// Its measure of volume, ln J: the part with lambda is lambda/2 (ln J)^2.
+template <class R> inline void log_neo_hookean_measure(const R* s, Principal<R>& out) {
+    clear(out);
+    const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j;
+    add_volumetric(s, log(j), inverse, -inverse * inverse, out);
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,33 @@
+// The tets of the final lattice: coarse cells as they are, or refined where the paint asks for it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/meshing/lattice_cells.h"
+#include "solver/meshing/paint.h"
+
+#include <functional>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A tet with its corners in the coordinates of the finest level's grid, and the share of it that is solid.
+struct LatticePiece {
+    std::array<BccGrid::Key, 4> corners;
+    double share; ///< negative: not part of the lattice
+};
+
+struct RefinedCells {
+    std::vector<LatticePiece> pieces;
+    int levels = 0; ///< how often the side was halved at the finest place
+};
+
+struct RefineOptions {
+    bool is_surface_only = false;
+    std::int64_t most_tets = 0; ///< Error FE210 above
+};
+
+/// Refines and computes all shares. Order: coarse tets by number; inside one the tree of its parts, each cut
+/// as RedGreen says. Throws Error FE210 (too many tets), Stopped.
+RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse,
+                          const Paint& paint, const RefineOptions& options, const MeshingControl& control);
+
+} // namespace sinew::solver

@@ -1,0 +1,33 @@
+// The parts of a surface that hang together, which of them lie inside others, and what that makes a cavity.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <vector>
+
+namespace sinew::solver {
+
+/// Which tets of a lattice are kept, and what a closed shell inside another one means.
+enum class Fill {
+    surface_only,    ///< tets that the surface passes through; inside as for filled_cavities
+    filled_cavities, ///< all that the outer shells enclose; shells inside others have no meaning
+    empty_cavities,  ///< a shell inside another bounds a cavity, one inside a cavity is solid, and so on;
+                     ///< whatever way they are turned
+};
+
+/// Directed edges of welded triangles that are used more often than their reverse, once for each use too
+/// many; in order of their lower, then higher end.
+std::vector<std::array<int, 2>> border_edges_of(const std::vector<Triangle>& triangles);
+
+/// Throws Error FE220, with the number of border edges and the first of them, if there are any.
+void check_watertight(const std::vector<std::array<int, 2>>& border_edges);
+
+/// Prepares welded triangles for the rule "inside is where the winding number exceeds one half in size":
+/// drops shells inside others, or (empty_cavities) turns shells so that solids and cavities alternate. A
+/// shell is what hangs together by edges. It lies in another one when the winding number of that one exceeds
+/// one half in size at all of its vertices, so shells that cross do not lie in each other. Shells that are
+/// not closed count as one together, and that one is never inside. Triangles stay in order; nothing changes
+/// if no shell lies in another.
+void apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill);
+
+} // namespace sinew::solver
