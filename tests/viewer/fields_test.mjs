@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the page computes itself, without a browser: strains of tets, colours, and what lies inside a surface.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { colourAt, quantities, tableOf, writeColour } from "../../tools/viewer/page/src/colour_maps.js";
 import { LatticeFields } from "../../tools/viewer/page/src/fields.js";
@@ -64,4 +65,15 @@ test("steps of ten wrap around runs that are shorter", () => {
     const store = new Store({ frame: 1, loop: false, playing: false });
     new Player(store, scene).step(-10);
     assert.equal(store.state.frame, 0);
+});
+
+test("pictures made without a browser have the page's colours", () => {
+    const source = readFileSync(new URL("../../tools/viewer/shot_overlays.cpp", import.meta.url), "utf8");
+    for (const name of ["heat", "distance"]) {
+        const there = source.match(new RegExp(`> ${name}\\{([^}]*)\\}`))[1].split(",").map((x) => Number(x));
+        there.forEach((hex, i) => {
+            const here = colourAt(name, i / (there.length - 1)).map((c) => Math.round(255 * c));
+            assert.deepEqual([hex >> 16, (hex >> 8) & 255, hex & 255], here, `${name} ${i}`);
+        });
+    }
 });

@@ -133,9 +133,10 @@ void find_far(const ViewScene& scene, Found& far, std::vector<double>& times) {
 }
 
 std::string times_text(double times) {
-    char out[32];
-    std::snprintf(out, sizeof out, times < 1e4 ? "%.0f" : "%.0e", times);
-    return out;
+    if (times >= 1e9) return "more than a billion";
+    if (times >= 1e6) return std::to_string(std::lround(times / 1e6)) + " million";
+    if (times >= 1e4) return std::to_string(std::lround(times / 1e3)) + ",000";
+    return std::to_string(std::lround(times));
 }
 
 std::string joined(const std::vector<std::string>& names) {
