@@ -21,7 +21,7 @@ export function shortcuts(app) {
         [["+", "="], "Faster", () => store.set({ speed: Math.min(4, store.state.speed * 2) })],
         [["-"], "Slower", () => store.set({ speed: Math.max(0.125, store.state.speed / 2) })],
         [["f"], "Frame the selection, or everything", () => world.frameSelection()],
-        [["1", "2", "3", "4"], "Look from the front, the left, the top, the corner", (e) =>
+        [["1", "2", "3", "4"], "Look from the front, the left, the top, the corner, at what is shown now", (e) =>
             world.look({ 1: "front", 2: "left", 3: "top", 4: "corner" }[e.key])],
         [["w"], "Surface: shaded, with edges, edges alone", () =>
             store.set({ surface: surfaces[(surfaces.indexOf(store.state.surface) + 1) % 3] })],

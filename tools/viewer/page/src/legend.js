@@ -6,7 +6,7 @@ import { hasData } from "./store.js";
 
 function shownQuantities(scene, { colourBy, overlays }) {
     const on = (name) => overlays[name] && hasData(scene, name);
-    return [colourBy !== "material" && hasData(scene, colourBy) && colourBy, on("fibres") && "excitation",
+    return [quantities[colourBy] && hasData(scene, colourBy) && colourBy, on("fibres") && "excitation",
         on("attachments") && "distance", on("contacts") && "depth"].filter(Boolean);
 }
 
