@@ -227,6 +227,9 @@ test("a body of a million vertices opens", async () => {
 test("a folder that is not there, and wrong flags, are usage errors", async () => {
     assert.equal((await sinew("view", path.join(folder, "nowhere"))).code, 1);
     assert.equal((await sinew("view", folder, "--surfaces")).code, 2);
+    const place = await sinew("view", graph, "-o", folder);
+    assert.equal(place.code, 2);
+    assert.match(place.err, /names the folder/);
     assert.equal((await sinew("view", "graphs/scenes/arm.json", "--frames", "x")).code, 2);
 });
 

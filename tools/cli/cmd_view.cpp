@@ -107,6 +107,10 @@ ExitCode view(const Invocation& in) {
         (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
         throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() +
                          "' is a folder.");
+    if (const fs::path page = in.arguments.value("--output").value_or("");
+        fs::is_directory(page)) // before a long run
+        throw UsageError("--output names the folder '" + page.string() +
+                         "'; give the page a name, for example " + (page / "view.html").string() + ".");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1))
                                 << 20;

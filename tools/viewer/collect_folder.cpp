@@ -156,12 +156,12 @@ void note_missing(const Missing& missing, ViewScene& scene) {
         for (std::size_t i = 0; i < names.size() && i < most_named; ++i) who += (i ? ", " : "") + names[i];
         if (names.size() > most_named)
             who += " and " + std::to_string(names.size() - most_named) + " more bodies";
-        const bool is_last =
-            !scene.frames.empty() && frames.size() == 1 && frames[0] == scene.frames.back().frame;
+        const bool is_last = scene.frames.size() > 1 && scene.bodies.size() > names.size() &&
+                             frames.size() == 1 && frames[0] == scene.frames.back().frame;
         scene.notes.push_back(
             {true, who + ": nothing for frame" + (frames.size() == 1 ? " " : "s ") + frame_list(frames) +
                        "; hidden there." +
-                       (is_last ? " That is the last frame: the run was probably stopped in it." : "")});
+                       (is_last ? " That is the last frame: the run may have been stopped in it." : "")});
     }
 }
 
