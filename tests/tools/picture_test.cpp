@@ -168,3 +168,26 @@ TEST_CASE("letters are drawn where they should be", "[tools]") {
     CHECK(image.at(9, 1) == Pixel{255, 255, 255}); // the top of the 1
     draw_text(image, 18, 8, "M", {1, 1, 1}, 3);    // over the edge: cut off, not a crash
 }
+
+TEST_CASE("segments are seen in their colour, hide behind surfaces and shine through veils", "[tools]") {
+    Surface wall;
+    wall.points = {{-5, -5, 0}, {5, -5, 0}, {5, 5, 0}, {-5, 5, 0}};
+    wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+    wall.normals.assign(4, {0, 0, 1});
+    wall.look.colour = {0.5f, 0.5f, 0.5f};
+    const Camera camera = frame_points({&wall.points}, {0, 0}, 1);
+    const Segment before{{-4, 0, 1}, {4, 0, 1}, {0, 1, 0}, 6}, behind{{-4, 0, -1}, {4, 0, -1}, {0, 1, 0}, 6},
+        dot{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 6};
+    const auto middle = [&](const Segment& s) {
+        return draw_picture({wall}, camera, 60, 60, 2, {s}).at(30, 30);
+    };
+    const Pixel bare = draw_picture({wall}, camera, 60, 60, 2).at(30, 30);
+    CHECK(middle(before) == Pixel{0, 255, 0});
+    CHECK(middle(dot) == Pixel{0, 255, 0});
+    CHECK(middle(behind) == bare);
+    wall.opacity = 0.3f;
+    const Pixel through = middle(behind);
+    CHECK(through[1] > 200);
+    CHECK(through[0] > 40); // some of the wall
+    CHECK(draw_picture({wall}, camera, 60, 60, 2, {before}).at(30, 50) != Pixel{0, 255, 0});
+}

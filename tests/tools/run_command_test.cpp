@@ -197,7 +197,12 @@ TEST_CASE("a frame that fails keeps the frames before it, with report and animat
     CHECK(said.err.find("error [") != std::string::npos);
     CHECK(names_in(folder / "out/obj").size() == 9);
     CHECK(names_in(folder / "out/obj").contains("block.0003.obj"));
-    CHECK(json::parse(read_text(folder / "out/r.json")).at("frames").size() == 3);
+    const json report = json::parse(read_text(folder / "out/r.json"));
+    CHECK(report.at("frames").size() == 3);
+    CHECK(report.at("error").at("frame") == 4);
+    CHECK_FALSE(report.at("error").at("message").get<std::string>().empty());
+    CHECK(names_in(out) ==
+          std::set<std::string>{"obj", "r.json", "small.glb"}); // the report says it, so no mark
     const Glb glb(read_text(folder / "out/small.glb"));
     CHECK(glb.problems() == std::vector<std::string>{});
     const json& samplers = glb.document.at("animations").at(0).at("samplers");

@@ -5,7 +5,7 @@ import { mkdtemp, readFile, rm, stat } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
-import { closeBrowser, openPage, pixels, sinew } from "./browser.mjs";
+import { closeBrowser, isEmpty, openPage, pixels, sinew } from "./browser.mjs";
 
 const graph = "graphs/scenes/arm.json";
 let folder, file, page, size;
@@ -107,20 +107,180 @@ test("the keyboard plays, steps and toggles", async () => {
     const stopped = (await state()).frame;
     await page.waitForTimeout(200);
     assert.equal((await state()).frame, stopped);
-    for (const [key, get] of [["t", (s) => s.theme], ["w", (s) => s.surface], ["s", (s) => s.smooth], ["l", (s) => s.overlays.lattice],
+    const picture = () => page.evaluate(() => sinew.picture());
+    // Each of these changes what is seen, and pressed again brings it back.
+    for (const [key, get] of [["t", (s) => s.theme], ["s", (s) => s.smooth], ["l", (s) => s.overlays.lattice], ["x", (s) => s.opacity],
         ["b", (s) => s.overlays.fibres], ["a", (s) => s.overlays.attachments], ["g", (s) => s.overlays.grid], ["c", (s) => s.cut.on],
-        ["v", (s) => s.colourBy], ["n", (s) => s.panel], ["p", (s) => s.panelOpen], ["r", (s) => s.loop]]) {
+        ["v", (s) => s.colourBy]]) {
+        const was = get(await state()), seen = await picture();
+        await page.keyboard.press(key);
+        assert.notEqual(get(await state()), was, key);
+        assert.notEqual(await picture(), seen, `${key} changes the picture`);
+        await page.keyboard.press(key);
+        assert.equal(get(await state()), was, key);
+        assert.equal(await picture(), seen, `${key} brings it back`);
+    }
+    const surfaces = [await picture()];
+    for (const name of ["edges", "wire", "shaded"]) {
+        await page.keyboard.press("w");
+        assert.equal((await state()).surface, name);
+        surfaces.push(await picture());
+    }
+    assert.equal(surfaces[3], surfaces[0]);
+    assert.equal(new Set(surfaces).size, 3);
+    for (const [key, get] of [["n", (s) => s.panel], ["p", (s) => s.panelOpen], ["r", (s) => s.loop]]) {
         const was = get(await state());
         await page.keyboard.press(key);
         assert.notEqual(get(await state()), was, key);
         await page.keyboard.press(key);
-        if (key === "w") await page.keyboard.press(key);
         assert.equal(get(await state()), was, key);
     }
+    await page.keyboard.press("+");
+    assert.equal((await state()).speed, 2);
+    await page.keyboard.press("-");
+    assert.equal((await state()).speed, 1);
+    // The panel is gone and back: the view is as large as before.
+    const tall = () => page.evaluate(() => document.querySelector(".panel-body").clientHeight), before = await tall();
+    await page.keyboard.press("m");
+    assert.ok((await tall()) > before + 100);
+    await page.keyboard.press("m");
+    assert.equal(await tall(), before);
+    const seen = new Set();
+    for (const key of ["1", "2", "3", "4"]) {
+        await page.keyboard.press(key);
+        seen.add(await picture());
+    }
+    assert.equal(seen.size, 4, "four sides look different");
+    // Bodies: alone, hidden, all; and F brings the selected one close.
+    await page.evaluate(() => sinew.selectBody("biceps"));
+    await page.keyboard.press("f");
+    assert.ok(!seen.has(await picture()));
+    await page.keyboard.press("i");
+    assert.deepEqual(await page.evaluate(() => sinew.drawn()), ["biceps"]);
+    await page.keyboard.press("i");
+    await page.keyboard.press("h");
+    assert.equal((await page.evaluate(() => sinew.drawn())).includes("biceps"), false);
+    await page.keyboard.press("u");
+    assert.equal((await page.evaluate(() => sinew.drawn())).length, 12);
+    await page.keyboard.press("Escape");
+    assert.equal((await state()).selectedNode, null);
+    await page.keyboard.press("4");
+    // There are no contacts: the key says so and leaves all as it is.
+    await page.keyboard.press("k");
+    assert.equal((await state()).overlays.contacts, false);
+    assert.equal(await page.locator(".legend-card").count(), 0);
+    assert.match(await page.locator(".toast").innerText(), /no contacts/);
     await page.keyboard.press("?");
     assert.ok(await page.isVisible(".sheet"));
     await page.keyboard.press("Escape");
     assert.ok(!(await page.isVisible(".sheet")));
+});
+
+test("short-cuts work after a field was used, and leave it alone while it is used", async () => {
+    const state = () => page.evaluate(() => sinew.state);
+    await page.evaluate(() => sinew.setFrame(1));
+    await page.locator(".frame-number").click();
+    await page.locator(".frame-number").fill("20");
+    await page.keyboard.press("Enter");
+    assert.equal(await page.evaluate(() => sinew.frame), 20);
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.evaluate(() => sinew.frame), 21);
+    await page.keyboard.press("Space");
+    assert.equal((await state()).playing, true);
+    await page.keyboard.press("Space");
+
+    const colours = page.locator('select[aria-label="Colour by"]');
+    await colours.selectOption("volume");
+    await colours.focus();
+    await page.keyboard.press("l");
+    assert.deepEqual([(await state()).colourBy, (await state()).overlays.lattice], ["volume", true]);
+    await page.keyboard.press("l");
+    await colours.selectOption("material");
+
+    await page.evaluate(() => sinew.setFrame(20));
+    await page.locator('[aria-label="Opacity of tissues"]').focus();
+    const opacity = (await state()).opacity;
+    await page.keyboard.press("ArrowLeft");
+    assert.ok((await state()).opacity < opacity);
+    assert.equal(await page.evaluate(() => sinew.frame), 20);
+    await page.keyboard.press("ArrowRight");
+
+    await page.locator('[aria-label^="Last frame"]').focus(); // by the keyboard: space presses it
+    await page.keyboard.press("Space");
+    assert.deepEqual([await page.evaluate(() => sinew.frame), (await state()).playing], [128, false]);
+    await page.locator('[aria-label^="First frame"]').click(); // by the mouse: space plays
+    await page.keyboard.press("Space");
+    assert.equal((await state()).playing, true);
+    await page.keyboard.press("Space");
+    await page.locator(".search").evaluate((e) => e.closest(".graph-tools").hidden); // the graph is closed
+    await page.evaluate(() => (sinew.set({ panel: "graph" }), sinew.setFrame(5)));
+    await page.locator(".search").fill("bl");
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("ArrowRight");
+    assert.equal(await page.evaluate(() => sinew.frame), 6);
+    await page.locator(".search").fill("");
+    await page.keyboard.press("Escape");
+    await page.evaluate(() => sinew.set({ panel: "timeline", opacity: 1, opacityIsAutomatic: true }));
+});
+
+test("colours stand for the solver's numbers, and legends have units", async () => {
+    const found = await page.evaluate(() => {
+        sinew.setFrame(64);
+        sinew.toggle("fibres", true);
+        sinew.toggle("attachments", true);
+        const linear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+        const body = sinew.scene.bodies.find((b) => b.name === "biceps"), at = sinew.state.frame;
+        const longest = sinew.scene.attachments.map((_, i) => sinew.stretch(i));
+        const which = longest.indexOf(Math.max(...longest)), most = sinew.state.ranges.distance[1];
+        const dots = sinew.drawnColours("attachments", which);
+        const wanted = sinew.colourAt("distance", (1000 * longest[which]) / most).map(linear);
+        let nearest = Infinity;
+        for (let i = 0; i < dots.length; i += 3) nearest = Math.min(nearest, Math.max(...wanted.map((c, k) => Math.abs(c - dots[i + k]))));
+        return {
+            fibre: sinew.drawnColours("fibres", "biceps").slice(0, 3),
+            excitation: sinew.colourAt("heat", body.fibres[0].excitation[at]).map(linear),
+            share: body.fibres[0].excitation[at],
+            nearest,
+        };
+    });
+    assert.ok(found.share > 0.3 && found.share < 1);
+    found.fibre.forEach((c, k) => assert.ok(Math.abs(c - found.excitation[k]) < 0.01, `fibre colour ${found.fibre} for ${found.excitation}`));
+    assert.ok(found.nearest < 0.01, "the longest attachment has the colour of its length");
+    assert.match(await page.locator(".legend-card[data-quantity=excitation]").innerText(), /%/);
+    assert.match(await page.locator(".legend-card[data-quantity=distance]").innerText(), /mm/);
+    assert.match(await page.locator(".legend-card[data-quantity=distance]").innerText(), /fixed/);
+    await page.evaluate(() => (sinew.toggle("fibres", false), sinew.toggle("attachments", false), sinew.set({ colourBy: "stretch" })));
+    assert.match(await page.locator(".legend-card[data-quantity=stretch]").innerText(), /Largest stretch %/);
+    await page.evaluate(() => sinew.set({ colourBy: "material" }));
+});
+
+test("a click finds what the cut plane leaves, and nothing where it leaves nothing", async () => {
+    const samples = await page.evaluate(() => {
+        sinew.setFrame(64);
+        sinew.toggle("grid", false);
+        sinew.look("corner");
+        const low = [0, 1, 2].map((c) => Math.min(...sinew.scene.bodies.filter((b) => b.kind !== "bone").map((b) => b.rest.reduce((m, x, i) => (i % 3 === c ? Math.min(m, x) : m), Infinity))));
+        const high = [0, 1, 2].map((c) => Math.max(...sinew.scene.bodies.filter((b) => b.kind !== "bone").map((b) => b.rest.reduce((m, x, i) => (i % 3 === c ? Math.max(m, x) : m), -Infinity))));
+        const middle = (low[1] + high[1]) / 2, kept = [], gone = [];
+        for (const b of sinew.scene.bodies.filter((x) => x.kind === "tissue"))
+            for (let v = 0; v < b.vertices; v += 11) {
+                const at = sinew.project(sinew.vertexPosition(b.name, v));
+                if (sinew.bodyAt(...at) !== b.name) continue;
+                (b.rest[3 * v + 1] < middle - 0.5 ? kept : b.rest[3 * v + 1] > middle + 0.5 ? gone : []).push([b.name, at]);
+            }
+        sinew.set({ cut: { on: true, axis: 1, at: 0.5, flip: false } });
+        return { kept: kept.map(([name, at]) => [name, sinew.bodyAt(...at)]), gone: gone.map(([, at]) => [at, sinew.bodyAt(...at)]) };
+    });
+    assert.ok(samples.kept.length > 20 && samples.gone.length > 20, `${samples.kept.length}, ${samples.gone.length}`);
+    for (const [name, found] of samples.kept) assert.equal(found, name);
+    const empty = await isEmpty(page, samples.gone.map(([at]) => at));
+    assert.ok(empty.some(Boolean), "the cut takes something away");
+    samples.gone.forEach(([, found], i) => empty[i] && assert.equal(found, null));
+    // The other side: what was kept is gone now.
+    const flipped = await page.evaluate((points) => (sinew.set({ cut: { on: true, axis: 1, at: 0.5, flip: true } }), points.map((p) => sinew.bodyAt(...p))),
+        samples.gone.map(([at]) => at));
+    assert.ok(flipped.every((name) => name !== null), "what the one side takes, the other leaves");
+    await page.evaluate(() => (sinew.set({ cut: { on: false, axis: 0, at: 0.5, flip: false } }), sinew.toggle("grid", true)));
 });
 
 test("every overlay and every colouring changes the picture, and off brings it back", async () => {
@@ -132,7 +292,7 @@ test("every overlay and every colouring changes the picture, and off brings it b
         await page.evaluate((name) => sinew.toggle(name, false), overlay);
         assert.equal(await page.evaluate(() => sinew.picture()), plain, overlay);
     }
-    for (const colourBy of ["volume", "strain", "area", "weights"]) {
+    for (const colourBy of ["volume", "stretch", "area", "weights"]) {
         await page.evaluate((value) => sinew.set({ colourBy: value }), colourBy);
         assert.notEqual(await page.evaluate(() => sinew.picture()), plain, colourBy);
         const card = page.locator(".legend-card");
@@ -150,15 +310,23 @@ test("switches, eyes and solo on the page do what they say", async () => {
     assert.equal(await page.evaluate(() => sinew.state.overlays.fibres), true);
     assert.equal(await page.locator(".legend-card[data-quantity=excitation]").count(), 1);
     await page.locator("label.toggle", { hasText: "Fibres" }).click();
-    const row = page.locator('.body-row[data-body="humerus"]');
+    const row = page.locator('.body-row[data-body="humerus"]'), drawn = () => page.evaluate(() => sinew.drawn());
+    const all = await drawn(), share = async () => (await pixels(page)).share, full = await share();
+    assert.equal(all.length, 12);
     await row.locator('[aria-label="Show or hide"]').click();
-    assert.equal(await page.evaluate(() => sinew.state.visible[sinew.scene.bodies.findIndex((b) => b.name === "humerus")]), false);
+    assert.deepEqual(await drawn(), all.filter((name) => name !== "humerus"));
+    const without = await share();
+    assert.ok(without < full, `${without} of ${full}`);
     await row.locator('[aria-label="Show or hide"]').click();
+    assert.deepEqual(await drawn(), all);
+    assert.equal(await share(), full);
     await row.hover();
     await row.locator('[aria-label="Show it alone"]').click();
-    assert.ok((await pixels(page)).share > 0.001);
-    assert.equal(await page.evaluate(() => sinew.state.solo), 1);
+    assert.deepEqual(await drawn(), ["humerus"]);
+    const alone = await share();
+    assert.ok(alone > 0.001 && alone < 0.6 * full, `${alone} of ${full}`);
     await page.evaluate(() => sinew.solo(null));
+    assert.equal(await share(), full);
 });
 
 test("a click on a body selects its node, and a click on a node selects its bodies", async () => {
@@ -181,6 +349,7 @@ test("a click on a body selects its node, and a click on a node selects its bodi
     await page.locator('g.node[data-node="tricepsLongFibre"]').click();
     assert.deepEqual(await page.evaluate(() => sinew.state.selectedBodies.map((i) => sinew.scene.bodies[i].name)), ["tricepsLong"]);
     assert.deepEqual(await page.evaluate(() => sinew.bodiesOf("bicepsToRadius").sort()), ["biceps", "radius"]);
+    assert.equal(await page.evaluate(() => sinew.bodiesOf("solver").length), 12);
     await page.keyboard.press("Escape");
 });
 
@@ -207,6 +376,10 @@ test("a page of the run's folder has the same vertices", async () => {
     assert.ok(distance(found, expected[777]) < 1e-5 * size);
     assert.ok(await second.evaluate(() => sinew.scene.frames[49].newton > 0), "report.json is read");
     assert.equal(await second.evaluate(() => sinew.scene.graph.nodes.length), 108);
+    // Keys for what the files do not have change nothing.
+    for (const key of ["l", "b", "a", "v", "k"]) await second.keyboard.press(key);
+    assert.deepEqual(await second.evaluate(() => [sinew.state.colourBy, Object.entries(sinew.state.overlays).filter(([, on]) => on).map(([name]) => name)]), ["material", ["grid"]]);
+    assert.equal(await second.locator(".legend-card").count(), 0);
     assert.deepEqual(second.problems, []);
     await second.context().close();
 });

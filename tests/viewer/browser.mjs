@@ -3,7 +3,7 @@
 import { execFile } from "node:child_process";
 import { existsSync } from "node:fs";
 import path from "node:path";
-import { fileURLToPath } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { promisify } from "node:util";
 import { chromium } from "playwright-core";
 
@@ -35,7 +35,7 @@ export async function closeBrowser() {
 }
 
 /** Opens a page from disk and waits until it is ready. `page.problems` and `page.requests` collect what must not be. */
-export async function openPage(file, options = {}) {
+export async function openPage(file, options = {}, link = pathToFileURL(file).href) {
     const context = await (await openBrowser()).newContext({ viewport: { width: 1280, height: 800 }, offline: true, ...options });
     const page = await context.newPage();
     page.problems = [];
@@ -43,9 +43,30 @@ export async function openPage(file, options = {}) {
     page.on("console", (m) => m.type() === "error" && page.problems.push(m.text()));
     page.on("pageerror", (e) => page.problems.push(e.message));
     page.on("request", (r) => page.requests.push(r.url()));
-    await page.goto("file://" + file);
+    await page.goto(link);
     await page.waitForFunction(() => document.documentElement.dataset.ready, null, { timeout: 120000 });
     return page;
+}
+
+/** Whether a 5 x 5 patch of the canvas shows nothing but the background; points of the page in CSS pixels. The ground must
+    be off. */
+export async function isEmpty(page, points) {
+    const url = await page.evaluate(() => sinew.picture());
+    return page.evaluate(async ([data, list]) => {
+        const image = new Image();
+        image.src = data;
+        await image.decode();
+        const canvas = document.createElement("canvas"), r = document.querySelector(".canvas").getBoundingClientRect();
+        (canvas.width = image.width), (canvas.height = image.height);
+        const g = canvas.getContext("2d"), s = image.width / r.width;
+        g.drawImage(image, 0, 0);
+        const [a, b, c] = g.getImageData(0, 0, 1, 1).data;
+        return list.map(([x, y]) => {
+            const p = g.getImageData(Math.round((x - r.left) * s) - 2, Math.round((y - r.top) * s) - 2, 5, 5).data;
+            for (let i = 0; i < p.length; i += 4) if (Math.abs(p[i] - a) + Math.abs(p[i + 1] - b) + Math.abs(p[i + 2] - c) > 6) return false;
+            return true;
+        });
+    }, [url, points]);
 }
 
 /** Share of the canvas's pixels that differ from its corner, and the number of colours. */

@@ -154,7 +154,7 @@ TEST_CASE("unreadable files and an empty folder are told, not thrown") {
     test::write_text(folder / "bad.1.obj", "");
     test::write_text(
         folder / "report.json",
-        R"({"frames": [3, {"frame": "x"}, {"frame": 1, "phases": 7, "wall_s": 0.5}], "graph": "gone.json"})");
+        R"({"frames": [3, {"frame": "x"}, {"frame": 1, "phases": 7, "wall_s": 0.5}, {"frame": 2}], "graph": "gone.json"})");
     const ViewScene scene = collect_folder(folder.path());
     REQUIRE(scene.bodies.size() == 1);
     CHECK(scene.bodies[0].present == std::vector<char>{1, 0});

@@ -5,6 +5,7 @@ import { mkdtemp, readFile, rm, writeFile } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
 import { after, before, test } from "node:test";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { closeBrowser, openBrowser, openPage, pixels, sinew } from "./browser.mjs";
 
 let folder;
@@ -15,12 +16,13 @@ after(async () => {
 });
 
 test("sinew run --open says where the page is, and the page has the run's times", async () => {
-    const out = path.join(folder, "learn");
+    const out = path.join(folder, "learn #1%41 ü");
     const run = await sinew("run", "graphs/learn/02_muscle_pulls.json", "--frames", "1-5", "--out", out, "--open");
     assert.equal(run.code, 0, run.err);
-    const file = run.out.match(/^open file:\/\/(.*)$/m)[1];
+    const link = run.out.match(/^open (file:.*)$/m)[1], file = fileURLToPath(link);
     assert.equal(file, path.join(out, "view.html"));
-    const page = await openPage(file);
+    assert.equal(link, pathToFileURL(file).href);
+    const page = await openPage(file, {}, link);
     assert.deepEqual(await page.evaluate(() => sinew.frames), [1, 2, 3, 4, 5]);
     assert.ok(await page.evaluate(() => sinew.scene.frames[3].wall_s > 0 && !sinew.scene.frames[3].reused));
     assert.ok((await pixels(page)).share > 0.01);

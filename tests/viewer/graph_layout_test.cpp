@@ -5,6 +5,7 @@
 #include "tools/viewer/graph_layout.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 
 using namespace sinew;
 using namespace sinew::viewer;
@@ -90,4 +91,20 @@ TEST_CASE("an SVG names every node and every wire") {
     for (const GraphBox& b : d.boxes) CHECK(svg.find("data-node=\"" + b.name + "\"") != std::string::npos);
     CHECK(svg.find("data-from=\"holdTop\" data-to=\"solver\"") != std::string::npos);
     CHECK(d.wires.size() == 27);
+}
+
+TEST_CASE("what feeds a muscle stands beside it, also in a graph of a hundred nodes") {
+    const auto graph =
+        engine::load_graph(nodes::make_registry(), std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm.json")
+            .graph;
+    const GraphDrawing d = layout_graph(*graph);
+    REQUIRE(d.boxes.size() > 100);
+    double sum = 0;
+    for (const GraphWire& w : d.wires) {
+        const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)],
+                       &to = d.boxes[static_cast<std::size_t>(w.to)];
+        sum += std::abs(from.y + from.height / 2 - to.y - to.height / 2);
+    }
+    // A box is about 100 high; at random a wire would climb a third of the drawing.
+    CHECK(sum / static_cast<double>(d.wires.size()) < 0.15 * d.height);
 }

@@ -54,7 +54,7 @@ TEST_CASE("a run that is too long for a page is thinned out in time, and says so
     CHECK(header["frames"][1]["frame"] == 5);
     CHECK(page.motion_bytes <= options.most_motion_bytes);
     REQUIRE(page.notes.size() == 1);
-    CHECK(page.notes[0].text.find("every 4. is shown") != std::string::npos);
+    CHECK(page.notes[0].text.find("every 4th is shown") != std::string::npos);
 }
 
 TEST_CASE("a million vertices give a page with what fits") {

@@ -16,11 +16,12 @@ const shoot = async (name, target = page) => {
     await page.waitForTimeout(300);
     await target.screenshot({ path: path.join(out, `${name}.png`) });
 };
-await page.evaluate(() => (sinew.setFrame(64), sinew.set({ theme: "light" })));
+await page.evaluate(() => (sinew.setFrame(64), sinew.set({ theme: "light" }), sinew.look("corner")));
 await shoot("viewer_page");
 await page.evaluate(() => {
     sinew.set({ theme: "dark", panel: "graph" });
     sinew.selectBody("biceps");
+    sinew.look("corner");
 });
 await shoot("viewer_graph_dark");
 
@@ -43,7 +44,7 @@ for (const frame of [1, 33, 64]) {
 // A cut through the tets, coloured by what they feel.
 await page.evaluate(() => {
     for (const overlay of ["fibres", "attachments"]) sinew.toggle(overlay, false);
-    sinew.set({ filledLattice: true, colourBy: "strain", cut: { on: true, axis: 1, at: 0.45, flip: false } });
+    sinew.set({ filledLattice: true, colourBy: "stretch", cut: { on: true, axis: 1, at: 0.45, flip: false } });
     sinew.draw();
 });
 await shoot("viewer_cut", page.locator("main.view"));

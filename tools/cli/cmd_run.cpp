@@ -7,10 +7,12 @@
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/run_output.h"
+#include "tools/cli/unfinished.h"
 #include "tools/viewer/run_page.h"
 
 #include <chrono>
 #include <cstring>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <ostream>
@@ -115,18 +117,21 @@ class Run {
                 has_error(problems))
                 throw engine::Failure(std::move(problems));
             check_writable(plan_.out);
+            begin_output();
             report_.setup_s = seconds_since(start);
             for (const int frame : plan_.frames) evaluate(frame);
         } catch (...) {
             // The finished frames stay, and the report says what was done up to here.
             report_.wall_s = seconds_since(start);
+            report_.error = describe(std::current_exception());
             progress_.clear();
-            if (!report_.frames.empty()) close_after_failure();
+            if (has_begun_) close_after_failure();
             throw;
         }
         close();
         report_.wall_s = seconds_since(start);
         write_report();
+        if (!plan_.out.empty()) mark_finished(plan_.out, mark());
         progress_.clear();
         print_summary();
         if (!in_.arguments.has("--strict") || report_.unconverged() == 0) return done;
@@ -135,7 +140,32 @@ class Run {
     }
 
   private:
+    UnfinishedRun mark() const {
+        if (plan_.frames.empty()) return {report_.graph, 0, 0, 0, report_.error, false};
+        return {report_.graph,       plan_.frames.front(),
+                plan_.frames.back(), static_cast<int>(plan_.frames.size()),
+                report_.error,       false};
+    }
+
+    /// From here on there is something to close, and a run that is killed leaves its mark.
+    void begin_output() {
+        has_begun_ = true;
+        if (!plan_.out.empty()) mark_unfinished(plan_.out, mark());
+    }
+
+    RunError describe(const std::exception_ptr& what) const {
+        try {
+            std::rethrow_exception(what);
+        } catch (const engine::Failure& failure) {
+            const engine::Diagnostic& d = failure.diagnostics().front();
+            return {frame_, d.code, d.node, d.message};
+        } catch (const std::exception& other) {
+            return {frame_, "", "", other.what()};
+        }
+    }
+
     void evaluate(int frame) {
+        frame_ = frame;
         progress_.begin_frame(frame);
         const Clock::time_point start = Clock::now();
         FrameReport f;
@@ -180,7 +210,7 @@ class Run {
 
     void close() {
         if (!plan_.out.empty()) output_.finish();
-        if (in_.arguments.has("--open") && !report_.frames.empty() && !in_.stop.stop_requested())
+        if (in_.arguments.has("--open") && !in_.stop.stop_requested())
             page_ = viewer::write_run_page(plan_.out, plan_.graph, evaluator_, report_, in_.stop);
     }
 
@@ -191,13 +221,33 @@ class Run {
 
     /// What goes wrong here is told, but the first failure is the one that counts.
     void close_after_failure() {
-        for (const auto part : {&Run::close, &Run::write_report}) {
+        // A report in the same folder says it already.
+        const auto leave_mark = [this] {
+            if (plan_.out.empty()) return;
+            const fs::path report = in_.arguments.value("--report").value_or("");
+            std::error_code error;
+            if (!report.empty() && fs::equivalent(fs::absolute(report).parent_path(), plan_.out, error))
+                mark_finished(plan_.out, mark());
+            else
+                mark_unfinished(plan_.out, mark());
+        };
+        const std::function<void()> parts[] = {[this] { close(); }, [this] { write_report(); }, leave_mark};
+        for (const auto& part : parts) {
             try {
-                (this->*part)();
+                part();
             } catch (const engine::Failure& second) {
                 print_diagnostics(second.diagnostics(), json_, in_.out, in_.err);
             }
         }
+        print_page();
+    }
+
+    /// One line that --quiet keeps: --open asks for it.
+    void print_page() {
+        if (!page_.empty() && !json_) in_.out << "open " << file_url(page_) << "\n";
+        if (!page_.empty() && json_ && report_.error)
+            in_.out << nlohmann::ordered_json({{"event", "page"}, {"page", page_.string()}}).dump() << "\n";
+        in_.out.flush();
     }
 
     void print_summary() {
@@ -213,7 +263,7 @@ class Run {
             in_.out << line.dump() << "\n";
             return;
         }
-        if (in_.arguments.has("--quiet")) return;
+        if (in_.arguments.has("--quiet")) return print_page();
         in_.out << summary(report_);
         for (const fs::path& path : output_.written()) in_.out << "wrote " << path.string() << "\n";
         if (const std::size_t older = plan_.out.empty() ? 0 : output_.older_files())
@@ -221,7 +271,7 @@ class Run {
                     << " mesh files from before this run; they were left as they are\n";
         if (plan_.out.empty()) in_.out << "nothing was written; --out DIR keeps the meshes\n";
         if (const auto file = in_.arguments.value("--report")) in_.out << "wrote " << *file << "\n";
-        if (!page_.empty()) in_.out << "open file://" << page_.string() << "\n";
+        print_page();
     }
 
     const Invocation& in_;
@@ -232,6 +282,8 @@ class Run {
     RunOutput output_;
     RunReport report_;
     fs::path page_; ///< written for --open
+    int frame_ = 0; ///< the one at work
+    bool has_begun_ = false;
 };
 
 ExitCode run_graph(const Invocation& in) {

@@ -8,7 +8,9 @@
 #include "tools/cli/problems.h"
 #include "tools/render/movie.h"
 #include "tools/viewer/collect.h"
+#include "tools/viewer/collect_glb.h"
 #include "tools/viewer/shot.h"
+#include "tools/viewer/shot_overlays.h"
 
 #include <algorithm>
 #include <ostream>
@@ -51,16 +53,23 @@ Album make_album(viewer::ViewScene scene, const std::vector<int>& frames) {
 }
 
 Album album_of_folder(const Invocation& in, const fs::path& folder) {
-    const SequenceFolder found = find_sequences(folder);
-    if (found.bodies.empty())
-        throw UsageError("there are no OBJ sequences in '" + folder.string() +
-                         "'; make them with `sinew run … --format obj --out " + folder.string() + "`.");
-    const std::vector<int> frames = chosen_frames(in.arguments, {found.frames.begin(), found.frames.end()});
+    std::set<int> there = find_sequences(folder).frames;
+    if (const fs::path glb = viewer::find_glb(folder); there.empty() && !glb.empty()) {
+        try {
+            there = viewer::GlbRun(glb).frames().numbers;
+        } catch (const std::runtime_error& e) {
+            throw UsageError(glb.string() + " cannot be read: " + e.what() + ".");
+        }
+    }
+    if (there.empty())
+        throw UsageError("there are no OBJ sequences and no GLB in '" + folder.string() +
+                         "'; make them with `sinew run … --out " + folder.string() + "`.");
+    const std::vector<int> frames = chosen_frames(in.arguments, {there.begin(), there.end()});
     for (const int frame : frames)
-        if (!found.frames.contains(frame))
+        if (!there.contains(frame))
             throw UsageError("there is no frame " + std::to_string(frame) + " in '" + folder.string() +
-                             "'; it has " + std::to_string(*found.frames.begin()) + " to " +
-                             std::to_string(*found.frames.rbegin()) + ".");
+                             "'; it has " + std::to_string(*there.begin()) + " to " +
+                             std::to_string(*there.rbegin()) + ".");
     return make_album(viewer::collect_folder(folder, sorted(frames)), frames);
 }
 
@@ -77,7 +86,7 @@ Album album_of_graph(const Invocation& in) {
     viewer::Evaluation e;
     e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
     e.shown = {plug};
-    e.keeps_frames = e.with_lattices = false;
+    e.keeps_frames = false, e.with_lattices = in.arguments.has("--overlays");
     Album album = make_album(viewer::collect_graph(e), frames);
     if (album.scene.bodies.empty()) throw UsageError(plug.text() + " gives no meshes.");
     print_diagnostics(warnings.take(), false, in.out, in.err);
@@ -96,7 +105,22 @@ std::pair<int, int> parse_size(const std::string& text) {
 struct Drawing {
     render::View view;
     int width = 0, height = 0, smoothing = 3;
+    std::set<std::string> overlays;
 };
+
+std::set<std::string> parse_overlays(const Arguments& arguments) {
+    std::set<std::string> out;
+    const auto text = arguments.value("--overlays");
+    if (!text) return out;
+    const std::vector<std::string> known(viewer::overlay_names().begin(), viewer::overlay_names().end());
+    for (const std::string& word : split(*text, ',')) {
+        if (!viewer::overlay_names().contains(word))
+            throw UsageError("unknown overlay '" + word + "'; known are lattice, fibers and attachments." +
+                             did_you_mean(word, known));
+        out.insert(word);
+    }
+    return out;
+}
 
 Drawing parse_drawing(const Arguments& arguments) {
     const auto view_text = arguments.value("--view").value_or("corner");
@@ -111,7 +135,7 @@ Drawing parse_drawing(const Arguments& arguments) {
         throw UsageError("--up needs y or z, not '" + up + "'.");
     const int smoothing = arguments.whole_number("--smooth", 3, 1);
     if (smoothing > 8) throw UsageError("--smooth needs at most 8.");
-    return {*view, width, height, smoothing};
+    return {*view, width, height, smoothing, parse_overlays(arguments)};
 }
 
 /// The ffmpeg to use. All that can be wrong with the words is said before anything is computed.
@@ -138,14 +162,14 @@ std::string movie_of(const Album& album, const Drawing& drawing, const fs::path&
     // One camera that holds the whole motion, so that what stands still does so in the movie.
     render::Framing framing(drawing.view, static_cast<double>(drawing.width) / drawing.height);
     for (const std::size_t f : album.shots)
-        for (const render::Surface& surface : viewer::shot_of(album.scene, f).surfaces)
+        for (const render::Surface& surface : viewer::shot_of(album.scene, f, {}).surfaces)
             framing.add(surface.points);
     const render::Camera camera = framing.camera();
     render::Movie movie;
     for (const std::size_t f : album.shots) {
         if (stop.stop_requested()) throw engine::Cancelled();
-        movie.add(render::labelled_picture(viewer::shot_of(album.scene, f), camera, drawing.width,
-                                           drawing.height, drawing.smoothing));
+        movie.add(render::labelled_picture(viewer::shot_of(album.scene, f, drawing.overlays), camera,
+                                           drawing.width, drawing.height, drawing.smoothing));
     }
     std::string bytes = movie.encode(ffmpeg, fps, stop);
     if (bytes.empty()) throw engine::Cancelled();
@@ -154,7 +178,8 @@ std::string movie_of(const Album& album, const Drawing& drawing, const fs::path&
 
 std::string picture_of(const Album& album, const Drawing& drawing) {
     std::vector<render::Shot> shots;
-    for (const std::size_t f : album.shots) shots.push_back(viewer::shot_of(album.scene, f));
+    for (const std::size_t f : album.shots)
+        shots.push_back(viewer::shot_of(album.scene, f, drawing.overlays));
     return render::encode_png(
         render::contact_sheet(shots, drawing.view, drawing.width, drawing.height, drawing.smoothing));
 }
@@ -168,6 +193,9 @@ ExitCode snapshot(const Invocation& in) {
     const int fps = arguments.whole_number("--fps", 0, 1);
 
     const fs::path source = arguments.operand(0).value();
+    if (fs::is_directory(source) && !drawing.overlays.empty())
+        throw UsageError("--overlays is for graphs; the files in '" + source.string() +
+                         "' hold surfaces only.");
     const Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
     for (const viewer::ViewNote& note : album.scene.notes)
         if (note.is_warning) in.err << "sinew snapshot: " << note.text << "\n";
@@ -194,24 +222,27 @@ ExitCode snapshot(const Invocation& in) {
 } // namespace
 
 Command snapshot_command() {
-    return {"snapshot",
-            "draw chosen frames side by side into a PNG, or all into a movie",
-            {{"SOURCE", "a folder that `sinew run --format obj` wrote, or a graph file"}},
-            {{"--frames", "LIST", frames_doc},
-             {"--output", "FILE", "default: snapshot.png", false, 'o'},
-             {"--movie", "FILE.mp4", "a movie of the frames instead of a picture; needs ffmpeg"},
-             {"--fps", "N", "of the movie; default: the scene's"},
-             {"--size", "WxH", "of the whole picture; default: 1600x900"},
-             {"--view", "VIEW",
-              "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
-             {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
-             {"--smooth", "N", "samples along each side of a pixel; default: 3"},
-             {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
-             {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
-             {"--threads", "N", "graphs: default: all cores", false, 'j'}},
-            "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
-            "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",
-            snapshot};
+    return {
+        "snapshot",
+        "draw chosen frames side by side into a PNG, or all into a movie",
+        {{"SOURCE", "a folder that `sinew run --out` wrote (OBJ or GLB), or a graph file"}},
+        {{"--frames", "LIST", frames_doc},
+         {"--output", "FILE", "default: snapshot.png", false, 'o'},
+         {"--movie", "FILE.mp4", "a movie of the frames instead of a picture; needs ffmpeg"},
+         {"--fps", "N", "of the movie; default: the scene's"},
+         {"--size", "WxH", "of the whole picture; default: 1600x900"},
+         {"--view", "VIEW",
+          "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
+         {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
+         {"--overlays", "LIST",
+          "graphs: lattice, fibers, attachments; flesh is then seen through. Same colours as in the viewer"},
+         {"--smooth", "N", "samples along each side of a pixel; default: 3"},
+         {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
+         {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
+         {"--threads", "N", "graphs: default: all cores", false, 'j'}},
+        "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
+        "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",
+        snapshot};
 }
 
 } // namespace sinew::cli

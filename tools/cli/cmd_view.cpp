@@ -9,6 +9,7 @@
 #include "tools/cli/progress.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
+#include "tools/viewer/recorder.h"
 
 #include <algorithm>
 #include <numeric>
@@ -26,6 +27,27 @@ std::vector<int> wanted_frames(const Arguments& arguments) {
     std::vector<int> frames = text ? parse_frames(*text) : std::vector<int>{};
     std::sort(frames.begin(), frames.end());
     return frames;
+}
+
+std::string counted(std::size_t count, const std::string& one, const std::string& several) {
+    return std::to_string(count) + " " + (count == 1 ? one : several);
+}
+
+void note_outside(const engine::Timing& timing, const std::vector<int>& frames, viewer::ViewScene& scene) {
+    std::vector<int> outside;
+    for (const int f : frames)
+        if (f < timing.start || f > timing.end) outside.push_back(f);
+    if (!outside.empty())
+        scene.notes.push_back(
+            {true, "Frame" + std::string(outside.size() == 1 ? " " : "s ") + viewer::frame_list(outside) +
+                       (outside.size() == 1 ? " lies" : " lie") + " outside the graph's timing, " +
+                       std::to_string(timing.start) + " to " + std::to_string(timing.end) + "."});
+}
+
+/// view.html, unless that is a page with more in it than the folder's meshes can give.
+fs::path page_in(const fs::path& folder) {
+    const fs::path usual = folder / "view.html";
+    return viewer::holds_evaluated_page(usual) ? folder / "view_files.html" : usual;
 }
 
 viewer::ViewScene scene_of_graph(const Invocation& in) {
@@ -60,6 +82,7 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
         progress.end_frame({f.frame, f.reused, f.wall_s, f.step}, "");
     };
     viewer::ViewScene scene = viewer::collect_graph(e);
+    note_outside(open.graph->timing(), e.frames, scene);
     progress.clear();
     return scene;
 }
@@ -71,10 +94,10 @@ std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
         if (b.lattice) tets += b.lattice->tets.size();
     }
     using viewer::size_text;
-    return size_text(page.html.size()) + ": " + std::to_string(scene.bodies.size()) + " bodies, " +
-           std::to_string(vertices) + " vertices, " + std::to_string(tets) + " tets, " +
-           std::to_string(scene.frames.size()) + " frames; the run takes " + size_text(page.packed_bytes) +
-           " of it, the viewer " + size_text(page.asset_bytes);
+    return size_text(page.html.size()) + ": " + counted(scene.bodies.size(), "body", "bodies") + ", " +
+           counted(vertices, "vertex", "vertices") + ", " + counted(tets, "tet", "tets") + ", " +
+           counted(scene.frames.size(), "frame", "frames") + "; the run takes " +
+           size_text(page.packed_bytes) + " of it, the viewer " + size_text(page.asset_bytes);
 }
 
 ExitCode view(const Invocation& in) {
@@ -84,18 +107,32 @@ ExitCode view(const Invocation& in) {
         (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
         throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() +
                          "' is a folder.");
+    if (const fs::path page = in.arguments.value("--output").value_or("");
+        fs::is_directory(page)) // before a long run
+        throw UsageError("--output names the folder '" + page.string() +
+                         "'; give the page a name, for example " + (page / "view.html").string() + ".");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1))
                                 << 20;
     const viewer::ViewScene scene =
         is_folder ? viewer::collect_folder(source, wanted_frames(in.arguments)) : scene_of_graph(in);
     const viewer::Page page = viewer::write_page(scene, options);
-    const std::string otherwise = is_folder ? (source / "view.html").string() : scene.title + ".html";
+    const std::string otherwise = is_folder ? page_in(source).string() : scene.title + ".html";
     const fs::path file = in.arguments.value("--output").value_or(otherwise);
     write_file(file, page.html);
     for (const viewer::ViewNote& note : page.notes)
         if (note.is_warning) in.err << "sinew view: " << note.text << "\n";
-    in.out << "wrote " << file.string() << ", " << summary(scene, page) << "\n";
+    if (!in.arguments.has("--quiet")) {
+        if (is_folder && !in.arguments.has("--output") && file.filename() != "view.html")
+            in.out << "kept " << (source / "view.html").string()
+                   << ", which `sinew run --open` or `sinew view GRAPH` made\n";
+        in.out << "wrote " << file.string() << ", " << summary(scene, page) << "\n"
+               << "open " << file_url(fs::absolute(file)) << "\n";
+    }
+    if (in.stop.stop_requested()) {
+        in.err << "sinew view: cancelled\n";
+        return cancelled;
+    }
     // The page says what is wrong, and so does the exit code: a folder without a run is no success.
     return scene.bodies.empty() ? graph_wrong : done;
 }
@@ -105,7 +142,8 @@ ExitCode view(const Invocation& in) {
 Command view_command() {
     return {"view",
             "write a page that plays a run in a browser, with overlays, the graph and a time line",
-            {{"SOURCE", "a graph file, which is evaluated, or a folder that `sinew run --format obj` wrote"}},
+            {{"SOURCE",
+              "a graph file, which is evaluated, or a folder that `sinew run --out` wrote (OBJ or GLB)"}},
             {{"--output", "FILE", "the page; default: NAME.html, or view.html in the folder", false, 'o'},
              {"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: all"},
              {"--surfaces", "", "graphs: leave out tets, fibres and attachments; a smaller page"},

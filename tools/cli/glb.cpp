@@ -118,7 +118,14 @@ class Writer {
         for (std::size_t b = 0; b < in_.bodies.size(); ++b)
             if (!in_.bodies[b].triangles.empty() && !in_.bodies[b].poses.empty())
                 children.push_back(add_body(in_.bodies[b], static_cast<int>(b)));
-        json scene = {{"name", "sinew"}};
+        // For reading the run back (tools/viewer/collect_glb.cpp).
+        json scene = {{"name", "sinew"},
+                      {"extras",
+                       {{"sinew",
+                         {{"frames", in_.frames},
+                          {"fps", in_.fps},
+                          {"units_per_metre", in_.units_per_metre},
+                          {"up", std::string(1, in_.up)}}}}}};
         if (!children.empty()) {
             if (in_.up == 'z') { // one node that turns the scene upright
                 const double half = std::numbers::sqrt2 / 2;
@@ -200,7 +207,9 @@ class Writer {
         mesh["primitives"] = {primitive};
         document_["meshes"].push_back(mesh);
 
-        json node = {{"name", body.name}, {"mesh", document_["meshes"].size() - 1}};
+        json node = {{"name", body.name},
+                     {"mesh", document_["meshes"].size() - 1},
+                     {"extras", {{"kind", render::word_of(body.kind)}}}};
         if (rigid) {
             const Vec3 at = rigid->pivot / in_.units_per_metre;
             node["translation"] = {at[0], at[1], at[2]};

@@ -62,14 +62,14 @@ render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
     return n->type_name == "zCloth" ? render::BodyKind::cloth : render::BodyKind::plain;
 }
 
+} // namespace
+
 std::string file_name(const std::string& node) {
     std::string out;
     for (const char c : node)
         out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
     return out;
 }
-
-} // namespace
 
 OpenGraph open_graph(const Arguments& arguments) {
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), arguments.operand(0).value());

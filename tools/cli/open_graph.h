@@ -49,6 +49,9 @@ struct BodyLabel {
     render::BodyKind kind = render::BodyKind::plain;
 };
 
+/// The node's name with everything that a file name had better not hold replaced by '_'.
+std::string file_name(const std::string& node);
+
 /// Names and kinds for the `count` meshes that `plug` gives: the nodes connected to the list that the node
 /// works on (zSolver.bodies, zEmbedder.meshes), or the node's own name.
 std::vector<BodyLabel> body_labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count);

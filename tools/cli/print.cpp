@@ -215,6 +215,22 @@ std::string as_text(const Json& description) {
     return out;
 }
 
+std::string file_url(const std::filesystem::path& absolute) {
+    constexpr std::string_view plain = "/-._~!$&'()*+,;=:@"; // beside letters and digits
+    std::string out = "file://";
+    for (const char c : absolute.string()) {
+        const auto byte = static_cast<unsigned char>(c);
+        if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+            plain.find(c) != std::string_view::npos) {
+            out += c;
+            continue;
+        }
+        constexpr char digits[] = "0123456789ABCDEF";
+        out += {'%', digits[byte >> 4], digits[byte & 15]};
+    }
+    return out;
+}
+
 void print_diagnostics(std::span<const engine::Diagnostic> diagnostics, bool as_json, std::ostream& out,
                        std::ostream& err) {
     for (const engine::Diagnostic& d : diagnostics) {

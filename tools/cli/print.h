@@ -6,12 +6,16 @@
 #include "engine/value.h"
 #include "solver/state.h"
 
+#include <filesystem>
 #include <iosfwd>
 #include <nlohmann/json_fwd.hpp>
 #include <span>
 #include <string>
 
 namespace sinew::cli {
+
+/// "file:///tmp/a%20b/view.html", with everything escaped that a link cannot hold (RFC 3986).
+std::string file_url(const std::filesystem::path& absolute);
 
 /// What is in a value: numbers as they are, meshes by size, bounding box and digest.
 nlohmann::ordered_json describe_value(const engine::Value& value);

@@ -76,12 +76,17 @@ std::string report_json(const RunReport& r) {
                      {"peak_bytes", peak_bytes()}};
     out["frames"] = Json::array();
     for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f));
+    if (r.error) {
+        out["error"] = {{"frame", r.error->frame}, {"message", r.error->message}};
+        if (!r.error->code.empty()) out["error"]["code"] = r.error->code;
+        if (!r.error->node.empty()) out["error"]["node"] = r.error->node;
+    }
     out["size"] = Json::object();
     if (r.size)
         out["size"] = {{"bodies", r.size->bodies},           {"tets", r.size->tets},
                        {"triangles", r.size->triangles},     {"dofs", r.size->dofs},
                        {"attachments", r.size->attachments}, {"terms", r.size->terms}};
-    return out.dump(1) + "\n";
+    return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 std::string summary(const RunReport& r) {

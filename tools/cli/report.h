@@ -16,12 +16,19 @@ struct FrameReport {
     std::optional<solver::StepRecord> step; ///< none where no solver is involved
 };
 
+/// Why a run ended before its last frame.
+struct RunError {
+    int frame = 0; ///< the one that could not be had
+    std::string code, node, message;
+};
+
 struct RunReport {
     std::string graph;
     int threads = 0, frames_simulated = 0;
     double wall_s = 0;
     double setup_s = 0; ///< of wall_s: meshes, tets and everything else before the first frame
     std::vector<FrameReport> frames;
+    std::optional<RunError> error;
     std::optional<nodes::SolveReport> size; ///< of the last frame
     int unconverged() const;
 };

@@ -45,7 +45,7 @@ double scene_aspect(const std::vector<const Points*>& points, const View& view) 
 } // namespace
 
 Image labelled_picture(const Shot& shot, const Camera& camera, int width, int height, int smoothing) {
-    Image picture = draw_picture(shot.surfaces, camera, width, height, smoothing);
+    Image picture = draw_picture(shot.surfaces, camera, width, height, smoothing, shot.segments);
     const int scale = std::max(1, height / 160), border = 5 * scale;
     draw_text(picture, border, height - border - text_height(scale), shot.label, label_colour, scale);
     return picture;

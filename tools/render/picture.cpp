@@ -12,6 +12,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <tbb/parallel_for.h>
 
 namespace sinew::render {
@@ -67,8 +68,11 @@ Eigen::Vector2f spiral(int k, int n, float start) {
 
 class Painter {
   public:
-    Painter(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height)
+    /// \param smoothing samples to a pixel, for the width of segments
+    Painter(const std::vector<Surface>& surfaces, const std::vector<Segment>& segments, const Camera& camera,
+            int width, int height, int smoothing)
         : surfaces_(surfaces)
+        , segments_(segments)
         , width_(width)
         , height_(height)
         , tan_x_(static_cast<float>(camera.tan_x))
@@ -82,6 +86,8 @@ class Painter {
                 lit[s].vertices.push_back(shadow_frame_(p));
             }
         }
+        std::vector<solver::Triangle> ribbon_triangles;
+        if (!segments.empty()) seen.push_back(ribbons(camera, smoothing, ribbon_triangles));
         seen_ = rasterise(width, height, seen);
         lit_ = rasterise(shadow_size, shadow_size, lit);
     }
@@ -91,6 +97,8 @@ class Painter {
         const std::size_t cell = seen_.index(x, y);
         if (seen_.surface[cell] < 0) return background(x, y);
         const auto s = static_cast<std::size_t>(seen_.surface[cell]);
+        if (s == surfaces_.size())
+            return segments_[static_cast<std::size_t>(seen_.triangle[cell]) / 2].colour;
         const Surface& surface = surfaces_[s];
         const solver::Triangle& t = surface.triangles[static_cast<std::size_t>(seen_.triangle[cell])];
         const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
@@ -114,7 +122,42 @@ class Painter {
         return light(colour, surface.look.gloss, point, normal, eye, x, y);
     }
 
+    /// 1 / distance of what is seen there; -infinity for the background.
+    float nearness(int x, int y) const { return seen_.nearness[seen_.index(x, y)]; }
+    float opacity(int x, int y) const {
+        return surfaces_[static_cast<std::size_t>(seen_.surface[seen_.index(x, y)])].opacity;
+    }
+
   private:
+    /// Two triangles a segment that face the eye, a little nearer than it, so that lines on a surface are
+    /// seen.
+    ScreenSurface ribbons(const Camera& camera, int smoothing,
+                          std::vector<solver::Triangle>& triangles) const {
+        ScreenSurface out;
+        for (const Segment& segment : segments_) {
+            const Vec3f from = camera.to_camera(segment.from).cast<float>(),
+                        to = camera.to_camera(segment.to).cast<float>();
+            const float half = 0.5f * segment.width * static_cast<float>(smoothing);
+            ScreenVertex a, b; // behind the eye: nothing, but the count must stay
+            if (from[2] > 0 && to[2] > 0) a = project(from), b = project(to);
+            Eigen::Vector2f along(b.x - a.x, b.y - a.y);
+            const bool is_dot = along.norm() < 1e-3f;
+            along = is_dot ? Eigen::Vector2f(1, 0) : Eigen::Vector2f(along.normalized());
+            const Eigen::Vector2f across = half * Eigen::Vector2f(-along[1], along[0]);
+            const Eigen::Vector2f before = is_dot ? Eigen::Vector2f(half * along) : Eigen::Vector2f::Zero();
+            const auto first = static_cast<int>(out.vertices.size());
+            for (const ScreenVertex* end : {&a, &b})
+                for (const float side : {-1.0f, 1.0f}) {
+                    const Eigen::Vector2f shift = side * across + (end == &a ? -1.0f : 1.0f) * before;
+                    out.vertices.push_back({end->x + shift[0], end->y + shift[1], end->nearness * 1.0005f});
+                }
+            triangles.push_back({first, first + 1, first + 2});
+            triangles.push_back({first + 1, first + 3, first + 2});
+        }
+        out.triangles = &triangles;
+        return out;
+    }
+
     void pose(const Camera& camera) {
         const float infinity = std::numeric_limits<float>::infinity();
         shadow_frame_.towards = key.towards;
@@ -238,6 +281,7 @@ class Painter {
     }
 
     const std::vector<Surface>& surfaces_;
+    const std::vector<Segment>& segments_;
     int width_, height_;
     float tan_x_, tan_y_, diagonal_ = 1;
     ShadowFrame shadow_frame_;
@@ -268,15 +312,29 @@ Points grain_of(const Points& rest) {
 }
 
 Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height,
-                   int smoothing) {
-    const Painter painter(surfaces, camera, width * smoothing, height * smoothing);
+                   int smoothing, const std::vector<Segment>& segments) {
+    const auto is_solid = [](const Surface& s) { return s.opacity >= 1; };
+    std::vector<Surface> solids = surfaces, veils;
+    const auto first_veil = std::stable_partition(solids.begin(), solids.end(), is_solid);
+    veils.assign(std::make_move_iterator(first_veil), std::make_move_iterator(solids.end()));
+    solids.erase(first_veil, solids.end());
+    const int across = width * smoothing, down = height * smoothing;
+    const Painter painter(solids, segments, camera, across, down, smoothing);
+    const std::vector<Segment> none;
+    std::optional<Painter> veil;
+    if (!veils.empty()) veil.emplace(veils, none, camera, across, down, smoothing);
+    const auto sample = [&](int x, int y) -> Vec3f {
+        const Vec3f behind = painter.paint(x, y);
+        if (!veil || !(veil->nearness(x, y) > painter.nearness(x, y))) return behind;
+        return behind + veil->opacity(x, y) * (veil->paint(x, y) - behind);
+    };
     Image out(width, height);
     tbb::parallel_for(0, height, [&](int y) {
         for (int x = 0; x < width; ++x) {
             Vec3f sum = Vec3f::Zero();
             for (int j = 0; j < smoothing; ++j)
                 for (int i = 0; i < smoothing; ++i)
-                    sum += painter.paint(x * smoothing + i, y * smoothing + j).cwiseMin(1.0f);
+                    sum += sample(x * smoothing + i, y * smoothing + j).cwiseMin(1.0f);
             sum /= static_cast<float>(smoothing * smoothing);
             for (int k = 0; k < 3; ++k)
                 out.at(x, y)[static_cast<std::size_t>(k)] =

@@ -16,6 +16,15 @@ struct Surface {
     std::vector<solver::Triangle> triangles;
     Points grain; ///< rest position in the body's own frame: long axis first, half its length = 1
     Look look;
+    float opacity = 1; ///< below 1 what lies behind shines through; such surfaces do not show one another
+};
+
+/// A line that is as wide wherever it is; both ends at one place give a dot. It hides behind opaque surfaces,
+/// casts no shadow and is not lit.
+struct Segment {
+    Vec3 from, to;
+    Eigen::Vector3f colour; ///< linear light
+    float width = 1;        ///< pixels
 };
 
 /// Rest coordinates for the fibre grain: centred, turned to the principal axes, divided by half the longest
@@ -24,12 +33,13 @@ Points grain_of(const Points& rest);
 
 /// \param smoothing  samples along each side of a pixel
 Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height,
-                   int smoothing = 3);
+                   int smoothing = 3, const std::vector<Segment>& segments = {});
 
 /// One picture of a contact sheet.
 struct Shot {
     std::string label;
     std::vector<Surface> surfaces;
+    std::vector<Segment> segments = {};
 };
 
 /// A shot as this camera sees it, with its label in the lower left corner.

@@ -116,6 +116,52 @@ Grid grid_around(std::span<const std::vector<float>* const> frames) {
     return grid;
 }
 
+namespace {
+
+struct Range {
+    float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
+    void add(float v) {
+        if (std::isfinite(v)) least = std::min(least, v), most = std::max(most, v);
+    }
+    float length() const { return most > least ? most - least : 0; }
+};
+
+} // namespace
+
+std::vector<GridSpan> grids_along(std::span<const std::vector<float>> frames, std::size_t numbers) {
+    constexpr float growth = 4;
+    std::vector<GridSpan> spans;
+    std::vector<const std::vector<float>*> there;
+    std::array<Range, 3> all;
+    float smallest = std::numeric_limits<float>::infinity();
+    std::size_t first = 0;
+    const auto close = [&] {
+        spans.push_back({first, grid_around(there)});
+        there.clear();
+    };
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+        if (frames[f].size() != numbers) continue;
+        std::array<Range, 3> mine;
+        for (std::size_t i = 0; i < numbers; ++i) mine[i % 3].add(frames[f][i]);
+        std::array<Range, 3> together = all;
+        float side = 0, whole = 0;
+        for (std::size_t c = 0; c < 3; ++c) {
+            together[c].add(mine[c].least), together[c].add(mine[c].most);
+            side = std::max(side, mine[c].length()), whole = std::max(whole, together[c].length());
+        }
+        if (!there.empty() && whole > growth * std::min(smallest, side)) {
+            close();
+            first = f;
+            smallest = side, all = mine;
+        } else {
+            smallest = std::min(smallest, side), all = together;
+        }
+        there.push_back(&frames[f]);
+    }
+    close();
+    return spans;
+}
+
 std::string base64(std::string_view bytes) {
     constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string out;

@@ -42,6 +42,16 @@ struct Grid {
 /// Around all finite points of all frames (x, y, z after each other).
 Grid grid_around(std::span<const std::vector<float>* const> frames);
 
+/// Frames that share a grid: from `first` up to the next run of frames.
+struct GridSpan {
+    std::size_t first = 0;
+    Grid grid;
+};
+/// A new grid begins where the old one would grow beyond four times the longest side of any of its frames: a
+/// frame that flies apart does not coarsen the others, and each is within 6e-5 of its own longest side.
+/// Frames of another length than `numbers` take part in none.
+std::vector<GridSpan> grids_along(std::span<const std::vector<float>> frames, std::size_t numbers);
+
 std::string base64(std::string_view bytes);
 
 } // namespace sinew::viewer

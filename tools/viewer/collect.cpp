@@ -4,7 +4,9 @@
 #include "engine/eval/state_file.h"
 #include "nodes/simulation_state.h"
 #include "tools/cli/open_graph.h"
+#include "tools/viewer/faults.h"
 #include "tools/viewer/overlays.h"
+#include "tools/viewer/read_report.h"
 #include "tools/viewer/recorder.h"
 
 #include <chrono>
@@ -21,6 +23,7 @@ namespace {
 struct Source {
     Plug meshes;
     bool is_solver = false;
+    std::vector<std::string> given;  ///< nodes wired to its "bodies"
     std::vector<std::string> nodes;  ///< of its bodies
     std::vector<std::size_t> bodies; ///< in the scene
     std::vector<std::size_t> solved; ///< of those that take part: positions in `bodies`
@@ -32,6 +35,7 @@ class Collector {
         : e_(e) {
         const engine::Graph& graph = *e.graph;
         scene_.source = graph.file();
+        scene_.is_evaluated = true;
         scene_.title = std::filesystem::path(graph.file()).stem().string();
         scene_.fps = graph.timing().fps;
         scene_.graph = layout_graph(graph);
@@ -45,7 +49,7 @@ class Collector {
         for (Plug& plug : shown) {
             const bool is_solver =
                 plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
-            sources_.push_back({std::move(plug), is_solver, {}, {}, {}});
+            sources_.push_back({std::move(plug), is_solver, {}, {}, {}, {}});
         }
     }
 
@@ -58,25 +62,31 @@ class Collector {
                 add_frame(frame);
             } catch (const engine::Failure& failure) {
                 if (scene_.frames.empty() || !e_.keeps_frames) throw;
-                scene_.notes.push_back({true, "The run ended before frame " + std::to_string(frame) + ": " +
-                                                  std::string(failure.diagnostics().front().message)});
+                const engine::Diagnostic& d = failure.diagnostics().front();
+                scene_.notes.push_back({true, ended_early({frame, d.code, d.node, d.message})});
+                break;
+            } catch (const engine::Cancelled& cancelled) {
+                if (scene_.frames.empty() || !e_.keeps_frames) throw;
+                scene_.notes.push_back({true, ended_early({frame, "", "", cancelled.what()})});
                 break;
             }
         }
         for (BodyRecorder& recorder : recorders_) {
             scene_.bodies.push_back(recorder.finish(scene_.notes));
         }
+        find_faults(scene_);
         return std::move(scene_);
     }
 
   private:
     Value pull(const Plug& plug, int frame) const {
-        return e_.evaluator->pull({e_.graph, plug, static_cast<double>(frame), e_.stop});
+        return e_.evaluator->pull({e_.graph, plug, static_cast<double>(frame), stop_});
     }
 
     void add_frame(int frame) {
         using Clock = std::chrono::steady_clock;
         if (e_.begin_frame) e_.begin_frame(frame);
+        stop_ = e_.stop;
         const auto start = Clock::now();
         std::vector<std::vector<nodes::Mesh>> meshes;
         for (const Source& source : sources_) meshes.push_back(cli::meshes_in(pull(source.meshes, frame)));
@@ -87,6 +97,7 @@ class Collector {
             if (source.is_solver && !view.step)
                 view.step = pull({source.meshes.node, "outReport"}, frame).as<nodes::SolveReport>().record;
         // All that can fail has been computed now, so a frame is added whole or not at all.
+        stop_ = {};
         if (scene_.frames.empty())
             for (std::size_t i = 0; i < sources_.size(); ++i) begin(sources_[i], meshes[i], frame);
         for (std::size_t i = 0; i < sources_.size(); ++i) record(sources_[i], meshes[i], frame);
@@ -101,11 +112,14 @@ class Collector {
         if (source.is_solver)
             for (const Plug& plug : connections(graph, source.meshes.node, "bodies"))
                 source.nodes.push_back(plug.node);
+        source.given = source.nodes;
         source.nodes.resize(meshes.size(), source.meshes.node);
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             source.bodies.push_back(recorders_.size());
-            recorders_.emplace_back(unique_name(labels[i].name), source.nodes[i], labels[i].kind,
-                                    static_cast<int>(recorders_.size()));
+            // Nodes keep their names; files have others where a file cannot be called so.
+            const bool is_node = source.is_solver && meshes.size() == source.given.size();
+            recorders_.emplace_back(unique_name(is_node ? source.given[i] : labels[i].name), source.nodes[i],
+                                    labels[i].kind, static_cast<int>(recorders_.size()));
             recorders_.back().set_rest(meshes[i].surface());
         }
         if (source.is_solver) begin_solver(source, frame);
@@ -138,7 +152,7 @@ class Collector {
     void begin_attachments(const Source& source, const nodes::Solved& solved, int frame) {
         if (source.solved.empty() || !e_.with_lattices) return;
         const std::vector<std::byte> saved =
-            e_.evaluator->save_state({e_.graph, source.meshes, static_cast<double>(frame), e_.stop});
+            e_.evaluator->save_state({e_.graph, source.meshes, static_cast<double>(frame), stop_});
         // The engine's header stands before the node's own bytes.
         const engine::NodeType& type = *e_.graph->find(source.meshes.node)->type;
         const std::size_t header = engine::wrap_state(type, {}, {}).size();
@@ -193,6 +207,7 @@ class Collector {
     }
 
     const Evaluation& e_;
+    std::stop_token stop_;
     ViewScene scene_;
     std::vector<Source> sources_;
     std::vector<BodyRecorder> recorders_;

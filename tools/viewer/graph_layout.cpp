@@ -174,6 +174,7 @@ void place_in_columns(GraphDrawing& d) {
     for (int round = 0; round < 6; ++round) sweep(d, l, n, round % 2 == 1, true);
     fold(d, l);
     spread(d, l);
+    for (int round = 0; round < 8; ++round) sweep(d, l, n, round % 2 == 1, true);
     for (int round = 0; round < 4; ++round) sweep(d, l, n, round % 2 == 1, false);
     double x = 0;
     for (const auto& column : l.rows) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 
 namespace sinew::viewer {
 
@@ -42,6 +43,15 @@ void keep_every(ViewScene& scene, std::size_t step) {
     }
 }
 
+std::string ordinal(std::size_t n) {
+    const std::size_t last = n % 10;
+    const bool is_teen = n / 10 % 10 == 1;
+    return std::to_string(n) + (is_teen || last > 3 || last == 0 ? "th"
+                                : last == 1                      ? "st"
+                                : last == 2                      ? "nd"
+                                                                 : "rd");
+}
+
 /// A browser cannot hold a run of any size; what does not fit is thinned out in time, not in space.
 void fit(ViewScene& scene, const PageOptions& options) {
     const std::size_t a_frame = 2 * numbers_per_frame(scene), all = a_frame * scene.frames.size();
@@ -52,8 +62,8 @@ void fit(ViewScene& scene, const PageOptions& options) {
     keep_every(scene, step);
     scene.notes.push_back({true, "This run has " + size_text(all) + " of positions, and a page holds " +
                                      size_text(options.most_motion_bytes) + ": of " + std::to_string(before) +
-                                     " frames every " + std::to_string(step) +
-                                     ". is shown. Choose fewer frames with --frames, or raise --most-mb."});
+                                     " frames every " + ordinal(step) +
+                                     " is shown. Choose fewer frames with --frames, or raise --most-mb."});
 }
 
 std::string html_escaped(const std::string& text) {
@@ -79,9 +89,10 @@ Page write_page(ViewScene scene, const PageOptions& options) {
     html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
            "<meta http-equiv=\"Content-Security-Policy\" content=\"" +
-           std::string(policy) + "\">\n<meta name=\"generator\" content=\"sinew\">\n<title>" +
-           html_escaped(scene.title) + " · Sinew</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>" +
-           std::string(page_style()) + "</style>\n</head>\n<body>\n<div id=\"app\"></div>\n" +
+           std::string(policy) + "\">\n<meta name=\"generator\" content=\"sinew" +
+           std::string(scene.is_evaluated ? " evaluated" : "") + "\">\n<title>" + html_escaped(scene.title) +
+           " · Sinew</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>" + std::string(page_style()) +
+           "</style>\n</head>\n<body>\n<div id=\"app\"></div>\n" +
            "<noscript>This page shows a simulation and needs JavaScript.</noscript>\n"
            "<script type=\"application/json\" id=\"sinew-scene\">" +
            data.header + "</script>\n";
@@ -94,6 +105,13 @@ Page write_page(ViewScene scene, const PageOptions& options) {
     page.packed_bytes += data.header.size();
     html += "<script>" + std::string(page_script()) + "</script>\n</body>\n</html>\n";
     return page;
+}
+
+bool holds_evaluated_page(const std::filesystem::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::string head(1000, '\0');
+    in.read(head.data(), static_cast<std::streamsize>(head.size()));
+    return head.find("content=\"sinew evaluated\"") != std::string::npos;
 }
 
 std::string size_text(std::size_t bytes) {

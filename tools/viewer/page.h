@@ -4,6 +4,7 @@
 #pragma once
 #include "tools/viewer/view_data.h"
 
+#include <filesystem>
 #include <string>
 
 namespace sinew::viewer {
@@ -20,6 +21,9 @@ struct Page {
     std::size_t asset_bytes = 0;                    ///< script and style
     std::vector<ViewNote> notes;                    ///< the scene's and those made here
 };
+
+/// True for a page in `file` that was made from a graph: it may hold more than the meshes beside it.
+bool holds_evaluated_page(const std::filesystem::path& file);
 
 Page write_page(ViewScene scene, const PageOptions& options = {});
 

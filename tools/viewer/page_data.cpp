@@ -47,18 +47,25 @@ class Writer {
         return indices(out, 1, N);
     }
 
-    /// Positions of all frames on a grid, as differences in time. Missing frames repeat the one before.
+    /// Positions of all frames on grids, as differences in time. Missing frames repeat the one before.
     Json motion(const std::vector<Coordinates>& frames, std::size_t numbers) {
-        std::vector<const Coordinates*> there;
-        for (const Coordinates& f : frames)
-            if (f.size() == numbers) there.push_back(&f);
-        const Grid grid = grid_around(there);
-        Json out = {{"origin", grid.origin}, {"step", grid.step}, {"chunks", Json::array()}};
+        Json out = {{"chunks", Json::array()}};
+        const std::vector<GridSpan> spans = grids_along(frames, numbers);
+        for (std::size_t s = 0; s < spans.size(); ++s)
+            add_chunks(out["chunks"], frames, numbers, spans[s],
+                       s + 1 < spans.size() ? spans[s + 1].first : frames.size());
+        return out;
+    }
+
+  private:
+    void add_chunks(Json& chunks, const std::vector<Coordinates>& frames, std::size_t numbers,
+                    const GridSpan& span, std::size_t last_end) {
+        const Grid& grid = span.grid;
         const std::size_t per_block =
             std::max<std::size_t>(1, most_in_block / std::max<std::size_t>(1, numbers));
         std::vector<std::uint16_t> last(numbers, 0);
-        for (std::size_t first = 0; first < frames.size(); first += per_block) {
-            const std::size_t end = std::min(frames.size(), first + per_block);
+        for (std::size_t first = span.first; first < last_end; first += per_block) {
+            const std::size_t end = std::min(last_end, first + per_block);
             std::vector<std::uint16_t> values;
             values.reserve((end - first) * numbers);
             for (std::size_t f = first; f < end; ++f) {
@@ -66,13 +73,14 @@ class Writer {
                     for (std::size_t i = 0; i < numbers; ++i) last[i] = grid.to_grid(frames[f][i], i % 3);
                 values.insert(values.end(), last.begin(), last.end());
             }
-            out["chunks"].push_back(
-                {{"first", first}, {"count", end - first}, {"block", add(smallest(values, numbers))}});
+            chunks.push_back({{"first", first},
+                              {"count", end - first},
+                              {"origin", grid.origin},
+                              {"step", grid.step},
+                              {"block", add(smallest(values, numbers))}});
         }
-        return out;
     }
 
-  private:
     /// Slow motion is best told by its speed, even motion by its change of speed.
     static Block smallest(const std::vector<std::uint16_t>& values, std::size_t stride) {
         const std::span<const std::uint16_t> all(values);
@@ -192,6 +200,7 @@ Json frame_json(Writer& w, const ViewFrame& f) {
         out["residual"] = s.residual, out["converged"] = s.converged, out["energy"] = s.energy;
         out["minJ"] = s.min_j, out["inverted"] = s.inverted, out["maxStretch"] = s.max_stretch;
     }
+    if (!f.faults.empty()) out["faults"] = f.faults;
     out["contactCount"] = std::max(f.contact_count, static_cast<int>(f.contacts.size()));
     if (!f.contacts.empty()) {
         std::vector<float> numbers;

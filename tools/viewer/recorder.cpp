@@ -3,6 +3,7 @@
 
 #include "tools/cli/rigid_motion.h"
 #include "tools/render/shading_mesh.h"
+#include "tools/viewer/faults.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,7 +40,9 @@ std::shared_ptr<const Points> borrowed(const Points& points) {
 }
 
 bool is_finite(const Points& points) {
-    return std::all_of(points.begin(), points.end(), [](const solver::Vec3& p) { return p.allFinite(); });
+    return std::all_of(points.begin(), points.end(), [](const solver::Vec3& p) {
+        return p.allFinite() && p.cwiseAbs().maxCoeff() < most_drawable;
+    });
 }
 
 } // namespace
@@ -175,7 +178,8 @@ ViewBody BodyRecorder::finish(std::vector<ViewNote>& notes) {
                                    " vertices, but another number in frame" +
                                    (other_count_.size() == 1 ? " " : "s ") + frame_list(other_count_) +
                                    "; it is hidden there."});
-    if (missing_.empty() && other_count_.empty()) body_.present.clear();
+    if (std::all_of(body_.present.begin(), body_.present.end(), [](char there) { return there != 0; }))
+        body_.present.clear();
     if (std::none_of(body_.volume.begin(), body_.volume.end(), [](float v) { return std::isfinite(v); }))
         body_.volume.clear();
     return std::move(body_);
@@ -185,7 +189,9 @@ Coordinates coordinates(const Points& points) {
     Coordinates out;
     out.reserve(3 * points.size());
     for (const solver::Vec3& p : points)
-        for (int c = 0; c < 3; ++c) out.push_back(static_cast<float>(p[c]));
+        for (int c = 0; c < 3; ++c)
+            out.push_back(std::abs(p[c]) < most_drawable ? static_cast<float>(p[c])
+                                                         : std::numeric_limits<float>::quiet_NaN());
     return out;
 }
 

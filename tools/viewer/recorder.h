@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <utility>
 
 namespace sinew::viewer {
 
@@ -29,6 +30,10 @@ class BodyRecorder {
     ViewBody& body() { return body_; }
     /// The finished body; what was strange about it goes into `notes`.
     ViewBody finish(std::vector<ViewNote>& notes);
+    /// Frames without the body, for a note about several bodies; finish() then says nothing of them.
+    std::vector<int> take_missing() { return std::exchange(missing_, {}); }
+    /// Frames whose number of vertices is not that of the rest shape.
+    const std::vector<int>& other_count() const { return other_count_; }
 
   private:
     bool try_rigid(const solver::Points& points);

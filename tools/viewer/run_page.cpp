@@ -4,6 +4,7 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
+#include "tools/viewer/read_report.h"
 
 namespace sinew::viewer {
 
@@ -16,6 +17,7 @@ std::filesystem::path write_run_page(const std::filesystem::path& folder,
     for (const cli::FrameReport& f : report.frames) e.frames.push_back(f.frame);
     ViewScene scene = collect_graph(e);
     // Times are those of the run, not of looking up what it left.
+    if (report.error) scene.notes.insert(scene.notes.begin(), {true, ended_early(*report.error)});
     for (std::size_t i = 0; i < scene.frames.size(); ++i) {
         scene.frames[i].wall_s = report.frames[i].wall_s;
         scene.frames[i].reused = report.frames[i].reused;

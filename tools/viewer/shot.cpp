@@ -3,12 +3,15 @@
 
 #include "solver/mesh/surface_mesh.h"
 #include "tools/render/shading_mesh.h"
+#include "tools/viewer/shot_overlays.h"
 
 namespace sinew::viewer {
 
 namespace {
 
 using solver::Points;
+
+constexpr float flesh_under_overlays = 0.3f;
 
 solver::Vec3 vec3(const std::array<float, 3>& p) {
     return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
@@ -36,10 +39,15 @@ render::Surface surface_of(const ViewBody& body, std::size_t frame) {
 
 } // namespace
 
-render::Shot shot_of(const ViewScene& scene, std::size_t frame) {
+render::Shot shot_of(const ViewScene& scene, std::size_t frame, const std::set<std::string>& overlays) {
     render::Shot shot{"frame " + std::to_string(scene.frames.at(frame).frame), {}};
-    for (const ViewBody& body : scene.bodies)
-        if (body.is_there(frame)) shot.surfaces.push_back(surface_of(body, frame));
+    for (const ViewBody& body : scene.bodies) {
+        if (!body.is_there(frame)) continue;
+        shot.surfaces.push_back(surface_of(body, frame));
+        if (!overlays.empty() && body.kind != render::BodyKind::bone)
+            shot.surfaces.back().opacity = flesh_under_overlays;
+    }
+    shot.segments = overlay_segments(scene, frame, overlays);
     return shot;
 }
 

@@ -4,9 +4,12 @@
 #include "tools/render/picture.h"
 #include "tools/viewer/view_data.h"
 
+#include <set>
+
 namespace sinew::viewer {
 
-/// All bodies that are there at `frame` (an index), labelled "frame N".
-render::Shot shot_of(const ViewScene& scene, std::size_t frame);
+/// All bodies that are there at `frame` (an index), labelled "frame N". With `overlays` (names of
+/// shot_overlays.h) these are drawn too, and flesh lets them shine through.
+render::Shot shot_of(const ViewScene& scene, std::size_t frame, const std::set<std::string>& overlays = {});
 
 } // namespace sinew::viewer

@@ -43,18 +43,24 @@ std::array<float, 3> vertex_position(const ViewBody& body, std::size_t frame, st
 std::array<std::array<float, 3>, 2> bounds(const ViewScene& scene) {
     constexpr float far = std::numeric_limits<float>::infinity();
     std::array<std::array<float, 3>, 2> box{{{far, far, far}, {-far, -far, -far}}};
+    const bool none_is_good = std::none_of(scene.frames.begin(), scene.frames.end(),
+                                           [](const ViewFrame& f) { return f.faults.empty(); });
     bool found = false;
-    for (const ViewBody& body : scene.bodies)
+    for (const ViewBody& body : scene.bodies) {
+        bool is_first = true; // of the frames that have it: taken whole
         for (std::size_t f = 0; f < scene.frames.size(); ++f) {
-            if (!body.is_there(f)) continue;
-            // Every 8th vertex is enough to place a camera over many frames; the first frame is taken whole.
-            for (std::size_t v = 0; v < body.vertex_count(); v += f == 0 ? 1 : 8) {
+            if (!body.is_there(f) || !(none_is_good || scene.frames[f].faults.empty())) continue;
+            // About a thousand vertices are enough to place a camera over many frames.
+            const std::size_t step = is_first ? 1 : std::max<std::size_t>(1, body.vertex_count() / 1000);
+            is_first = false;
+            for (std::size_t v = 0; v < body.vertex_count(); v += step) {
                 const auto p = vertex_position(body, f, v);
                 for (std::size_t c = 0; c < 3; ++c)
                     box[0][c] = std::min(box[0][c], p[c]), box[1][c] = std::max(box[1][c], p[c]);
                 found = true;
             }
         }
+    }
     return found ? box : std::array<std::array<float, 3>, 2>{};
 }
 

@@ -112,7 +112,8 @@ struct ViewFrame {
     std::optional<solver::StepRecord> step = {}; ///< times, convergence, energy
     double seconds_contact = 0;
     std::vector<ViewContact> contacts = {};
-    int contact_count = 0; ///< where `contacts` are not kept
+    int contact_count = 0;                ///< where `contacts` are not kept
+    std::vector<std::string> faults = {}; ///< what must not be believed, for people: "biceps flies apart"
 };
 
 /// Something that a user must know about what is shown or missing.
@@ -130,11 +131,13 @@ struct ViewScene {
     std::vector<ViewAttachment> attachments;
     GraphDrawing graph; ///< empty where no graph is known
     std::vector<ViewNote> notes;
+    bool is_evaluated = false; ///< from a graph, with all that it knows; else from files
 };
 
 /// Position of a vertex of a body at `frame` (an index). The body must be there.
 std::array<float, 3> vertex_position(const ViewBody& body, std::size_t frame, std::size_t vertex);
-/// Smallest box around all that is shown, over all frames: min and max.
+/// Smallest box around all that is shown, over all frames without faults (over all, if each has some): min
+/// and max.
 std::array<std::array<float, 3>, 2> bounds(const ViewScene& scene);
 
 } // namespace sinew::viewer

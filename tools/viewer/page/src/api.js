@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // window.sinew: the page by script, for tests and for the console. Frames are frame numbers, bodies names or indices.
 import { anchorPoints } from "./attachment_view.js";
+import { colourAt } from "./colour_maps.js";
 import { LatticeFields } from "./fields.js";
 import { overlayNames, setOverlay } from "./store.js";
 
@@ -43,8 +44,9 @@ export function makeApi(app, loadMs) {
         },
         toggle(name, on = !store.state.overlays[name]) {
             if (!overlayNames.includes(name)) throw new Error(`no overlay ${name}`);
-            setOverlay(store, name, on);
+            const done = setOverlay(store, scene, name, on);
             api.draw();
+            return done;
         },
         show(body, on = true) {
             const index = bodyIndex(body);
@@ -55,11 +57,21 @@ export function makeApi(app, loadMs) {
         selectBody: (body) => selection.selectBody(bodyIndex(body)),
         selectNode: (name) => selection.selectNode(name),
         bodiesOf: (node) => selection.bodiesOf(node).map((i) => scene.bodies[i].name),
+        /** Names of the bodies whose meshes are drawn. */
+        drawn: () => (api.draw(), (world.bodies ?? []).filter((v) => v.group.visible && (v.mesh.visible || v.edges.visible)).map((v) => v.body.name)),
+        /** Linear-light colours as they lie in the buffers: of a body's fibres, or of an attachment's dots. */
+        drawnColours(overlay, which) {
+            api.draw();
+            if (overlay === "attachments") return Array.from(world.allAttachments()[which].dots.geometry.attributes.color.array);
+            return Array.from(world.fibres.get(bodyIndex(which)).fields[0].colours.array);
+        },
         bodyAt: (x, y) => scene.bodies[world.pickBody(x, y)]?.name ?? null,
-        project: (point) => world.stage.project(point),
-        look: (name) => (world.stage.look(name), api.draw()),
-        draw: () => world.stage.draw(),
-        picture: () => world.stage.picture(),
+        project: (point) => world.stage?.project(point) ?? null,
+        look: (name) => (world.look(name), api.draw()),
+        colourAt: (scale, t) => colourAt(scale, t),
+        draw: () => world.stage?.draw(),
+        /** A data URL; null where there is no 3D view. */
+        picture: () => world.stage?.picture() ?? null,
         /** Least det F over all tets at this frame, as the solver reports it. */
         leastVolumeRatio() {
             let least = Infinity;

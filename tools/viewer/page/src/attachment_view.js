@@ -85,7 +85,7 @@ export class AttachmentView {
         if (!this.group.visible) return;
         anchorPoints(attachment, scene.bodies, state.frame, this.ends);
         const p = scene.bodies[source].positionsAt(state.frame);
-        const table = tableOf("strain"), [least, most] = rangeOf(state, "stretch");
+        const table = tableOf("distance"), [least, most] = rangeOf(state, "distance");
         const line = this.lines.geometry.attributes, dots = this.dots.geometry.attributes;
         for (let i = 0; i < count; ++i) {
             let squared = 0;

@@ -127,7 +127,7 @@ export class BodyView {
 
     paint(state) {
         const own = this.material.userData.own;
-        const quantity = state.colourBy;
+        const quantity = quantities[state.colourBy] ? state.colourBy : "material";
         const values = quantity === "material" ? null : this.valuesOf(quantity, state.map, state.frame);
         own.uMap.value = values ? 1 : 0;
         // What has no value steps back, so that the map is read and not the anatomy.

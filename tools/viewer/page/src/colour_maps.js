@@ -6,10 +6,10 @@ const scales = {
     amount: ["#20204c", "#28507f", "#1f8390", "#46ae7e", "#a8cf5a", "#fbe75a"],
     // blue - near white - red: below and above a middle
     balance: ["#1c4a99", "#4f86c6", "#a9c8e4", "#eeeeea", "#f0b79c", "#d5674f", "#94202b"],
-    // slate - orange - bright yellow: from rest to full excitation
-    heat: ["#3c4b63", "#6f4f72", "#b4525f", "#e8703a", "#f9a72b", "#ffe45c"],
-    // green - yellow - red: from fine to far off
-    strain: ["#2e9d6a", "#9dbb3f", "#f1b62f", "#e6742c", "#c22f2f"],
+    // indigo - blue - bright cyan: from rest to full excitation; flesh is red, so no fibre is
+    heat: ["#3b3f73", "#32589f", "#1f7fc4", "#12a7d8", "#3fd0e4", "#a5f3ea"],
+    // green - yellow - violet: from fine to far off
+    distance: ["#2e9d6a", "#a3bf3c", "#f5bb2e", "#ee7a2c", "#a3157d"],
     // light grey - violet: painted
     paint: ["#e9e6ee", "#c9b5e2", "#a47ed1", "#7d47b8", "#521c8a"],
 };
@@ -57,11 +57,11 @@ export function cssGradient(scale, direction = "to right") {
 /** What can be shown as a colour: title, unit, factor from raw to shown, colours, usual range (shown units). */
 export const quantities = {
     volume: { title: "Volume change", unit: "%", factor: 100, scale: "balance", range: [-20, 20], middle: 0 },
-    strain: { title: "Largest stretch", unit: "%", factor: 100, scale: "amount", range: [0, 50] },
+    stretch: { title: "Largest stretch", unit: "%", factor: 100, scale: "amount", range: [0, 50] },
     area: { title: "Surface area change", unit: "%", factor: 100, scale: "balance", range: [-40, 40], middle: 0 },
     weights: { title: "Painted weight", unit: "", factor: 1, scale: "paint", range: [0, 1] },
     excitation: { title: "Fibre excitation", unit: "%", factor: 100, scale: "heat", range: [0, 100] },
-    stretch: { title: "Attachment stretch", unit: "mm", factor: 1000, scale: "strain", range: [0, 5] },
-    depth: { title: "Contact depth", unit: "mm", factor: 1000, scale: "strain", range: [0, 1] },
+    distance: { title: "Attachments", unit: "mm", factor: 1000, scale: "distance", range: [0, 5] },
+    depth: { title: "Contact depth", unit: "mm", factor: 1000, scale: "distance", range: [0, 1] },
 };
 export const rangeOf = (state, quantity) => state.ranges[quantity] ?? quantities[quantity].range;

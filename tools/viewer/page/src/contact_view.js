@@ -18,7 +18,7 @@ export class ContactView {
         this.group.visible = Boolean(list && list.length);
         if (!this.group.visible) return;
         const count = list.length / 7, points = new Float32Array(6 * count), colours = new Float32Array(6 * count);
-        const table = tableOf("strain"), [least, most] = rangeOf(state, "depth");
+        const table = tableOf("distance"), [least, most] = rangeOf(state, "depth");
         for (let i = 0; i < count; ++i) {
             for (let c = 0; c < 3; ++c) {
                 points[6 * i + c] = list[7 * i + c];

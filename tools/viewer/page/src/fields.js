@@ -43,7 +43,7 @@ export class LatticeFields {
         this.lattice = lattice;
         Object.assign(this, prepareTets(lattice));
         this.gradient = new Float32Array(9 * lattice.count);
-        this.values = { volume: new Float32Array(lattice.count), strain: new Float32Array(lattice.count) };
+        this.values = { volume: new Float32Array(lattice.count), stretch: new Float32Array(lattice.count) };
         this.vertexWeight = new Float32Array(lattice.vertices);
         for (let t = 0; t < lattice.count; ++t)
             for (let k = 0; k < 4; ++k) this.vertexWeight[lattice.tets[4 * t + k]] += this.volume[t];
@@ -57,7 +57,7 @@ export class LatticeFields {
         const p = this.lattice.positionsAt(frame);
         const { tets, count } = this.lattice;
         const { inverse: m, gradient: F } = this;
-        const { volume, strain } = this.values;
+        const { volume, stretch } = this.values;
         for (let t = 0; t < count; ++t) {
             const o = 3 * tets[4 * t], q = 9 * t;
             const v1 = 3 * tets[4 * t + 1], v2 = 3 * tets[4 * t + 2], v3 = 3 * tets[4 * t + 3];
@@ -76,7 +76,7 @@ export class LatticeFields {
                 f0 * f2 + f3 * f5 + f6 * f8,
                 f1 * f2 + f4 * f5 + f7 * f8,
             );
-            strain[t] = Math.sqrt(Math.max(0, most)) - 1;
+            stretch[t] = Math.sqrt(Math.max(0, most)) - 1;
         }
     }
 

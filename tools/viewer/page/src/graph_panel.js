@@ -28,13 +28,48 @@ export function graphPanel(scene, store, selection) {
         const ratio = host.clientHeight / Math.max(1, host.clientWidth);
         show(width / 2, height / 2, Math.max(width, height / ratio), 1.5);
     }
-    function centreOn(name, near = false) {
-        const node = scene.graph.nodes.find((n) => n.name === name);
-        if (!node || host.clientWidth === 0) return;
-        const [x, y, w, hgt] = node.box;
+    const box = (name) => scene.graph.nodes.find((n) => n.name === name)?.box;
+    /** The nodes as large as they can be read, around the first of them if they do not fit. */
+    function gather(names, least = 0.62) {
+        const boxes = names.map(box).filter(Boolean);
+        if (boxes.length === 0) return;
+        const low = [0, 1].map((c) => Math.min(...boxes.map((b) => b[c]))), high = [0, 1].map((c) => Math.max(...boxes.map((b) => b[c] + b[c + 2])));
+        const pad = 40, ratio = host.clientHeight / Math.max(1, host.clientWidth);
+        const wide = Math.max(high[0] - low[0] + pad, (high[1] - low[1] + pad) / ratio);
+        if (wide <= host.clientWidth / least) return show((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, wide, 1);
+        const [x, y, w, hgt] = boxes[0];
+        show(x + w / 2, y + hgt / 2, host.clientWidth / 0.8);
+    }
+    /** At first: all of a small graph; of a large one the end where everything comes together, large enough to read. */
+    function begin() {
+        if (scale0() >= 0.6) return fit();
+        const end = scene.graph.nodes.find((n) => n.type === "zSolver") ?? scene.graph.nodes[scene.graph.nodes.length - 1];
+        const [x, y, w] = end.box, s = 0.8, wide = host.clientWidth / s;
+        show(x + w + 30 - wide / 2, y + Math.min(end.box[3], host.clientHeight / s) / 2, wide);
+    }
+    const scale0 = () => Math.min(host.clientWidth / width, host.clientHeight / height);
+    /** A panel that grows shows more at the same scale, around the same middle. */
+    let size = null;
+    new ResizeObserver(() => {
+        if (host.clientWidth === 0 || host.clientHeight === 0) return;
+        if (!size) begin();
+        else {
+            const s = size[0] / view[2], middle = [view[0] + view[2] / 2, view[1] + view[3] / 2];
+            view = [middle[0] - host.clientWidth / s / 2, middle[1] - host.clientHeight / s / 2, host.clientWidth / s, host.clientHeight / s];
+            apply();
+        }
+        const isFirst = !size;
+        size = [host.clientWidth, host.clientHeight];
+        if (isFirst) highlight();
+    }).observe(host);
+    function centreOn(name) {
+        const at = box(name);
+        if (!at || host.clientWidth === 0) return;
+        const [x, y, w, hgt] = at;
         const isSeen = x > view[0] && y > view[1] && x + w < view[0] + view[2] && y + hgt < view[1] + view[3];
-        if (isSeen && !near && scale() > 0.45) return;
-        show(x + w / 2, y + hgt / 2, near ? host.clientWidth : Math.min(view[2], host.clientWidth / 0.8));
+        if (isSeen && scale() > 0.45) return;
+        const { before, after } = selection.neighbours(name);
+        gather([name, ...before, ...after]);
     }
 
     host.addEventListener("wheel", (e) => {
@@ -71,6 +106,10 @@ export function graphPanel(scene, store, selection) {
 
     const groups = new Map([...svg.querySelectorAll("g.node")].map((g) => [g.dataset.node, g]));
     const wires = [...svg.querySelectorAll("path.wire")];
+    // Wires of the selection are drawn over the boxes that they pass.
+    const above = document.createElementNS("http://www.w3.org/2000/svg", "g");
+    above.setAttribute("class", "above");
+    svg.append(above);
     for (const [name, g] of groups) {
         g.setAttribute("tabindex", "-1");
         const title = document.createElementNS("http://www.w3.org/2000/svg", "title");
@@ -79,13 +118,21 @@ export function graphPanel(scene, store, selection) {
     }
     function highlight() {
         const { selectedNode, selectedBodies } = store.state;
-        const bodyNodes = new Set(selectedBodies.map((i) => scene.bodies[i].node));
+        const bodyNodes = new Set(selectedBodies.map((i) => scene.bodies[i].node)), near = new Set([selectedNode, ...bodyNodes]);
+        above.replaceChildren();
+        for (const wire of wires) {
+            const { from, to } = wire.dataset;
+            if (selectedNode === null || (from !== selectedNode && to !== selectedNode)) continue;
+            near.add(from), near.add(to);
+            const copy = wire.cloneNode();
+            copy.classList.add("selected");
+            above.append(copy);
+        }
         for (const [name, g] of groups) {
             g.classList.toggle("selected", name === selectedNode);
             g.classList.toggle("related", name !== selectedNode && bodyNodes.has(name));
+            g.classList.toggle("aside", selectedNode !== null && !near.has(name));
         }
-        for (const wire of wires)
-            wire.classList.toggle("selected", selectedNode !== null && (wire.dataset.from === selectedNode || wire.dataset.to === selectedNode));
         svg.classList.toggle("has-selection", selectedNode !== null);
         if (selectedNode) centreOn(selectedNode);
     }
@@ -96,9 +143,9 @@ export function graphPanel(scene, store, selection) {
         for (const [name, g] of groups) g.classList.toggle("found", word !== "" && name.toLowerCase().includes(word));
     }, onkeydown: (e) => {
         const found = [...groups.keys()].find((n) => groups.get(n).classList.contains("found"));
-        if (e.key === "Enter" && found) selection.selectNode(found), centreOn(found, true);
+        if (e.key === "Enter" && found) selection.selectNode(found), gather([found]);
     } });
-    host.append(h("div", { class: "graph-tools" }, h("label", { class: "find" }, "Find", search), iconButton("focus", "Show the whole graph", fit)));
-    let fitted = false;
-    return { element: host, opened() { if (!fitted && host.clientWidth > 0) (fitted = true), fit(), highlight(); } };
+    // Beside the tabs, not over the nodes.
+    const tools = h("div", { class: "graph-tools" }, h("label", { class: "find" }, "Find", search), iconButton("focus", "Show the whole graph", fit));
+    return { element: host, tools, opened() {} };
 }

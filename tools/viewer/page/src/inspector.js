@@ -12,6 +12,9 @@ export function inspector(scene, store, selection, world) {
     function row(name, value) {
         return h("tr", {}, h("td", {}, name), h("td", {}, value));
     }
+    function wide(name, nodes) {
+        return nodes.length ? h("tr", {}, h("td", { colspan: "2" }, h("b", {}, name), links([...new Set(nodes)]))) : null;
+    }
     function bodyPart(body) {
         const triangles = body.triangles.length / 3;
         const rows = [row("Surface", `${count(body.vertices)} vertices, ${count(triangles)} triangles`)];
@@ -40,8 +43,7 @@ export function inspector(scene, store, selection, world) {
     function nodePart(node) {
         const { before, after } = selection.neighbours(node.name);
         const values = node.rows.filter(([, text]) => text !== "" && !text.startsWith("[")).map(([name, text]) => row(name, text));
-        return h("table", {}, values, before.length ? row("from", h("span", {}, links([...new Set(before)]))) : null,
-            after.length ? row("to", h("span", {}, links([...new Set(after)]))) : null);
+        return h("table", {}, values, wide("from", before), wide("to", after));
     }
     function attachmentPart(name) {
         const found = scene.attachments.map((a, i) => [a, i]).filter(([a]) => a.node === name);

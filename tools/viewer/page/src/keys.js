@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Keyboard short-cuts and the sheet that lists them.
 import { h, iconButton } from "./dom.js";
-import { setOverlay } from "./store.js";
+import { hasData, setOverlay } from "./store.js";
+
+const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", contacts: "contacts", volume: "tets, so no change of volume" };
 
 /** [keys, what they do, action]. `app` is what main.js has put together. */
 export function shortcuts(app) {
-    const { store, player, world } = app;
-    const flip = (name) => setOverlay(store, name, !store.state.overlays[name]);
+    const { scene, store, player, world } = app;
+    const none = (name) => app.say(`This page has no ${nouns[name]}.`);
+    const flip = (name) => setOverlay(store, scene, name, !store.state.overlays[name]) || none(name);
     const surfaces = ["shaded", "edges", "wire"];
     return [
         [[" "], "Play or pause", () => player.toggle()],
@@ -18,8 +21,8 @@ export function shortcuts(app) {
         [["+", "="], "Faster", () => store.set({ speed: Math.min(4, store.state.speed * 2) })],
         [["-"], "Slower", () => store.set({ speed: Math.max(0.125, store.state.speed / 2) })],
         [["f"], "Frame the selection, or everything", () => world.frameSelection()],
-        [["1", "2", "3", "4"], "Look from the front, the left, the top, the corner", (e) =>
-            world.stage.look({ 1: "front", 2: "left", 3: "top", 4: "corner" }[e.key])],
+        [["1", "2", "3", "4"], "Look from the front, the left, the top, the corner, at what is shown now", (e) =>
+            world.look({ 1: "front", 2: "left", 3: "top", 4: "corner" }[e.key])],
         [["w"], "Surface: shaded, with edges, edges alone", () =>
             store.set({ surface: surfaces[(surfaces.indexOf(store.state.surface) + 1) % 3] })],
         [["s"], "Smooth or flat shading", () => store.set({ smooth: !store.state.smooth })],
@@ -30,7 +33,8 @@ export function shortcuts(app) {
         [["a"], "Attachments", () => flip("attachments")],
         [["k"], "Contacts", () => flip("contacts")],
         [["g"], "Ground grid", () => flip("grid")],
-        [["v"], "Volume change as colours", () => store.set({ colourBy: store.state.colourBy === "volume" ? "material" : "volume" })],
+        [["v"], "Volume change as colours", () => hasData(scene, "volume")
+            ? store.set({ colourBy: store.state.colourBy === "volume" ? "material" : "volume" }) : none("volume")],
         [["h"], "Hide the selected bodies", () => {
             const visible = store.state.visible.slice();
             for (const i of store.state.selectedBodies) visible[i] = false;
@@ -52,18 +56,33 @@ export function shortcuts(app) {
 
 const names = { " ": "Space", ArrowRight: "→", ArrowLeft: "←", Escape: "Esc" };
 
+/** Keys that a focused field keeps for itself. */
+function belongsToField(target, key) {
+    if (!target.matches) return false;
+    if (target.matches("input:not([type=range]):not([type=checkbox]), textarea")) return true;
+    if (target.matches("select")) return key.length > 1 || key === " ";
+    if (target.matches("input[type=range]:not(.scrub)")) return key.startsWith("Arrow") || ["Home", "End", "PageUp", "PageDown"].includes(key);
+    return key === " " && target.matches("button, a, input[type=checkbox]");
+}
+
 export function listenToKeys(app) {
     const list = shortcuts(app);
     const actions = new Map(list.flatMap(([keys, , act]) => keys.map((k) => [k, act])));
     window.addEventListener("keydown", (e) => {
         if (e.ctrlKey || e.metaKey || e.altKey || e.defaultPrevented) return;
-        if (e.target.matches?.("input:not([type=range]):not([type=checkbox]), textarea, select")) return;
+        // Enter and Escape leave a field that was typed into; what follows is for the view again.
+        if (e.target.matches?.("input:not([type=range]):not([type=checkbox])") && (e.key === "Enter" || e.key === "Escape")) return e.target.blur();
+        if (belongsToField(e.target, e.key)) return;
         if (e.key === "Escape" && app.help.isOpen()) return app.help.toggle();
         const act = actions.get(e.key) ?? actions.get(e.key.toLowerCase());
         if (!act) return;
         e.preventDefault();
         act(e);
-        if (document.activeElement?.matches?.("button, input[type=checkbox]")) document.activeElement.blur();
+    });
+    // A click with the mouse leaves no focus on a button or switch, so that space plays and does not press it again.
+    window.addEventListener("click", (e) => {
+        const at = document.activeElement;
+        if (e.detail > 0 && at?.matches?.("button, input[type=checkbox]")) at.blur();
     });
 }
 
@@ -77,6 +96,7 @@ export function helpSheet(app) {
             h("div", { class: "sheet-columns" },
                 h("table", {}, rows.slice(0, half)), h("table", {}, rows.slice(half))),
             h("p", {}, "Drag turns, right-drag (or Shift-drag) moves, the wheel zooms. A click selects a body and its node; a double click frames it."),
+            h("p", {}, `This page: ${app.scene.source || app.scene.title}, made by ${app.scene.generator}.`),
             h("p", { class: "soft" }, "Made with Sinew (GPL-3.0-or-later). Drawing by three.js, © three.js authors, MIT licence.")));
     sheet.addEventListener("click", (e) => e.target === sheet && api.toggle());
     const api = { element: sheet, isOpen: () => !sheet.hidden, toggle: () => (sheet.hidden = !sheet.hidden) };

@@ -71,8 +71,10 @@ export class LatticeView {
         const linePositions = this.lines.geometry.attributes.position;
         linePositions.array.set(p);
         linePositions.needsUpdate = true;
-        this.lines.material.color.set(state.filledLattice ? (state.theme === "dark" ? "#101418" : "#2a323b") : this.base);
-        this.lines.material.opacity = state.filledLattice ? 0.5 : 0.9;
+        // Edges alone are grey: flesh is red, fibres blue, attachments green to violet.
+        const dark = state.theme === "dark";
+        this.lines.material.color.set(state.filledLattice ? (dark ? "#101418" : "#2a323b") : dark ? "#aeb9c5" : "#4c5866");
+        this.lines.material.opacity = state.filledLattice ? 0.5 : 0.45;
         this.mesh.visible = state.filledLattice;
         if (!state.filledLattice) return;
         const { position, color } = this.mesh.geometry.attributes;
@@ -91,7 +93,7 @@ export class LatticeView {
     }
 
     fieldValues(state) {
-        if (state.colourBy !== "volume" && state.colourBy !== "strain") return null;
+        if (state.colourBy !== "volume" && state.colourBy !== "stretch") return null;
         this.view.fields.update(state.frame);
         return this.view.fields.values[state.colourBy];
     }

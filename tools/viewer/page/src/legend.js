@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the colours mean: one bar for each coloured thing that is on, with units and an editable range.
 import { cssGradient, quantities, rangeOf } from "./colour_maps.js";
-import { h } from "./dom.js";
+import { h, show } from "./dom.js";
+import { hasData } from "./store.js";
 
-function shownQuantities({ colourBy, overlays }) {
-    return [colourBy !== "material" && colourBy, overlays.fibres && "excitation", overlays.attachments && "stretch",
-        overlays.contacts && "depth"].filter(Boolean);
+function shownQuantities(scene, { colourBy, overlays }) {
+    const on = (name) => overlays[name] && hasData(scene, name);
+    return [quantities[colourBy] && hasData(scene, colourBy) && colourBy, on("fibres") && "excitation",
+        on("attachments") && "distance", on("contacts") && "depth"].filter(Boolean);
+}
+
+/** Dots and rings of attachments. */
+function marksKey(scene) {
+    const modes = new Set(scene.attachments.map((a) => (a.mode === "sliding" ? "sliding" : "fixed")));
+    return h("div", { class: "legend-key" }, [...modes].map((mode) => h("span", {}, h("i", { class: mode }), mode)));
 }
 
 export function legend(scene, store, world) {
@@ -14,13 +22,20 @@ export function legend(scene, store, world) {
         if (range.every(Number.isFinite) && range[0] < range[1]) store.set({ ranges: { ...store.state.ranges, [quantity]: range } });
         else update();
     };
+    function depths() {
+        const list = scene.frames[store.state.frame].contacts;
+        if (!list?.length) return null;
+        let most = 0;
+        for (let i = 6; i < list.length; i += 7) most = Math.max(most, list[i] / scene.unitsPerMetre);
+        return [0, most];
+    }
     /** A range that holds what is shown now: round, and even about the middle where there is one. */
     function fitted(quantity) {
         const { factor, middle } = quantities[quantity];
         let measured = null;
-        if (quantity === "stretch") measured = [0, Math.max(0, ...world.allAttachments().map((a) => a.measure(store.state.frame)))];
-        else if (quantity === "excitation") measured = [0, 1];
-        else if (quantity !== "depth") measured = world.measuredRange(quantity);
+        if (quantity === "distance") measured = [0, Math.max(0, ...world.allAttachments().map((a) => a.measure(store.state.frame)))];
+        else if (quantity === "depth") measured = depths();
+        else measured = world.measuredRange(quantity);
         if (!measured) return null;
         const round = (x) => Number(Math.max(1e-6, Math.abs(x)).toPrecision(2));
         let [low, high] = measured.map((x) => x * factor);
@@ -34,7 +49,7 @@ export function legend(scene, store, world) {
         const { title, unit, scale } = quantities[quantity];
         const [low, high] = rangeOf(store.state, quantity);
         const field = (value, which) => {
-            const input = h("input", { type: "number", value: String(value), step: "any", "aria-label": `${title}, ${which}`,
+            const input = h("input", { type: "number", value: Math.abs(value) >= 1e5 ? value.toExponential(1) : String(value), step: "any", "aria-label": `${title}, ${which}`,
                 onchange: () => {
                     const range = [...rangeOf(store.state, quantity)];
                     range[which === "least" ? 0 : 1] = Number(input.value);
@@ -42,18 +57,19 @@ export function legend(scene, store, world) {
                 } });
             return input;
         };
+        // Excitation is a share of the most there can be: nothing to fit.
+        const fit = quantity === "excitation" ? null : h("button", { type: "button", title: "Fit the range to this frame", onclick: () => {
+            const range = fitted(quantity);
+            if (range) set(quantity, range);
+        } }, "fit");
         return h("div", { class: "legend-card", "data-quantity": quantity },
             h("div", { class: "legend-title" }, h("span", {}, title, unit ? h("span", { class: "unit" }, ` ${unit}`) : null),
-                h("button", { type: "button", title: "Fit the range to this frame", onclick: () => {
-                    const range = fitted(quantity);
-                    if (range) set(quantity, range);
-                } }, "fit")),
-            h("div", { class: "legend-bar", style: `background:${cssGradient(scale)}` }),
+                quantity === "distance" ? marksKey(scene) : null, fit),
             h("div", { class: "legend-ends" }, field(low, "least"),
-                h("span", {}, String(Number(((low + high) / 2).toPrecision(3)))), field(high, "most")));
+                h("div", { class: "legend-bar", style: `background:${cssGradient(scale)}`, title: `middle: ${show((low + high) / 2)} ${unit}` }), field(high, "most")));
     }
     function update() {
-        host.replaceChildren(...shownQuantities(store.state).map(card));
+        host.replaceChildren(...shownQuantities(scene, store.state).map(card));
     }
     store.on(["colourBy", "overlays", "ranges", "map"], update);
     update();

@@ -43,25 +43,27 @@ function message(title, ...lines) {
 
 function notesPanel(scene) {
     const list = scene.notes.map((n) => h("li", { class: n.warning ? "warning" : "" }, h("span", { html: n.warning ? icon("warning") : "" }), n.text));
-    return { element: list.length ? h("ul", { class: "notes" }, list) : h("p", { class: "empty" }, "Nothing to remark."), opened() {} };
+    return { element: h("ul", { class: "notes" }, list), opened() {} };
 }
 
 function topBar(scene, store, world, app) {
     const vertices = scene.bodies.reduce((n, b) => n + b.vertices, 0);
     const tets = scene.bodies.reduce((n, b) => n + (b.lattice?.count ?? 0), 0);
-    const facts = [`${scene.bodies.length} bodies`, `${count(vertices)} vertices`, tets ? `${count(tets)} tets` : "", `${scene.frames.length} frames at ${scene.fps} fps`].filter(Boolean).join(" · ");
+    const counted = (n, one, several) => `${count(n)} ${n === 1 ? one : several}`;
+    const facts = [counted(scene.bodies.length, "body", "bodies"), counted(vertices, "vertex", "vertices"), tets ? counted(tets, "tet", "tets") : "",
+        `${counted(scene.frames.length, "frame", "frames")} at ${scene.fps} fps`].filter(Boolean).join(" · ");
     const theme = iconButton("moon", "Light or dark (T)", () => store.set({ theme: store.state.theme === "dark" ? "light" : "dark" }));
     const update = () => (theme.innerHTML = icon(store.state.theme === "dark" ? "sun" : "moon"));
     store.on(["theme"], update);
     update();
     const views = [["front", "Front"], ["left", "Left"], ["top", "Top"], ["corner", "Corner"]].map(([name, label]) =>
-        h("button", { type: "button", onclick: () => world?.stage.look(name) }, label));
+        h("button", { type: "button", onclick: () => world.look(name) }, label));
     const save = iconButton("camera", "Save a picture", () =>
         h("a", { href: world.stage.picture(), download: `${scene.title}.${scene.frames[store.state.frame]?.frame ?? 0}.png` }).click());
-    return h("header", { class: "top" }, h("span", { class: "brand" }, "Sinew"), h("span", { class: "title" }, scene.title),
+    return h("header", { class: "top" }, h("span", { class: "brand" }, "Sinew"), h("span", { class: "title", title: `${scene.source}\n${scene.generator}` }, scene.title),
         h("span", { class: "facts" }, facts), h("span", { class: "space" }),
-        world ? h("div", { class: "choice views" }, views) : null, world ? iconButton("focus", "Frame the selection (F)", () => world.frameSelection()) : null,
-        world ? save : null, theme, iconButton("help", "Keyboard and mouse (?)", () => app.help.toggle()));
+        world.stage ? h("div", { class: "choice views" }, views) : null, world.stage ? iconButton("focus", "Frame the selection (F)", () => world.frameSelection()) : null,
+        world.stage ? save : null, theme, iconButton("help", "Keyboard and mouse (?)", () => app.help.toggle()));
 }
 
 function lowerPanel(scene, store, panels) {
@@ -77,7 +79,7 @@ function lowerPanel(scene, store, panels) {
         store.set({ panelOpen: true });
     });
     const grip = h("div", { class: "grip", title: "Drag to resize" });
-    const element = h("div", { class: "panel" }, grip, h("div", { class: "tabs" }, tabs, h("span", { class: "space" }), grow, fold), body);
+    const element = h("div", { class: "panel" }, grip, h("div", { class: "tabs" }, tabs, h("span", { class: "space" }), Object.values(panels).map((p) => p.tools), grow, fold), body);
     grip.addEventListener("pointerdown", (e) => {
         grip.setPointerCapture(e.pointerId);
         const from = e.clientY, before = body.clientHeight;
@@ -90,11 +92,62 @@ function lowerPanel(scene, store, panels) {
         Object.entries(panels).forEach(([name, p], i) => {
             tabs[i].classList.toggle("on", panelOpen && name === panel);
             p.element.hidden = !panelOpen || name !== panel;
+            if (p.tools) p.tools.hidden = p.element.hidden;
             if (panelOpen && name === panel) p.opened();
         });
     };
     store.on(["panel", "panelOpen"], update);
     return { element, update, grow: () => grow.click() };
+}
+
+/** Stands in for the 3D view where there is none: no bodies, or no WebGL. */
+const noWorld = { stage: null, look() {}, frameSelection() {}, pickBody: () => -1 };
+
+/** A word to the user that goes by itself. */
+function speaker(host) {
+    const line = h("div", { class: "toast", role: "status", hidden: true });
+    host.append(line);
+    let timer = 0;
+    return (text) => {
+        line.textContent = text;
+        line.hidden = false;
+        clearTimeout(timer);
+        timer = setTimeout(() => (line.hidden = true), 2600);
+    };
+}
+
+function banner(notes, store) {
+    const warnings = notes.filter((n) => n.warning);
+    if (warnings.length === 0) return null;
+    const element = h("div", { class: "banner" }, h("span", { html: icon("warning") }), h("span", {}, warnings[0].text),
+        warnings.length > 1 ? h("button", { type: "button", onclick: () => store.set({ panel: "notes", panelOpen: true }) }, `${warnings.length - 1} more`) : null,
+        iconButton("close", "Close", () => element.remove()));
+    return element;
+}
+
+/** Keeps the inspector off the transport and the tabs: in the view, or in the lower panel where that is the larger. */
+function keepInside(inspector, view, lower) {
+    const place = () => {
+        const at = view.clientHeight >= 220 || lower.clientHeight < view.clientHeight ? view : lower;
+        inspector.style.top = `${at.getBoundingClientRect().top - inspector.offsetParent.getBoundingClientRect().top + 10}px`;
+        inspector.style.maxHeight = `${at.clientHeight - 20}px`;
+    };
+    const observer = new ResizeObserver(() => inspector.offsetParent && place());
+    for (const element of [view, lower, inspector]) observer.observe(element);
+}
+
+/** What lies over the canvas at its sides, for framing: the legend on the left or below, the inspector on the right. */
+function coveredBy(view, legend, inspector) {
+    return () => {
+        const w = view.clientWidth, h = view.clientHeight, a = legend.getBoundingClientRect(), over = { left: 0, right: 0, top: 0, bottom: 0 };
+        if (legend.childElementCount) {
+            if (a.width / w < a.height / h) over.left = a.width + 14;
+            else over.bottom = a.height + 14;
+        }
+        if (!inspector.hidden && inspector.getBoundingClientRect().top < view.getBoundingClientRect().bottom) over.right = inspector.getBoundingClientRect().width + 14;
+        if (over.left + over.right > 0.5 * w) over.left = 0; // a small window: the legend is only in its corner
+        return over;
+    };
 }
 
 async function start() {
@@ -109,40 +162,39 @@ async function start() {
     store.set({ theme: rememberedTheme() });
     applyTheme(store.state.theme);
     const selection = new Selection(scene, store), player = new Player(store, scene);
-    const app = { scene, store, selection, player };
     const view = h("main", { class: "view" });
-    let noView = null;
+    const app = { scene, store, selection, player, world: noWorld, say: speaker(view) };
+    let why = ["Nothing to show"];
     try {
         if (scene.bodies.length && scene.frames.length) app.world = new World(view, scene, store);
     } catch (error) {
-        noView = `The 3D view cannot start: ${error.message}. The time line and the graph still work.`;
+        why = ["No 3D view", `The 3D view cannot start: ${error.message}. The time line and the graph still work.`];
     }
-    app.help = helpSheet({ ...app, world: app.world ?? { frameSelection() {}, stage: { look() {} } } });
+    const { world } = app, hasView = world !== noWorld;
+    app.help = helpSheet(app);
     app.timeline = timelinePanel(scene, store, player);
     const panels = { timeline: { title: "Time line", ...app.timeline }, graph: { title: "Node graph", ...graphPanel(scene, store, selection) } };
     if (scene.notes.length) panels.notes = { title: `Notes (${scene.notes.length})`, ...notesPanel(scene) };
     const panel = lowerPanel(scene, store, panels);
     app.growPanel = panel.grow;
-    if (app.world) view.append(legend(scene, store, app.world), inspector(scene, store, selection, app.world));
-    else view.append(message(noView ? "No 3D view" : "Nothing to show", noView ?? "", ...scene.notes.map((n) => n.text)));
-    const warnings = scene.notes.filter((n) => n.warning);
-    if (app.world && warnings.length) {
-        const banner = h("div", { class: "banner" }, h("span", { html: icon("warning") }), h("span", {}, warnings[0].text),
-            warnings.length > 1 ? h("button", { type: "button", onclick: () => store.set({ panel: "notes", panelOpen: true }) }, `${warnings.length - 1} more`) : null,
-            iconButton("close", "Close", () => banner.remove()));
-        view.append(banner);
-    }
-    root.replaceChildren(topBar(scene, store, app.world, app),
-        h("div", { class: "middle" }, ...(app.world ? [sidePanel(scene, store, selection, app.world)] : []),
-            h("div", { class: "work" }, view, transport(scene, store, player), panel.element)), app.help.element);
+    const work = h("div", { class: "work" }, view, transport(scene, store, player), panel.element);
+    if (hasView) {
+        const colours = legend(scene, store, world), about = inspector(scene, store, selection, world);
+        view.append(colours, banner(scene.notes, store) ?? "");
+        work.append(about);
+        keepInside(about, view, panel.element.querySelector(".panel-body"));
+        world.stage.covered = coveredBy(view, colours, about);
+    } else view.append(message(...why, ...scene.notes.map((n) => n.text)));
+    root.replaceChildren(topBar(scene, store, world, app),
+        h("div", { class: "middle" }, ...(hasView ? [sidePanel(scene, store, selection, world)] : []), work), app.help.element);
     panel.update();
-    if (app.world) {
+    if (hasView) {
         clicks(app);
-        app.world.stage.resize();
-        app.world.stage.look("corner");
-        app.world.stage.draw();
+        world.stage.resize();
+        world.stage.look("corner");
+        world.stage.draw();
     }
-    listenToKeys({ ...app, world: app.world ?? { frameSelection() {}, stage: { look() {} } } });
+    listenToKeys(app);
     return app;
 }
 
@@ -160,8 +212,7 @@ function clicks({ world, selection }) {
 
 window.sinewReady = start().then(
     (app) => {
-        if (app.world) window.sinew = makeApi(app, performance.now());
-        else window.sinew = { scene: app.scene, frames: [], loadMs: performance.now() };
+        window.sinew = makeApi(app, performance.now());
         document.documentElement.dataset.ready = "yes";
     },
     (error) => {

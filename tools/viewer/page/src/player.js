@@ -17,7 +17,7 @@ export class Player {
         this.store.set({ playing: false });
         const { frame, loop } = this.store.state;
         const count = this.last + 1;
-        this.goTo(loop && count > 1 ? (frame + by + count) % count : frame + by);
+        this.goTo(loop && count > 1 ? (((frame + by) % count) + count) % count : frame + by);
     }
     toggle() {
         if (this.last < 1) return;

@@ -3,26 +3,25 @@
 // number of a frame is frames[i].frame.
 import { BlockStore } from "./blocks.js";
 
-/** Positions on a 16-bit grid, frame after frame. */
+/** Positions on 16-bit grids, frame after frame. A frame that flies apart has a grid of its own. */
 class GridMotion {
-    constructor(about, numbers, chunks) {
-        this.about = about;
+    constructor(numbers, chunks) {
         this.numbers = numbers;
         this.chunks = chunks;
     }
     static async load(about, numbers, blocks) {
         const chunks = await Promise.all(
-            about.chunks.map(async (c) => ({ first: c.first, count: c.count, values: await blocks.get(c.block) })),
+            about.chunks.map(async (c) => ({ ...c, values: await blocks.get(c.block) })),
         );
-        return new GridMotion(about, numbers, chunks);
+        return new GridMotion(numbers, chunks);
     }
     write(frame, out) {
         const chunk = this.chunks.find((c) => frame >= c.first && frame < c.first + c.count);
         const n = this.numbers;
         if (!chunk || n === 0) return;
         const values = chunk.values;
-        const [ox, oy, oz] = this.about.origin;
-        const [sx, sy, sz] = this.about.step;
+        const [ox, oy, oz] = chunk.origin;
+        const [sx, sy, sz] = chunk.step;
         for (let i = 0, k = (frame - chunk.first) * n; i < n; i += 3, k += 3) {
             out[i] = ox + sx * values[k];
             out[i + 1] = oy + sy * values[k + 1];

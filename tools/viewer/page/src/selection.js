@@ -21,17 +21,23 @@ export class Selection {
         this.store.set({ selectedBodies: [], selectedNode: null });
     }
 
-    /** The body that a node is; the two ends of an attachment; or the bodies that it goes into. */
+    /** The body that a node is; the two ends of an attachment; the bodies that it goes into; or those that go into it. */
     bodiesOf(name) {
         if (this.bodyOfNode.has(name)) return [this.bodyOfNode.get(name)];
         const ends = this.scene.attachments.filter((a) => a.node === name);
         if (ends.length) return [...new Set(ends.flatMap((a) => [a.source, a.target]))];
+        const into = this.bodiesAlong(name, (wire) => wire);
+        return into.length ? into : this.bodiesAlong(name, ([from, to]) => [to, from]);
+    }
+
+    /** The first bodies on the ways out of a node; `turned` gives a wire's two ends in the order of walking. */
+    bodiesAlong(name, turned) {
         const start = this.nodes.get(name);
         if (start === undefined) return [];
         const found = new Set(), seen = new Set([start]), open = [start];
         while (open.length) {
             const at = open.pop();
-            for (const [from, to] of this.scene.graph.wires) {
+            for (const [from, to] of this.scene.graph.wires.map(turned)) {
                 if (from !== at || seen.has(to)) continue;
                 seen.add(to);
                 const body = this.bodyOfNode.get(this.scene.graph.nodes[to].name);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The left side: bodies, and what is shown of them.
 import { count, h, icon, iconButton, toggle } from "./dom.js";
-import { setOverlay } from "./store.js";
+import { hasData, setOverlay } from "./store.js";
 
 function section(title, ...children) {
     return h("section", {}, h("h3", {}, title), ...children);
@@ -59,9 +59,9 @@ function choice(options, get, set, store, key) {
     return h("div", { class: "choice" }, buttons);
 }
 
-function surfaceSection(store) {
+function surfaceSection(scene, store) {
     const smooth = toggle("Smooth shading", (on) => store.set({ smooth: on }), "S");
-    const grid = toggle("Ground", (on) => setOverlay(store, "grid", on), "G");
+    const grid = toggle("Ground", (on) => setOverlay(store, scene, "grid", on), "G");
     const slider = h("input", { type: "range", min: "0", max: "1", step: "0.01", "aria-label": "Opacity of tissues",
         oninput: () => store.set({ opacity: Number(slider.value), opacityIsAutomatic: false }) });
     const update = () => {
@@ -72,7 +72,7 @@ function surfaceSection(store) {
     store.on(["smooth", "opacity", "overlays"], update);
     update();
     return section("Surface",
-        choice([["shaded", "Shaded"], ["edges", "+ edges"], ["wire", "Edges"]], () => store.state.surface, (surface) => store.set({ surface }), store, "surface"),
+        choice([["shaded", "Shaded"], ["edges", "+ edges"], ["wire", "Wireframe"]], () => store.state.surface, (surface) => store.set({ surface }), store, "surface"),
         h("div", { class: "field" }, h("span", {}, "Flesh opacity"), slider), smooth.element, grid.element);
 }
 
@@ -88,10 +88,9 @@ function mapEntries(scene) {
 }
 
 function colourSection(scene, store) {
-    const hasLattice = scene.bodies.some((b) => b.lattice && b.hostTet), moves = scene.bodies.some((b) => !b.isRigid);
     const maps = mapEntries(scene);
-    const options = [["material", "Material"], hasLattice && ["volume", "Volume change"], hasLattice && ["strain", "Largest stretch"],
-        moves && ["area", "Surface area change"], maps.length > 0 && ["weights", "Painted weights"]].filter(Boolean);
+    const options = [["material", "Material"], ["volume", "Volume change"], ["stretch", "Largest stretch"],
+        ["area", "Surface area change"], ["weights", "Painted weights"]].filter(([name]) => hasData(scene, name));
     const select = h("select", { "aria-label": "Colour by", onchange: () => store.set({ colourBy: select.value }) },
         options.map(([value, label]) => h("option", { value }, label)));
     const mapSelect = h("select", { "aria-label": "Painted map", onchange: () => store.set({ map: mapSelect.value }) },
@@ -115,9 +114,9 @@ function overlaySection(scene, store) {
     const entries = [["lattice", "Tets", tets, "L"], ["fibres", "Fibres", fibres, "B"], ["attachments", "Attachments", anchors, "A"],
         ["contacts", "Contacts", contacts, "K"]];
     const toggles = entries.map(([name, label, n, key]) => {
-        const t = toggle(label, (on) => setOverlay(store, name, on), key);
+        const t = toggle(label, (on) => setOverlay(store, scene, name, on), key);
         t.element.querySelector(".label").append(h("span", { class: "count" }, n ? count(n) : "none"));
-        t.input.disabled = n === 0;
+        t.input.disabled = !hasData(scene, name);
         t.input.name = name;
         return [name, t];
     });
@@ -146,6 +145,6 @@ function overlaySection(scene, store) {
 }
 
 export function sidePanel(scene, store, selection, world) {
-    return h("aside", { class: "side" }, overlaySection(scene, store), colourSection(scene, store), surfaceSection(store),
+    return h("aside", { class: "side" }, overlaySection(scene, store), colourSection(scene, store), surfaceSection(scene, store),
         bodyList(scene, store, selection, world));
 }

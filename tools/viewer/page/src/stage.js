@@ -43,13 +43,23 @@ export class Stage {
         this.controls = new OrbitControls(this.camera, this.canvas);
         this.controls.enableDamping = false;
         this.controls.zoomToCursor = true;
-        this.controls.addEventListener("change", () => this.invalidate());
+        this.controls.addEventListener("change", () => (this.clip(), this.invalidate()));
+        this.controls.addEventListener("start", () => (this.framed = null)); // from now on the user's own view
+        /** Pixels at each side of the canvas that something lies over; set by whoever puts it there. */
+        this.covered = () => ({ left: 0, right: 0, top: 0, bottom: 0 });
         this.addLights();
         this.addGrid(low, high);
         this.beforeDraw = [];
         new ResizeObserver(() => this.resize()).observe(host);
         this.resize();
-        this.look("corner");
+    }
+
+    /** Near and far go with the distance, so that what flies far away can still be framed and seen. */
+    clip() {
+        const distance = this.camera.position.distanceTo(this.controls.target);
+        this.camera.near = Math.min(this.size / 500, distance / 50);
+        this.camera.far = Math.max(this.size * 50, distance * 100);
+        this.camera.updateProjectionMatrix();
     }
 
     addLights() {
@@ -105,57 +115,72 @@ export class Stage {
 
     resize() {
         const width = Math.max(1, this.host.clientWidth), height = Math.max(1, this.host.clientHeight);
-        // A view that grows shows more at the same scale; one that shrinks shows the same, smaller.
-        const factor = Math.max(1, height / this.framedHeight) / Math.max(1, this.height / this.framedHeight);
-        if (factor !== 1 && Number.isFinite(factor)) this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
-        this.height = height;
         this.renderer.setSize(width, height, false);
         this.camera.aspect = width / height;
         this.camera.updateProjectionMatrix();
+        // What was framed stays framed, until the user turns or zooms.
+        if (this.framed) this.frame(...this.framed);
         this.invalidate();
     }
 
-    /** Looks from a named side at everything. */
-    look(name) {
+    /** Looks from a named side at `points`, by default at the whole motion. */
+    look(name, points = this.everything()) {
         const [x, y, z] = views[name];
         const d = this.data.up === "z" ? new Vector3(x, -z, y) : new Vector3(x, y, z);
-        this.frame(this.everything(), d.normalize());
+        this.frame(points, d.normalize());
     }
 
-    /** Points of all bodies at a handful of frames: enough to see where the motion goes. */
+    /** Points of all bodies at a handful of frames: enough to see where the motion goes. Frames that went wrong would
+        make all others small; they count only if there are no others. */
     everything() {
         if (this.samples) return this.samples;
         const { frames, bodies } = this.data, out = [];
-        const step = Math.max(1, Math.floor((frames.length - 1) / 8));
-        for (let f = 0; f < frames.length; f += step)
-            for (const body of bodies) if (body.isThere(f)) out.push(...samplePoints(body, f, 240));
+        const good = [...frames.keys()].filter((f) => !frames[f].faults), all = good.length ? good : [...frames.keys()];
+        const step = Math.max(1, Math.floor((all.length - 1) / 8));
+        for (const body of bodies) {
+            const there = all.filter((f) => body.isThere(f));
+            there.forEach((f, i) => {
+                if (i % step === 0 || i === there.length - 1) out.push(...samplePoints(body, f, 240));
+            });
+        }
         return (this.samples = out);
     }
 
     /** The camera nearest to `points` that sees them all, from where it looks now unless `direction` says otherwise. */
     frame(points, direction = null) {
         if (points.length === 0) return;
-        this.framedHeight = this.height;
-        const d = direction ?? this.camera.position.clone().sub(this.controls.target).normalize();
+        const d = (direction ?? this.camera.position.clone().sub(this.controls.target)).clone().normalize();
+        this.framed = [points, d];
         const right = new Vector3().crossVectors(this.camera.up, d).normalize();
         const up = new Vector3().crossVectors(d, right);
-        const tall = Math.tan((this.camera.fov * Math.PI) / 360) * 0.93, wide = tall * this.camera.aspect;
-        // Planes of the view's pyramid pushed out until they hold every point; the eye is where they meet.
+        // Slopes of the four planes that hold what is free of the canvas, with a margin.
+        const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
+        const { clientWidth: w, clientHeight: h } = this.host, over = this.covered(), margin = 0.035;
+        const free = (before, after, size) => {
+            const from = before / Math.max(1, size), to = 1 - after / Math.max(1, size);
+            return to - from > 0.45 ? [2 * (from + margin) - 1, 2 * (to - margin) - 1] : [2 * margin - 1, 1 - 2 * margin];
+        };
+        const [left, rightward] = free(over.left, over.right, w).map((s) => s * wide);
+        const [low, high] = free(over.bottom, over.top, h).map((s) => s * tall);
+        // The planes pushed out until they hold every point; the eye is where they meet.
         const extent = { left: Infinity, right: -Infinity, low: Infinity, high: -Infinity };
+        let middle = 0;
         for (const p of points) {
             const x = p.dot(right), y = p.dot(up), z = p.dot(d);
-            extent.left = Math.min(extent.left, x - wide * z);
-            extent.right = Math.max(extent.right, x + wide * z);
-            extent.low = Math.min(extent.low, y - tall * z);
-            extent.high = Math.max(extent.high, y + tall * z);
+            extent.left = Math.min(extent.left, x + left * z);
+            extent.right = Math.max(extent.right, x + rightward * z);
+            extent.low = Math.min(extent.low, y + low * z);
+            extent.high = Math.max(extent.high, y + high * z);
+            middle += z / points.length;
         }
-        const back = Math.max((extent.right - extent.left) / (2 * wide), (extent.high - extent.low) / (2 * tall));
-        const eye = new Vector3().addScaledVector(right, (extent.left + extent.right) / 2)
-            .addScaledVector(up, (extent.low + extent.high) / 2).addScaledVector(d, back);
-        const middle = points.reduce((sum, p) => sum + p.dot(d), 0) / points.length;
+        const back = Math.max((extent.right - extent.left) / (rightward - left), (extent.high - extent.low) / (high - low), middle + 1e-3 * this.size);
+        const eye = new Vector3().addScaledVector(d, back)
+            .addScaledVector(right, (extent.left - left * back + extent.right - rightward * back) / 2)
+            .addScaledVector(up, (extent.low - low * back + extent.high - high * back) / 2);
         this.camera.position.copy(eye);
-        this.controls.target.copy(eye).addScaledVector(d, Math.min(middle - eye.dot(d), -1e-3 * this.size));
+        this.controls.target.copy(eye).addScaledVector(d, middle - back);
         this.controls.update();
+        this.clip();
         this.invalidate();
     }
 
@@ -170,13 +195,13 @@ export class Stage {
         this.renderer.render(this.scene, this.camera);
     }
 
-    /** The first of `meshes` under a point of the page. */
+    /** What of `meshes` lies under a point of the page, the nearest first. */
     pick(x, y, meshes) {
         const r = this.canvas.getBoundingClientRect();
         const at = new Vector2(((x - r.left) / r.width) * 2 - 1, 1 - ((y - r.top) / r.height) * 2);
         const ray = new Raycaster();
         ray.setFromCamera(at, this.camera);
-        return ray.intersectObjects(meshes, false)[0] ?? null;
+        return ray.intersectObjects(meshes, false);
     }
     /** Where a point of the scene is on the page, in CSS pixels. */
     project(point) {

@@ -27,8 +27,22 @@ export const overlayNames = ["lattice", "fibres", "attachments", "contacts", "gr
 
 /** Attachments: up to the longest of the run, so that frames compare. */
 function usualRanges(scene) {
-    const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.maxStretch ?? 0), 0);
-    return longest > 0 ? { stretch: [0, Number(longest.toPrecision(2))] } : {};
+    const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.faults ? 0 : (f.maxStretch ?? 0)), 0);
+    return longest > 0 ? { distance: [0, Number(longest.toPrecision(2))] } : {};
+}
+
+/** Whether the page has anything to show for an overlay or a colouring. */
+export function hasData(scene, name) {
+    switch (name) {
+        case "lattice": return scene.bodies.some((b) => b.lattice);
+        case "fibres": return scene.bodies.some((b) => b.fibres.length > 0);
+        case "attachments": return scene.attachments.length > 0;
+        case "contacts": return scene.frames.some((f) => f.contacts?.length > 0);
+        case "volume": case "stretch": return scene.bodies.some((b) => b.lattice && b.hostTet);
+        case "area": return scene.bodies.some((b) => !b.isRigid);
+        case "weights": return scene.bodies.some((b) => b.maps.length > 0);
+        default: return true;
+    }
 }
 
 /** What a fresh page shows. */
@@ -48,7 +62,7 @@ export function initialState(scene) {
         overlays: { lattice: false, fibres: false, attachments: false, contacts: false, grid: true },
         filledLattice: true,
         cut: { on: false, axis: 0, at: 0.5, flip: false },
-        colourBy: "material", // "volume", "strain", "area", "weights"
+        colourBy: "material", // "volume", "stretch", "area", "weights"
         map: "",
         ranges: usualRanges(scene), // by quantity: [least, most]
         opacity: 1, // of tissues and cloth
@@ -58,8 +72,10 @@ export function initialState(scene) {
     };
 }
 
-/** Turns an overlay on or off. Inner things are shown through the tissue unless the user has set it otherwise. */
-export function setOverlay(store, name, on) {
+/** Turns an overlay on or off. Inner things are shown through the tissue unless the user has set it otherwise. False if
+    the page has no data for it; then nothing changes. */
+export function setOverlay(store, scene, name, on) {
+    if (on && !hasData(scene, name)) return false;
     const overlays = { ...store.state.overlays, [name]: on };
     const patch = { overlays };
     if (store.state.opacityIsAutomatic) {
@@ -67,6 +83,7 @@ export function setOverlay(store, name, on) {
         patch.opacity = inner ? 0.28 : 1;
     }
     store.set(patch);
+    return true;
 }
 
 export function isShown(state, body) {

@@ -3,7 +3,9 @@
 import { h, show } from "./dom.js";
 import { frameSummary, phases, timelineRows } from "./timeline_rows.js";
 
-const left = 132, right = 86, top = 20, gap = 7;
+const left = 186, right = 86, top = 20, gap = 6, widest = 96; // pixels; a slot of one frame is never wider than that
+
+const fault = "#c026a8";
 
 export function timelinePanel(scene, store, player) {
     const rows = timelineRows(scene);
@@ -11,7 +13,8 @@ export function timelinePanel(scene, store, player) {
     const tip = h("div", { class: "tip", hidden: true });
     const key = h("div", { class: "timeline-key" }, phases.map(([name, colour]) =>
         h("span", {}, h("i", { style: `background:${colour}` }), name)), h("span", {}, h("i", { class: "reused" }), "reused"),
-        h("span", {}, h("i", { style: "background:#d23b3b" }), "not converged"));
+        h("span", {}, h("i", { style: "background:#d23b3b" }), "not converged"),
+        scene.frames.some((f) => f.faults) ? h("span", { class: "faulty" }, h("i", { style: `background:${fault}` }), "wrong: flies apart or is no number") : null);
     const scroller = h("div", { class: "timeline-scroll" }, canvas, tip);
     const element = h("div", { class: "timeline" }, scroller, key);
     if (scene.frames.length === 0) {
@@ -26,11 +29,11 @@ export function timelinePanel(scene, store, player) {
     /** Rows share the room there is, within reason; then they scroll. */
     function fitHeights(room) {
         const fixed = top + rows.length * gap + 4, usual = rows.reduce((sum, r) => sum + r.usual, 0);
-        const factor = Math.min(1.6, Math.max(0.72, (room - fixed) / usual));
+        const factor = Math.min(1.6, Math.max(0.42, (room - fixed) / usual));
         for (const row of rows) row.height = Math.floor(row.usual * factor);
         height = fixed + rows.reduce((sum, r) => sum + r.height, 0);
     }
-    const slot = () => (width - left - right) / span;
+    const slot = () => Math.min(widest, (width - left - right) / span);
     const xOf = (index) => left + (numbers[index] - firstFrame) * slot();
     const colours = () => {
         const style = getComputedStyle(document.documentElement);
@@ -48,7 +51,7 @@ export function timelinePanel(scene, store, player) {
             row.stacks.forEach((stack, i) => {
                 let base = y + tall;
                 stack.forEach((ms, k) => {
-                    const part = (ms / (most || 1)) * tall;
+                    const part = Math.min(base - y, (ms / (most || 1)) * tall);
                     g.fillStyle = phases[k][1];
                     g.globalAlpha = scene.frames[i].reused ? 0.3 : 1;
                     g.fillRect(xOf(i), base - part, bar, part);
@@ -60,7 +63,7 @@ export function timelinePanel(scene, store, player) {
             values.forEach((v, i) => {
                 if (!Number.isFinite(v)) return;
                 g.fillStyle = row.key === "newton" && scene.frames[i].converged === false ? "#d23b3b" : row.colour;
-                const part = (v / (most || 1)) * tall;
+                const part = Math.min(tall, (v / (most || 1)) * tall);
                 g.fillRect(xOf(i), y + tall - part, bar, part);
             });
         } else drawLine(g, row, y, c);
@@ -69,11 +72,12 @@ export function timelinePanel(scene, store, player) {
     function drawLine(g, row, y, c) {
         const { height: tall, kind, zero } = row;
         const raw = kind === "log" ? row.values.map((v) => (v > 0 ? Math.log10(v) : NaN)) : row.values;
-        const finite = raw.filter(Number.isFinite);
-        let low = Math.min(...finite), high = Math.max(...finite);
+        const scaled = (kind === "log" ? row.scaled.map((v) => (v > 0 ? Math.log10(v) : NaN)) : row.scaled).filter(Number.isFinite);
+        let low = scaled.reduce((m, v) => Math.min(m, v), Infinity), high = scaled.reduce((m, v) => Math.max(m, v), -Infinity);
+        if (!(low <= high)) (low = 0), (high = 1);
         if (zero) (low = Math.min(0, low)), (high = Math.max(0, high));
         if (!(high > low)) high = low + 1;
-        const at = (v) => y + tall - ((v - low) / (high - low)) * (tall - 3) - 1;
+        const at = (v) => y + tall - (Math.min(high, Math.max(low, v)) - low) / (high - low) * (tall - 3) - 1;
         if (zero && low < 0) {
             g.fillStyle = c.line;
             g.fillRect(left, at(0), width - left - right, 1);
@@ -81,16 +85,21 @@ export function timelinePanel(scene, store, player) {
         g.strokeStyle = row.colour;
         g.lineWidth = 1.5;
         g.beginPath();
-        let open = false;
+        const joins = (i) => i > 0 && numbers[i] === numbers[i - 1] + 1 && Number.isFinite(raw[i]) && Number.isFinite(raw[i - 1]);
         raw.forEach((v, i) => {
-            const isNext = i > 0 && numbers[i] === numbers[i - 1] + 1;
-            if (!Number.isFinite(v)) return (open = false);
+            if (!Number.isFinite(v)) return;
             const x = xOf(i) + slot() / 2;
-            if (open && isNext) g.lineTo(x, at(v));
-            else g.moveTo(x, at(v)), g.lineTo(x + 0.5, at(v));
-            open = true;
+            if (joins(i)) g.lineTo(x, at(v));
+            else g.moveTo(x, at(v));
         });
         g.stroke();
+        g.fillStyle = row.colour;
+        raw.forEach((v, i) => {
+            if (!Number.isFinite(v) || joins(i) || (i + 1 < raw.length && joins(i + 1))) return;
+            g.beginPath(); // a frame on its own has no line
+            g.arc(xOf(i) + slot() / 2, at(v), 2.5, 0, 2 * Math.PI);
+            g.fill();
+        });
     }
 
     function drawMarks(g, c) {
@@ -98,6 +107,13 @@ export function timelinePanel(scene, store, player) {
         scene.frames.forEach((f, i) => {
             if (f.reused) (g.fillStyle = "#3aa0a0"), g.fillRect(xOf(i), top - 4, w, 3);
             if (f.converged === false) (g.fillStyle = "#d23b3b"), g.fillRect(xOf(i), top - 4, w, 3);
+            if (!f.faults) return;
+            const wide = Math.max(3, w), x = xOf(i) + (w - wide) / 2;
+            g.fillStyle = fault;
+            g.fillRect(x, top - 6, wide, 6);
+            g.globalAlpha = 0.16;
+            g.fillRect(x, top, wide, height - top - 4);
+            g.globalAlpha = 1;
         });
         g.fillStyle = c.line;
         g.globalAlpha = 0.6;
@@ -125,9 +141,13 @@ export function timelinePanel(scene, store, player) {
         let y = top;
         for (const row of rows) {
             g.fillStyle = c.text;
-            g.fillText(row.title, 10, y + 12);
+            g.fillText(row.title, 10, y + 11);
             g.fillStyle = c.soft;
-            if (row.height > 26) g.fillText(`most ${show(row.most)} ${row.unit}`, 10, y + 26);
+            g.textAlign = "right"; // at the height where the row's largest value ends
+            g.fillText(`${row.kind === "log" ? "≤ " : ""}${show(row.most)} ${row.unit}`.trim(), left - 8, y + 9);
+            g.textAlign = "left";
+            g.fillStyle = c.line;
+            g.fillRect(left - 5, y, 3, 1);
             drawRow(g, row, y, c);
             row.y = y;
             y += row.height + gap;
@@ -140,12 +160,12 @@ export function timelinePanel(scene, store, player) {
         g.clearRect(0, 0, canvas.width, canvas.height);
         g.drawImage(still, 0, 0);
         g.setTransform(ratio, 0, 0, ratio, 0, 0);
-        const { frame } = store.state, x = xOf(frame), w = Math.max(2, slot());
+        const { frame } = store.state, middle = xOf(frame) + slot() / 2, w = Math.min(14, Math.max(2, slot())), x = middle - w / 2;
         g.fillStyle = c.accent;
         g.globalAlpha = 0.22;
         g.fillRect(x, top - 6, w, height - top + 6);
         g.globalAlpha = 1;
-        g.fillRect(x + w / 2 - 0.75, top - 6, 1.5, height - top + 6);
+        g.fillRect(middle - 0.75, top - 6, 1.5, height - top + 6);
         g.font = "11px Inter, 'Segoe UI', Arial, sans-serif";
         for (const row of rows) g.fillText(`${show(row.values[frame])} ${row.unit}`, width - right + 10, row.y + row.height / 2 + 4);
     }
@@ -153,6 +173,7 @@ export function timelinePanel(scene, store, player) {
         if (scroller.clientWidth === 0) return;
         width = scroller.clientWidth;
         fitHeights(scroller.clientHeight);
+        scroller.classList.toggle("more", height > scroller.clientHeight + 2);
         drawStill();
         draw();
     }

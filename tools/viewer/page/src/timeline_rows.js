@@ -19,7 +19,7 @@ function volumeError(scene) {
         let worst = NaN;
         for (const b of scene.bodies) {
             const v = b.volume ? 100 * (b.volume[f] - 1) : NaN;
-            if (Number.isFinite(v) && !(Math.abs(v) <= Math.abs(worst))) worst = v;
+            if (b.isThere(f) && Number.isFinite(v) && !(Math.abs(v) <= Math.abs(worst))) worst = v;
         }
         return worst;
     });
@@ -45,7 +45,12 @@ export function timelineRows(scene) {
         { key: "stretch", title: "Longest attachment", unit: "mm", kind: "line", usual: 30, values: of("maxStretch").map((v) => 1000 * v), colour: "#b0713a" },
         { key: "contacts", title: "Contacts", unit: "", kind: "bars", usual: 26, values: of("contactCount"), colour: "#d0524f" },
     ];
-    for (const row of rows) row.most = largest(row.values);
+    // A frame that flies apart would flatten all others; its bars are cut off at the top.
+    const isGood = (i) => !frames[i].faults || frames.every((f) => f.faults);
+    for (const row of rows) {
+        row.scaled = row.values.filter((_, i) => isGood(i));
+        row.most = largest(row.scaled);
+    }
     const optional = new Set(["contacts"]);
     return rows.filter((r) => r.values.some(Number.isFinite) && !(optional.has(r.key) && r.most === 0) && !(r.key === "time" && r.most === 0));
 }
@@ -53,7 +58,7 @@ export function timelineRows(scene) {
 /** Lines of text about one frame. */
 export function frameSummary(scene, index) {
     const f = scene.frames[index];
-    const out = [`Frame ${f.frame}${f.reused ? " (reused)" : ""}`];
+    const out = [`Frame ${f.frame}${f.reused ? " (reused)" : ""}`, ...(f.faults ?? [])];
     if (f.phases) {
         out.push(phaseTimes(f).map((ms, i) => [phases[i][0], ms]).filter(([, ms]) => ms > 0).map(([n, ms]) => `${n} ${show(ms)} ms`).join(", ") || "no time");
         out.push(`${f.newton} Newton in ${f.substeps} step${f.substeps === 1 ? "" : "s"}, residual ${show(f.residual)}${f.converged ? "" : ": not converged"}`);

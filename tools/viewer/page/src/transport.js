@@ -18,7 +18,7 @@ export function transport(scene, store, player) {
         player.goTo(near);
         update();
     } });
-    const range = h("span", { class: "soft" }, last >= 0 ? `of ${scene.frames[0].frame}–${scene.frames[last].frame}` : "no frames");
+    const range = h("span", { class: "soft" }, last > 0 ? `of ${scene.frames[0].frame}–${scene.frames[last].frame}` : last === 0 ? "the only frame" : "no frames");
     const clock = h("span", { class: "clock" });
     const speed = h("select", { "aria-label": "Speed", title: "Speed", onchange: () => store.set({ speed: Number(speed.value) }) },
         speeds.map((s) => h("option", { value: String(s) }, s < 1 ? `1/${1 / s} ×` : `${s} ×`)));

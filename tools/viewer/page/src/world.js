@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // All bodies and overlays in one stage, brought up to date when the state changes.
+import { Triangle, Vector3 } from "three";
 import { AttachmentView } from "./attachment_view.js";
 import { cutPlane } from "./body_material.js";
 import { BodyView } from "./body_view.js";
@@ -104,24 +105,37 @@ export class World {
     /** The body under a point of the page, or -1. */
     pickBody(x, y) {
         const { state } = this.store;
+        if (this.dirty) this.refresh();
         const meshes = this.bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
-        const plane = this.plane();
-        if (!plane) {
-            const hit = this.stage.pick(x, y, meshes);
-            return hit ? hit.object.userData.body : -1;
-        }
-        const uncut = meshes.filter((m) => state.cut.on && this.scene.bodies[m.userData.body].kind === "bone");
-        const hit = this.stage.pick(x, y, uncut) ?? this.stage.pick(x, y, meshes);
+        const hit = this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state));
         return hit ? hit.object.userData.body : -1;
     }
 
-    /** Frames the selected bodies, or all that is shown. */
-    frameSelection() {
+    /** Whether the cut plane has taken away the flesh at a hit; the cut goes through the shape at rest. */
+    isCutAway(hit, state) {
+        const plane = this.plane(), { object, face, barycoord } = hit;
+        if (!plane || this.scene.bodies[object.userData.body].kind === "bone" || !object.isMesh || state.surface === "wire") return false;
+        const { rest } = object.geometry.attributes, at = new Vector3();
+        Triangle.getInterpolatedAttribute(rest, face.a, face.b, face.c, barycoord, at);
+        return at.x * plane[0] + at.y * plane[1] + at.z * plane[2] > plane[3];
+    }
+
+    /** Points of what is shown at this frame, or of the selected bodies alone. */
+    shownPoints(selectedOnly = false) {
         const { state } = this.store;
         const chosen = this.bodies.filter((v) => v.body.isThere(state.frame) &&
-            (state.selectedBodies.length ? state.selectedBodies.includes(v.body.index) : isShown(state, v.body.index)));
-        const points = chosen.flatMap((v) => samplePoints(v.body, state.frame, 2000));
+            (selectedOnly ? state.selectedBodies.includes(v.body.index) : isShown(state, v.body.index)));
+        return chosen.flatMap((v) => samplePoints(v.body, state.frame, 2000));
+    }
+    /** Frames the selected bodies, or all that is shown. */
+    frameSelection() {
+        const points = this.shownPoints(this.store.state.selectedBodies.length > 0);
         this.stage.frame(points.length ? points : this.stage.everything());
+    }
+    /** Looks from a named side: at what is shown now; while it plays, at the whole motion. */
+    look(name) {
+        const points = this.store.state.playing ? [] : this.shownPoints();
+        this.stage.look(name, points.length ? points : undefined);
     }
 
     /** Least and largest shown value of a quantity at this frame, leaving out the outermost 1 % on each side. */

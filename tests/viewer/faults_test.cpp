@@ -1,0 +1,126 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/viewer/runs.h"
+#include "tools/viewer/collect.h"
+#include "tools/viewer/faults.h"
+#include "tools/viewer/page_data.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+using namespace sinew;
+using namespace sinew::viewer;
+
+namespace {
+
+Coordinates& points(ViewScene& scene, std::size_t frame) {
+    return std::get<DeformingMotion>(scene.bodies[0].motion).points[frame];
+}
+
+std::string all_notes(const ViewScene& scene) {
+    std::string out;
+    for (const ViewNote& n : scene.notes) out += n.text + "\n";
+    return out;
+}
+
+std::array<double, 3> read_back(const PageData& data, std::size_t frame, std::size_t vertex,
+                                std::size_t vertices) {
+    const auto header = nlohmann::json::parse(data.header);
+    for (const auto& chunk : header["bodies"][0]["motion"]["chunks"]) {
+        const auto first = chunk["first"].get<std::size_t>(), count = chunk["count"].get<std::size_t>();
+        if (frame < first || frame >= first + count) continue;
+        const auto values = unpack_u16(data.blocks[chunk["block"].get<std::size_t>()]);
+        std::array<double, 3> out{};
+        for (std::size_t c = 0; c < 3; ++c)
+            out[c] = chunk["origin"][c].get<double>() +
+                     chunk["step"][c].get<double>() * values[3 * (vertices * (frame - first) + vertex) + c];
+        return out;
+    }
+    FAIL("no chunk has the frame");
+    return {};
+}
+
+} // namespace
+
+TEST_CASE("frames beside one that flies apart stay within 1e-4 of the body's size") {
+    constexpr std::size_t vertices = 400;
+    const auto bad = GENERATE(std::size_t{0}, std::size_t{9}, std::size_t{19});
+    const auto factor = GENERATE(1e2f, 1e6f, 1e17f);
+    ViewScene scene = test::made_scene(vertices, 20);
+    for (std::size_t i = 0; i < 3 * vertices; i += 30) points(scene, bad)[i] *= factor;
+    const ViewScene before = scene;
+    find_faults(scene);
+    const PageData data = page_data(scene);
+    for (const std::size_t f : {std::size_t{1}, std::size_t{8}, std::size_t{10}, std::size_t{18}})
+        for (std::size_t v = 0; v < vertices; v += 7) {
+            const auto found = read_back(data, f, v, vertices);
+            const auto wanted = vertex_position(before.bodies[0], f, v);
+            for (std::size_t c = 0; c < 3; ++c)
+                CHECK(std::abs(found[c] - static_cast<double>(wanted[c])) < 1e-4 * 20);
+        }
+    for (std::size_t f = 0; f < 20; ++f) CHECK(scene.frames[f].faults.empty() == (f != bad));
+    CHECK(all_notes(scene).find("Frame " + std::to_string(bad + 1) + ": ball reaches") != std::string::npos);
+    CHECK(bounds(scene)[1][1] < 20); // the camera goes by the good frames
+}
+
+TEST_CASE("even motion keeps one grid, and an ordinary run has no faults") {
+    ViewScene scene = test::made_scene(300, 30);
+    find_faults(scene);
+    CHECK(scene.notes.empty());
+    CHECK(nlohmann::json::parse(page_data(scene).header)["bodies"][0]["motion"]["chunks"].size() == 1);
+    for (const ViewFrame& f : scene.frames) CHECK(f.faults.empty());
+}
+
+TEST_CASE("a long walk of a small body is no fault of its first half, and stays exact") {
+    ViewScene scene = test::made_scene(50, 40);
+    for (std::size_t f = 0; f < 40; ++f)
+        for (std::size_t i = 0; i < points(scene, f).size(); i += 3)
+            points(scene, f)[i] += 25.0f * static_cast<float>(f);
+    const ViewScene before = scene;
+    find_faults(scene);
+    CHECK(scene.notes.empty());
+    const PageData data = page_data(scene);
+    for (const std::size_t f : {std::size_t{0}, std::size_t{20}, std::size_t{39}})
+        CHECK(std::abs(read_back(data, f, 7, 50)[0] -
+                       static_cast<double>(vertex_position(before.bodies[0], f, 7)[0])) < 1e-4 * 20);
+}
+
+TEST_CASE("numbers that are none keep the vertex's last place") {
+    ViewScene scene = test::made_scene(50, 4);
+    points(scene, 2)[3] = NAN;
+    points(scene, 2)[31] = INFINITY;
+    const Coordinates before = points(scene, 1);
+    find_faults(scene);
+    CHECK(points(scene, 2)[3] == before[3]);
+    CHECK(points(scene, 2)[31] == before[31]);
+    CHECK(scene.frames[2].faults.size() == 1);
+    CHECK(all_notes(scene).find("Frame 3: ball has coordinates that are no numbers") != std::string::npos);
+}
+
+TEST_CASE("most frames decide what is usual, also where every later one is ten times as far") {
+    ViewScene scene = test::made_scene(50, 10);
+    for (std::size_t f = 5; f < 10; ++f)
+        for (float& v : points(scene, f)) v *= std::pow(10.0f, static_cast<float>(f));
+    find_faults(scene);
+    for (std::size_t f = 0; f < 10; ++f) CHECK(scene.frames[f].faults.empty() == (f < 5));
+}
+
+TEST_CASE("a small body that comes late counts for the bounds") {
+    const test::TemporaryFolder folder;
+    test::write_text(folder / "a.1.obj", "");
+    test::write_text(folder / "a.2.obj", test::cube_obj(3));
+    const ViewScene scene = collect_folder(folder.path());
+    REQUIRE(scene.bodies.size() == 1);
+    CHECK(bounds(scene) == std::array<std::array<float, 3>, 2>{{{3, 0, 0}, {4, 1, 1}}});
+}
+
+TEST_CASE("contacts travel as seven numbers each") {
+    ViewScene scene = test::made_scene(10, 2);
+    scene.frames[1].contacts = {{{1, 2, 3}, {0, 1, 0}, 0.5f}, {{4, 5, 6}, {1, 0, 0}, -0.25f}};
+    const PageData data = page_data(scene);
+    const auto header = nlohmann::json::parse(data.header);
+    CHECK_FALSE(header["frames"][0].contains("contacts"));
+    CHECK(header["frames"][1]["contactCount"] == 2);
+    CHECK(unpack_f32(data.blocks[header["frames"][1]["contacts"].get<std::size_t>()]) ==
+          std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});
+}

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/viewer/runs.h"
+#include "tools/cli/glb.h"
+#include "tools/viewer/collect_glb.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew;
+using namespace sinew::viewer;
+
+namespace {
+
+solver::Points cube(double x, double squash) {
+    solver::Points out;
+    for (int i = 0; i < 8; ++i) out.emplace_back(x + (i & 1), squash * (i >> 1 & 1), i >> 2);
+    return out;
+}
+
+/// A cube that travels and turns not at all, and one that is squashed.
+cli::Animation animation() {
+    const std::vector<solver::Triangle> sides{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
+                                              {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
+                                              {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    cli::Animation out;
+    out.fps = 30, out.units_per_metre = 10, out.up = 'z', out.frames = {3, 4, 7};
+    cli::AnimatedBody bone{"mover", render::BodyKind::bone, sides, {}},
+        flesh{"soft", render::BodyKind::tissue, sides, {}};
+    for (int f = 0; f < 3; ++f) {
+        bone.poses.push_back(std::make_shared<solver::Points>(cube(2.5 * f, 1)));
+        flesh.poses.push_back(std::make_shared<solver::Points>(cube(0, 1 - 0.2 * f)));
+    }
+    out.bodies = {bone, flesh};
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("a run comes back from its GLB: frames, units, bodies and places") {
+    const test::TemporaryFolder folder;
+    const auto file = folder / "run.glb";
+    test::write_text(file, cli::encode_glb(animation()));
+    CHECK(find_glb(folder.path()) == file);
+    const GlbRun run(file);
+    CHECK(run.frames().numbers == std::set<int>{3, 4, 7});
+    CHECK(run.frames().fps == 30);
+    CHECK(run.frames().units_per_metre == 10);
+    CHECK(run.frames().up == 'z');
+    std::vector<ViewNote> notes;
+    const std::vector<ViewBody> bodies = run.bodies({4, 7}, notes);
+    CHECK(notes.empty());
+    REQUIRE(bodies.size() == 2);
+    CHECK(bodies[0].name == "mover");
+    CHECK(bodies[0].kind == render::BodyKind::bone);
+    CHECK(bodies[1].kind == render::BodyKind::tissue);
+    for (const ViewBody& body : bodies) {
+        CHECK(body.vertex_count() == 8); // welded again
+        CHECK(body.triangles.size() == 12);
+    }
+    CHECK(std::holds_alternative<RigidMotion>(bodies[0].motion));
+    const auto highest = [&](std::size_t b, std::size_t frame, std::size_t axis) {
+        float most = -1e9f;
+        for (std::size_t v = 0; v < 8; ++v) most = std::max(most, vertex_position(bodies[b], frame, v)[axis]);
+        return most;
+    };
+    CHECK(highest(0, 0, 0) == Approx(3.5).epsilon(1e-5));
+    CHECK(highest(0, 1, 0) == Approx(6).epsilon(1e-5));
+    CHECK(highest(1, 0, 1) == Approx(0.8).epsilon(1e-5));
+    CHECK(highest(1, 1, 1) == Approx(0.6).epsilon(1e-5));
+}
+
+TEST_CASE("files that are no GLB, cut off or not of Sinew are refused with a reason") {
+    const test::TemporaryFolder folder;
+    const auto file = folder / "run.glb";
+    const std::string whole = cli::encode_glb(animation());
+    const auto reason = [&](const std::string& bytes) {
+        test::write_text(file, bytes);
+        try {
+            std::vector<ViewNote> notes;
+            GlbRun(file).bodies({3}, notes);
+        } catch (const std::runtime_error& e) {
+            return std::string(e.what());
+        }
+        return std::string("fine");
+    };
+    CHECK(reason(whole) == "fine");
+    CHECK(reason("") == "it is no GLB file");
+    CHECK(reason(whole.substr(0, whole.size() / 2)) == "it ends in the middle");
+    for (std::size_t cut = 20; cut < whole.size(); cut += 97) CHECK(reason(whole.substr(0, cut)) != "fine");
+    std::string other = whole;
+    other.replace(other.find("\"sinew\":{"), 9, "\"sonew\":{");
+    CHECK(reason(other).find("which frames") != std::string::npos);
+}

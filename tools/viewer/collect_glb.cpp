@@ -1,0 +1,243 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/collect_glb.h"
+
+#include "tools/viewer/recorder.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace sinew::viewer {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+namespace {
+
+constexpr std::uint32_t magic = 0x46546C67, json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
+
+[[noreturn]] void fail(const std::string& why) { throw std::runtime_error(why); }
+
+/// How one node moves: one entry a frame, or none.
+struct Tracks {
+    std::vector<float> translations, rotations;
+};
+
+} // namespace
+
+struct GlbRun::Content {
+    json document;
+    std::string binary;
+    GlbFrames frames;
+    std::vector<int> order; ///< frame numbers as the file has them
+
+    void read(const fs::path& file) {
+        std::ifstream in(file, std::ios::binary);
+        std::ostringstream text;
+        text << in.rdbuf();
+        const std::string bytes = text.str();
+        if (bytes.size() < 20 || word(bytes, 0) != magic) fail("it is no GLB file");
+        for (std::size_t at = 12; at + 8 <= bytes.size();) {
+            const std::size_t length = word(bytes, at);
+            const std::uint32_t kind = word(bytes, at + 4);
+            if (at + 8 + length > bytes.size()) fail("it ends in the middle");
+            if (kind == json_chunk) document = json::parse(bytes.substr(at + 8, length));
+            if (kind == binary_chunk) binary = bytes.substr(at + 8, length);
+            at += 8 + length;
+        }
+        if (!document.is_object()) fail("it has no description");
+        find_frames();
+    }
+
+    std::vector<float> floats(std::size_t accessor) const { return numbers<float>(accessor, 5126); }
+    std::vector<std::uint32_t> indices(std::size_t accessor) const {
+        return numbers<std::uint32_t>(accessor, 5125);
+    }
+
+    Tracks tracks_of(std::size_t node) const {
+        Tracks out;
+        for (const json& animation : document.value("animations", json::array()))
+            for (const json& channel : animation.at("channels")) {
+                const json& target = channel.at("target");
+                if (target.value("node", std::size_t{0}) != node || !target.contains("node")) continue;
+                const auto path = target.at("path").get<std::string>();
+                if (path != "translation" && path != "rotation") continue;
+                const json& sampler = animation.at("samplers").at(channel.at("sampler").get<std::size_t>());
+                (path == "rotation" ? out.rotations : out.translations) =
+                    floats(sampler.at("output").get<std::size_t>());
+            }
+        return out;
+    }
+
+  private:
+    static std::uint32_t word(const std::string& bytes, std::size_t at) {
+        std::uint32_t v = 0;
+        std::memcpy(&v, bytes.data() + at, 4);
+        return v;
+    }
+
+    template <class T>
+    std::vector<T> numbers(std::size_t index, int component) const {
+        const json& accessor = document.at("accessors").at(index);
+        const json& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+        static const std::map<std::string, std::size_t> widths{
+            {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
+        const auto width = widths.find(accessor.at("type").get<std::string>());
+        if (accessor.at("componentType") != component || width == widths.end() || view.contains("byteStride"))
+            fail("it was not written by Sinew");
+        std::vector<T> out(accessor.at("count").get<std::size_t>() * width->second);
+        const std::size_t at =
+            view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
+        if (at > binary.size() || out.size() > (binary.size() - at) / sizeof(T))
+            fail("it ends in the middle");
+        if (!out.empty()) std::memcpy(out.data(), binary.data() + at, out.size() * sizeof(T));
+        return out;
+    }
+
+    void find_frames() {
+        const json& scene = document.at("scenes").at(0);
+        if (!scene.contains("extras") || !scene["extras"].contains("sinew"))
+            fail("it does not say which frames it has; Sinew writes that since version " SINEW_VERSION);
+        const json& about = scene["extras"]["sinew"];
+        order = about.at("frames").get<std::vector<int>>();
+        frames.numbers = {order.begin(), order.end()};
+        frames.fps = about.at("fps").get<double>();
+        frames.units_per_metre = about.at("units_per_metre").get<double>();
+        frames.up = about.at("up") == "z" ? 'z' : 'y';
+        if (order.empty() || !(frames.units_per_metre > 0)) fail("it has no frames");
+    }
+};
+
+namespace {
+
+/// Shading vertices -> body vertices: those that lie together in every pose are one.
+std::vector<int> weld(const std::vector<std::vector<float>>& poses, std::size_t& count) {
+    const std::size_t n = poses.front().size() / 3;
+    const auto at = [&](std::size_t pose, std::size_t v) {
+        return std::array<float, 3>{poses[pose][3 * v], poses[pose][3 * v + 1], poses[pose][3 * v + 2]};
+    };
+    std::map<std::array<float, 3>, std::vector<std::pair<std::size_t, int>>> seen;
+    std::vector<int> out(n);
+    count = 0;
+    for (std::size_t v = 0; v < n; ++v) {
+        auto& here = seen[at(0, v)];
+        const auto same = std::find_if(here.begin(), here.end(), [&](const auto& other) {
+            for (std::size_t p = 1; p < poses.size(); ++p)
+                if (at(p, v) != at(p, other.first)) return false;
+            return true;
+        });
+        if (same != here.end()) {
+            out[v] = same->second;
+            continue;
+        }
+        out[v] = static_cast<int>(count++);
+        here.emplace_back(v, out[v]);
+    }
+    return out;
+}
+
+solver::Points welded(const std::vector<float>& pose, const std::vector<float>& base,
+                      const std::vector<int>& to, std::size_t count, double scale) {
+    solver::Points out(count, solver::Vec3::Zero());
+    for (std::size_t v = 0; v < to.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const float p = &pose == &base ? base[3 * v + c] : base[3 * v + c] + pose[3 * v + c];
+            out[static_cast<std::size_t>(to[v])][static_cast<int>(c)] = scale * static_cast<double>(p);
+        }
+    return out;
+}
+
+} // namespace
+
+GlbRun::GlbRun(const fs::path& file)
+    : content_(std::make_unique<Content>()) {
+    try {
+        content_->read(file);
+    } catch (const json::exception&) {
+        fail("its description is damaged");
+    }
+}
+
+GlbRun::~GlbRun() = default;
+
+const GlbFrames& GlbRun::frames() const { return content_->frames; }
+
+std::vector<ViewBody> GlbRun::bodies(const std::vector<int>& chosen, std::vector<ViewNote>& notes) const {
+    std::vector<ViewBody> out;
+    const Content& in = *content_;
+    const double scale = in.frames.units_per_metre;
+    try {
+        const json& nodes = in.document.value("nodes", json::array());
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            if (!nodes[n].contains("mesh")) continue;
+            const json& mesh = in.document.at("meshes").at(nodes[n]["mesh"].get<std::size_t>());
+            const json& primitive = mesh.at("primitives").at(0);
+            std::vector<std::vector<float>> poses{in.floats(primitive.at("attributes").at("POSITION"))};
+            for (const json& target : primitive.value("targets", json::array()))
+                poses.push_back(in.floats(target.at("POSITION")));
+            for (const auto& pose : poses)
+                if (pose.size() != poses.front().size() || pose.size() % 3 != 0) fail("it is damaged");
+            std::size_t count = 0;
+            const std::vector<int> to = weld(poses, count);
+            solver::SurfaceMesh surface;
+            const std::vector<std::uint32_t> corners = in.indices(primitive.at("indices"));
+            for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+                solver::Triangle t{};
+                for (std::size_t k = 0; k < 3; ++k) t[k] = to.at(corners[i + k]);
+                surface.triangles.push_back(t);
+                surface.face_sizes.push_back(3);
+                surface.face_vertices.insert(surface.face_vertices.end(), t.begin(), t.end());
+            }
+            const Tracks tracks = in.tracks_of(n);
+            const auto still = nodes[n].value("translation", std::vector<float>{0, 0, 0});
+            const json extras = nodes[n].value("extras", json::object());
+            BodyRecorder recorder(nodes[n].value("name", "body"), extras.value("node", ""),
+                                  render::kind_of(extras.value("kind", "")), static_cast<int>(out.size()));
+            const auto pose_at = [&](int frame) {
+                const auto f = static_cast<std::size_t>(std::find(in.order.begin(), in.order.end(), frame) -
+                                                        in.order.begin());
+                const auto& pose = f > 0 && f < poses.size() ? poses[f] : poses.front();
+                solver::Points points = welded(pose, poses.front(), to, count, scale);
+                Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
+                solver::Vec3 t(static_cast<double>(still.at(0)), static_cast<double>(still.at(1)),
+                               static_cast<double>(still.at(2)));
+                for (int c = 0; c < 4 && !tracks.rotations.empty(); ++c)
+                    q.coeffs()[c] =
+                        static_cast<double>(tracks.rotations.at(4 * f + static_cast<std::size_t>(c)));
+                for (int c = 0; c < 3 && !tracks.translations.empty(); ++c)
+                    t[c] = static_cast<double>(tracks.translations.at(3 * f + static_cast<std::size_t>(c)));
+                q.normalize();
+                for (solver::Vec3& p : points) p = q * p + scale * t;
+                return points;
+            };
+            surface.points = pose_at(in.order.front());
+            recorder.set_rest(surface);
+            for (const int frame : chosen) recorder.add_points(frame, pose_at(frame));
+            out.push_back(recorder.finish(notes));
+        }
+    } catch (const json::exception&) {
+        fail("its description is damaged");
+    } catch (const std::out_of_range&) {
+        fail("its description is damaged");
+    }
+    return out;
+}
+
+fs::path find_glb(const fs::path& folder) {
+    fs::path newest;
+    fs::file_time_type when;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
+        if (entry.path().extension() != ".glb") continue;
+        const auto time = entry.last_write_time(error);
+        if (newest.empty() || time > when) newest = entry.path(), when = time;
+    }
+    return newest;
+}
+
+} // namespace sinew::viewer

@@ -1,0 +1,188 @@
+// The other side of page/src: lattice_view.js, fibre_view.js, attachment_view.js and colour_maps.js.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/shot_overlays.h"
+
+#include "solver/mesh/closest_point.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <span>
+
+namespace sinew::viewer {
+
+using render::Segment;
+using solver::Mat3;
+using solver::Vec3;
+
+namespace {
+
+// sRGB, as in colour_maps.js; a test holds the two together.
+constexpr std::array<unsigned, 6> heat{0x3b3f73, 0x32589f, 0x1f7fc4, 0x12a7d8, 0x3fd0e4, 0xa5f3ea};
+constexpr std::array<unsigned, 5> distance{0x2e9d6a, 0xa3bf3c, 0xf5bb2e, 0xee7a2c, 0xa3157d};
+constexpr unsigned lattice_grey = 0xaeb9c5;
+
+Eigen::Vector3f channels(unsigned hex) {
+    return Eigen::Vector3f(static_cast<float>(hex >> 16 & 255), static_cast<float>(hex >> 8 & 255),
+                           static_cast<float>(hex & 255)) /
+           255.0f;
+}
+
+/// Linear light at `t` in 0…1 of a scale.
+Eigen::Vector3f colour_at(std::span<const unsigned> scale, double t) {
+    const double x = std::clamp(t, 0.0, 1.0) * static_cast<double>(scale.size() - 1);
+    const auto i = std::min(scale.size() - 2, static_cast<std::size_t>(x));
+    const auto s = static_cast<float>(x - static_cast<double>(i));
+    const Eigen::Vector3f srgb = channels(scale[i]) * (1 - s) + channels(scale[i + 1]) * s;
+    return {render::to_linear(srgb[0]), render::to_linear(srgb[1]), render::to_linear(srgb[2])};
+}
+
+Vec3 at(const Coordinates& c, int v) {
+    const auto i = 3 * static_cast<std::size_t>(v);
+    return {static_cast<double>(c[i]), static_cast<double>(c[i + 1]), static_cast<double>(c[i + 2])};
+}
+
+Vec3 at(const ViewBody& body, std::size_t frame, int vertex) {
+    const auto p = vertex_position(body, frame, static_cast<std::size_t>(vertex));
+    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+}
+
+/// Edges of the faces that only one tet has.
+void add_lattice(const ViewLattice& lattice, std::size_t frame, std::vector<Segment>& out) {
+    constexpr int faces[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
+    std::map<std::array<int, 3>, int> seen;
+    for (const solver::Tet& tet : lattice.tets)
+        for (const auto& f : faces) {
+            std::array<int, 3> key{};
+            for (std::size_t k = 0; k < 3; ++k) key[k] = tet[static_cast<std::size_t>(f[k])];
+            std::sort(key.begin(), key.end());
+            ++seen[key];
+        }
+    std::set<std::array<int, 2>> edges;
+    for (const auto& [face, count] : seen)
+        if (count == 1) edges.insert({{face[0], face[1]}, {face[1], face[2]}, {face[0], face[2]}});
+    const Eigen::Vector3f grey = colour_at(std::array{lattice_grey, lattice_grey}, 0);
+    for (const auto& [a, b] : edges)
+        out.push_back({at(lattice.frames[frame], a), at(lattice.frames[frame], b), grey, 0.8f});
+}
+
+struct TetShape {
+    Mat3 gradient;
+    Vec3 middle, middle_at_rest;
+    double volume;
+};
+
+TetShape shape_of(const ViewLattice& lattice, std::size_t frame, const solver::Tet& tet) {
+    Mat3 now, rest;
+    const Coordinates& p = lattice.frames[frame];
+    for (int k = 0; k < 3; ++k) {
+        now.col(k) = at(p, tet[static_cast<std::size_t>(k) + 1]) - at(p, tet[0]);
+        rest.col(k) = at(lattice.rest, tet[static_cast<std::size_t>(k) + 1]) - at(lattice.rest, tet[0]);
+    }
+    Vec3 middle = Vec3::Zero(), middle_at_rest = Vec3::Zero();
+    for (const int v : tet) middle += at(p, v) / 4, middle_at_rest += at(lattice.rest, v) / 4;
+    return {now * rest.inverse(), middle, middle_at_rest, std::abs(rest.determinant()) / 6};
+}
+
+/// A lattice is coarser than the surface: sticks of tets whose middle lies outside would float beside the
+/// flesh.
+std::vector<std::size_t> fibres_inside(const ViewBody& body, const ViewFibres& fibres) {
+    std::vector<std::size_t> all, inside;
+    std::vector<solver::Triangle> triangles = body.triangles;
+    for (solver::Triangle& t : triangles)
+        for (int& v : t)
+            if (!body.shading.empty()) v = body.shading[static_cast<std::size_t>(v)];
+    solver::Points rest;
+    for (std::size_t v = 0; v < body.vertex_count(); ++v) rest.push_back(at(body.rest, static_cast<int>(v)));
+    std::optional<solver::SurfaceTree> surface; // an open surface has no inside
+    if (!body.volume.empty()) surface.emplace(rest, triangles);
+    for (std::size_t i = 0; i < fibres.tets.size(); ++i) {
+        all.push_back(i);
+        Vec3 middle = Vec3::Zero();
+        for (const int v : body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])])
+            middle += at(body.lattice->rest, v) / 4;
+        if (surface && surface->inside(middle)) inside.push_back(i);
+    }
+    return 4 * inside.size() < all.size() ? all : inside;
+}
+
+void add_fibres(const ViewBody& body, std::size_t frame, std::vector<Segment>& out) {
+    for (const ViewFibres& fibres : body.fibres) {
+        const Eigen::Vector3f colour = colour_at(heat, static_cast<double>(fibres.excitation.at(frame)));
+        for (const std::size_t i : fibres_inside(body, fibres)) {
+            const TetShape tet =
+                shape_of(*body.lattice, frame, body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])]);
+            const double half =
+                0.42 * std::cbrt(tet.volume) * (0.4 + 0.6 * static_cast<double>(fibres.weights[i]));
+            const Vec3 d = half * (tet.gradient * at(fibres.directions, static_cast<int>(i)));
+            out.push_back({tet.middle - d, tet.middle + d, colour, 1.7f});
+        }
+    }
+}
+
+/// Where an attached vertex holds on.
+Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t frame) {
+    const auto host = [&](std::size_t k) {
+        return target.lattice ? at(target.lattice->frames[frame], anchor.host[k])
+                              : at(target, frame, anchor.host[k]);
+    };
+    Vec3 p = Vec3::Zero();
+    for (std::size_t k = 0; k < 4; ++k)
+        if (anchor.host[k] >= 0) p += static_cast<double>(anchor.weights[k]) * host(k);
+    const Vec3 offset(static_cast<double>(anchor.offset[0]), static_cast<double>(anchor.offset[1]),
+                      static_cast<double>(anchor.offset[2]));
+    if (offset.isZero()) return p;
+    // The triangle's own frame: first edge, across, normal (solver/attach/anchors.cpp).
+    const Vec3 along = (host(1) - host(0)).normalized(),
+               normal = (host(1) - host(0)).cross(host(2) - host(0)).normalized();
+    return p + offset[0] * along + offset[1] * normal.cross(along) + offset[2] * normal;
+}
+
+/// The longest distance of the scene's frames in millimetres, which the last colour stands for.
+double longest(const ViewScene& scene) {
+    double most = 0;
+    for (const ViewFrame& f : scene.frames)
+        if (f.step && f.faults.empty() && std::isfinite(f.step->max_stretch))
+            most = std::max(most, 1000 * f.step->max_stretch);
+    return most > 0 ? most : 5;
+}
+
+void add_attachments(const ViewScene& scene, std::size_t frame, std::vector<Segment>& out) {
+    const double most = longest(scene);
+    for (const ViewAttachment& a : scene.attachments) {
+        const ViewBody &source = scene.bodies[static_cast<std::size_t>(a.source)],
+                       &target = scene.bodies[static_cast<std::size_t>(a.target)];
+        if (!source.is_there(frame) || !target.is_there(frame)) continue;
+        for (const ViewAnchor& anchor : a.anchors) {
+            const Vec3 from = at(source, frame, anchor.source_vertex),
+                       to = anchor_place(anchor, target, frame);
+            const Eigen::Vector3f colour =
+                colour_at(distance, 1000 * (to - from).norm() / scene.units_per_metre / most);
+            out.push_back({from, to, colour, 1.0f});
+            out.push_back({from, from, colour, 2.6f});
+        }
+    }
+}
+
+} // namespace
+
+const std::set<std::string>& overlay_names() {
+    static const std::set<std::string> names{"lattice", "fibers", "attachments"};
+    return names;
+}
+
+std::vector<Segment> overlay_segments(const ViewScene& scene, std::size_t frame,
+                                      const std::set<std::string>& names) {
+    std::vector<Segment> out;
+    for (const ViewBody& body : scene.bodies) {
+        if (!body.lattice || !body.is_there(frame)) continue;
+        if (names.contains("lattice")) add_lattice(*body.lattice, frame, out);
+        if (names.contains("fibers")) add_fibres(body, frame, out);
+    }
+    if (names.contains("attachments")) add_attachments(scene, frame, out);
+    return out;
+}
+
+} // namespace sinew::viewer
