@@ -4,15 +4,17 @@
 #include "solver/stopwatch.h"
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace sinew::solver {
 
 namespace {
 
-/// Steps that stay with the kept factor after plain iterations did not pay; then those are tried again.
-constexpr int factor_steps = 24;
+/// Steps that stay with multigrid or with the kept factor after what is cheaper did not pay; then that is tried again.
+constexpr int kept_steps = 24;
 /// Newton iterations of one step after which the inexact directions are taken to be what holds it up.
-constexpr int patience = 5;
+const int patience = getenv("PAT") ? atoi(getenv("PAT")) : 5;
+const int plain_iterations = getenv("PLAIN") ? atoi(getenv("PLAIN")) : 100, multigrid_iterations = getenv("MG") ? atoi(getenv("MG")) : 100;
 /// A solve with the factor costs about a fiftieth of making it.
 constexpr int kept_factor_iterations = 30;
 
@@ -65,6 +67,28 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
     factorize_and_solve(a, b, x, outcome);
 }
 
+ConjugateGradients::Result LinearSolver::iterate(const std::vector<double>& b, std::vector<double>& x, double tolerance,
+                                                 LinearMemory& memory, Outcome& outcome) {
+    ConjugateGradients::Result r;
+    if (memory.multigrid_steps_left == 0) {
+        r = iterative_->solve(b.data(), x.data(), tolerance, plain_iterations);
+        outcome.iterations += r.iterations;
+        if (r.converged || !r.definite) return r;
+        memory.multigrid_steps_left = kept_steps;
+    }
+    if (!multigrid_) multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places_);
+    if (!multigrid_->set_values()) {
+        r.definite = false;
+        return r;
+    }
+    const ConjugateGradients::Preconditioner cycle = [&](const std::vector<double>& in, std::vector<double>& out) {
+        multigrid_->apply(in, out);
+    };
+    r = iterative_->solve(b.data(), x.data(), tolerance, multigrid_iterations, &cycle);
+    outcome.iterations += r.iterations;
+    return r;
+}
+
 LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b,
                                           std::vector<double>& x, double tolerance, int newton_iteration,
                                           bool projected, LinearMemory& memory) {
@@ -75,7 +99,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
         return outcome;
     }
     const bool automatic = method == LinearMethod::automatic;
-    if (automatic && newton_iteration >= patience) memory.factor_steps_left = factor_steps;
+    if (automatic && newton_iteration >= patience) memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;
@@ -85,12 +109,11 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
         const Stopwatch timer(outcome.seconds_solve);
         if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
         iterative_->set(a);
-        r = iterative_->solve(b.data(), x.data(), tolerance, automatic ? break_even() : 20000);
+        r = iterate(b, x, tolerance, memory, outcome);
     }
-    outcome.iterations = r.iterations;
     outcome.definite = r.definite;
     if (r.converged || (!r.definite && !projected) || (r.definite && !automatic)) return outcome;
-    if (automatic) memory.factor_steps_left = factor_steps;
+    if (automatic) memory.factor_steps_left = kept_steps;
     factorize_and_solve(a, b, x, outcome);
     return outcome;
 }

@@ -17,6 +17,7 @@ enum class LinearMethod { automatic, direct, iterative };
 
 /// What Auto remembers from step to step. Part of the simulation's state: the next step reads it.
 struct LinearMemory {
+    int multigrid_steps_left = 0; ///< steps that take multigrid at once, after the diagonal blocks did not pay
     int factor_steps_left = 0; ///< steps that take the kept factor at once, after plain iterations did not pay
 };
 
@@ -44,6 +45,8 @@ class LinearSolver {
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
+    ConjugateGradients::Result iterate(const std::vector<double>& b, std::vector<double>& x, double tolerance,
+                                       LinearMemory& memory, Outcome& outcome);
     const BlockPattern& pattern_;
     UnknownPlaces places_;
     std::unique_ptr<Cholesky> direct_;             ///< made when first needed
