@@ -42,8 +42,9 @@ class Book {
     /// An error that the case has measured itself, already relative.
     void judge(CaseKind kind, std::string setting, std::string quantity, double value, double reference, double error,
                double tolerance, const Work& work = {});
-    /// Values on finer and finer meshes of cell size h. Passes if the error falls from mesh to mesh and the order
-    /// between the two finest is at least `least_order`.
+    /// Values on finer and finer meshes of cell size h. Passes if the finest is nearer than every
+    /// coarser one (some pass through the reference on their way) and the order between the two finest is at least
+    /// `least_order`.
     void converge(std::string setting, std::string quantity, const std::vector<double>& h,
                   const std::vector<double>& values, double reference, double least_order, const Work& work = {});
     /// An error in time that must fall with the step size at `least_order`; `order` is the observed one.

@@ -27,6 +27,7 @@ solver::StepInputs inputs_of(const CantileverOptions& options) {
     in.step_size = step_size;
     in.gravity = {0, -gravity, 0};
     in.max_newton_iterations = max_newton_iterations;
+    in.linear_method = options.linear;
     in.bodies = {tissue};
     return in;
 }
@@ -53,8 +54,8 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     out.vertices = static_cast<int>(rest->tets.vertices.size());
     solver::Workspace workspace(scene);
     solver::State state = solver::initial_state(*scene, inputs);
-    std::vector<double> seconds;
-    double newton = 0, assembly = 0, factor = 0, solve = 0;
+    std::vector<double> seconds, per_newton;
+    double newton = 0, assembly = 0, factor = 0, solve = 0, other = 0, iterations = 0;
     for (int step = 0; step < options.steps; ++step) {
         const auto start = Clock::now();
         state = solver::advance(workspace, state, {&inputs, 1}, control);
@@ -62,10 +63,13 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
         const solver::StepRecord& r = state.record;
         newton += r.newton_iterations;
         assembly += r.seconds_assembly, factor += r.seconds_factor, solve += r.seconds_solve;
+        other += r.seconds_other, iterations += r.linear_iterations;
+        if (r.newton_iterations > 0) per_newton.push_back(1000 * seconds.back() / r.newton_iterations);
         out.unconverged += !r.converged;
         out.residual_max = std::max(out.residual_max, r.residual);
     }
 
+    if (options.at_end) options.at_end();
     const solver::Points now = solver::surface_positions(*scene, state, 0);
     int tip_count = 0;
     for (std::size_t v = 0; v < now.size(); ++v) {
@@ -78,6 +82,8 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     out.newton_per_step = newton / options.steps;
     const double to_ms = newton > 0 ? 1000 / newton : 0;
     out.assembly_ms = assembly * to_ms, out.factor_ms = factor * to_ms, out.solve_ms = solve * to_ms;
+    out.other_ms = other * to_ms, out.newton_ms_median = median(per_newton);
+    out.linear_iterations = newton > 0 ? iterations / newton : 0;
     out.digest = engine::Hasher().add_doubles(state.x).finish();
     return out;
 }

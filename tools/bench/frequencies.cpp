@@ -39,14 +39,14 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
     // A short step, so that the mass is not lost in the rounding of the stiffness that it is added to.
     const double h = 1e-4;
     backward_euler_form(state, h, moving);
-    const BlockMatrix both = assembled(potential, state, moving);
-
+    BlockMatrix inertia = assembled(potential, state, moving);
+    for (std::size_t i = 0; i < inertia.values.size(); ++i) inertia.values[i] = h * h * (inertia.values[i] - stiffness.values[i]);
+    const auto times_mass = [&](const Eigen::MatrixXd& x) {
+        Eigen::MatrixXd y(x.rows(), x.cols());
+        for (Eigen::Index j = 0; j < x.cols(); ++j) multiply(inertia, x.col(j).data(), y.col(j).data());
+        return y;
+    };
     const Eigen::Index n = 3 * stiffness.pattern->rows;
-    Eigen::VectorXd mass(n);
-    for (int i = 0; i < stiffness.pattern->rows; ++i) {
-        const auto block = static_cast<std::size_t>(stiffness.pattern->row_start[static_cast<std::size_t>(i)]);
-        for (int c = 0; c < 3; ++c) mass[3 * i + c] = h * h * (both.block(block)[4 * c] - stiffness.block(block)[4 * c]);
-    }
     Cholesky factor(*stiffness.pattern);
     if (!factor.factorize(stiffness)) throw std::logic_error("the stiffness of a held body at rest is not definite");
 
@@ -58,10 +58,10 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
         for (Eigen::Index i = 0; i < n; ++i) basis(i, j) = normal(random);
     Eigen::VectorXd last = Eigen::VectorXd::Zero(count), now(count);
     for (int iteration = 0; iteration < 500; ++iteration) {
-        const Eigen::MatrixXd load = mass.asDiagonal() * basis;
+        const Eigen::MatrixXd load = times_mass(basis);
         for (Eigen::Index j = 0; j < width; ++j) factor.solve(load.col(j).data(), image.col(j).data());
         // K image = M basis, so the reduced stiffness needs no product with K.
-        const Eigen::MatrixXd k = image.transpose() * load, m = image.transpose() * (mass.asDiagonal() * image);
+        const Eigen::MatrixXd k = image.transpose() * load, m = image.transpose() * times_mass(image);
         const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(0.5 * (k + k.transpose()), 0.5 * (m + m.transpose()));
         basis = image * small.eigenvectors();
         now = small.eigenvalues().head(count);

@@ -163,7 +163,7 @@ MeshStudy cook(const LawName& law, const std::string& nu, ElementKind element) {
 
 MeshStudy vibration(ElementKind element) {
     const json& r = reference_values()["free_vibration"];
-    MeshStudy s{"4", "free vibration", "lumped mass", {}, {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}}, {}};
+    MeshStudy s{"4", "free vibration", element == ElementKind::linear ? "lumped mass" : "consistent mass", {}, {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}}, {}};
     for (std::size_t mode = 0; mode < 6; ++mode) {
         const json& f = r["P2"]["freq"][mode];
         Quantity q{"f" + std::to_string(mode + 1) + " [Hz]", f["value"], f["errbar"], {}};
@@ -213,6 +213,8 @@ std::vector<MeshStudy> mesh_studies() {
 }
 
 std::vector<LevelValues> run_study(const MeshStudy& study, const RunOptions& options) {
+    const std::string key = study.name + "|" + study.setting;
+    if (options.memory && options.memory->levels.contains(key)) return options.memory->levels[key];
     std::vector<LevelValues> out;
     for (const MeshLevel& level : study.levels) {
         if (options.quick && !level.quick) continue;
@@ -221,6 +223,7 @@ std::vector<LevelValues> run_study(const MeshStudy& study, const RunOptions& opt
         v.values = study.run(level, options.stop, v.work);
         out.push_back(std::move(v));
     }
+    if (options.memory) options.memory->levels[key] = out;
     return out;
 }
 

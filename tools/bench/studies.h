@@ -5,6 +5,7 @@
 #include "tools/bench/beams.h"
 #include "tools/bench/run_options.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -39,10 +40,15 @@ struct LevelValues {
 
 /// Small-strain, gravity and twisted beams, Cook's panel, free vibration; every law that has reference values.
 std::vector<MeshStudy> mesh_studies();
-/// Runs the levels that the options ask for.
+/// What ran already, by name and setting.
+struct StudyMemory {
+    std::map<std::string, std::vector<LevelValues>> levels;
+};
+
+/// Runs the levels that the options ask for, or takes them from the options' memory.
 std::vector<LevelValues> run_study(const MeshStudy& study, const RunOptions& options);
 
-/// The lowest `count` natural frequencies [Hz] of a tissue at rest, from its own stiffness and lumped mass.
+/// The lowest `count` natural frequencies [Hz] of a tissue at rest, from its own stiffness and mass.
 std::vector<double> natural_frequencies(const solver::TissueRest& rest, const solver::TissueInputs& values, int count);
 
 } // namespace sinew::bench

@@ -18,7 +18,7 @@ struct WorkPoint {
     std::string law, element, integrator, linear_solver;
     int cells = 0, substeps = 0;
     double tolerance = 0;     ///< of Newton, relative to the forces at work
-    double seconds = 0;       ///< median of `repeats` runs of one second of motion
+    double seconds = 0;       ///< median of `repeats` runs of one second of motion: 5, or 1 where a run is long
     double seconds_least = 0, seconds_most = 0;
     int repeats = 0, newton = 0, unconverged = 0;
     long long linear_iterations = 0;

@@ -25,5 +25,8 @@ ExitCode bench_meshing(const Invocation& in);
 ExitCode bench_accuracy(const Invocation& in);
 ExitCode bench_convergence(const Invocation& in);
 ExitCode bench_work_precision(const Invocation& in);
+ExitCode bench_scaling(const Invocation& in);
+ExitCode bench_idle_cost(const Invocation& in);
+ExitCode bench_report(const Invocation& in);
 
 } // namespace sinew::cli

@@ -23,6 +23,9 @@ constexpr Benchmark benchmarks[] = {
     {"accuracy", bench_accuracy},
     {"convergence", bench_convergence},
     {"work-precision", bench_work_precision},
+    {"scaling", bench_scaling},
+    {"idle-cost", bench_idle_cost},
+    {"report", bench_report},
 };
 
 ExitCode run_bench(const Invocation& in) {
@@ -57,12 +60,14 @@ Command bench_command() {
                       "one JSON line a run; meshing: zTet's lattice of meshes in all fill modes, as a table; "
                       "accuracy: every case with trusted values, its error and verdict; convergence: orders in cell "
                       "size and time step; work-precision: wall time against error as sub-steps, Newton tolerance, "
-                      "tet size, integrator, law, element and linear solver change"},
+                      "tet size, integrator, law, element and linear solver change; scaling: time and memory from a "
+                      "thousand to half a million tets; idle-cost: what unused features cost; report: all of them as a "
+                      "page with pictures"},
              {"FILES", "meshing: mesh files, or folders whose mesh files are taken", false, true}},
             {{"--json", "", "one line of JSON instead of the table; meshing: one a row"},
              {"--quick", "", "small sizes: seconds instead of minutes"},
              {"--only", "LETTERS", "only cases or sweeps with these letters in their name"},
-             {"--output", "FOLDER", "convergence, work-precision: write CSV, JSON and SVG plots there too", false, 'o'},
+             {"--output", "PATH", "convergence, work-precision, scaling: write plots and CSV there too; report: the page to write", false, 'o'},
              {"--n", "LIST", "cantilever: cubes along the box, 6 tets each; default: 24,40 (5,184 and 24,000 tets)"},
              {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
              {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
@@ -73,6 +78,7 @@ Command bench_command() {
             "sinew bench cantilever --n 24 --E 1e5 --threads 2\n"
             "sinew bench accuracy --quick\n"
             "sinew bench work-precision -o out/bench\n"
+            "sinew bench report -o docs/benchmarks.md\n"
             "sinew bench meshing graphs/scenes/arm_ziva --parts 10,20",
             run_bench};
 }
