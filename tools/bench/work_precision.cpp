@@ -175,9 +175,17 @@ std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points
         }
         if (!p.series.empty()) out.push_back({name, std::move(p)});
     };
-    plot("work_precision_time", "Integrators: 1 to 16 sub-steps a frame, same mesh", true,
+    // The widest range of each sweep, for the titles.
+    std::map<std::string, int> substeps;
+    double tightest = 1, loosest = 0;
+    for (const WorkPoint& w : points) {
+        substeps[w.sweep] = std::max(substeps[w.sweep], w.substeps);
+        if (w.sweep == "Newton tolerance") tightest = std::min(tightest, w.tolerance), loosest = std::max(loosest, w.tolerance);
+    }
+    const auto power = [](double v) { return "1e" + std::to_string(std::lround(std::log10(v))); };
+    plot("work_precision_time", "Integrators: 1 to " + std::to_string(substeps["sub-steps"]) + " sub-steps a frame, same mesh", true,
          [](const WorkPoint& w) { return w.sweep == "sub-steps" ? w.integrator : std::string(); });
-    plot("work_precision_newton", "Newton's tolerance: 1e-2 to 1e-10, TR-BDF2, 4 sub-steps", true,
+    plot("work_precision_newton", "Newton's tolerance: " + power(loosest) + " to " + power(tightest) + ", TR-BDF2, 4 sub-steps", true,
          [](const WorkPoint& w) { return w.sweep == "Newton tolerance" ? std::string("tolerance") : std::string(); });
     plot("work_precision_total", "All choices, log neo-Hookean bar", false, [](const WorkPoint& w) {
         if (w.law != "LogNeoHookean" || w.sweep == "law") return std::string();
@@ -186,7 +194,7 @@ std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points
         if (w.sweep == "linear solver") return "size, " + w.linear_solver;
         return w.sweep;
     });
-    plot("work_precision_law", "Laws: 1 to 8 sub-steps, TR-BDF2, same mesh", true,
+    plot("work_precision_law", "Laws: 1 to " + std::to_string(substeps["law"]) + " sub-steps, TR-BDF2, same mesh", true,
          [](const WorkPoint& w) { return w.sweep == "law" ? w.law : std::string(); });
     return out;
 }
