@@ -1,7 +1,8 @@
 // Accuracy: every case of the catalogue of reference values, with its value, reference, error and verdict.
 // Three kinds of reference. exact: the engine's own discretisation has this value, so rounding alone may differ.
 // same-mesh: linear tets on a given mesh have one discrete solution, computed by another code. continuum: the value that
-// refinement must lead to; judged by the error falling from mesh to mesh at the order of the element.
+// refinement must lead to; judged by the order at which meshes come nearer, or by distance where
+// one mesh is fine enough.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/beams.h"

@@ -3,6 +3,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "tools/bench/accuracy.h"
 #include "tools/bench/models.h"
+#include "tools/bench/reference.h"
 #include "tools/bench/studies.h"
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 namespace sinew::bench {
 
 using namespace solver;
+using nlohmann::json;
 
 namespace {
 
@@ -95,6 +97,58 @@ void spring_bed(Book& book, const RunOptions& options) {
             }
 }
 
+/// A bar 50 times as long as thick, of quadratic tets, against the exact curve of a thin elastic rod. The rod knows no
+/// shear and no thickness; at this slenderness that is worth 3e-4 of the length, and the tolerance is 1e-3 of it.
+void elastica(Book& book, const RunOptions& options) {
+    book.open("2.3", "elastica: slender cantilever");
+    const json& reference = reference_values()["elastica_catenary"];
+    const double length = 1, side = 0.02, modulus = 1e6;
+    const double bending = modulus * side * side * side * side / 12; // E I [N m^2]
+    const auto settle = [&](const LawName& law, const std::string& of, const std::function<void(const TissueRest&, TissueInputs&, StepInputs&, double)>& load,
+                            double x, double z) {
+        auto rest = make_tissue(box_mesh({0, 0, 0}, {length, side, side}, options.quick ? 20 : 40, 1, 1), law.law, ElementKind::quadratic);
+        const Points nodes = nodes_of(*rest);
+        rest->fixed_vertices = vertices_where(nodes, [](const Vec3& p) { return p.x() < 1e-9; });
+        TissueInputs values = material(modulus, 0);
+        StepInputs in = tight_inputs();
+        in.integrator = Integrator::quasi_static;
+        in.bodies = {values};
+        Simulation sim({{rest}, {}}, in, options.stop);
+        const int parts = 10;
+        for (int part = 1; part <= parts; ++part) {
+            load(*rest, values, sim.inputs, static_cast<double>(part) / parts);
+            sim.inputs.bodies = {values};
+            sim.step();
+        }
+        const Vec3 tip(length, side / 2, side / 2);
+        const Vec3 now = position(sim.state.x, vertex_at(nodes, tip));
+        const std::string setting = std::string(law.catalogue) + ", quadratic, " + of;
+        book.compare(CaseKind::continuum, setting, "tip x [L]", now.x() / length, x, 1e-3, sim.work, 1);
+        book.compare(CaseKind::continuum, setting, "tip z [L]", (now.z() - tip.z()) / length, z, 1e-3, sim.work, 1);
+    };
+    for (const LawName& law : laws) {
+        for (const char* alpha : {"1.0", "5.0"}) {
+            const json& e = reference["tip_force"][alpha];
+            const double force = std::stod(alpha) * bending / (length * length);
+            settle(law, std::string("tip force, P L^2/(E I) = ") + alpha,
+                   [&](const TissueRest& rest, TissueInputs& values, StepInputs&, double share) {
+                       values.forces = traction_loads(rest, [&](const Vec3& p) { return p.x() > length - 1e-9; },
+                                                      Vec3(0, 0, share * force / (side * side)));
+                   },
+                   1 + e["ux_over_L"].get<double>(), e["uz_over_L"]);
+        }
+        for (const char* beta : {"2.0", "10.0"}) {
+            const json& e = reference["heavy"][beta];
+            const double weight = std::stod(beta) * bending / (length * length * length); // per length [N/m]
+            settle(law, std::string("own weight, q L^3/(E I) = ") + beta,
+                   [&](const TissueRest&, TissueInputs&, StepInputs& in, double share) {
+                       in.gravity = Vec3(0, 0, -share * weight / (1000 * side * side));
+                   },
+                   e["x_tip_over_L"], e["z_tip_over_L"]);
+        }
+    }
+}
+
 } // namespace
 
 std::vector<AccuracyCase> static_cases() {
@@ -104,6 +158,7 @@ std::vector<AccuracyCase> static_cases() {
                            book.open(study.section, study.name);
                            judge_study(book, study, run_study(study, options));
                        }});
+    out.push_back({"elastica: slender cantilever", elastica});
     out.push_back({"block on a spring bed", spring_bed});
     return out;
 }
