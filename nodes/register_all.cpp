@@ -13,11 +13,15 @@ void add_poly_plane(engine::Registry&);
 void add_poly_cylinder(engine::Registry&);
 void add_poly_helix(engine::Registry&);
 void add_curve(engine::Registry&);
+// meshing
+void add_z_iso_mesh(engine::Registry&);
+void add_z_delaunay_tet_mesh(engine::Registry&);
 // motion
 void add_transform(engine::Registry&);
 void add_track_channel(engine::Registry&);
 // painting
 void add_weights(engine::Registry&);
+void add_transfer_weights(engine::Registry&);
 void add_end_points(engine::Registry&);
 // simulation
 void add_z_bone(engine::Registry&);
@@ -30,14 +34,34 @@ void add_z_solver(engine::Registry&);
 void add_z_embedder(engine::Registry&);
 // output
 void add_mesh_writer(engine::Registry&);
+void add_tet_writer(engine::Registry&);
 
 void register_all(engine::Registry& registry) {
-    for (auto* add :
-         {add_mesh_file,     add_tet_mesh_file, add_poly_sphere,  add_poly_cube, add_poly_plane,
-          add_poly_cylinder, add_poly_helix,    add_curve,        add_transform, add_track_channel,
-          add_weights,       add_end_points,    add_z_bone,       add_z_tet,     add_z_material,
-          add_z_fiber,       add_z_tissue,      add_z_attachment, add_z_solver,  add_z_embedder,
-          add_mesh_writer})
+    for (auto* add : {add_mesh_file,
+                      add_tet_mesh_file,
+                      add_poly_sphere,
+                      add_poly_cube,
+                      add_poly_plane,
+                      add_poly_cylinder,
+                      add_poly_helix,
+                      add_curve,
+                      add_transform,
+                      add_track_channel,
+                      add_weights,
+                      add_end_points,
+                      add_z_bone,
+                      add_z_tet,
+                      add_z_material,
+                      add_z_fiber,
+                      add_z_tissue,
+                      add_z_attachment,
+                      add_z_solver,
+                      add_z_embedder,
+                      add_mesh_writer,
+                      add_z_iso_mesh,
+                      add_z_delaunay_tet_mesh,
+                      add_tet_writer,
+                      add_transfer_weights})
         add(registry);
 }
 

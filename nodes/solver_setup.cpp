@@ -109,8 +109,14 @@ std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& re
 }
 
 std::string law_name(solver::ElasticLaw law) {
-    if (law == solver::ElasticLaw::neo_hookean) return "NeoHookean";
-    return law == solver::ElasticLaw::corotational ? "Corotational" : "StVK";
+    switch (law) {
+    case solver::ElasticLaw::stvk: return "StVK";
+    case solver::ElasticLaw::neo_hookean: return "NeoHookean";
+    case solver::ElasticLaw::log_neo_hookean: return "LogNeoHookean";
+    case solver::ElasticLaw::corotational: return "Corotational";
+    case solver::ElasticLaw::anisotropic: return "Anisotropic";
+    }
+    return "";
 }
 
 } // namespace
@@ -220,7 +226,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     r.dofs = 3 * scene.vertex_count();
     r.attachments = static_cast<std::int64_t>(setup.attachments.size());
     std::vector<std::string> laws;
-    bool fibers = false, resists = false;
+    bool fibers = false, resists = false, conserves = false;
     for (int i = 0; i < scene.body_count(); ++i) {
         const solver::TissueRest* t = scene.tissue(i);
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
@@ -230,12 +236,15 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
             laws.push_back(law_name(t->law));
         fibers = fibers || !t->fibers.empty();
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
-        resists =
-            resists || (t->law != solver::ElasticLaw::corotational && values.compression_resistance > 0);
+        const bool law_resists =
+            t->law != solver::ElasticLaw::corotational && t->law != solver::ElasticLaw::anisotropic;
+        resists = resists || (law_resists && values.compression_resistance > 0);
+        for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
     }
     const bool moves = in[integrator] != "QuasiStatic";
     r.terms = std::move(laws);
     if (resists) r.terms.push_back("compressionResistance");
+    if (conserves) r.terms.push_back("volumeConservation");
     if (in[gravity] != engine::Vec3{}) r.terms.push_back("gravity");
     if (moves) r.terms.push_back("inertia");
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");

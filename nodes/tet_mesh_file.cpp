@@ -12,9 +12,15 @@ namespace {
 
 const Input<File> file{
     .name = "file",
-    .doc = "The tet mesh file: Medit .mesh or legacy VTK .vtk, both as text. Tets that are turned "
-           "inside out are flipped. Coordinates are scene units.",
+    .doc = "The tet mesh file: Medit .mesh and legacy VTK .vtk as text, Gmsh .msh (2.x and 4.1, text or "
+           "binary), "
+           "VegaFEM .veg, or TetGen's .node. Tets that are turned inside out are flipped. Coordinates are "
+           "scene units.",
     .required = true,
+};
+const Input<File> elements{
+    .name = "elementFile",
+    .doc = "TetGen's .ele file, which belongs to the .node file; none for other formats.",
 };
 const Output<TetMeshValue> out_tets{
     .name = "outTets",
@@ -26,9 +32,19 @@ const Output<Mesh> out_mesh{
            "vertices are those of the tet mesh, numbered alike.",
 };
 
+bool ends_with_node(const std::string& path) {
+    return path.size() > 5 && (path.ends_with(".node") || path.ends_with(".NODE"));
+}
+
 void compute(const Reads& in, Writes& out) {
-    solver::TetMesh tets = guarded(in, file.name, [&] {
-        solver::TetMesh t = solver::read_tets(in[file].path);
+    const std::string &path = in[file].path, &more = in[elements].path;
+    if (ends_with_node(path) != !more.empty())
+        in.fail(elements.name, "DG110",
+                more.empty() ? "a .node file has no tets of its own"
+                             : "elementFile goes with a .node file only",
+                "Name TetGen's .node file at file and its .ele file at elementFile.");
+    solver::TetMesh tets = guarded(in, more.empty() ? file.name : elements.name, [&] {
+        solver::TetMesh t = more.empty() ? solver::read_tets(path) : solver::read_tets(path, more);
         solver::check_and_orient(t);
         return t;
     });
@@ -44,7 +60,7 @@ void add_tet_mesh_file(Registry& registry) {
     NodeType type;
     type.name = "tetMeshFile";
     type.doc = "Reads a tetrahedral mesh from a file.";
-    type.inputs = {describe(file)};
+    type.inputs = {describe(file), describe(elements)};
     type.outputs = {describe(out_tets), describe(out_mesh)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -74,6 +74,7 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
     t->tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {}, control);
     t->embedding = solver::embed(t->tets, t->surface);
     t->law = parts.law;
+    if (parts.tets) t->element = parts.tets->element;
     const std::vector<double> areas = solver::vertex_areas(t->surface, t->triangles);
     const NumberList everywhere;
     std::vector<const NumberList*> maps;
@@ -84,6 +85,7 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
         t->fibers.push_back({directions(*t, areas, parts.fibers[i]),
                              std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
+    if (t->law == solver::ElasticLaw::anisotropic) t->stiff_directions = t->fibers.front().directions;
     auto rest = std::make_shared<BodyRest>();
     rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     rest->mesh = *parts.mesh;

@@ -33,7 +33,7 @@ Digest digest_of(const solver::Points& points) { return Hasher().add_doubles(num
 void add(Hasher& h, const BodyId& id) { h.add(id.rest).add(id.value); }
 
 void add(Hasher& h, const solver::MaterialValues& m) {
-    h.add(m.youngs_modulus).add(m.poissons_ratio).add(m.mass_density).add(m.envelope);
+    h.add(m.youngs_modulus).add(m.poissons_ratio).add(m.mass_density).add(m.envelope).add(m.volume_conservation);
 }
 
 void add(Hasher& h, const solver::FiberValues& f) {
@@ -41,7 +41,7 @@ void add(Hasher& h, const solver::FiberValues& f) {
 }
 
 void add(Hasher& h, const solver::TissueInputs& t) {
-    h.add(t.compression_resistance).add(static_cast<std::uint64_t>(t.layers.size()));
+    h.add(t.compression_resistance).add(t.transverse_anisotropy).add(static_cast<std::uint64_t>(t.layers.size()));
     for (const auto& layer : t.layers) add(h, layer);
     h.add(static_cast<std::uint64_t>(t.fibers.size()));
     for (const auto& fiber : t.fibers) add(h, fiber);
@@ -106,6 +106,14 @@ TetMeshValue TetMeshValue::from(solver::TetMesh tets) {
                      .add_doubles(tets.coverage)
                      .finish();
     out.mesh = std::make_shared<const solver::TetMesh>(std::move(tets));
+    return out;
+}
+
+TetMeshValue TetMeshValue::with_element(solver::ElementKind kind) const {
+    TetMeshValue out = *this;
+    if (kind == element) return out;
+    out.element = kind;
+    out.digest = Hasher().add(digest).add(static_cast<int>(kind)).finish();
     return out;
 }
 
@@ -226,10 +234,12 @@ void ValueTraits<nodes::Solved>::hash(Hasher& h, const nodes::Solved& v) {
     h.add(static_cast<std::uint64_t>(v.bodies.size()));
     for (const nodes::BodyId& id : v.bodies) add(h, id);
     for (const solver::Points& p : v.positions) h.add_doubles(numbers(p));
+    for (const solver::Points& p : v.midpoints) h.add_doubles(numbers(p));
 }
 std::size_t ValueTraits<nodes::Solved>::bytes(const nodes::Solved& v) {
     std::size_t n = size_of(v.bodies) + size_of(v.rests);
     for (const solver::Points& p : v.positions) n += size_of(p);
+    for (const solver::Points& p : v.midpoints) n += size_of(p);
     return n;
 }
 

@@ -43,8 +43,10 @@ struct MeshList {
 /// A tet mesh in scene units (a lattice, or one that the user brings).
 struct TetMeshValue {
     std::shared_ptr<const solver::TetMesh> mesh;
-    engine::Digest digest;
+    solver::ElementKind element = solver::ElementKind::linear;
+    engine::Digest digest; ///< of all of it
     static TetMeshValue from(solver::TetMesh tets);
+    TetMeshValue with_element(solver::ElementKind kind) const;
 };
 
 /// A polyline or curve by its points, in scene units.
@@ -130,11 +132,13 @@ struct Solved {
     std::vector<BodyId> bodies;
     std::vector<std::shared_ptr<const BodyRest>> rests; ///< same order
     std::vector<solver::Points> positions;              ///< tissues: tet vertices; bones: surface vertices
+    /// Of tissues of quadratic tets: vertices at the middles of the edges, in the order of solver::edges_of. Else empty.
+    std::vector<solver::Points> midpoints;
 };
 
 /// A file that a writer node made: pure content; the command line puts it on disk, whole or not at all.
 struct FileContent {
-    std::string ending; ///< "obj", "ply", "stl", "off"
+    std::string ending; ///< "obj", "ply", "vtk" …
     std::string bytes;
 };
 

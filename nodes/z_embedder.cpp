@@ -2,6 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "solver/element/quadratic_tets.h"
+
+#include <algorithm>
 
 namespace sinew::nodes {
 
@@ -40,17 +43,46 @@ std::size_t find(const Reads& in, const Solved& s) {
             "Connect a tissue that is among zSolver.bodies and enabled there.");
 }
 
-/// Where the mesh's points sit in the tets; found once per mesh and tissue.
+/// Where a mesh's points sit in the tets of a tissue, found once: the vertices that carry each.
+struct Carriers {
+    std::vector<solver::PointWeights> points;
+};
+
+std::shared_ptr<Carriers> find_carriers(const solver::TissueRest& tissue, const solver::Points& points) {
+    const solver::Embedding embedding = solver::embed(tissue.tets, points);
+    const bool quadratic = tissue.element == solver::ElementKind::quadratic;
+    std::vector<std::array<int, 2>> edges;
+    if (quadratic) edges = solver::edges_of(tissue.tets.tets);
+    auto out = std::make_shared<Carriers>();
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const solver::Tet& corners = tissue.tets.tets[static_cast<std::size_t>(embedding.tet[i])];
+        std::array<int, 6> middles{};
+        for (std::size_t e = 0; e < 6 && quadratic; ++e) {
+            const auto [a, b] = std::minmax(corners[static_cast<std::size_t>(solver::tet_edge_corners[e][0])],
+                                            corners[static_cast<std::size_t>(solver::tet_edge_corners[e][1])]);
+            const auto at = std::lower_bound(edges.begin(), edges.end(), std::array<int, 2>{a, b});
+            middles[e] = static_cast<int>(tissue.tets.vertices.size()) + static_cast<int>(at - edges.begin());
+        }
+        out->points.push_back(solver::embedded_point(corners, quadratic ? &middles : nullptr, embedding.barycentric[i]));
+    }
+    return out;
+}
+
 solver::Points carried(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue,
-                       const Mesh& mesh, const solver::Points& positions) {
+                       const Mesh& mesh, const solver::Points& corners, const solver::Points& midpoints) {
     const Digest key = Hasher().add("zEmbedder").add(rest.digest).add(mesh.points_digest).finish();
-    auto embedding = in.lease<solver::Embedding>(key, [&] {
-        return guarded(in, meshes.name, [&] {
-            return std::make_shared<solver::Embedding>(solver::embed(tissue.tets, *mesh.points));
-        });
+    auto carriers = in.lease<Carriers>(key, [&] {
+        return guarded(in, meshes.name, [&] { return find_carriers(tissue, *mesh.points); });
     });
     solver::Points out;
-    solver::apply(*embedding, tissue.tets.tets, positions.front().data(), out);
+    for (const solver::PointWeights& w : carriers->points) {
+        solver::Vec3 p = solver::Vec3::Zero();
+        for (int k = 0; k < w.count; ++k) {
+            const std::size_t v = static_cast<std::size_t>(w.vertex[k]);
+            p += w.weight[k] * (v < corners.size() ? corners[v] : midpoints[v - corners.size()]);
+        }
+        out.push_back(p);
+    }
     return out;
 }
 
@@ -72,7 +104,7 @@ void compute(const Reads& in, Writes& out) {
     if (all.empty()) all.emplace_back(rest.mesh);
     MeshList list;
     for (const Mesh& m : all)
-        list.meshes.push_back(blended(m, carried(in, rest, **tissue, m, s.positions[at]), in[envelope]));
+        list.meshes.push_back(blended(m, carried(in, rest, **tissue, m, s.positions[at], s.midpoints[at]), in[envelope]));
     out.set(out_meshes, std::move(list));
 }
 

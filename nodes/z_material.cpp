@@ -64,11 +64,19 @@ const Input<double> mass_density{
     .limits = {.min = 0, .open_min = true},
     .doc = "Mass per volume.",
 };
+const Input<double> volume_conservation{
+    .name = "volumeConservation",
+    .def = 0,
+    .unit = "Pa",
+    .limits = {.min = 0, .max = 1e20},
+    .doc = "Resists changes of volume in both directions, whatever Young's modulus is; useful from a hundred to ten "
+           "million times it. Bending stays free: the volume is kept on average over a few tets, not in each.",
+};
 const Output<Material> out_material{.name = "outMaterial", .doc = "The layer; connect to zTissue.materials."};
 
 void compute(const Reads& in, Writes& out) {
     Material m;
-    m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope]};
+    m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope], in[volume_conservation]};
     m.weights = in[weights];
     out.set(out_material, std::move(m));
 }
@@ -80,7 +88,7 @@ void add_z_material(Registry& registry) {
     type.name = "zMaterial";
     type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
     type.inputs = {describe(envelope), describe(weights), describe(youngs_modulus), describe(poissons_ratio),
-                   describe(mass_density)};
+                   describe(mass_density),  describe(volume_conservation)};
     type.outputs = {describe(out_material)};
     type.compute = compute;
     registry.add(std::move(type));

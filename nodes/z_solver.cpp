@@ -114,12 +114,14 @@ MeshList unsolved_meshes(const Setup& setup) {
 }
 
 void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, double units,
-                    Mesh& mesh, solver::Points& tets) {
+                    Mesh& mesh, solver::Points& tets, solver::Points& midpoints) {
     mesh = mesh.with_points(to_scene_units(solver::surface_positions(scene, state, body), units));
     const double* x = state.x.data() + 3 * scene.first_vertex(body);
-    for (std::size_t v = 0; v < scene.tissue(body)->tets.vertices.size(); ++v)
-        tets.emplace_back(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+    const std::size_t corners = scene.tissue(body)->tets.vertices.size();
+    for (std::size_t v = 0; v < scene.vertex_count(body); ++v)
+        (v < corners ? tets : midpoints).emplace_back(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
     tets = to_scene_units(std::move(tets), units);
+    midpoints = to_scene_units(std::move(midpoints), units);
 }
 
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
@@ -136,10 +138,11 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             const Body& b = setup.body(i);
             Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
             solver::Points& positions = solved.positions.emplace_back();
+            solver::Points& midpoints = solved.midpoints.emplace_back();
             if (b.is_bone())
                 positions = *mesh.points;
             else
-                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions);
+                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions, midpoints);
             solved.bodies.push_back(setup.ids[i]);
             solved.rests.push_back(b.rest);
         }

@@ -74,6 +74,15 @@ const Input<std::int64_t> max_resolution{
            "refused.",
     .keyable = false,
 };
+const Input<std::string> element{
+    .name = "element",
+    .def = "linear",
+    .doc = "Shape functions of the tets. linear: one strain a tet, quick, too stiff in bending unless tets are small. "
+           "quadratic: a further vertex on each edge; takes about ten times as long a tet and is worth it: a few large "
+           "tets bend as well as thousands of linear ones, and nearly incompressible flesh does not lock.",
+    .keyable = false,
+    .options = {"linear", "quadratic"},
+};
 const Wire<TetMeshValue> tets{
     .name = "tets",
     .doc = "A tet mesh of your own, used instead of the lattice.",
@@ -114,7 +123,9 @@ TetMeshValue make_tets(const Reads& in) {
 
 void compute(const Reads& in, Writes& out) {
     const TetMeshValue* own = in.find(tets);
-    TetMeshValue result = own ? *own : make_tets(in);
+    TetMeshValue result = (own ? *own : make_tets(in))
+                              .with_element(in[element] == "quadratic" ? solver::ElementKind::quadratic
+                                                                       : solver::ElementKind::linear);
     out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(
                           result.mesh->vertices, solver::boundary_triangles(result.mesh->tets))));
     out.set(out_tets, std::move(result));
@@ -139,6 +150,7 @@ void add_z_tet(Registry& registry) {
                    describe(envelope),
                    describe(fill_interior),
                    describe(max_resolution),
+                   describe(element),
                    describe(tets)};
     type.outputs = {describe(out_tets), describe(out_mesh)};
     type.compute = compute;

@@ -36,19 +36,27 @@ const Input<std::string> law{
     .name = "material",
     .def = "StVK",
     .doc = "The elastic law: StVK (stiff under large stretch), NeoHookean (keeps its volume better), "
-           "Corotational "
-           "(linear, stable under large rotation).",
+           "Corotational (linear, stable under large rotation), Anisotropic (StVK that is softer or stiffer across the "
+           "first fibre than along it), LogNeoHookean (the form of engineering codes, to compare with; it cannot "
+           "recover a tet that starts inverted).",
     .keyable = false,
-    .options = {"StVK", "NeoHookean", "Corotational"},
+    .options = {"StVK", "NeoHookean", "Corotational", "Anisotropic", "LogNeoHookean"},
 };
 const Input<double> compression_resistance{
     .name = "compressionResistance",
     .def = 20000,
     .unit = "1",
     .limits = {.min = 0},
-    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. No "
-           "effect on "
-           "Corotational.",
+    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. No effect on "
+           "Corotational and Anisotropic.",
+};
+const Input<double> transverse_anisotropy{
+    .name = "transverseAnisotropy",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1e6, .open_min = true},
+    .doc = "Anisotropic only: stiffness across the fibre over stiffness along it; 1 is the same in all directions. "
+           "Young's modulus is the one along the fibre.",
 };
 const Output<Body> out_body{
     .name = "outBody",
@@ -57,6 +65,8 @@ const Output<Body> out_body{
 
 solver::ElasticLaw law_of(const std::string& word) {
     if (word == "NeoHookean") return solver::ElasticLaw::neo_hookean;
+    if (word == "LogNeoHookean") return solver::ElasticLaw::log_neo_hookean;
+    if (word == "Anisotropic") return solver::ElasticLaw::anisotropic;
     return word == "Corotational" ? solver::ElasticLaw::corotational : solver::ElasticLaw::stvk;
 }
 
@@ -90,10 +100,17 @@ void check_fibers(const Reads& in, const TissueParts& parts) {
     }
 }
 
+void check_law(const Reads& in, const TissueParts& parts) {
+    if (parts.law == solver::ElasticLaw::anisotropic && parts.fibers.empty())
+        in.fail(law.name, "FE205", "the anisotropic law has no fibre to take its direction from",
+                "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
+}
+
 void compute(const Reads& in, Writes& out) {
     const TissueParts parts{&in[mesh], in.find(tets), law_of(in[law]), in[materials], in[fibers]};
     check_layers(in, parts);
     check_fibers(in, parts);
+    check_law(in, parts);
     // Meshing and extension read static inputs alone; a keyed excitation must not redo them.
     struct Kept {
         std::shared_ptr<const BodyRest> rest;
@@ -106,6 +123,7 @@ void compute(const Reads& in, Writes& out) {
     });
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
+    values.transverse_anisotropy = in[transverse_anisotropy];
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
@@ -125,7 +143,8 @@ void add_z_tissue(Registry& registry) {
                    describe(materials),
                    describe(fibers),
                    describe(law),
-                   describe(compression_resistance)};
+                   describe(compression_resistance),
+                   describe(transverse_anisotropy)};
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -54,7 +54,7 @@ std::vector<Anisotropy> make_anisotropy(const TissueRest& t, std::size_t batch_c
 
 /// Numbers the middles of the edges after the corners and puts them into batches like those of the corners.
 void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch>& corners, Points& nodes, Scene::System& system) {
-    const std::vector<std::array<int, 2>> edges = tet_edges(t.tets.tets);
+    const std::vector<std::array<int, 2>> edges = edges_of(t.tets.tets);
     const int first_edge = first_vertex + static_cast<int>(t.tets.vertices.size());
     for (const auto& [a, b] : edges)
         nodes.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(a)] + t.tets.vertices[static_cast<std::size_t>(b)]));
@@ -157,24 +157,11 @@ const TissueRest* Scene::tissue(int body) const {
 }
 
 PointWeights Scene::embedded(int body, int tet, const std::array<double, 4>& barycentric) const {
-    PointWeights out;
-    const auto add = [&](int vertex, double weight) {
-        if (weight != 0) out.vertex[out.count] = vertex, out.weight[out.count++] = weight;
-    };
-    const Tet& corners = tissue(body)->tets.tets[static_cast<std::size_t>(tet)];
-    const int first = first_vertex(body);
-    // Far outside its tet a point is carried by the corners alone: a parabola would swing it about.
-    const bool outside = *std::min_element(barycentric.begin(), barycentric.end()) < -0.25;
-    if (tissue(body)->element == ElementKind::linear || outside) {
-        for (std::size_t c = 0; c < 4; ++c) add(first + corners[c], barycentric[c]);
-        return out;
-    }
-    double shape[quadratic_nodes];
-    quadratic_shape(barycentric.data(), shape);
-    const std::array<int, 6>& edges = system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)];
-    for (std::size_t c = 0; c < 4; ++c) add(first + corners[c], shape[c]);
-    for (std::size_t e = 0; e < 6; ++e) add(edges[e], shape[4 + e]);
-    return out;
+    Tet corners = tissue(body)->tets.tets[static_cast<std::size_t>(tet)];
+    for (int& v : corners) v += first_vertex(body);
+    const bool quadratic = tissue(body)->element == ElementKind::quadratic;
+    return embedded_point(
+        corners, quadratic ? &system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)] : nullptr, barycentric);
 }
 
 const BoneRest* Scene::bone(int body) const {

@@ -2,6 +2,7 @@
 // Built once, immutable. What may change from step to step stands in step_inputs.h, the moving part in state.h.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/element/embedded_point.h"
 #include "solver/mesh/embedding.h"
 #include "solver/mesh/surface_mesh.h"
 
@@ -15,7 +16,7 @@ namespace sinew::solver {
 enum class ElasticLaw { stvk, neo_hookean, log_neo_hookean, corotational, anisotropic };
 
 /// Shape functions of the tets. Linear: a vertex each corner, constant strain. Quadratic: also one at the middle of each
-/// edge, linear strain; their numbers follow those of the mesh's vertices, in the order of tet_edges(mesh).
+/// edge, linear strain; their numbers follow those of the mesh's vertices, in the order of edges_of(mesh.tets).
 enum class ElementKind { linear, quadratic };
 
 /// One fibre field of a tissue.
@@ -56,13 +57,6 @@ struct AttachmentRest {
     std::vector<double> source_weights; ///< per surface vertex of the source; > 0 = attached
     std::vector<double> target_weights; ///< per surface vertex of the target; 0 = forbidden
     bool maintain_offset = true;
-};
-
-/// A point that rides on a tissue: the vertices of the state that carry it, and their weights, which sum to 1.
-struct PointWeights {
-    int count = 0;
-    int vertex[10];
-    double weight[10];
 };
 
 struct SceneDescription {

@@ -25,7 +25,7 @@ struct Workspace::Impl {
     void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
         const bool new_pattern = potential.set_structure(anchors, in);
         if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
-        newton = std::make_unique<NewtonWorkspace>(potential.pattern());
+        newton = std::make_unique<NewtonWorkspace>(potential);
     }
 };
 

@@ -1,9 +1,8 @@
-// Conjugate gradients on 3x3-block matrices, preconditioned by the inverses of the diagonal blocks or by the factor of a
-// matrix that is near. The blocks are kept in single precision, which halves what each iteration must read; vectors and sums are double. What single precision
-// leaves of the error is Newton's to remove: its residual is evaluated in double.
+// Conjugate gradients on 3x3-block matrices, preconditioned by the inverses of the diagonal blocks, by multigrid or by the
+// factor of a matrix that is near. Blocks are single precision (row_blocks.h), vectors and sums double.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/block_matrix.h"
+#include "solver/linear/row_blocks.h"
 
 #include <functional>
 #include <vector>
@@ -15,6 +14,7 @@ class ConjugateGradients {
     explicit ConjugateGradients(const BlockPattern& pattern);
     /// Takes the matrix's values.
     void set(const BlockMatrix& a);
+    const RowBlocks& matrix() const { return matrix_; }
     /// z = M^-1 r for some positive definite M; 3 numbers a row.
     using Preconditioner = std::function<void(const std::vector<double>& r, std::vector<double>& z)>;
 
@@ -29,21 +29,13 @@ class ConjugateGradients {
                  const Preconditioner* preconditioner = nullptr);
 
   private:
-    /// One block as three columns of four floats (the fourth is 0), so that a row of blocks is a chain of multiply-adds.
-    struct alignas(16) Block {
-        float column[3][4];
-    };
     void multiply(const std::vector<float>& x, std::vector<double>& y) const;
-    bool invert_diagonal();
     void precondition(const std::vector<double>& r, std::vector<double>& z) const;
     double dot(const std::vector<double>& a, const std::vector<double>& b);
 
-    const BlockPattern& pattern_;
-    const BlockMatrix* matrix_ = nullptr;
-    std::vector<int> row_start_, column_; ///< both triangles, by rows
-    std::vector<int> source_;             ///< index in the upper triangle; negative - 1 = transposed
-    std::vector<Block> blocks_;
-    std::vector<double> inverse_; ///< of the diagonal blocks, 9 a row
+    std::vector<int> source_; ///< where each block comes from
+    RowBlocks matrix_;
+    std::vector<FloatBlock> inverse_; ///< of the diagonal blocks
     std::vector<float> p_single_;
     std::vector<double> r_, z_, p_, ap_, sums_;
 };

@@ -7,6 +7,7 @@
 #pragma once
 #include "solver/linear/cholesky.h"
 #include "solver/linear/conjugate_gradients.h"
+#include "solver/linear/multigrid.h"
 
 #include <memory>
 
@@ -21,7 +22,7 @@ struct LinearMemory {
 
 class LinearSolver {
   public:
-    explicit LinearSolver(const BlockPattern& pattern) : pattern_(pattern) {}
+    LinearSolver(const BlockPattern& pattern, UnknownPlaces places) : pattern_(pattern), places_(std::move(places)) {}
 
     struct Outcome {
         bool definite = false; ///< false: the matrix is not positive definite, x is not set
@@ -44,8 +45,10 @@ class LinearSolver {
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
     const BlockPattern& pattern_;
+    UnknownPlaces places_;
     std::unique_ptr<Cholesky> direct_;             ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_; ///< made when first needed
+    std::unique_ptr<Multigrid> multigrid_;          ///< likewise
     int symbolic_analyses_ = 0;
     bool factor_of_this_step_ = false;
 };

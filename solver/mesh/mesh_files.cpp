@@ -71,6 +71,9 @@ TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> t
     });
 }
 
+std::vector<std::string> surface_endings() { return {".obj", ".off", ".ply", ".stl"}; }
+std::vector<std::string> tet_endings() { return {".mesh", ".vtk", ".msh", ".veg", ".node", ".ele"}; }
+
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
     if (ending == ".obj") return read_obj(bytes, path);
@@ -85,11 +88,27 @@ TetMesh parse_tets(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
     if (ending == ".mesh") return read_medit(bytes, path);
     if (ending == ".vtk") return read_vtk(bytes, path);
-    throw Error("IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
-                "use .mesh (Medit) or .vtk (legacy), both ascii");
+    if (ending == ".msh") return read_gmsh(bytes, path);
+    if (ending == ".veg") return read_veg(bytes, path);
+    if (ending == ".node" || ending == ".ele")
+        throw Error("IO404", path + ": TetGen's meshes are two files",
+                    "name both the .node and the .ele file");
+    throw Error(
+        "IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
+        "use .mesh (Medit), .vtk (legacy, ascii), .msh (Gmsh), .veg (VegaFEM) or .node with .ele (TetGen)");
 }
 
 SurfaceMesh read_surface(const std::string& path) { return parse_surface(read_bytes(path), path); }
-TetMesh read_tets(const std::string& path) { return parse_tets(read_bytes(path), path); }
+TetMesh read_tets(const std::string& node_path, const std::string& ele_path) {
+    return read_tetgen(read_bytes(node_path), node_path, read_bytes(ele_path), ele_path);
+}
+TetMesh read_tets(const std::string& path) {
+    const std::string ending = lower_ending(path);
+    if (ending != ".node" && ending != ".ele") return parse_tets(read_bytes(path), path);
+    const auto beside = [&](const char* other) {
+        return std::filesystem::path(path).replace_extension(other).string();
+    };
+    return ending == ".node" ? read_tets(path, beside(".ele")) : read_tets(beside(".node"), path);
+}
 
 } // namespace sinew::solver

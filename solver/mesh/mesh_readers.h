@@ -17,6 +17,10 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file);
 SurfaceMesh read_stl(std::string_view bytes, const std::string& file);
 TetMesh read_medit(std::string_view bytes, const std::string& file);
 TetMesh read_vtk(std::string_view bytes, const std::string& file);
+TetMesh read_gmsh(std::string_view bytes, const std::string& file);
+TetMesh read_veg(std::string_view bytes, const std::string& file);
+TetMesh read_tetgen(std::string_view node_bytes, const std::string& node_file, std::string_view ele_bytes,
+                    const std::string& ele_file);
 
 /// Polygons to a checked mesh; Errors get the file's name in front.
 SurfaceMesh finish_surface(const std::string& file, Points points, std::vector<int> face_sizes,

@@ -111,7 +111,7 @@ int drop_unused_vertices(TetMesh& mesh) {
     return dropped;
 }
 
-std::vector<std::array<int, 2>> tet_edges(const std::vector<Tet>& tets) {
+std::vector<std::array<int, 2>> edges_of(const std::vector<Tet>& tets) {
     std::vector<std::array<int, 2>> edges;
     edges.reserve(6 * tets.size());
     for (const Tet& t : tets)

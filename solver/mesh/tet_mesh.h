@@ -23,6 +23,6 @@ std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets);
 void check_and_orient(TetMesh& mesh);
 
 /// Every edge of the mesh once, as (lower, higher) vertex, sorted.
-std::vector<std::array<int, 2>> tet_edges(const std::vector<Tet>& tets);
+std::vector<std::array<int, 2>> edges_of(const std::vector<Tet>& tets);
 
 } // namespace sinew::solver

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
 #include "solver/mesh/mesh_files.h"
+#include "solver/mesh/text_output.h"
 
 #include <bit>
-#include <charconv>
 #include <cstdint>
 #include <cstring>
 
@@ -14,18 +14,6 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "binary files are written without swapping bytes");
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-template <class Number>
-void put(std::string& out, Number value) {
-    char digits[32];
-    const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
-    (void)error; // 32 characters hold every number
-    out.append(digits, end);
-}
-
-void put(std::string& out, const Vec3& p) {
-    put(out, p[0]), out += ' ', put(out, p[1]), out += ' ', put(out, p[2]);
-}
 
 template <class Number>
 void put_bytes(std::string& out, Number value) {
@@ -97,26 +85,6 @@ std::string write_stl(const SurfaceMesh& mesh) {
         for (const Vec3& v : {normal, a, b, c})
             for (int d = 0; d < 3; ++d) put_bytes(out, static_cast<float>(v[d]));
         put_bytes(out, std::uint16_t{0});
-    }
-    return out;
-}
-
-std::string write_vtk(const TetMesh& mesh) {
-    std::string out = "# vtk DataFile Version 3.0\nsinew tet mesh\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS ";
-    put(out, mesh.vertices.size()), out += " double\n";
-    for (const Vec3& p : mesh.vertices) put(out, p), out += '\n';
-    out += "CELLS ", put(out, mesh.tets.size()), out += ' ', put(out, 5 * mesh.tets.size()), out += '\n';
-    for (const Tet& t : mesh.tets) {
-        out += '4';
-        for (int v : t) out += ' ', put(out, v);
-        out += '\n';
-    }
-    out += "CELL_TYPES ", put(out, mesh.tets.size()), out += '\n';
-    for (std::size_t i = 0; i < mesh.tets.size(); ++i) out += "10\n";
-    if (mesh.coverage.size() == mesh.tets.size()) {
-        out += "CELL_DATA ", put(out, mesh.tets.size()),
-            out += "\nSCALARS coverage double 1\nLOOKUP_TABLE default\n";
-        for (double c : mesh.coverage) put(out, c), out += '\n';
     }
     return out;
 }

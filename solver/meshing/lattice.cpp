@@ -18,7 +18,7 @@ namespace {
 
 /// Lattice numbers of the finest level must fit into 64 bits, lattice coordinates into 32.
 constexpr double most_cubes_along = 400000;
-constexpr std::int64_t most_tets = 50'000'000;
+constexpr std::int64_t most_tets = 20'000'000; // about 4 GB while they are made
 
 /// The side of the coarse cubes; throws where it would make no sense or too many cubes.
 double checked_side(const Solid& solid, const LatticeOptions& options, int levels) {

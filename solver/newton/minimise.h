@@ -20,7 +20,7 @@ struct NewtonWorkspace {
     BlockMatrix hessian;
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
-    explicit NewtonWorkspace(const BlockPattern& pattern) : hessian(pattern), linear(pattern) {}
+    explicit NewtonWorkspace(const Potential& potential) : hessian(potential.pattern()), linear(potential.pattern(), potential.places()) {}
 };
 
 /// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value; adds to the record's iterations and seconds, sets residual and converged

@@ -30,6 +30,26 @@ bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, c
     return true;
 }
 
+UnknownPlaces Potential::places() const {
+    UnknownPlaces out;
+    for (const TissueBatches& t : system_.tissues) {
+        double volume = 0;
+        const TissueRest& rest = *scene_.tissue(t.body);
+        for (const Tet& tet : rest.tets.tets)
+            volume += tet_volume(rest.tets.vertices[static_cast<std::size_t>(tet[0])], rest.tets.vertices[static_cast<std::size_t>(tet[1])],
+                                 rest.tets.vertices[static_cast<std::size_t>(tet[2])], rest.tets.vertices[static_cast<std::size_t>(tet[3])]);
+        out.spacing.push_back(std::cbrt(volume / static_cast<double>(scene_.vertex_count(t.body))));
+    }
+    std::size_t tissue = 0;
+    for (const int v : system_.vertex_of_unknown) {
+        while (v >= scene_.first_vertex(system_.tissues[tissue].body) + static_cast<int>(scene_.vertex_count(system_.tissues[tissue].body))) ++tissue;
+        const double* x = system_.rest.data() + 3 * static_cast<std::size_t>(v);
+        out.points.emplace_back(x[0], x[1], x[2]);
+        out.body.push_back(static_cast<int>(tissue));
+    }
+    return out;
+}
+
 void Potential::update_loads(const StepInputs& inputs) {
     loads_.clear();
     for (const TissueBatches& elements : system_.tissues) {

@@ -7,6 +7,7 @@
 #include "solver/element/tissue_energy.h"
 #include "solver/integrate/implicit_form.h"
 #include "solver/linear/block_matrix.h"
+#include "solver/linear/multigrid.h"
 #include "solver/system.h"
 
 #include <memory>
@@ -37,6 +38,7 @@ class Potential {
     const std::vector<int>& vertex_of_unknown() const { return system_.vertex_of_unknown; }
     std::size_t unknown_count() const { return scene_.system().vertex_of_unknown.size(); }
     const BlockPattern& pattern() const { return *pattern_; }
+    UnknownPlaces places() const; ///< of the unknowns at rest
 
     /// Where every vertex would be if only inertia and gravity acted; `x` for a step without inertia.
     std::vector<double> free_flight(const std::vector<double>& x) const;

@@ -134,3 +134,44 @@ TEST_CASE("a curve comes from numbers, JSON or text, and is refused if it is no 
     CHECK(codes([&] { s.pull("both", "outCurve"); }) == Codes{"DG110"});
     CHECK(codes([&] { s.pull("wrong", "outCurve"); }) == Codes{"IO403"});
 }
+
+TEST_CASE("tets written in every format come back as they were", "[nodes]") {
+    const Folder folder;
+    for (const std::string format : {"vtk", "mesh", "msh", "veg"}) {
+        INFO(format);
+        Session s(
+            R"("cube": {"type": "polyCube"}, "fill": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}}},
+                     "write": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}, "format": ")" +
+            format + R"("}})");
+        const auto file = s.get<nodes::FileContent>("write", "outFile");
+        CHECK(file.ending == format);
+        const auto before = s.get<nodes::TetMeshValue>("fill", "outTets");
+        Session back(R"("t": {"type": "tetMeshFile", "inputs": {"file": ")" +
+                     folder.write("t." + format, file.bytes) + R"("}})");
+        const auto after = back.get<nodes::TetMeshValue>("t", "outTets");
+        CHECK(after.mesh->vertices == before.mesh->vertices);
+        CHECK(after.mesh->tets == before.mesh->tets);
+    }
+}
+
+TEST_CASE("TetGen's two files are named both, and both enter the key", "[nodes]") {
+    const Folder folder;
+    const auto reader = [](const std::string& node, const std::string& ele) {
+        return R"("t": {"type": "tetMeshFile", "inputs": {"file": ")" + node + "\"" +
+               (ele.empty() ? "" : R"(, "elementFile": ")" + ele + "\"") + "}}";
+    };
+    const std::string node = folder.write("a.node", "4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n"),
+                      ele = folder.write("other.ele", "1 4 0\n0 0 1 2 3\n"),
+                      bad = folder.write("bad.ele", "1 4 0\n0 0 1 2 7\n");
+    Session s(reader(node, ele));
+    const auto tets = s.get<nodes::TetMeshValue>("t", "outTets");
+    CHECK(tets.mesh->tets == std::vector<solver::Tet>{{0, 1, 2, 3}});
+    folder.write("other.ele", "1 4 0\n0 1 2 0 3\n");
+    CHECK(Session(reader(node, ele)).get<nodes::TetMeshValue>("t", "outTets").digest != tets.digest);
+    std::string text;
+    CHECK(codes(reader(node, bad), "t", "outTets", &text) == Codes{"FE203"});
+    CHECK(text.find("t.elementFile") != std::string::npos);
+    CHECK(text.find("vertex 7") != std::string::npos);
+    CHECK(codes(reader(node, ""), "t", "outTets") == Codes{"DG110"});
+    CHECK(codes(reader(folder.write("a.veg", "*VERTICES\n"), ele), "t", "outTets") == Codes{"DG110"});
+}

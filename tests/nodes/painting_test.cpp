@@ -128,3 +128,28 @@ TEST_CASE("end points mark source and sink, which must not meet", "[nodes]") {
           Codes{"FE205"});
     CHECK(codes(ends(R"([1, 0, 0])", R"({"from": "to.outWeights"})"), "e", "outEndPoints") == Codes{"FE204"});
 }
+
+TEST_CASE("a painted map is carried over to an iso mesh, and one that does not fit is refused", "[nodes]") {
+    const std::string graph = R"("ball": {"type": "polySphere"}, "iso": {"type": "zIsoMesh", "inputs": {
+            "meshes": [{"from": "ball.outMesh"}], "resolution": 64, "triangleSize": 2}},
+        "paint": {"type": "weights", "inputs": {"mesh": {"from": "ball.outMesh"}, "mode": "ramp", "axis": "y", "start": -1, "end": 1}},
+        "moved": {"type": "transferWeights", "inputs": {"oldMesh": {"from": "ball.outMesh"}, "newMesh": {"from": "iso.outMesh"},
+            "weights": {"from": "paint.outWeights"}}})";
+    Session s(graph);
+    const auto mesh = s.get<nodes::Mesh>("iso", "outMesh");
+    const auto linear = s.get<NumberList>("moved", "outWeights");
+    REQUIRE(linear.size() == mesh.points->size());
+    for (std::size_t v = 0; v < linear.size(); ++v)
+        CHECK(linear[v] == Approx(0.5 + 0.5 * (*mesh.points)[v].y()).margin(0.02));
+    s.set("moved", "mode", "\"endPoints\"");
+    for (const double end : s.get<NumberList>("moved", "outWeights"))
+        CHECK((end == 0 || end == 0.5 || end == 1));
+    s.set("moved", "weights", "[0.25]");
+    for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 0.5);
+    s.set("moved", "weights", "[1, 0]");
+    std::string text;
+    CHECK(codes([&] { s.pull("moved", "outWeights"); }, &text) == Codes{"FE204"});
+    CHECK(text.find("moved.weights") != std::string::npos);
+    s.set("moved", "weights", "[]");
+    CHECK(codes([&] { s.pull("moved", "outWeights"); }) == Codes{"FE204"});
+}

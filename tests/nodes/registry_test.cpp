@@ -9,9 +9,11 @@ using namespace bench;
 namespace {
 
 const std::vector<std::string> all_types = {
-    "curve",     "endPoints",  "meshFile",    "meshWriter",   "polyCube",  "polyCylinder", "polyHelix",
-    "polyPlane", "polySphere", "tetMeshFile", "trackChannel", "transform", "weights",      "zAttachment",
-    "zBone",     "zEmbedder",  "zFiber",      "zMaterial",    "zSolver",   "zTet",         "zTissue"};
+    "curve",        "endPoints",    "meshFile",         "meshWriter", "polyCube",
+    "polyCylinder", "polyHelix",    "polyPlane",        "polySphere", "tetMeshFile",
+    "tetWriter",    "trackChannel", "transferWeights",  "transform",  "weights",
+    "zAttachment",  "zBone",        "zDelaunayTetMesh", "zEmbedder",  "zFiber",
+    "zIsoMesh",     "zMaterial",    "zSolver",          "zTet",       "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -55,8 +57,13 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"polyPlane", node("polyPlane", "")},
         {"polySphere", node("polySphere", "")},
         {"tetMeshFile", node("tetMeshFile", R"("file": ")" + tets + "\"")},
+        {"tetWriter", base + R"("fill": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}}},
+                   "n": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}}})"},
         {"trackChannel",
          node("trackChannel", R"("channel": "angle", "inMax": 10, "file": ")" + track + "\"")},
+        {"transferWeights",
+         node("transferWeights", R"("oldMesh": {"from": "cube.outMesh"}, "newMesh": {"from": "far.outMesh"},
+                                    "weights": {"from": "half.outWeights"})")},
         {"transform",
          node("transform",
               R"("mesh": {"from": "cube.outMesh"}, "trackName": "ulna", "track": ")" + track + "\"")},
@@ -68,6 +75,10 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
          node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},
         {"zFiber", node("zFiber", "")},
+        {"zDelaunayTetMesh",
+         base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
+                   "n": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": "skin.outMesh"}}})"},
+        {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},
         {"zMaterial", node("zMaterial", "")},
         {"zSolver", node("zSolver", R"("bodies": [{"from": "bone.outBody"}, {"from": "tissue.outBody"}],
                                            "attachments": [{"from": "tie.outAttachment"}])")},

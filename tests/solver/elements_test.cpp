@@ -36,7 +36,7 @@ struct Block {
         rest->element = kind;
         nodes = mesh.vertices;
         if (kind == ElementKind::quadratic)
-            for (const auto& [a, b] : tet_edges(mesh.tets))
+            for (const auto& [a, b] : edges_of(mesh.tets))
                 nodes.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
         rest->fixed_vertices = vertices_where(nodes, held);
         scene = std::make_shared<const Scene>(SceneDescription{{rest}, {}});
@@ -68,7 +68,7 @@ Block cook(int n, int m, double nu, ElementKind kind, ElasticLaw law = ElasticLa
         p = Vec3(0.48 * p.x(), 0.44 * p.x() * (1 - p.y()) + p.y() * (0.44 + 0.16 * p.x()), 0.1 * p.z() - 0.05);
     Block b(mesh, law, kind, [](const Vec3& p) { return p.x() < 1e-12; }, material(1e5, nu));
     b.values().forces.assign(b.nodes.size(), Vec3::Zero());
-    const std::vector<std::array<int, 2>> edges = tet_edges(mesh.tets);
+    const std::vector<std::array<int, 2>> edges = edges_of(mesh.tets);
     for (const Triangle& t : boundary_triangles(mesh.tets)) {
         const Vec3 &p = mesh.vertices[static_cast<std::size_t>(t[0])], &q = mesh.vertices[static_cast<std::size_t>(t[1])],
                    &r = mesh.vertices[static_cast<std::size_t>(t[2])];

@@ -97,14 +97,14 @@ std::shared_ptr<TissueRest> make_tissue(TetMesh mesh, ElasticLaw law, ElementKin
 Points nodes_of(const TissueRest& rest) {
     Points out = rest.tets.vertices;
     if (rest.element == ElementKind::quadratic)
-        for (const auto& [a, b] : tet_edges(rest.tets.tets))
+        for (const auto& [a, b] : edges_of(rest.tets.tets))
             out.emplace_back(0.5 * (out[static_cast<std::size_t>(a)] + out[static_cast<std::size_t>(b)]));
     return out;
 }
 
 Points traction_loads(const TissueRest& rest, const std::function<bool(const Vec3&)>& on_face, const Vec3& traction) {
     const bool quadratic = rest.element == ElementKind::quadratic;
-    const auto edges = quadratic ? tet_edges(rest.tets.tets) : std::vector<std::array<int, 2>>{};
+    const auto edges = quadratic ? edges_of(rest.tets.tets) : std::vector<std::array<int, 2>>{};
     Points loads(rest.tets.vertices.size() + edges.size(), Vec3::Zero());
     for (const Triangle& t : rest.triangles) {
         const auto corner = [&](std::size_t c) { return rest.surface[static_cast<std::size_t>(t[c])]; };

@@ -58,7 +58,7 @@ double bytes_of_iteration(const TissueRest& rest) {
     for (const int v : rest.fixed_vertices) held[static_cast<std::size_t>(v)] = 1;
     double edges = 0, rows = 0;
     for (const char h : held) rows += !h;
-    for (const auto& [a, b] : tet_edges(rest.tets.tets)) edges += !held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)];
+    for (const auto& [a, b] : edges_of(rest.tets.tets)) edges += !held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)];
     constexpr double block = 48 + 4, vectors = 504;
     return (2 * edges + rows) * block + rows * vectors;
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/mesh_report.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -34,7 +35,13 @@ Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluato
 }
 
 ExitCode check(const Invocation& in) {
-    const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast");
+    const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
+               meshes = in.arguments.has("--meshes");
+    if (fast && meshes) throw UsageError("--meshes looks at meshes, which --fast does not load.");
+    if (const auto report = report_of_file(in.arguments.operand(0).value())) {
+        print_meshes({*report}, json, in.out);
+        return done;
+    }
     OpenGraph open = open_graph(in.arguments);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings;
@@ -43,8 +50,14 @@ ExitCode check(const Invocation& in) {
         for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop))
             found.push_back(std::move(problem));
     for (auto& warning : warnings.take()) found.push_back(std::move(warning));
+    std::vector<MeshReport> reports;
+    if (meshes) {
+        reports = mesh_reports(open.graph, evaluator, in.stop);
+        for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
+    }
     sort_by_place(found);
     print_diagnostics(found, json, in.out, in.err);
+    if (meshes) print_meshes(reports, json, in.out);
     if (has_error(found)) return graph_wrong;
 
     const Counts counts =
@@ -65,15 +78,19 @@ ExitCode check(const Invocation& in) {
 } // namespace
 
 Command check_command() {
-    return {"check",
-            "say everything that is wrong with a graph, without simulating",
-            {{"GRAPH", "the graph file (JSON)"}},
-            {{"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
-             {"--set", "NODE.ATTR=JSON", "give an input another value", true},
-             {"--threads", "N", "default: all cores", false, 'j'},
-             {"--json", "", "one JSON object a line instead of text"}},
-            "sinew check graphs/scenes/arm.json",
-            check};
+    return {
+        "check",
+        "say everything that is wrong with a graph, without simulating",
+        {{"GRAPH", "the graph file (JSON), or one mesh file to look at"}},
+        {{"--meshes", "",
+          "say of every mesh whether it is closed, manifold and free of crossings, and what is off if not"},
+         {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
+         {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+         {"--threads", "N", "default: all cores", false, 'j'},
+         {"--json", "", "one JSON object a line instead of text"}},
+        "sinew check graphs/scenes/arm.json\n"
+        "sinew check graphs/scenes/arm.json --meshes",
+        check};
 }
 
 } // namespace sinew::cli

@@ -355,7 +355,7 @@ TEST_CASE("missing, unreadable and unknown files have codes of their own", "[mes
     REQUIRE(refusal("", "a.fbx").code == "IO404");
     REQUIRE(refusal("", "noending").code == "IO404");
     try {
-        parse_tets("", "a.msh");
+        parse_tets("", "a.abc");
         FAIL("not refused");
     } catch (const Error& e) {
         REQUIRE(e.code == "IO404");

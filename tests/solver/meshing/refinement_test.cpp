@@ -7,6 +7,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/red_green.h"
+#include "solver/meshing/refined_cells.h"
 
 #include <bit>
 #include <random>
@@ -339,6 +340,26 @@ TEST_CASE("refinement that cannot be used is refused with its code", "[refinemen
     options.max_resolution = 1 << 30;
     options.refinement = {60};
     REQUIRE(code_of(options) == "FE210");
+}
+
+TEST_CASE("refinement stops at the number of tets that it is allowed", "[refinement]") {
+    const SurfaceMesh sphere = make_sphere(1, 20, 20);
+    const Solid solid = make_solid(sphere.points, sphere.triangles);
+    const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+    const CoarseCells coarse = find_coarse_cells(solid, grid, false, {});
+    const auto made = [&](double levels, std::int64_t most) {
+        const Paint paint(solid, {levels}, 0);
+        return refine_cells(solid, grid, coarse, paint, {false, most}, {}).pieces.size();
+    };
+    REQUIRE(made(0, 100) > 500); // the limit is on refining
+    REQUIRE(made(2, 100000) > 10000);
+    try {
+        made(2, 5000);
+        FAIL("no error");
+    } catch (const Error& e) {
+        REQUIRE(e.code == "FE210");
+        REQUIRE(std::string(e.what()) == "the refined lattice would have more than 5000 tets");
+    }
 }
 
 TEST_CASE("meshing reports how far it is and stops when asked", "[refinement]") {

@@ -1,0 +1,69 @@
+// transferWeights: a painted map on a mesh that has changed.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+#include "solver/mesh/map_transfer.h"
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const Wire<Mesh> old_mesh{
+    .name = "oldMesh",
+    .doc = "The mesh that the map was painted on. It must lie where the new one lies.",
+};
+const Input<NumberList> old_weights{
+    .name = "weights",
+    .doc = "The map: one number per vertex of oldMesh, or one for all.",
+    .required = true,
+};
+const Wire<Mesh> new_mesh{
+    .name = "newMesh",
+    .doc = "The mesh that needs the map, for example the same model with other triangles, or its iso mesh.",
+};
+const Input<std::string> mode{
+    .name = "mode",
+    .def = "linear",
+    .doc = "linear takes the value at the closest point of oldMesh. endPoints keeps the ends of fibres "
+           "sharp: 0.9 and "
+           "more become 1, 0.1 and less 0, all else 0.5, and no end is lost on a coarser mesh.",
+    .options = {"linear", "endPoints"},
+};
+const Output<NumberList> out_weights{
+    .name = "outWeights",
+    .doc = "One number per vertex of newMesh.",
+    .unit = "1",
+};
+
+void compute(const Reads& in, Writes& out) {
+    const Mesh &from = in[old_mesh], &to = in[new_mesh];
+    const NumberList& map = in[old_weights];
+    if (map.empty())
+        in.fail(old_weights.name, "FE204",
+                "no numbers for a mesh of " + std::to_string(from.points->size()) + " vertices",
+                "Give one number per vertex of oldMesh.");
+    check_map(in, old_weights.name, map, from.points->size(), "the weights");
+    out.set(out_weights, guarded(in, new_mesh.name, [&]() -> NumberList {
+                const solver::MapTransfer places = solver::find_places(*from.points, from.topology->triangles,
+                                                                       *to.points, to.topology->triangles);
+                const NumberList values = per_vertex(map, from.points->size());
+                return in[mode] == "linear" ? solver::transfer_map(places, values)
+                                            : solver::transfer_ends(places, values);
+            }));
+}
+
+} // namespace
+
+void add_transfer_weights(Registry& registry) {
+    NodeType type;
+    type.name = "transferWeights";
+    type.doc = "Carries a painted map over to another mesh in the same place, by the closest point.";
+    type.inputs = {describe(old_mesh), describe(old_weights), describe(new_mesh), describe(mode)};
+    type.outputs = {describe(out_weights)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

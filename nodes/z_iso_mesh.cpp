@@ -1,0 +1,142 @@
+// zIsoMesh: a clean triangle mesh at a distance from any polygons.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "nodes/adapters.h"
+#include "nodes/meshing_call.h"
+#include "solver/meshing/iso_mesh.h"
+
+namespace sinew::nodes {
+
+using namespace engine;
+
+namespace {
+
+const WireList<Mesh> meshes{
+    .name = "meshes",
+    .doc = "The polygons, of one mesh or several: open or closed, overlapping, cracked, in any direction.",
+    .min_count = 1,
+};
+const Input<double> iso_value{
+    .name = "isoValue",
+    .def = 0,
+    .doc =
+        "Distance of the new surface from the polygons, in scene units: above 0 grows, 0 remeshes, below 0 "
+        "shrinks. Polygons that are not closed have no inside and need a value above 0; holes smaller than "
+        "twice the value are then closed.",
+    .keyable = false,
+};
+const Input<double> triangle_size{
+    .name = "triangleSize",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Size of the triangles: 1 makes their edges about a fortieth of the diagonal of the polygons' "
+           "bounding "
+           "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller.",
+    .keyable = false,
+};
+const Input<std::int64_t> resolution{
+    .name = "resolution",
+    .def = 128,
+    .limits = {.min = 16, .max = 1024},
+    .doc = "Cells along the longest side of the grid that holds the distance. Detail and gaps smaller than a "
+           "cell "
+           "are lost; time and memory grow with its square.",
+    .keyable = false,
+};
+const Input<double> max_time{
+    .name = "maxTime",
+    .def = 120,
+    .unit = "s",
+    .limits = {.min = 0},
+    .doc = "Gives up with FE233 after so many seconds; 0 waits for ever. It never changes the mesh.",
+    .keyable = false,
+};
+const Input<bool> produce_manifold_mesh{
+    .name = "produceManifoldMesh",
+    .def = true,
+    .doc =
+        "Refines until the mesh is a closed 2-manifold, as zDelaunayTetMesh and collisions want it. Off "
+        "saves "
+        "about a quarter of the time and may leave edges with one triangle or more than two. Angles are at "
+        "least 30 degrees either way.",
+    .keyable = false,
+};
+const Output<Mesh> out_mesh{
+    .name = "outMesh",
+    .doc = "The triangles, facing outwards, no angle below 30 degrees, in scene units.",
+};
+
+/// The mesh with what the warning needs. Kept under the digest of all that it depends on, so that polygons
+/// whose node reads the time are not meshed again at every frame.
+struct Made {
+    Mesh mesh;
+    std::size_t components = 0, lost = 0;
+};
+
+Digest key_of(const Reads& in) {
+    return Hasher()
+        .add("zIsoMesh")
+        .add(in.digest_of(meshes.name))
+        .add(in[iso_value])
+        .add(in[triangle_size])
+        .add(in[resolution])
+        .add(in[produce_manifold_mesh])
+        .finish();
+}
+
+Made make(const Reads& in) {
+    solver::Points points;
+    std::vector<solver::Triangle> triangles;
+    for (const Mesh& m : in[meshes]) {
+        const int first = static_cast<int>(points.size());
+        points.insert(points.end(), m.points->begin(), m.points->end());
+        for (const auto& [a, b, c] : m.topology->triangles)
+            triangles.push_back({first + a, first + b, first + c});
+    }
+    solver::IsoMeshOptions options;
+    options.iso_value = in[iso_value];
+    options.resolution = static_cast<int>(in[resolution]);
+    options.is_manifold = in[produce_manifold_mesh];
+    options.most_seconds = in[max_time];
+    solver::IsoMesh mesh =
+        meshing(in, meshes.name,
+                {{"FE230", iso_value.name},
+                 {"FE231", iso_value.name},
+                 {"FE232", triangle_size.name},
+                 {"FE233", max_time.name}},
+                [&](const solver::MeshingControl& control) {
+                    options.triangle_size =
+                        in[triangle_size] * solver::default_triangle_size(points, triangles);
+                    return solver::make_iso_mesh(points, triangles, options, control);
+                });
+    return {
+        Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
+        mesh.components, mesh.lost};
+}
+
+void compute(const Reads& in, Writes& out) {
+    auto made = in.lease<Made>(key_of(in), [&] { return std::make_shared<Made>(make(in)); });
+    if (made->lost > 0)
+        in.warn(triangle_size.name, "FE235",
+                std::to_string(made->lost) + " of the surface's " + std::to_string(made->components) +
+                    " pieces are smaller than a triangle and left out",
+                "Choose a smaller triangleSize to keep them.");
+    out.set(out_mesh, made->mesh);
+}
+
+} // namespace
+
+void add_z_iso_mesh(Registry& registry) {
+    NodeType type;
+    type.name = "zIsoMesh";
+    type.doc =
+        "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
+    type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),
+                   describe(resolution), describe(max_time),  describe(produce_manifold_mesh)};
+    type.outputs = {describe(out_mesh)};
+    type.compute = compute;
+    registry.add(std::move(type));
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,327 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/multigrid.h"
+
+#include "solver/parallel.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Levels end where a dense factorisation costs less than a sweep over the finest.
+constexpr int coarsest_rows = 64;
+/// Rows that one Gauss-Seidel sweep runs through without a break.
+constexpr std::size_t chunk = 1024;
+
+/// What one fine unknown takes from coarse ones: up to four, weights sum to 1.
+struct Interpolation {
+    int count = 0;
+    std::array<int, 4> coarse{};
+    std::array<float, 4> weight{};
+};
+
+using GridPoint = std::array<int, 4>; // body, then the grid's indices
+
+/// Corners and weights of the simplex of a unit cube's Kuhn subdivision that holds a point: walk from the lowest corner to
+/// the highest along the axes in the order of falling fractions.
+void kuhn_weights(int body, const Vec3& at, std::vector<std::pair<GridPoint, double>>& out) {
+    GridPoint corner{body, 0, 0, 0};
+    std::array<double, 3> fraction{};
+    std::array<std::size_t, 3> order{0, 1, 2};
+    for (std::size_t c = 0; c < 3; ++c) {
+        const double base = std::floor(at[static_cast<Eigen::Index>(c)]);
+        corner[c + 1] = static_cast<int>(base);
+        fraction[c] = at[static_cast<Eigen::Index>(c)] - base;
+    }
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return fraction[a] != fraction[b] ? fraction[a] > fraction[b] : a < b;
+    });
+    out.clear();
+    double left = 1;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const double next = k < 3 ? fraction[order[k]] : 0;
+        if (left - next > 1e-6) out.emplace_back(corner, left - next);
+        if (k < 3) ++corner[order[k] + 1];
+        left = next;
+    }
+}
+
+} // namespace
+
+struct Multigrid::Level {
+    const RowBlocks* a = nullptr; ///< of this level
+    RowBlocks own;                ///< if it is not the finest
+    std::vector<FloatBlock> inverse;
+    std::vector<float> r, x, old, rest; ///< right side, result, result before a sweep, residual; one number of padding
+
+    // To the next level: T = A P, then P^T T.
+    std::vector<Interpolation> up;
+    std::vector<int> t_start, t_column;  ///< rows of T
+    std::vector<FloatBlock> t_blocks;
+    std::vector<std::array<int, 4>> t_target;  ///< per entry of A: where its products go in T
+    std::vector<int> member_start;             ///< per coarse row: fine rows that it reaches
+    std::vector<std::pair<int, float>> members;
+    std::vector<int> product_start, product_target; ///< per member: where the entries of its T row go in the coarse row
+
+    explicit Level(int rows) {
+        for (auto* v : {&r, &x, &old, &rest}) v->assign(3 * static_cast<std::size_t>(rows) + 1, 0.0f);
+    }
+    std::size_t rows() const { return static_cast<std::size_t>(a->rows); }
+    std::size_t chunks() const { return (rows() + chunk - 1) / chunk; }
+    void prepare_products(int coarse_rows, RowBlocks& coarse);
+    void multiply_products(RowBlocks& coarse);
+    void sweep_forward_from_zero();
+    void residual_after_forward();
+    void sweep_backward();
+};
+
+struct Multigrid::Coarsest {
+    Eigen::MatrixXf matrix;
+    Eigen::LLT<Eigen::MatrixXf> factor;
+    Eigen::VectorXf x;
+};
+
+void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
+    t_start = {0};
+    t_target.resize(a->column.size());
+    for (std::size_t i = 0; i < rows(); ++i) {
+        std::vector<int> columns;
+        const int first = a->row_start[i], last = a->row_start[i + 1];
+        for (int e = first; e < last; ++e) {
+            const Interpolation& p = up[static_cast<std::size_t>(a->column[static_cast<std::size_t>(e)])];
+            columns.insert(columns.end(), p.coarse.begin(), p.coarse.begin() + p.count);
+        }
+        std::sort(columns.begin(), columns.end());
+        columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+        for (int e = first; e < last; ++e) {
+            const Interpolation& p = up[static_cast<std::size_t>(a->column[static_cast<std::size_t>(e)])];
+            for (int k = 0; k < p.count; ++k)
+                t_target[static_cast<std::size_t>(e)][static_cast<std::size_t>(k)] =
+                    t_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(), p.coarse[static_cast<std::size_t>(k)]) - columns.begin());
+        }
+        t_column.insert(t_column.end(), columns.begin(), columns.end());
+        t_start.push_back(static_cast<int>(t_column.size()));
+    }
+    t_blocks.resize(t_column.size());
+
+    std::vector<std::vector<std::pair<int, float>>> by_coarse(static_cast<std::size_t>(coarse_rows));
+    for (std::size_t i = 0; i < rows(); ++i)
+        for (int k = 0; k < up[i].count; ++k)
+            by_coarse[static_cast<std::size_t>(up[i].coarse[static_cast<std::size_t>(k)])].emplace_back(static_cast<int>(i), up[i].weight[static_cast<std::size_t>(k)]);
+    coarse.rows = coarse_rows;
+    coarse.row_start = member_start = product_start = {0};
+    for (int c = 0; c < coarse_rows; ++c) {
+        std::vector<int> columns;
+        for (const auto& [i, w] : by_coarse[static_cast<std::size_t>(c)])
+            columns.insert(columns.end(), t_column.begin() + t_start[static_cast<std::size_t>(i)], t_column.begin() + t_start[static_cast<std::size_t>(i) + 1]);
+        std::sort(columns.begin(), columns.end());
+        columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+        const auto at = [&](int column) {
+            return coarse.row_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
+        };
+        for (const auto& member : by_coarse[static_cast<std::size_t>(c)]) {
+            members.push_back(member);
+            for (int t = t_start[static_cast<std::size_t>(member.first)]; t < t_start[static_cast<std::size_t>(member.first) + 1]; ++t)
+                product_target.push_back(at(t_column[static_cast<std::size_t>(t)]));
+            product_start.push_back(static_cast<int>(product_target.size()));
+        }
+        member_start.push_back(static_cast<int>(members.size()));
+        coarse.diagonal.push_back(at(c));
+        coarse.column.insert(coarse.column.end(), columns.begin(), columns.end());
+        coarse.row_start.push_back(static_cast<int>(coarse.column.size()));
+    }
+    coarse.blocks.resize(coarse.column.size());
+}
+
+namespace {
+
+void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {
+    for (int c = 0; c < 3; ++c) *reinterpret_cast<Float4*>(to.column[c]) += weight * from.col(c);
+}
+
+} // namespace
+
+void Multigrid::Level::multiply_products(RowBlocks& coarse) {
+    parallel_for(rows(), 256, [&](std::size_t i) {
+        for (int t = t_start[i]; t < t_start[i + 1]; ++t) t_blocks[static_cast<std::size_t>(t)] = {};
+        for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
+            const std::size_t entry = static_cast<std::size_t>(e);
+            const Interpolation& p = up[static_cast<std::size_t>(a->column[entry])];
+            for (std::size_t k = 0; k < static_cast<std::size_t>(p.count); ++k)
+                add_scaled(a->blocks[entry], p.weight[k], t_blocks[static_cast<std::size_t>(t_target[entry][k])]);
+        }
+    });
+    parallel_for(static_cast<std::size_t>(coarse.rows), 64, [&](std::size_t c) {
+        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e) coarse.blocks[static_cast<std::size_t>(e)] = {};
+        for (int m = member_start[c]; m < member_start[c + 1]; ++m) {
+            const auto [i, weight] = members[static_cast<std::size_t>(m)];
+            int target = product_start[static_cast<std::size_t>(m)];
+            for (int t = t_start[static_cast<std::size_t>(i)]; t < t_start[static_cast<std::size_t>(i) + 1]; ++t, ++target)
+                add_scaled(t_blocks[static_cast<std::size_t>(t)], weight, coarse.blocks[static_cast<std::size_t>(product_target[static_cast<std::size_t>(target)])]);
+        }
+    });
+}
+
+void Multigrid::Level::sweep_forward_from_zero() {
+    parallel_for(chunks(), 1, [&](std::size_t k) {
+        const int first = static_cast<int>(k * chunk);
+        for (std::size_t i = k * chunk; i < std::min((k + 1) * chunk, rows()); ++i) {
+            int e = a->row_start[i];
+            while (a->column[static_cast<std::size_t>(e)] < first) ++e;
+            Float4 s = a->product(e, a->diagonal[i], x.data());
+            const float* right = r.data() + 3 * i;
+            const FloatBlock& d = inverse[i];
+            const Float4 out = d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
+            for (std::size_t c = 0; c < 3; ++c) x[3 * i + c] = out[c];
+        }
+    });
+}
+
+void Multigrid::Level::residual_after_forward() {
+    // The sweep made row i exact for the columns up to i of its own chunk; what is missing are the others.
+    parallel_for(rows(), 256, [&](std::size_t i) {
+        const int first = static_cast<int>(i / chunk * chunk);
+        int e = a->row_start[i];
+        while (a->column[static_cast<std::size_t>(e)] < first) ++e;
+        const Float4 s = a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
+        for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = -s[c];
+    });
+}
+
+void Multigrid::Level::sweep_backward() {
+    old = x;
+    parallel_for(chunks(), 1, [&](std::size_t k) {
+        const int first = static_cast<int>(k * chunk), last = static_cast<int>(std::min((k + 1) * chunk, rows()));
+        for (int row = last - 1; row >= first; --row) {
+            const std::size_t i = static_cast<std::size_t>(row);
+            int low = a->row_start[i], high = a->row_start[i + 1];
+            while (a->column[static_cast<std::size_t>(low)] < first) ++low;
+            while (a->column[static_cast<std::size_t>(high) - 1] >= last) --high;
+            const Float4 s = a->product(a->row_start[i], low, old.data()) + a->product(low, high, x.data()) +
+                             a->product(high, a->row_start[i + 1], old.data());
+            const float* right = r.data() + 3 * i;
+            const FloatBlock& d = inverse[i];
+            const Float4 step = d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
+            for (std::size_t c = 0; c < 3; ++c) x[3 * i + c] += step[c];
+        }
+    });
+}
+
+Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places) : coarsest_(std::make_unique<Coarsest>()) {
+    levels_.push_back(std::make_unique<Level>(fine.rows));
+    levels_.back()->a = &fine;
+    // Places in units of the first grid's spacing, which is twice that of the mesh.
+    Points at(places.points);
+    std::vector<int> body = places.body;
+    for (std::size_t i = 0; i < at.size(); ++i) at[i] /= 2 * places.spacing[static_cast<std::size_t>(body[i])];
+    while (levels_.back()->a->rows > coarsest_rows) {
+        Level& level = *levels_.back();
+        level.up.resize(at.size());
+        std::map<GridPoint, int> number;
+        std::vector<std::vector<std::pair<GridPoint, double>>> weights(at.size());
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            kuhn_weights(body[i], at[i], weights[i]);
+            for (const auto& [point, w] : weights[i]) number.emplace(point, 0);
+        }
+        // At least half as many: else a mesh of scattered pieces has come to its end.
+        if (static_cast<int>(number.size()) > level.a->rows / 2) break;
+        Points coarse_at;
+        std::vector<int> coarse_body;
+        for (auto& [point, n] : number) {
+            n = static_cast<int>(coarse_at.size());
+            coarse_at.push_back(0.5 * Vec3(point[1], point[2], point[3]));
+            coarse_body.push_back(point[0]);
+        }
+        for (std::size_t i = 0; i < at.size(); ++i) {
+            Interpolation& p = level.up[i];
+            for (const auto& [point, w] : weights[i]) {
+                p.coarse[static_cast<std::size_t>(p.count)] = number[point];
+                p.weight[static_cast<std::size_t>(p.count++)] = static_cast<float>(w);
+            }
+        }
+        auto next = std::make_unique<Level>(static_cast<int>(coarse_at.size()));
+        level.prepare_products(static_cast<int>(coarse_at.size()), next->own);
+        next->a = &next->own;
+        levels_.push_back(std::move(next));
+        at = std::move(coarse_at);
+        body = std::move(coarse_body);
+    }
+}
+
+Multigrid::~Multigrid() = default;
+int Multigrid::level_count() const { return static_cast<int>(levels_.size()); }
+
+bool Multigrid::set_values() {
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+        Level& level = *levels_[k];
+        if (k + 1 < levels_.size()) level.multiply_products(levels_[k + 1]->own);
+        if (!invert_diagonal(*level.a, level.inverse)) return false;
+    }
+    Level& last = *levels_.back();
+    if (levels_.size() == 1 || last.a->rows > 4 * coarsest_rows) {
+        coarsest_->matrix.resize(0, 0); // too many for a dense factor: a sweep up and down serves
+        return true;
+    }
+    const Eigen::Index n = 3 * last.a->rows;
+    coarsest_->matrix.setZero(n, n);
+    for (Eigen::Index i = 0; i < last.a->rows; ++i)
+        for (int e = last.a->row_start[static_cast<std::size_t>(i)]; e < last.a->row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+            const FloatBlock& b = last.a->blocks[static_cast<std::size_t>(e)];
+            for (int c = 0; c < 3; ++c)
+                for (int r = 0; r < 3; ++r) coarsest_->matrix(3 * i + r, 3 * last.a->column[static_cast<std::size_t>(e)] + c) = b.column[c][r];
+        }
+    // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
+    for (float shift = 1e-5f; shift < 1; shift *= 10) {
+        Eigen::MatrixXf shifted = coarsest_->matrix;
+        shifted.diagonal() *= 1 + shift;
+        coarsest_->factor.compute(shifted);
+        if (coarsest_->factor.info() == Eigen::Success) return true;
+    }
+    return false;
+}
+
+void Multigrid::cycle(std::size_t k) {
+    Level& level = *levels_[k];
+    const bool last = k + 1 == levels_.size();
+    if (last && coarsest_->matrix.size() > 0) {
+        coarsest_->x = Eigen::Map<const Eigen::VectorXf>(level.r.data(), coarsest_->matrix.rows());
+        coarsest_->factor.solveInPlace(coarsest_->x);
+        std::copy_n(coarsest_->x.data(), coarsest_->x.size(), level.x.begin());
+        return;
+    }
+    std::fill(level.x.begin(), level.x.end(), 0.0f);
+    level.sweep_forward_from_zero();
+    if (!last) {
+        Level& coarse = *levels_[k + 1];
+        level.residual_after_forward();
+        parallel_for(coarse.rows(), 256, [&](std::size_t c) {
+            float sum[3] = {};
+            for (int m = level.member_start[c]; m < level.member_start[c + 1]; ++m) {
+                const auto [i, weight] = level.members[static_cast<std::size_t>(m)];
+                for (std::size_t d = 0; d < 3; ++d) sum[d] += weight * level.rest[3 * static_cast<std::size_t>(i) + d];
+            }
+            for (std::size_t d = 0; d < 3; ++d) coarse.r[3 * c + d] = sum[d];
+        });
+        cycle(k + 1);
+        parallel_for(level.rows(), 512, [&](std::size_t i) {
+            const Interpolation& p = level.up[i];
+            for (std::size_t n = 0; n < static_cast<std::size_t>(p.count); ++n)
+                for (std::size_t d = 0; d < 3; ++d) level.x[3 * i + d] += p.weight[n] * coarse.x[3 * static_cast<std::size_t>(p.coarse[n]) + d];
+        });
+    }
+    level.sweep_backward();
+}
+
+void Multigrid::apply(const std::vector<double>& r, std::vector<double>& z) {
+    Level& finest = *levels_.front();
+    parallel_for(r.size(), 8192, [&](std::size_t i) { finest.r[i] = static_cast<float>(r[i]); });
+    cycle(0);
+    parallel_for(r.size(), 8192, [&](std::size_t i) { z[i] = static_cast<double>(finest.x[i]); });
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/row_blocks.h"
+
+#include "solver/parallel.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace sinew::solver {
+
+RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source) {
+    RowBlocks out;
+    out.rows = pattern.rows;
+    const std::size_t n = static_cast<std::size_t>(pattern.rows), count = 2 * pattern.block_count() - n;
+    out.row_start.assign(n + 1, 0);
+    out.diagonal.resize(n);
+    out.column.reserve(count);
+    source.clear();
+    source.reserve(count);
+    for (std::size_t i = 0; i < n; ++i) {
+        for (int e = pattern.lower_start[i]; e < pattern.lower_start[i + 1]; ++e) {
+            const auto [index, column] = pattern.lower[static_cast<std::size_t>(e)];
+            out.column.push_back(column);
+            source.push_back(-index - 1);
+        }
+        out.diagonal[i] = static_cast<int>(out.column.size());
+        for (int e = pattern.row_start[i]; e < pattern.row_start[i + 1]; ++e) {
+            out.column.push_back(pattern.column[static_cast<std::size_t>(e)]);
+            source.push_back(e);
+        }
+        out.row_start[i + 1] = static_cast<int>(out.column.size());
+    }
+    out.blocks.resize(out.column.size());
+    return out;
+}
+
+void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out) {
+    parallel_for(out.blocks.size(), 2048, [&](std::size_t k) {
+        const bool transposed = source[k] < 0;
+        const double* block = a.block(static_cast<std::size_t>(transposed ? -source[k] - 1 : source[k]));
+        for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r) out.blocks[k].column[c][r] = static_cast<float>(transposed ? block[3 * c + r] : block[3 * r + c]);
+            out.blocks[k].column[c][3] = 0;
+        }
+    });
+}
+
+bool invert_diagonal(const RowBlocks& a, std::vector<FloatBlock>& inverse) {
+    constexpr std::size_t grain = 512;
+    const std::size_t n = static_cast<std::size_t>(a.rows);
+    inverse.resize(n);
+    std::vector<char> bad((n + grain - 1) / grain, 0);
+    parallel_for(n, grain, [&](std::size_t i) {
+        const FloatBlock& block = a.blocks[static_cast<std::size_t>(a.diagonal[i])];
+        Eigen::Matrix3d m;
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) m(r, c) = static_cast<double>(block.column[c][r]);
+        const Eigen::LLT<Eigen::Matrix3d> factor(m);
+        if (factor.info() != Eigen::Success) {
+            bad[i / grain] = 1;
+            return;
+        }
+        m = factor.solve(Eigen::Matrix3d::Identity());
+        for (int c = 0; c < 3; ++c) {
+            for (int r = 0; r < 3; ++r) inverse[i].column[c][r] = static_cast<float>(m(r, c));
+            inverse[i].column[c][3] = 0;
+        }
+    });
+    return std::find(bad.begin(), bad.end(), 1) == bad.end();
+}
+
+} // namespace sinew::solver

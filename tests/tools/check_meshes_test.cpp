@@ -1,0 +1,120 @@
+// `sinew check --meshes`: what it says of good and bad meshes, in graphs and in files.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+
+#include <catch2/catch.hpp>
+
+#include <fstream>
+
+using namespace sinew::test;
+using nlohmann::json;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+std::string write(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+    const std::string path = (folder / name).string();
+    std::ofstream(path) << text;
+    return path;
+}
+
+/// A cube of quads, its last `left_out` faces missing.
+std::string cube(int left_out, const std::string& more = "") {
+    std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
+    const std::vector<std::string> faces{"1 4 3 2", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"};
+    for (std::size_t f = 0; f + static_cast<std::size_t>(left_out) < faces.size(); ++f)
+        text += "f " + faces[f] + "\n";
+    return text + more;
+}
+
+json only(const Said& said) {
+    const auto lines = said.lines();
+    REQUIRE(lines.size() == 1);
+    return lines.front();
+}
+
+} // namespace
+
+TEST_CASE("check of a mesh file counts its flaws and names the first", "[tools]") {
+    const TemporaryFolder folder;
+    const json good = only(run_program({"check", write(folder, "good.obj", cube(0)), "--json"}));
+    CHECK(good.at("closed") == true);
+    CHECK(good.at("manifold") == true);
+    CHECK(good.at("parts") == 1);
+    CHECK(good.at("volume").get<double>() == Approx(1));
+    CHECK(good.at("faces") == 6);
+    CHECK(good.at("triangles") == 12);
+    for (const auto& [name, flaw] : good.at("flaws").items()) {
+        INFO(name);
+        CHECK(flaw.at("count") == 0);
+    }
+    CHECK(good.at("flaws").size() == 9);
+
+    const json open = only(run_program({"check", write(folder, "open.obj", cube(1)), "--json"}));
+    CHECK(open.at("closed") == false);
+    CHECK(open.at("manifold") == true);
+    CHECK(open.at("flaws").at("openEdges").at("count") == 4);
+    CHECK(open.at("flaws").at("openEdges").at("first") == json::parse("[[0,3],[0,4],[3,7],[4,7]]"));
+    CHECK_FALSE(open.contains("volume"));
+
+    // A fin on an edge, a spike through a side, a repeated triangle turned round, a loose vertex, one on
+    // another.
+    const std::string more =
+        "v 3 0 0\nf 1 2 9\nv 0.3 0.4 -1\nv 0.4 0.3 -1\nv 0.3 0.3 0.5\nf 10 11 12\nf 1 3 4\nv 9 9 9\n"
+        "v 9 9 9\n";
+    const json bad =
+        only(run_program({"check", write(folder, "bad.obj", cube(0, more)), "--json"})).at("flaws");
+    CHECK(bad.at("nonManifoldEdges").at("count") == 4); // the fin's, and three of the repeated triangle
+    CHECK(bad.at("openEdges").at("count") == 3 + 2);    // the spike's, and the fin's far ones
+    CHECK(bad.at("degenerateTriangles").at("first") == json::parse("[12]"));
+    CHECK(bad.at("unusedVertices").at("first") == json::parse("[12,13]"));
+    CHECK(bad.at("coincidingVertices").at("first") == json::parse("[13]"));
+    CHECK(bad.at("duplicateTriangles").at("count") == 1);
+    CHECK(bad.at("crossingTriangles").at("count").get<int>() >= 1);
+}
+
+TEST_CASE("check of a mesh file as a table", "[tools]") {
+    const TemporaryFolder folder;
+    const Said open = run_program({"check", write(folder, "open.obj", cube(1))});
+    CHECK(open.code == 0);
+    CHECK(has(open.out, "4 open edges (0-3, 0-4, 3-7, 4-7)"));
+    const Said tets =
+        run_program({"check", write(folder, "one.mesh",
+                                    "MeshVersionFormatted 1\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                                    "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n")});
+    CHECK(has(tets.out, "none; dihedral angles 54.7 to 90.0"));
+    const Said broken = run_program({"check", write(folder, "broken.obj", "v 0 0 nothing\n")});
+    CHECK(broken.code == 1);
+    CHECK(has(broken.err, "IO403"));
+    CHECK(has(broken.err, "broken.obj:1"));
+    CHECK(run_program({"check", "/nowhere/mesh.obj"}).code == 1);
+}
+
+TEST_CASE("check --meshes lists the meshes of a graph and warns of features that are off", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    const Said good = run_program({"check", write_graph(folder, graph), "--meshes"});
+    CHECK(good.code == 0);
+    CHECK(has(good.out, "blockMesh.outMesh"));
+    CHECK(has(good.out, "plateMesh.outMesh"));
+    CHECK(good.err.empty());
+    CHECK_FALSE(has(run_program({"check", write_graph(folder, graph)}).out, "blockMesh.outMesh"));
+
+    graph["nodes"]["blockMesh"] = {{"type", "meshFile"},
+                                   {"inputs", {{"file", write(folder, "open.obj", cube(1))}}}};
+    const Said warned = run_program({"check", write_graph(folder, graph), "--meshes", "--json"});
+    int found = 0;
+    for (const json& line : warned.lines())
+        if (line.at("event") == "diagnostic" && line.at("code") == "FE238" && line.at("node") == "block") {
+            ++found;
+            CHECK(line.at("severity") == "warning");
+            CHECK(line.at("attribute") == "mesh");
+            CHECK(line.at("line").get<int>() > 0);
+            CHECK(has(line.at("message"), "4 open edges"));
+        }
+    CHECK(found == 1);
+    const Said both = run_program({"check", write_graph(folder, graph), "--meshes", "--fast"});
+    CHECK(both.code == 2);
+    CHECK(has(both.err, "--fast"));
+}
