@@ -28,6 +28,7 @@ struct Cholesky::Impl {
     cholmod_common common{};
     cholmod_sparse* matrix = nullptr; // lower triangle, columns sorted
     cholmod_factor* factor = nullptr;
+    double factor_operations = 0;
     cholmod_dense *right = nullptr, *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
 
     Impl() {
@@ -96,6 +97,7 @@ Cholesky::Cholesky(const BlockPattern& pattern) : impl_(std::make_unique<Impl>()
     impl_->common.postorder = 1;
     impl_->factor = cholmod_analyze_p(impl_->matrix, order.data(), nullptr, 0, &impl_->common);
     if (!impl_->factor) throw Error("FE302", "the symbolic analysis of the stiffness matrix failed (out of memory?)");
+    impl_->factor_operations = impl_->common.fl;
     impl_->right = cholmod_zeros(impl_->matrix->nrow, 1, CHOLMOD_REAL, &impl_->common);
 }
 
@@ -119,6 +121,8 @@ bool Cholesky::factorize(const BlockMatrix& a) {
     const int ok = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
     return ok && impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
 }
+
+double Cholesky::factor_operations() const { return impl_->factor_operations; }
 
 void Cholesky::solve(const double* b, double* x) {
     std::memcpy(impl_->right->x, b, impl_->right->nrow * sizeof(double));

@@ -16,6 +16,8 @@ class Cholesky {
     ~Cholesky();
     /// Numeric factorisation. False if the matrix is not positive definite (or not finite).
     bool factorize(const BlockMatrix& a);
+    /// Floating-point operations of one factorisation, as the analysis counts them.
+    double factor_operations() const;
     /// Solves A x = b with the last factor; 3 numbers a row.
     void solve(const double* b, double* x);
 

@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/cantilever.h"
 
-#include "solver/mesh/tet_mesh.h"
+#include "tools/bench/beams.h"
 
 #include <algorithm>
 #include <chrono>
 
 namespace sinew::bench {
 
-using solver::Tet;
 using solver::Vec3;
 
 namespace {
@@ -16,22 +15,6 @@ namespace {
 constexpr double poissons_ratio = 0.45, mass_density = 1000, gravity = 9.81, step_size = 1.0 / 48;
 // Enough that every step converges: the peers were measured to convergence too.
 constexpr int max_newton_iterations = 50;
-
-/// A cube is cut along its long diagonal into the six paths from its lowest to its highest corner, one for
-/// each order of the axes; odd orders are turned inside out and need a swap.
-void add_kuhn_tets(int x, int y, int z, const auto& vertex, std::vector<Tet>& tets) {
-    constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    for (int o = 0; o < 6; ++o) {
-        int at[3] = {x, y, z};
-        Tet tet{vertex(x, y, z), 0, 0, 0};
-        for (int k = 0; k < 3; ++k) {
-            ++at[orders[o][k]];
-            tet[static_cast<std::size_t>(k + 1)] = vertex(at[0], at[1], at[2]);
-        }
-        if (o >= 3) std::swap(tet[1], tet[2]);
-        tets.push_back(tet);
-    }
-}
 
 solver::StepInputs inputs_of(const CantileverOptions& options) {
     solver::TissueInputs tissue;
@@ -44,38 +27,17 @@ solver::StepInputs inputs_of(const CantileverOptions& options) {
     in.step_size = step_size;
     in.gravity = {0, -gravity, 0};
     in.max_newton_iterations = max_newton_iterations;
+    in.linear_method = options.linear;
     in.bodies = {tissue};
     return in;
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t n = values.size();
-    return n == 0 ? 0 : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 } // namespace
 
 solver::TissueRest cantilever_rest(int n, solver::ElasticLaw law) {
     const int m = n / 4;
-    const double side = 1.0 / n;
-    const auto vertex = [m](int x, int y, int z) { return (x * (m + 1) + y) * (m + 1) + z; };
-    solver::TissueRest rest;
-    rest.law = law;
-    for (int x = 0; x <= n; ++x)
-        for (int y = 0; y <= m; ++y)
-            for (int z = 0; z <= m; ++z) {
-                if (x == 0) rest.fixed_vertices.push_back(vertex(x, y, z));
-                rest.tets.vertices.emplace_back(x * side, y * side, z * side);
-            }
-    for (int x = 0; x < n; ++x)
-        for (int y = 0; y < m; ++y)
-            for (int z = 0; z < m; ++z) add_kuhn_tets(x, y, z, vertex, rest.tets.tets);
-    rest.tets.coverage.assign(rest.tets.tets.size(), 1.0);
-    rest.layer_weights = {std::vector<double>(rest.tets.tets.size(), 1.0)};
-    rest.surface = rest.tets.vertices;
-    rest.triangles = solver::boundary_triangles(rest.tets.tets);
-    rest.embedding = solver::embed(rest.tets, rest.surface);
+    solver::TissueRest rest = std::move(*make_tissue(box_mesh({0, 0, 0}, {1, 0.25, 0.25}, n, m, m), law));
+    rest.fixed_vertices = vertices_where(rest.tets.vertices, [](const Vec3& p) { return p.x() == 0; });
     return rest;
 }
 
@@ -92,8 +54,8 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     out.vertices = static_cast<int>(rest->tets.vertices.size());
     solver::Workspace workspace(scene);
     solver::State state = solver::initial_state(*scene, inputs);
-    std::vector<double> seconds;
-    double newton = 0, assembly = 0, factor = 0, solve = 0;
+    std::vector<double> seconds, per_newton;
+    double newton = 0, assembly = 0, factor = 0, solve = 0, other = 0, iterations = 0;
     for (int step = 0; step < options.steps; ++step) {
         const auto start = Clock::now();
         state = solver::advance(workspace, state, {&inputs, 1}, control);
@@ -101,10 +63,13 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
         const solver::StepRecord& r = state.record;
         newton += r.newton_iterations;
         assembly += r.seconds_assembly, factor += r.seconds_factor, solve += r.seconds_solve;
+        other += r.seconds_other, iterations += r.linear_iterations;
+        if (r.newton_iterations > 0) per_newton.push_back(1000 * seconds.back() / r.newton_iterations);
         out.unconverged += !r.converged;
         out.residual_max = std::max(out.residual_max, r.residual);
     }
 
+    if (options.at_end) options.at_end();
     const solver::Points now = solver::surface_positions(*scene, state, 0);
     int tip_count = 0;
     for (std::size_t v = 0; v < now.size(); ++v) {
@@ -117,6 +82,8 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     out.newton_per_step = newton / options.steps;
     const double to_ms = newton > 0 ? 1000 / newton : 0;
     out.assembly_ms = assembly * to_ms, out.factor_ms = factor * to_ms, out.solve_ms = solve * to_ms;
+    out.other_ms = other * to_ms, out.newton_ms_median = median(per_newton);
+    out.linear_iterations = newton > 0 ? iterations / newton : 0;
     out.digest = engine::Hasher().add_doubles(state.x).finish();
     return out;
 }

@@ -5,6 +5,7 @@
 #include "engine/digest.h"
 #include "solver/step.h"
 
+#include <functional>
 #include <stop_token>
 
 namespace sinew::bench {
@@ -14,13 +15,17 @@ struct CantileverOptions {
     double youngs_modulus = 1e5;
     solver::ElasticLaw law = solver::ElasticLaw::neo_hookean;
     int steps = 20;
+    solver::LinearMethod linear = solver::LinearMethod::automatic;
+    std::function<void()> at_end; ///< called after the last step, while everything is still in memory; may be empty
 };
 
 struct CantileverResult {
     int tets = 0, vertices = 0, unconverged = 0;
     double tip_y = 0; ///< mean displacement of the free end [m]
     double seconds_per_step_median = 0, newton_per_step = 0, residual_max = 0;
-    double assembly_ms = 0, factor_ms = 0, solve_ms = 0; ///< per Newton iteration
+    double assembly_ms = 0, factor_ms = 0, solve_ms = 0, other_ms = 0; ///< per Newton iteration
+    double newton_ms_median = 0;          ///< whole step over its Newton iterations, median over the steps
+    double linear_iterations = 0;         ///< of conjugate gradients, per Newton iteration
     engine::Digest digest; ///< of the last positions: a faster wrong answer shows
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/machine.h"
 
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <sys/resource.h>
 #include <thread>
@@ -20,6 +22,20 @@ std::string machine_name() {
         static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, " +
            std::to_string(static_cast<long long>(bytes / (1 << 30) + 0.5)) + " GB";
+}
+
+std::string today() {
+    const std::time_t now = std::time(nullptr);
+    std::tm parts{};
+    gmtime_r(&now, &parts);
+    char text[16];
+    std::strftime(text, sizeof text, "%Y-%m-%d", &parts);
+    return text;
+}
+
+double load_average() {
+    double load = -1;
+    return getloadavg(&load, 1) == 1 ? load : -1;
 }
 
 std::int64_t peak_bytes() {

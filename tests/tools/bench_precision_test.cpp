@@ -1,0 +1,178 @@
+// Convergence, work-precision, scaling, idle cost and the report: structure, orders and fronts, never timings.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+#include "tools/bench/bar_release.h"
+#include "tools/bench/report.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
+
+using namespace sinew;
+using namespace sinew::test;
+
+namespace {
+
+bench::RunOptions quick(const std::string& filter = "") {
+    bench::RunOptions o;
+    o.quick = true, o.filter = filter;
+    return o;
+}
+
+/// Whether every tag that opens also closes, in order.
+bool well_formed(const std::string& svg) {
+    std::vector<std::string> open;
+    for (std::size_t at = svg.find('<'); at != std::string::npos; at = svg.find('<', at + 1)) {
+        const std::size_t end = svg.find('>', at);
+        if (end == std::string::npos) return false;
+        const std::string tag = svg.substr(at + 1, end - at - 1);
+        const std::string name = tag.substr(tag[0] == '/', tag.find_first_of(" />", 1) - (tag[0] == '/'));
+        if (tag[0] == '/') {
+            if (open.empty() || open.back() != tag.substr(1)) return false;
+            open.pop_back();
+        } else if (tag.back() != '/') {
+            open.push_back(name);
+        }
+    }
+    return open.empty();
+}
+
+} // namespace
+
+TEST_CASE("the Pareto front holds the points that no other beats, by rising x", "[tools]") {
+    const std::vector<bench::PlotPoint> points{{3, 1, ""}, {1, 3, ""}, {2, 2, ""}, {2, 5, ""}, {4, 1, ""}, {5, 0.5, ""}, {0, 9, ""}, {1, 3, ""}};
+    CHECK(bench::pareto_front(points) == std::vector<std::size_t>{1, 2, 0, 5});
+    CHECK(bench::pareto_front({}).empty());
+}
+
+TEST_CASE("plots are well-formed, show axes, legend, slopes and the Pareto line, and survive awkward input", "[tools]") {
+    bench::Plot plot{"a < b & c", "time [s]", "error [m]", {{"one \"two\"", {{0.1, 1e-3, "p"}, {1, 1e-5, ""}}, true}}, true, {1, 2}};
+    plot.series.push_back({"none to draw", {{-1, 1, ""}, {1, std::numeric_limits<double>::quiet_NaN(), ""}}, true});
+    const std::string svg = bench::draw(plot);
+    CHECK(well_formed(svg));
+    for (const char* part : {"a &lt; b &amp; c", "time [s]", "error [m]", "one &quot;two&quot;", "Pareto line", "slope 1", "slope 2", "<title>p</title>"})
+        CHECK(svg.find(part) != std::string::npos);
+    CHECK(svg.find("nan") == std::string::npos);
+    CHECK(svg == bench::draw(plot));
+    CHECK(well_formed(bench::draw({})));
+    CHECK(well_formed(bench::draw({"", "", "", {{"same", {{1, 1, ""}, {1, 1, ""}}, true}}, true, {}})));
+}
+
+TEST_CASE("the oscillator converges at the order of each scheme", "[tools]") {
+    const auto rows = bench::run_convergence(quick("oscillator"));
+    REQUIRE(rows.size() == 3);
+    for (const bench::ConvergenceRow& row : rows) {
+        INFO(row.setting);
+        CHECK(row.in_time);
+        REQUIRE(row.levels.size() == 3);
+        CHECK(row.levels.back().order == Approx(row.expected_order).margin(0.15));
+        CHECK(row.levels[2].error < row.levels[1].error);
+    }
+    CHECK(bench::convergence_table(rows).rows.size() == 3);
+    CHECK(bench::convergence_json(rows)[0]["levels"].size() == 3);
+}
+
+TEST_CASE("meshes converge to the continuum, quadratic tets from nearer", "[tools]") {
+    const auto rows = bench::run_convergence(quick("small-strain"));
+    REQUIRE(rows.size() == 6);
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(rows[i].levels[1].error < rows[i].levels[0].error);
+        CHECK(rows[i + 3].levels[0].error < rows[i].levels[1].error); // half as many cells, the same nodes
+    }
+    CHECK_FALSE(bench::convergence_plot(bench::run_convergence(quick("Cook")), false).series.empty());
+}
+
+TEST_CASE("the released bar follows a scheme's known sequence, and its errors are measured against it", "[tools]") {
+    const bench::LawName& law = *bench::find_law("nh");
+    for (const bench::IntegratorName& scheme : bench::integrators) {
+        const bench::BarTrajectory run = bench::run_bar({law, scheme, 8, 1});
+        const solver::Points known = bench::bar_scheme(law, scheme, 1);
+        REQUIRE(known.size() == 25);
+        CHECK(bench::largest_distance(run.tip, known) < 1e-7 * 0.4);
+        CHECK(run.work.steps == 24);
+    }
+    CHECK(bench::bar_scheme(law, bench::integrators[0], 3).empty());
+    CHECK(bench::bar_on_mesh(law, 12).empty());
+    CHECK(bench::rms_distance({{0, 0, 0}, {0, 0, 0}}, {{3, 4, 0}, {0, 0, 0}}) == Approx(std::sqrt(12.5)));
+}
+
+TEST_CASE("work-precision changes one choice at a time and marks its front", "[tools]") {
+    const auto points = bench::run_work_precision(quick());
+    std::set<std::string> sweeps, fronts;
+    for (const bench::WorkPoint& p : points) {
+        sweeps.insert(p.sweep);
+        CHECK(p.unconverged == 0);
+        CHECK(p.seconds > 0);
+        CHECK(p.seconds_least <= p.seconds);
+        CHECK(p.error_total > 0);
+        if (!p.on_front) continue;
+        fronts.insert(p.law);
+        for (const bench::WorkPoint& q : points)
+            if (q.law == p.law) CHECK_FALSE((q.seconds < p.seconds && q.error_total < p.error_total));
+    }
+    CHECK(sweeps == std::set<std::string>{"sub-steps", "Newton tolerance", "tet size", "law", "linear solver"});
+    CHECK(fronts.size() == 3);
+    const std::string csv = bench::work_precision_csv(points);
+    CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == points.size() + 1);
+    CHECK(csv.find("nan") == std::string::npos);
+    for (const bench::NamedPlot& p : bench::work_precision_plots(points)) {
+        CHECK(p.plot.pareto);
+        CHECK(well_formed(bench::draw(p.plot)));
+    }
+    CHECK(bench::work_precision_plots(points).size() == 4);
+}
+
+TEST_CASE("scaling gives phases, memory and shares of limits measured in the same run", "[tools]") {
+    const bench::ScalingResult r = bench::run_scaling(quick());
+    REQUIRE(r.limits.size() == 2);
+    for (const bench::MachineLimits& m : r.limits) {
+        CHECK(m.dgemm > 0);
+        CHECK(m.triad > 0);
+    }
+    REQUIRE(r.rows.size() == 4);
+    for (const bench::ScalingRow& row : r.rows) {
+        CHECK(row.tets == 3 * row.n * row.n * row.n / 8);
+        CHECK(row.unconverged == 0);
+        CHECK(row.newton_ms > 0);
+        CHECK(row.assembly_ms > 0);
+    }
+    for (const bench::FactorRow& f : r.factors) CHECK(f.operations > 1e4);
+    CHECK(bench::scaling_json(r)["cantilever"].size() == 4);
+    CHECK(well_formed(bench::draw(bench::scaling_plot(r))));
+}
+
+TEST_CASE("a feature that is not used changes neither the result nor the iterations", "[tools]") {
+    const bench::IdleCost r = bench::run_idle_cost(quick());
+    CHECK(r.rows.size() >= 7);
+    CHECK(r.noise_level >= 0.01);
+    for (const bench::IdleRow& row : r.rows) {
+        INFO(row.feature);
+        CHECK(row.same_work);
+        CHECK(row.difference == 0);
+        CHECK(row.ratio > 0);
+    }
+}
+
+TEST_CASE("sinew bench report writes a page whose pictures are there, with machine and date", "[tools]") {
+    const TemporaryFolder folder;
+    const std::filesystem::path page = folder / "page.md";
+    const Said said = run_program({"bench", "report", "--quick", "-o", page.string()});
+    REQUIRE(said.code == 0);
+    const std::string text = read_text(page);
+    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence", "## Work and precision",
+                             "## Cantilever", "## Scaling", "## Idle cost", "Not yet modelled"})
+        CHECK(text.find(part) != std::string::npos);
+    int pictures = 0;
+    for (std::size_t at = text.find("](images/"); at != std::string::npos; at = text.find("](images/", at + 1), ++pictures) {
+        const std::string file = text.substr(at + 2, text.find(')', at) - at - 2);
+        INFO(file);
+        CHECK(well_formed(read_text(folder / file)));
+    }
+    CHECK(pictures >= 6);
+    CHECK(run_program({"bench", "report"}).code == 2);
+    CHECK(run_program({"bench", "report", "-o", (folder / "page.txt").string()}).code == 2);
+    CHECK(run_program({"bench", "work-precision", "--only", "no such sweep"}).code == 2);
+    CHECK(run_program({"bench", "idle-cost", "--only", "no such feature"}).code == 2);
+}

@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/bench/report.h"
+
+#include "tools/bench/studies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace sinew::bench {
+
+namespace {
+
+/// One row a case: how many of its results passed, the worst of the exact and same-mesh errors.
+Table accuracy_overview(const std::vector<CaseResult>& results) {
+    struct Line {
+        std::string section, name, kind;
+        int passed = 0, failed = 0;
+        double worst = 0, allowed = 0, least_order = 1e9;
+    };
+    std::vector<Line> lines;
+    for (const CaseResult& r : results) {
+        if (r.status == CaseStatus::not_modelled) continue;
+        const std::string kind = std::isfinite(r.order) ? (r.kind == CaseKind::continuum ? "order in h" : "order in dt") : std::string(name_of(r.kind));
+        auto it = std::find_if(lines.begin(), lines.end(), [&](const Line& l) { return l.name == r.name && l.kind == kind; });
+        if (it == lines.end()) it = lines.insert(lines.end(), {r.section, r.name, kind});
+        (r.status == CaseStatus::pass ? it->passed : it->failed) += 1;
+        it->worst = std::max(it->worst, r.error), it->allowed = std::max(it->allowed, r.tolerance);
+        if (std::isfinite(r.order)) it->least_order = std::min(it->least_order, r.order);
+    }
+    Table t{{"section", "case", "judged by", "passed", "failed", "worst"}, {}};
+    for (const Line& l : lines)
+        t.rows.push_back({l.section, l.name, l.kind, std::to_string(l.passed), std::to_string(l.failed),
+                          l.least_order < 1e9 ? "order " + number(l.least_order, 3)
+                                              : number(l.worst, 2) + " of " + number(l.allowed, 2)});
+    return t;
+}
+
+std::vector<CaseResult> of_status(const std::vector<CaseResult>& results, CaseStatus status) {
+    std::vector<CaseResult> out;
+    std::copy_if(results.begin(), results.end(), std::back_inserter(out), [&](const CaseResult& r) { return r.status == status; });
+    return out;
+}
+
+/// Results judged by a value on a mesh or in the limit, in full: the exact ones are hundreds and all alike.
+std::vector<CaseResult> shown_in_full(const std::vector<CaseResult>& results) {
+    std::vector<CaseResult> out;
+    for (const CaseResult& r : results)
+        if (r.status != CaseStatus::not_modelled && (r.kind != CaseKind::exact || r.section == "13")) out.push_back(r);
+    return out;
+}
+
+/// Table without some of its columns.
+Table without(Table t, std::initializer_list<const char*> names) {
+    for (const char* name : names) {
+        const auto at = std::find(t.columns.begin(), t.columns.end(), name) - t.columns.begin();
+        if (at == static_cast<std::ptrdiff_t>(t.columns.size())) continue;
+        t.columns.erase(t.columns.begin() + at);
+        for (auto& row : t.rows) row.erase(row.begin() + at);
+    }
+    return t;
+}
+
+Table cantilever_table(const Report& report) {
+    Table t{{"tets", "E [Pa]", "s per step (median)", "Newton per step", "assembly [ms]", "factor [ms]", "solve [ms]", "tip y [m]", "worst residual"}, {}};
+    for (const auto& [options, r] : report.cantilever)
+        t.rows.push_back({std::to_string(r.tets), number(options.youngs_modulus), number(r.seconds_per_step_median, 3), number(r.newton_per_step, 3),
+                          number(r.assembly_ms, 3), number(r.factor_ms, 3), number(r.solve_ms, 3), number(r.tip_y, 6), number(r.residual_max, 2)});
+    return t;
+}
+
+} // namespace
+
+Report run_all(const RunOptions& told) {
+    RunOptions options = told;
+    options.memory = std::make_shared<StudyMemory>();
+    Report r;
+    r.quick = options.quick;
+    r.accuracy = run_accuracy(options);
+    r.convergence = run_convergence(options);
+    r.work_precision = run_work_precision(options);
+    for (const int n : options.quick ? std::vector<int>{8} : std::vector<int>{24, 40, 60})
+        for (const double e : {1e5, 1e6}) {
+            CantileverOptions c;
+            c.n = n, c.youngs_modulus = e, c.steps = options.quick ? 3 : 20;
+            options.tell("cantilever, n " + std::to_string(n) + ", E " + number(e));
+            CantileverResult result = run_cantilever(c, options.stop);
+            r.cantilever.emplace_back(c, std::move(result));
+        }
+    r.scaling = run_scaling(options);
+    r.idle_cost = run_idle_cost(options);
+    return r;
+}
+
+std::vector<Picture> report_pictures(const Report& report) {
+    std::vector<Picture> out;
+    for (const NamedPlot& p : work_precision_plots(report.work_precision)) out.push_back({"bench_" + p.name + ".svg", draw(p.plot)});
+    out.push_back({"bench_convergence_mesh.svg", draw(convergence_plot(report.convergence, false))});
+    out.push_back({"bench_convergence_time.svg", draw(convergence_plot(report.convergence, true))});
+    out.push_back({"bench_scaling.svg", draw(scaling_plot(report.scaling))});
+    return out;
+}
+
+std::string report_page(const Report& report, const std::string& images) {
+    std::ostringstream out;
+    const auto picture = [&](const std::string& name, const std::string& what) {
+        out << "\n![" << what << "](" << images << "/bench_" << name << ".svg)\n";
+    };
+    out << "# Benchmarks\n\nMade by `sinew bench report -o docs/benchmarks.md" << (report.quick ? " --quick" : "") << "` on " << report.date
+        << ", Sinew " << report.version << ".\n\nMachine: " << report.machine << ", " << report.threads
+        << " threads unless a table says otherwise. Load average " << number(report.load_before, 2) << " before and "
+        << number(report.load_after, 2) << " after; what is above the threads used is other work on the machine, and times then "
+           "vary by a quarter and more. Compare only times of one table.\n";
+
+    out << "\n## Accuracy\n\n`sinew bench accuracy`: " << accuracy_summary(report.accuracy)
+        << ".\n\nThe references are closed formulas and values of other codes (dolfinx, CalculiX, a separate numpy code). *exact*: the "
+           "engine's own discretisation has this value, only rounding may differ. *same mesh*: linear tets on one mesh have one "
+           "solution, which another code computed. *order*: the finest mesh must be nearest to the continuum, at order 1 "
+           "or more between the two finest meshes: clamped edges are singular, which keeps smooth elements below order 2, and an order "
+           "below 1 is an element that locks. Orders in the time step must reach 0.85 (first order) or 1.8 (second).\n\n"
+        << as_markdown(accuracy_overview(report.accuracy));
+    const std::vector<CaseResult> failed = of_status(report.accuracy, CaseStatus::fail);
+    if (!failed.empty()) out << "\nWhat fails:\n\n" << as_markdown(without(accuracy_table(failed), {"verdict"}));
+    out << "\nNot yet modelled, and never counted as passed:\n\n"
+        << as_markdown(without(accuracy_table(of_status(report.accuracy, CaseStatus::not_modelled)),
+                               {"verdict", "setting", "quantity", "kind", "value", "reference", "error", "allowed", "order"}))
+        << "\n<details><summary>All values of beams, panels, vibration and the released bar</summary>\n\n"
+        << as_markdown(without(accuracy_table(shown_in_full(report.accuracy)), {"note"})) << "\n</details>\n";
+
+    out << "\n## Convergence\n\n`sinew bench convergence`: errors on finer and finer meshes and time steps, and the orders between them.\n";
+    picture("convergence_mesh", "error against cell size");
+    picture("convergence_time", "error against time step");
+    out << "\n<details><summary>All orders</summary>\n\n" << as_markdown(convergence_table(report.convergence)) << "\n</details>\n";
+
+    out << "\n## Work and precision\n\n`sinew bench work-precision`: a clamped bar of 0.4 x 0.1 x 0.1 m is let go in gravity and "
+           "followed for a second. Error in time is against the run on the same mesh that is exact in time; total error is against the "
+           "continuum. Times are medians of as many runs as the table says, which take turns. The grey line joins the choices that no other one beats.\n";
+    for (const NamedPlot& p : work_precision_plots(report.work_precision)) picture(p.name, p.plot.title);
+    out << "\n<details><summary>All runs</summary>\n\n" << as_markdown(work_precision_table(report.work_precision)) << "\n</details>\n";
+
+    out << "\n## Cantilever\n\n`sinew bench cantilever`: a box of 1 x 0.25 x 0.25 m fixed at one end sags for 20 steps of 1/48 s, stable "
+           "neo-Hookean, Poisson's ratio 0.45, converged to 1e-6 of the forces at work. Phases are per Newton iteration.\n\n"
+        << as_markdown(cantilever_table(report));
+
+    out << "\n## Scaling\n\n`sinew bench scaling`: the cantilever from a thousand to half a million tets. Memory is the growth of the "
+           "resident set from before the scene is made to after its last step. The share of bandwidth is the bytes that conjugate gradients "
+           "must move at least over their time, relative to the triad `a = b + s c` below; above 1 the matrix stays in the cache.\n\n"
+        << as_markdown(limits_table(report.scaling)) << "\n" << as_markdown(scaling_table(report.scaling));
+    picture("scaling", "time of a Newton iteration against tets");
+    out << "\nThe direct solver on the same matrices, one thread, medians of 5; its share is of the dgemm rate on one thread:\n\n"
+        << as_markdown(factor_table(report.scaling));
+
+    out << "\n## Idle cost\n\n`sinew bench idle-cost`: the cantilever of " << report.idle_cost.tets
+        << " tets with and without features that it does not use, in turns, medians of "
+        << (report.idle_cost.rows.empty() ? 0 : report.idle_cost.rows.front().turns) << ". Two runs without any differ by "
+        << number(100 * report.idle_cost.noise_level, 2) << " % on this machine; within that it is noise.\n\n"
+        << as_markdown(idle_cost_table(report.idle_cost));
+    return out.str();
+}
+
+} // namespace sinew::bench

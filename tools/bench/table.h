@@ -1,0 +1,21 @@
+// Results as rows of text, for a terminal and for a page.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <string>
+#include <vector>
+
+namespace sinew::bench {
+
+struct Table {
+    std::vector<std::string> columns;
+    std::vector<std::vector<std::string>> rows; ///< as many cells as columns
+};
+
+/// Columns as wide as their longest cell.
+std::string as_text(const Table& table);
+std::string as_markdown(const Table& table);
+
+/// `digits` significant digits, the shortest way; "-" for what is not a number.
+std::string number(double value, int digits = 4);
+
+} // namespace sinew::bench

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/bench_common.h"
+
+#include "tools/cli/machine.h"
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <thread>
+
+namespace sinew::cli {
+
+bench::RunOptions run_options(const Invocation& in) {
+    bench::RunOptions o;
+    o.quick = in.arguments.has("--quick");
+    o.filter = in.arguments.value("--only").value_or("");
+    o.stop = in.stop;
+    o.say = [&err = in.err](const std::string& text) { err << "measuring " << text << "\n"; };
+    return o;
+}
+
+int thread_count(const Invocation& in) {
+    return in.arguments.whole_number("--threads", static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), 1);
+}
+
+nlohmann::ordered_json provenance(const std::string& name) {
+    return {{"bench", name}, {"date", today()}, {"machine", machine_name()}, {"load", load_average()}, {"version", SINEW_VERSION}};
+}
+
+void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
+                  const nlohmann::ordered_json& rows, const std::string& summary) {
+    if (in.arguments.has("--json")) {
+        nlohmann::ordered_json line = provenance(name);
+        line["summary"] = summary;
+        line["rows"] = rows;
+        in.out << line.dump() << std::endl;
+    } else {
+        in.out << bench::as_text(table) << summary << std::endl;
+    }
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,32 @@
+// What the subcommands of `sinew bench` share.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/bench/run_options.h"
+#include "tools/bench/table.h"
+#include "tools/cli/arguments.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+namespace sinew::cli {
+
+/// --quick, --only and the request to stop; what is being measured goes to `err`.
+bench::RunOptions run_options(const Invocation& in);
+/// --threads, or all cores.
+int thread_count(const Invocation& in);
+/// {"bench": name, "date", "machine", "load", "version"}: how a result says where it comes from.
+nlohmann::ordered_json provenance(const std::string& name);
+/// With --json one line that holds provenance, `extra` and the rows; else the table and the summary.
+void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
+                  const nlohmann::ordered_json& rows, const std::string& summary);
+
+// One function a subcommand.
+ExitCode bench_cantilever(const Invocation& in);
+ExitCode bench_meshing(const Invocation& in);
+ExitCode bench_accuracy(const Invocation& in);
+ExitCode bench_convergence(const Invocation& in);
+ExitCode bench_work_precision(const Invocation& in);
+ExitCode bench_scaling(const Invocation& in);
+ExitCode bench_idle_cost(const Invocation& in);
+ExitCode bench_report(const Invocation& in);
+
+} // namespace sinew::cli

@@ -1,0 +1,41 @@
+// `sinew bench report`: runs everything and writes the page.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/bench/report.h"
+#include "tools/cli/atomic_file.h"
+#include "tools/cli/bench_common.h"
+#include "tools/cli/machine.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <ostream>
+
+namespace sinew::cli {
+
+ExitCode bench_report(const Invocation& in) {
+    const auto output = in.arguments.value("--output");
+    if (!output) throw UsageError("report needs --output PAGE.md.");
+    const std::filesystem::path page = *output;
+    if (page.extension() != ".md") throw UsageError("--output of report needs a file that ends in .md, not '" + *output + "'.");
+    if (in.arguments.has("--only")) throw UsageError("report has all benchmarks on its page; --only is for a single one.");
+    const double load = load_average();
+    bench::Report report = bench::run_all(run_options(in));
+    report.date = today(), report.machine = machine_name(), report.version = SINEW_VERSION;
+    report.load_before = load, report.load_after = load_average(), report.threads = thread_count(in);
+    const std::filesystem::path images = page.parent_path() / "images";
+    for (const bench::Picture& p : bench::report_pictures(report)) write_file(images / p.file, p.svg);
+    write_file(page, bench::report_page(report, "images"));
+    if (in.arguments.has("--json")) {
+        nlohmann::ordered_json line = provenance("report");
+        line["accuracy"] = bench::accuracy_json(report.accuracy);
+        line["convergence"] = bench::convergence_json(report.convergence);
+        line["work_precision"] = bench::work_precision_json(report.work_precision);
+        line["scaling"] = bench::scaling_json(report.scaling);
+        line["idle_cost"] = bench::idle_cost_json(report.idle_cost);
+        in.out << line.dump() << std::endl;
+    } else {
+        in.out << "wrote " << page.string() << ": " << bench::accuracy_summary(report.accuracy) << std::endl;
+    }
+    return done;
+}
+
+} // namespace sinew::cli
