@@ -100,7 +100,7 @@ std::vector<std::byte> save(const State& s) {
     }
     put_bones(w, s.bones);
     w.put(s.steps);
-    w.put(s.linear.multigrid_steps_left), w.put(s.linear.factor_steps_left);
+    w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
     return out;
 }
@@ -128,7 +128,7 @@ State load(std::span<const std::byte> bytes) {
     }
     get_bones(r, s.bones);
     r.get(s.steps);
-    r.get(s.linear.multigrid_steps_left), r.get(s.linear.factor_steps_left);
+    r.get(s.linear.factor_steps_left);
     visit_record(s.record, [&](auto& field) { r.get(field); });
     if (!r.at_end()) throw Error("IO403", "a saved simulation state has bytes left over");
     return s;

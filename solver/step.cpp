@@ -95,8 +95,7 @@ void take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vecto
                StepRecord& record) {
     const double h = in.step_size;
     LinearMemory memory = s.linear;
-    for (int* steps : {&memory.multigrid_steps_left, &memory.factor_steps_left})
-        if (*steps > 0) --*steps;
+    if (memory.factor_steps_left > 0) --memory.factor_steps_left;
     impl.potential.begin_step(s, in);
     impl.x = s.x;
     std::vector<double> acceleration;

@@ -30,16 +30,6 @@ void ConjugateGradients::multiply(const std::vector<float>& x, std::vector<doubl
     });
 }
 
-void ConjugateGradients::precondition(const std::vector<double>& r, std::vector<double>& z) const {
-    parallel_for(static_cast<std::size_t>(matrix_.rows), 2 * row_grain, [&](std::size_t i) {
-        const FloatBlock& m = inverse_[i];
-        const double* v = r.data() + 3 * i;
-        for (std::size_t c = 0; c < 3; ++c)
-            z[3 * i + c] = static_cast<double>(m.column[0][c]) * v[0] + static_cast<double>(m.column[1][c]) * v[1] +
-                           static_cast<double>(m.column[2][c]) * v[2];
-    });
-}
-
 double ConjugateGradients::dot(const std::vector<double>& a, const std::vector<double>& b) {
     parallel_for(sums_.size(), 4, [&](std::size_t k) {
         const std::size_t last = std::min((k + 1) * chunk, a.size());
@@ -56,17 +46,12 @@ double ConjugateGradients::dot(const std::vector<double>& a, const std::vector<d
 }
 
 ConjugateGradients::Result ConjugateGradients::solve(const double* b, double* x, double tolerance, int max_iterations,
-                                                     const Preconditioner* preconditioner) {
+                                                     const Preconditioner& preconditioner) {
     Result result;
-    const auto apply = [&] { preconditioner ? (*preconditioner)(r_, z_) : precondition(r_, z_); };
-    if (!preconditioner && !invert_diagonal(matrix_, inverse_)) {
-        result.definite = false;
-        return result;
-    }
     const std::size_t n = r_.size();
     std::fill_n(x, n, 0.0);
     std::copy_n(b, n, r_.begin());
-    apply();
+    preconditioner(r_, z_);
     p_ = z_;
     double rz = dot(r_, z_);
     if (!(rz >= 0)) result.definite = false; // the preconditioner was made from an indefinite matrix
@@ -85,7 +70,7 @@ ConjugateGradients::Result ConjugateGradients::solve(const double* b, double* x,
             x[i] += alpha * p_[i];
             r_[i] -= alpha * ap_[i];
         });
-        apply();
+        preconditioner(r_, z_);
         const double rz_next = dot(r_, z_);
         if (!(rz_next >= 0)) {
             result.definite = false;

@@ -1,5 +1,5 @@
-// Conjugate gradients on 3x3-block matrices, preconditioned by the inverses of the diagonal blocks, by multigrid or by the
-// factor of a matrix that is near. Blocks are single precision (row_blocks.h), vectors and sums double.
+// Conjugate gradients on 3x3-block matrices, preconditioned by a multigrid cycle or by the factor of a matrix that
+// is near. Blocks are single precision (row_blocks.h), vectors and sums double.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/row_blocks.h"
@@ -24,18 +24,15 @@ class ConjugateGradients {
         bool definite = true; ///< false: met a direction of negative curvature, so the matrix is not positive definite
     };
     /// Solves A x = b from x = 0 until |b - A x| <= tolerance |b|, both in the preconditioner's norm.
-    /// Without a preconditioner: the inverses of the diagonal blocks. The same bits for any number of threads.
-    Result solve(const double* b, double* x, double tolerance, int max_iterations,
-                 const Preconditioner* preconditioner = nullptr);
+    /// The same bits for any number of threads.
+    Result solve(const double* b, double* x, double tolerance, int max_iterations, const Preconditioner& preconditioner);
 
   private:
     void multiply(const std::vector<float>& x, std::vector<double>& y) const;
-    void precondition(const std::vector<double>& r, std::vector<double>& z) const;
     double dot(const std::vector<double>& a, const std::vector<double>& b);
 
     std::vector<int> source_; ///< where each block comes from
     RowBlocks matrix_;
-    std::vector<FloatBlock> inverse_; ///< of the diagonal blocks
     std::vector<float> p_single_;
     std::vector<double> r_, z_, p_, ap_, sums_;
 };

@@ -4,47 +4,51 @@
 #include "solver/stopwatch.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace sinew::solver {
 
 namespace {
 
-/// Steps that stay with multigrid or with the kept factor after what is cheaper did not pay; then that is tried again.
+/// Steps that stay with the kept factor after multigrid did not pay; then that is tried again.
 constexpr int kept_steps = 24;
 /// Newton iterations of one step after which the inexact directions are taken to be what holds it up.
-const int patience = getenv("PAT") ? atoi(getenv("PAT")) : 5;
-const int plain_iterations = getenv("PLAIN") ? atoi(getenv("PLAIN")) : 100, multigrid_iterations = getenv("MG") ? atoi(getenv("MG")) : 100;
+constexpr int patience = 5;
 /// A solve with the factor costs about a fiftieth of making it.
 constexpr int kept_factor_iterations = 30;
+/// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
+constexpr double kept_factor_tolerance = 1e-2;
+/// Up to here a factor is too cheap for anything else to pay.
+constexpr int small_rows = 200;
+/// Where there is no factor to fall back on.
+constexpr int most_iterations = 5000;
 
 } // namespace
 
 int LinearSolver::break_even() const {
     // Nested dissection of three-dimensional meshes costs about 90 flops per squared vertex count (measured between 73
     // and 98 from 1,225 to 95,033 vertices), at about 10 GFLOP/s for the small supernodes of such sizes. An iteration
-    // streams the single-precision blocks and some ten vectors, at about 60 GB/s while they fit the third-level cache
-    // and 14 beyond. Constants, not measurements of this run: the choice must repeat.
+    // with a multigrid cycle streams the single-precision blocks four and a half times and some forty vectors, at about
+    // 60 GB/s while they fit the third-level cache and 14 beyond. Constants, not measurements of this run: the choice must
+    // repeat.
     const double n = pattern_.rows, blocks = 2 * static_cast<double>(pattern_.block_count()) - n;
     const double factor_seconds = 90 * n * n / 10e9;
-    const double bytes = 48 * blocks + 10 * 24 * n;
-    const double iteration_seconds = bytes / (bytes < 24e6 ? 60e9 : 14e9) + 2e-6;
-    return static_cast<int>(std::clamp(factor_seconds / iteration_seconds, 60.0, 5000.0));
+    const double bytes = 4.5 * 52 * blocks + 40 * 24 * n;
+    const double iteration_seconds = bytes / (48 * blocks < 24e6 ? 60e9 : 14e9) + 2e-5;
+    return static_cast<int>(std::clamp(factor_seconds / iteration_seconds, 30.0, 1000.0));
 }
 
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        Outcome& outcome) {
     {
         const Stopwatch timer(outcome.seconds_factor);
-        if (!direct_) {
-            direct_ = std::make_unique<Cholesky>(pattern_);
+        if (!factors_) {
+            factors_ = std::make_unique<ComponentFactors>(pattern_);
             ++symbolic_analyses_;
         }
-        outcome.definite = direct_->factorize(a);
-        factor_of_this_step_ = outcome.definite;
+        outcome.definite = factor_of_this_step_ = factors_->factorize(a);
     }
     const Stopwatch timer(outcome.seconds_solve);
-    if (outcome.definite) direct_->solve(b.data(), x.data());
+    if (outcome.definite) factors_->solve(b.data(), x.data());
 }
 
 void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
@@ -54,11 +58,11 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
         {
             const Stopwatch timer(outcome.seconds_solve);
             const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in, std::vector<double>& out) {
-                direct_->solve(in.data(), out.data());
+                factors_->solve(in.data(), out.data());
             };
             if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
             iterative_->set(a);
-            r = iterative_->solve(b.data(), x.data(), tolerance, kept_factor_iterations, &factor);
+            r = iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance), kept_factor_iterations, factor);
         }
         outcome.iterations += r.iterations;
         outcome.definite = r.definite;
@@ -67,26 +71,16 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
     factorize_and_solve(a, b, x, outcome);
 }
 
-ConjugateGradients::Result LinearSolver::iterate(const std::vector<double>& b, std::vector<double>& x, double tolerance,
-                                                 LinearMemory& memory, Outcome& outcome) {
-    ConjugateGradients::Result r;
-    if (memory.multigrid_steps_left == 0) {
-        r = iterative_->solve(b.data(), x.data(), tolerance, plain_iterations);
-        outcome.iterations += r.iterations;
-        if (r.converged || !r.definite) return r;
-        memory.multigrid_steps_left = kept_steps;
-    }
+ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                                 double tolerance, int most) {
+    if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
+    iterative_->set(a);
     if (!multigrid_) multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places_);
-    if (!multigrid_->set_values()) {
-        r.definite = false;
-        return r;
-    }
+    if (!multigrid_->set_values()) return {0, false, false};
     const ConjugateGradients::Preconditioner cycle = [&](const std::vector<double>& in, std::vector<double>& out) {
         multigrid_->apply(in, out);
     };
-    r = iterative_->solve(b.data(), x.data(), tolerance, multigrid_iterations, &cycle);
-    outcome.iterations += r.iterations;
-    return r;
+    return iterative_->solve(b.data(), x.data(), tolerance, most, cycle);
 }
 
 LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b,
@@ -94,11 +88,11 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
                                           bool projected, LinearMemory& memory) {
     Outcome outcome;
     x.resize(b.size());
-    if (method == LinearMethod::direct) {
+    const bool automatic = method == LinearMethod::automatic;
+    if (method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
         factorize_and_solve(a, b, x, outcome);
         return outcome;
     }
-    const bool automatic = method == LinearMethod::automatic;
     if (automatic && newton_iteration >= patience) memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
@@ -107,10 +101,9 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     ConjugateGradients::Result r;
     {
         const Stopwatch timer(outcome.seconds_solve);
-        if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
-        iterative_->set(a);
-        r = iterate(b, x, tolerance, memory, outcome);
+        r = iterate(a, b, x, tolerance, automatic ? break_even() : most_iterations);
     }
+    outcome.iterations = r.iterations;
     outcome.definite = r.definite;
     if (r.converged || (!r.definite && !projected) || (r.definite && !automatic)) return outcome;
     if (automatic) memory.factor_steps_left = kept_steps;

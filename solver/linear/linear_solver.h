@@ -1,11 +1,11 @@
-// One door to the linear solvers. Auto starts with conjugate gradients on the diagonal blocks. Where those take too many
+// One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle. Where those take too many
 // iterations, or Newton does not converge on what they give (stiff attachments on soft flesh), it goes over to a kept
 // factor for a while: one factorisation a step, which then preconditions conjugate gradients on the step's later
 // matrices. The choice is by counted cost, never by the clock, so that the same scene takes the same path everywhere;
 // and no factor outlives its step, so that a result never depends on what a workspace happens to hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/cholesky.h"
+#include "solver/linear/component_factors.h"
 #include "solver/linear/conjugate_gradients.h"
 #include "solver/linear/multigrid.h"
 
@@ -17,8 +17,7 @@ enum class LinearMethod { automatic, direct, iterative };
 
 /// What Auto remembers from step to step. Part of the simulation's state: the next step reads it.
 struct LinearMemory {
-    int multigrid_steps_left = 0; ///< steps that take multigrid at once, after the diagonal blocks did not pay
-    int factor_steps_left = 0; ///< steps that take the kept factor at once, after plain iterations did not pay
+    int factor_steps_left = 0; ///< steps that take the kept factor at once, after multigrid did not pay
 };
 
 class LinearSolver {
@@ -45,15 +44,15 @@ class LinearSolver {
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
-    ConjugateGradients::Result iterate(const std::vector<double>& b, std::vector<double>& x, double tolerance,
-                                       LinearMemory& memory, Outcome& outcome);
+    ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                       double tolerance, int most);
     const BlockPattern& pattern_;
     UnknownPlaces places_;
-    std::unique_ptr<Cholesky> direct_;             ///< made when first needed
+    std::unique_ptr<ComponentFactors> factors_;     ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_; ///< made when first needed
     std::unique_ptr<Multigrid> multigrid_;          ///< likewise
     int symbolic_analyses_ = 0;
-    bool factor_of_this_step_ = false;
+    bool factor_of_this_step_ = false; ///< factors_ holds one
 };
 
 } // namespace sinew::solver

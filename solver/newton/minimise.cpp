@@ -16,9 +16,9 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
     return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
 }
 
-/// How exactly the linear system needs to be solved: to 1e-2 far from the solution, where a better direction buys
+/// How exactly the linear system needs to be solved: to a tenth far from the solution, where a better direction buys
 /// nothing, and no further than a fifth of what is missing when this iteration can be the last.
-double forcing(double residual, double tolerance) { static const double lo=getenv("LO")?atof(getenv("LO")):1e-2, hi=getenv("HI")?atof(getenv("HI")):1e-1; return std::clamp(0.2 * tolerance / residual, lo, hi); }
+double forcing(double residual, double tolerance) { return std::clamp(0.2 * tolerance / residual, 1e-3, 1e-1); }
 
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
 /// projected one. Returns the slope along it.

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/component_factors.h"
+
+#include "solver/parallel.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Component of every row, by its lowest row.
+std::vector<int> components(const BlockPattern& pattern) {
+    std::vector<int> root(static_cast<std::size_t>(pattern.rows));
+    for (int i = 0; i < pattern.rows; ++i) root[static_cast<std::size_t>(i)] = i;
+    const auto find = [&](int i) {
+        while (root[static_cast<std::size_t>(i)] != i) {
+            int& parent = root[static_cast<std::size_t>(i)];
+            parent = root[static_cast<std::size_t>(parent)];
+            i = parent;
+        }
+        return i;
+    };
+    for (int i = 0; i < pattern.rows; ++i)
+        for (int e = pattern.row_start[static_cast<std::size_t>(i)]; e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+            const int a = find(i), b = find(pattern.column[static_cast<std::size_t>(e)]);
+            root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+        }
+    for (int i = 0; i < pattern.rows; ++i) root[static_cast<std::size_t>(i)] = find(i);
+    return root;
+}
+
+} // namespace
+
+ComponentFactors::ComponentFactors(const BlockPattern& pattern) {
+    const std::vector<int> component = components(pattern);
+    std::vector<int> part_of(component.size(), -1), local(component.size());
+    for (std::size_t i = 0; i < component.size(); ++i) {
+        int& part = part_of[static_cast<std::size_t>(component[i])];
+        if (part < 0) {
+            part = static_cast<int>(parts_.size());
+            parts_.push_back(std::make_unique<Part>());
+        }
+        std::vector<int>& rows = parts_[static_cast<std::size_t>(part)]->rows;
+        local[i] = static_cast<int>(rows.size());
+        rows.push_back(static_cast<int>(i));
+    }
+    for (auto& part : parts_) {
+        std::vector<std::pair<int, int>> couplings;
+        for (const int i : part->rows)
+            for (int e = pattern.row_start[static_cast<std::size_t>(i)]; e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+                couplings.emplace_back(local[static_cast<std::size_t>(i)], local[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(e)])]);
+                part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
+            }
+        part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
+        part->matrix = std::make_unique<BlockMatrix>(part->pattern);
+        part->factor = std::make_unique<Cholesky>(part->pattern);
+        part->in.resize(3 * part->rows.size());
+        part->out.resize(3 * part->rows.size());
+    }
+    std::stable_sort(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) { return a->rows.size() > b->rows.size(); });
+}
+
+bool ComponentFactors::factorize(const BlockMatrix& a) {
+    std::vector<char> good(parts_.size(), 0);
+    parallel_for(parts_.size(), 1, [&](std::size_t k) {
+        Part& part = *parts_[k];
+        for (std::size_t b = 0; b < part.source.size(); ++b)
+            std::copy_n(a.block(static_cast<std::size_t>(part.source[b])), 9, part.matrix->block(b));
+        good[k] = part.factor->factorize(*part.matrix);
+    });
+    return std::find(good.begin(), good.end(), 0) == good.end();
+}
+
+void ComponentFactors::solve(const double* in, double* out) {
+    parallel_for(parts_.size(), 1, [&](std::size_t k) {
+        Part& part = *parts_[k];
+        for (std::size_t i = 0; i < part.rows.size(); ++i) std::copy_n(in + 3 * part.rows[i], 3, part.in.data() + 3 * i);
+        part.factor->solve(part.in.data(), part.out.data());
+        for (std::size_t i = 0; i < part.rows.size(); ++i) std::copy_n(part.out.data() + 3 * i, 3, out + 3 * part.rows[i]);
+    });
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,34 @@
+// A sparse factor of each connected component of a matrix, made side by side: muscles that no spring ties together have
+// nothing to do with each other.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/cholesky.h"
+
+#include <memory>
+#include <vector>
+
+namespace sinew::solver {
+
+class ComponentFactors {
+  public:
+    /// One symbolic analysis per component.
+    explicit ComponentFactors(const BlockPattern& pattern);
+    std::size_t count() const { return parts_.size(); }
+    /// False if a component is not positive definite.
+    bool factorize(const BlockMatrix& a);
+    /// out = A^-1 in, 3 numbers a row.
+    void solve(const double* in, double* out);
+
+  private:
+    struct Part {
+        std::vector<int> rows; ///< of the whole, ascending
+        BlockPattern pattern;
+        std::vector<int> source; ///< per block of the part: the block of the whole
+        std::unique_ptr<BlockMatrix> matrix;
+        std::unique_ptr<Cholesky> factor;
+        std::vector<double> in, out;
+    };
+    std::vector<std::unique_ptr<Part>> parts_; ///< the largest first, so that threads end together
+};
+
+} // namespace sinew::solver
