@@ -47,7 +47,7 @@ inline const Input<std::string> integrator{
 inline const Input<std::string> linear_solver{
     .name = "solver",
     .def = "Auto",
-    .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients; Auto "
+    .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients with multigrid; Auto "
            "iterates and goes to the factorisation for a while where counted cost says that it is cheaper.",
     .options = {"Auto", "Direct", "Iterative"},
 };

@@ -16,16 +16,26 @@ constexpr std::size_t row_grain = 512, chunk = 1536; // a chunk of a dot product
 
 ConjugateGradients::ConjugateGradients(const BlockPattern& pattern) : matrix_(make_row_blocks(pattern, source_)) {
     const std::size_t n = static_cast<std::size_t>(pattern.rows);
-    p_single_.resize(3 * n + 1);
     for (auto* v : {&r_, &z_, &p_, &ap_}) v->resize(3 * n);
     sums_.resize((3 * n + chunk - 1) / chunk);
 }
 
-void ConjugateGradients::set(const BlockMatrix& a) { copy_blocks(a, source_, matrix_); }
+void ConjugateGradients::set(const BlockMatrix& a) { copy_blocks(a, source_, matrix_, row_sums_); }
 
-void ConjugateGradients::multiply(const std::vector<float>& x, std::vector<double>& y) const {
+void ConjugateGradients::multiply(const std::vector<double>& x, std::vector<double>& y) const {
+    // sum_j A_ij x_j = sum_j A_ij (x_j - x_i) + (sum_j A_ij) x_i: on smooth x the terms of the first form cancel to less than
+    // single precision holds, and the curvature along x comes out with the wrong sign on large meshes.
     parallel_for(static_cast<std::size_t>(matrix_.rows), row_grain, [&](std::size_t i) {
-        const Float4 sum = matrix_.product(matrix_.row_start[i], matrix_.row_start[i + 1], x.data());
+        const double* own = x.data() + 3 * i;
+        const FloatBlock& total = row_sums_[i];
+        Float4 sum = total.col(0) * static_cast<float>(own[0]) + total.col(1) * static_cast<float>(own[1]) +
+                     total.col(2) * static_cast<float>(own[2]);
+        for (int e = matrix_.row_start[i]; e < matrix_.row_start[i + 1]; ++e) {
+            const FloatBlock& b = matrix_.blocks[static_cast<std::size_t>(e)];
+            const double* v = x.data() + 3 * static_cast<std::size_t>(matrix_.column[static_cast<std::size_t>(e)]);
+            sum += b.col(0) * static_cast<float>(v[0] - own[0]) + b.col(1) * static_cast<float>(v[1] - own[1]) +
+                   b.col(2) * static_cast<float>(v[2] - own[2]);
+        }
         for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = static_cast<double>(sum[c]);
     });
 }
@@ -58,8 +68,7 @@ ConjugateGradients::Result ConjugateGradients::solve(const double* b, double* x,
     const double goal = tolerance * tolerance * rz;
     while (result.definite && rz > goal && result.iterations < max_iterations) {
         ++result.iterations;
-        parallel_for(n, 8192, [&](std::size_t i) { p_single_[i] = static_cast<float>(p_[i]); });
-        multiply(p_single_, ap_);
+        multiply(p_, ap_);
         const double curvature = dot(p_, ap_);
         if (!(curvature > 0)) {
             result.definite = false;

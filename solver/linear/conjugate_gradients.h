@@ -28,12 +28,12 @@ class ConjugateGradients {
     Result solve(const double* b, double* x, double tolerance, int max_iterations, const Preconditioner& preconditioner);
 
   private:
-    void multiply(const std::vector<float>& x, std::vector<double>& y) const;
+    void multiply(const std::vector<double>& x, std::vector<double>& y) const;
     double dot(const std::vector<double>& a, const std::vector<double>& b);
 
     std::vector<int> source_; ///< where each block comes from
     RowBlocks matrix_;
-    std::vector<float> p_single_;
+    std::vector<FloatBlock> row_sums_;
     std::vector<double> r_, z_, p_, ap_, sums_;
 };
 

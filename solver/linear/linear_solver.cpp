@@ -11,8 +11,9 @@ namespace {
 
 /// Steps that stay with the kept factor after multigrid did not pay; then that is tried again.
 constexpr int kept_steps = 24;
-/// Newton iterations of one step after which the inexact directions are taken to be what holds it up.
-constexpr int patience = 5;
+/// Newton iterations of one step after which the inexact directions are taken to be what holds it up; more where a factor
+/// is dear.
+int patience(int break_even) { return std::max(5, break_even / 40); }
 /// A solve with the factor costs about a fiftieth of making it.
 constexpr int kept_factor_iterations = 30;
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
@@ -93,7 +94,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
         factorize_and_solve(a, b, x, outcome);
         return outcome;
     }
-    if (automatic && newton_iteration >= patience) memory.factor_steps_left = kept_steps;
+    if (automatic && newton_iteration >= patience(break_even())) memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;

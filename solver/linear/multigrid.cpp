@@ -15,8 +15,8 @@ namespace {
 
 /// Levels end where a dense factorisation costs less than a sweep over the finest.
 constexpr int coarsest_rows = 64;
-/// Rows that one Gauss-Seidel sweep runs through without a break.
-constexpr std::size_t chunk = 1024;
+/// Gauss-Seidel sweeps run through chunks of rows without a break: at least so many rows, and no more chunks than this.
+constexpr std::size_t least_chunk = 1024, most_chunks = 16;
 
 /// What one fine unknown takes from coarse ones: up to four, weights sum to 1.
 struct Interpolation {
@@ -57,6 +57,10 @@ struct Multigrid::Level {
     const RowBlocks* a = nullptr; ///< of this level
     RowBlocks own;                ///< if it is not the finest
     std::vector<FloatBlock> inverse;
+    /// Half the norms of a row's blocks outside its chunk, added to the diagonal: with it a sweep up and down is a positive
+    /// definite operator however the rows are numbered (Baker, Falgout, Kolev, Yang 2011, "l1" smoothers).
+    std::vector<float> outside;
+    std::size_t chunk = least_chunk;
     std::vector<float> r, x, old, rest; ///< right side, result, result before a sweep, residual; one number of padding
 
     // To the next level: T = A P, then P^T T.
@@ -70,8 +74,11 @@ struct Multigrid::Level {
 
     explicit Level(int rows) {
         for (auto* v : {&r, &x, &old, &rest}) v->assign(3 * static_cast<std::size_t>(rows) + 1, 0.0f);
+        outside.resize(static_cast<std::size_t>(rows));
+        chunk = std::max(least_chunk, (static_cast<std::size_t>(rows) + most_chunks - 1) / most_chunks);
     }
     std::size_t rows() const { return static_cast<std::size_t>(a->rows); }
+    void set_outside();
     std::size_t chunks() const { return (rows() + chunk - 1) / chunk; }
     void prepare_products(int coarse_rows, RowBlocks& coarse);
     void multiply_products(RowBlocks& coarse);
@@ -167,6 +174,21 @@ void Multigrid::Level::multiply_products(RowBlocks& coarse) {
     });
 }
 
+void Multigrid::Level::set_outside() {
+    parallel_for(rows(), 512, [&](std::size_t i) {
+        const int first = static_cast<int>(i / chunk * chunk), last = first + static_cast<int>(chunk);
+        float sum = 0;
+        for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
+            const int j = a->column[static_cast<std::size_t>(e)];
+            if (j >= first && j < last) continue;
+            const FloatBlock& b = a->blocks[static_cast<std::size_t>(e)];
+            const Float4 squares = b.col(0) * b.col(0) + b.col(1) * b.col(1) + b.col(2) * b.col(2);
+            sum += 0.5f * std::sqrt(squares[0] + squares[1] + squares[2]);
+        }
+        outside[i] = sum;
+    });
+}
+
 void Multigrid::Level::sweep_forward_from_zero() {
     parallel_for(chunks(), 1, [&](std::size_t k) {
         const int first = static_cast<int>(k * chunk);
@@ -189,7 +211,7 @@ void Multigrid::Level::residual_after_forward() {
         int e = a->row_start[i];
         while (a->column[static_cast<std::size_t>(e)] < first) ++e;
         const Float4 s = a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
-        for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = -s[c];
+        for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = outside[i] * x[3 * i + c] - s[c];
     });
 }
 
@@ -260,7 +282,8 @@ bool Multigrid::set_values() {
     for (std::size_t k = 0; k < levels_.size(); ++k) {
         Level& level = *levels_[k];
         if (k + 1 < levels_.size()) level.multiply_products(levels_[k + 1]->own);
-        if (!invert_diagonal(*level.a, level.inverse)) return false;
+        level.set_outside();
+        if (!invert_diagonal(*level.a, level.outside, level.inverse)) return false;
     }
     Level& last = *levels_.back();
     if (levels_.size() == 1 || last.a->rows > 4 * coarsest_rows) {

@@ -34,18 +34,31 @@ RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source)
     return out;
 }
 
-void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out) {
-    parallel_for(out.blocks.size(), 2048, [&](std::size_t k) {
-        const bool transposed = source[k] < 0;
-        const double* block = a.block(static_cast<std::size_t>(transposed ? -source[k] - 1 : source[k]));
+void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out, std::vector<FloatBlock>& row_sums) {
+    row_sums.resize(static_cast<std::size_t>(out.rows));
+    parallel_for(static_cast<std::size_t>(out.rows), 128, [&](std::size_t i) {
+        double sum[9] = {};
+        for (int e = out.row_start[i]; e < out.row_start[i + 1]; ++e) {
+            const std::size_t k = static_cast<std::size_t>(e);
+            const bool transposed = source[k] < 0;
+            const double* block = a.block(static_cast<std::size_t>(transposed ? -source[k] - 1 : source[k]));
+            for (int c = 0; c < 3; ++c) {
+                for (int r = 0; r < 3; ++r) {
+                    const double v = transposed ? block[3 * c + r] : block[3 * r + c];
+                    sum[3 * c + r] += v;
+                    out.blocks[k].column[c][r] = static_cast<float>(v);
+                }
+                out.blocks[k].column[c][3] = 0;
+            }
+        }
         for (int c = 0; c < 3; ++c) {
-            for (int r = 0; r < 3; ++r) out.blocks[k].column[c][r] = static_cast<float>(transposed ? block[3 * c + r] : block[3 * r + c]);
-            out.blocks[k].column[c][3] = 0;
+            for (int r = 0; r < 3; ++r) row_sums[i].column[c][r] = static_cast<float>(sum[3 * c + r]);
+            row_sums[i].column[c][3] = 0;
         }
     });
 }
 
-bool invert_diagonal(const RowBlocks& a, std::vector<FloatBlock>& inverse) {
+bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse) {
     constexpr std::size_t grain = 512;
     const std::size_t n = static_cast<std::size_t>(a.rows);
     inverse.resize(n);
@@ -54,7 +67,7 @@ bool invert_diagonal(const RowBlocks& a, std::vector<FloatBlock>& inverse) {
         const FloatBlock& block = a.blocks[static_cast<std::size_t>(a.diagonal[i])];
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
-            for (int r = 0; r < 3; ++r) m(r, c) = static_cast<double>(block.column[c][r]);
+            for (int r = 0; r < 3; ++r) m(r, c) = static_cast<double>(block.column[c][r]) + (r == c ? static_cast<double>(added[i]) : 0);
         const Eigen::LLT<Eigen::Matrix3d> factor(m);
         if (factor.info() != Eigen::Success) {
             bad[i / grain] = 1;

@@ -36,9 +36,9 @@ struct RowBlocks {
 /// The structure of a pattern, and for each entry where it comes from: a block of the upper triangle, or -1 - that block,
 /// transposed.
 RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source);
-/// The values of a matrix into it.
-void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out);
-/// Inverses of the diagonal blocks; false if one is not positive definite.
-bool invert_diagonal(const RowBlocks& a, std::vector<FloatBlock>& inverse);
+/// The values of a matrix into it, and the sum of each row's blocks, taken in double precision.
+void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out, std::vector<FloatBlock>& row_sums);
+/// Inverses of the diagonal blocks, each with its row's `added` on the diagonal; false if one is not positive definite.
+bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse);
 
 } // namespace sinew::solver

@@ -55,18 +55,20 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     solver::Workspace workspace(scene);
     solver::State state = solver::initial_state(*scene, inputs);
     std::vector<double> seconds, per_newton;
-    double newton = 0, assembly = 0, factor = 0, solve = 0, other = 0, iterations = 0;
+    double newton_of_all = 0, newton = 0, assembly = 0, factor = 0, solve = 0, other = 0, iterations = 0;
     for (int step = 0; step < options.steps; ++step) {
         const auto start = Clock::now();
         state = solver::advance(workspace, state, {&inputs, 1}, control);
         seconds.push_back(std::chrono::duration<double>(Clock::now() - start).count());
         const solver::StepRecord& r = state.record;
+        newton_of_all += r.newton_iterations;
+        out.unconverged += !r.converged;
+        out.residual_max = std::max(out.residual_max, r.residual);
+        if (step == 0 && options.steps > 1) continue; // the first step also finds patterns and coarse grids
         newton += r.newton_iterations;
         assembly += r.seconds_assembly, factor += r.seconds_factor, solve += r.seconds_solve;
         other += r.seconds_other, iterations += r.linear_iterations;
         if (r.newton_iterations > 0) per_newton.push_back(1000 * seconds.back() / r.newton_iterations);
-        out.unconverged += !r.converged;
-        out.residual_max = std::max(out.residual_max, r.residual);
     }
 
     if (options.at_end) options.at_end();
@@ -79,7 +81,7 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     }
     out.tip_y /= tip_count;
     out.seconds_per_step_median = median(seconds);
-    out.newton_per_step = newton / options.steps;
+    out.newton_per_step = newton_of_all / options.steps;
     const double to_ms = newton > 0 ? 1000 / newton : 0;
     out.assembly_ms = assembly * to_ms, out.factor_ms = factor * to_ms, out.solve_ms = solve * to_ms;
     out.other_ms = other * to_ms, out.newton_ms_median = median(per_newton);
