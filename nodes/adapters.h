@@ -7,8 +7,10 @@
 #include "solver/error.h"
 #include "solver/meshing/meshing_control.h"
 
+#include <initializer_list>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace sinew::nodes {
 
@@ -18,15 +20,18 @@ inline solver::MeshingControl meshing_control(const engine::Reads& in) {
             [&in](double done, std::string_view what) { in.progress(done, what); }};
 }
 
-/// Runs `call`; what the solver throws becomes a diagnostic at `attribute` of this node, and a stop that the
-/// host asked for becomes Cancelled.
+/// Runs `call`; what the solver throws becomes a diagnostic at `attribute` of this node, or at another one where
+/// `blame` names it for the code ({code, attribute}); a stop that the host asked for becomes Cancelled.
 template <class Call>
-auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call) {
+auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call,
+             std::initializer_list<std::pair<std::string_view, std::string_view>> blame = {}) {
     try {
         return call();
     } catch (const solver::Stopped&) {
         throw engine::Cancelled();
     } catch (const solver::Error& e) {
+        for (const auto& [code, other] : blame)
+            if (e.code == code) attribute = other;
         in.fail(attribute, e.code, e.what(), e.hint);
     }
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
-#include "nodes/meshing_call.h"
 #include "solver/meshing/delaunay_tets.h"
 
 namespace sinew::nodes {
@@ -43,11 +42,12 @@ void compute(const Reads& in, Writes& out) {
         const Mesh& m = in[mesh];
         const solver::DelaunayTetOptions options{in[refinement_quality]};
         return std::make_shared<TetMeshValue>(
-            meshing(in, mesh.name, {{"FE232", refinement_quality.name}},
-                    [&](const solver::MeshingControl& control) {
-                        return TetMeshValue::from(
-                            solver::make_delaunay_tets(*m.points, m.topology->triangles, options, control));
-                    }));
+            guarded(in, mesh.name,
+                    [&] {
+                        return TetMeshValue::from(solver::make_delaunay_tets(*m.points, m.topology->triangles,
+                                                                             options, meshing_control(in)));
+                    },
+                    {{"FE232", refinement_quality.name}}));
     });
     out.set(out_tets, *made);
 }

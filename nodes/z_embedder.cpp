@@ -4,8 +4,6 @@
 #include "nodes/adapters.h"
 #include "solver/element/quadratic_tets.h"
 
-#include <algorithm>
-
 namespace sinew::nodes {
 
 using namespace engine;
@@ -51,19 +49,15 @@ struct Carriers {
 std::shared_ptr<Carriers> find_carriers(const solver::TissueRest& tissue, const solver::Points& points) {
     const solver::Embedding embedding = solver::embed(tissue.tets, points);
     const bool quadratic = tissue.element == solver::ElementKind::quadratic;
-    std::vector<std::array<int, 2>> edges;
-    if (quadratic) edges = solver::edges_of(tissue.tets.tets);
+    std::vector<std::array<int, 6>> middles;
+    if (quadratic)
+        middles = solver::edge_vertices(tissue.tets.tets, solver::edges_of(tissue.tets.tets),
+                                        static_cast<int>(tissue.tets.vertices.size()));
     auto out = std::make_shared<Carriers>();
     for (std::size_t i = 0; i < points.size(); ++i) {
-        const solver::Tet& corners = tissue.tets.tets[static_cast<std::size_t>(embedding.tet[i])];
-        std::array<int, 6> middles{};
-        for (std::size_t e = 0; e < 6 && quadratic; ++e) {
-            const auto [a, b] = std::minmax(corners[static_cast<std::size_t>(solver::tet_edge_corners[e][0])],
-                                            corners[static_cast<std::size_t>(solver::tet_edge_corners[e][1])]);
-            const auto at = std::lower_bound(edges.begin(), edges.end(), std::array<int, 2>{a, b});
-            middles[e] = static_cast<int>(tissue.tets.vertices.size()) + static_cast<int>(at - edges.begin());
-        }
-        out->points.push_back(solver::embedded_point(corners, quadratic ? &middles : nullptr, embedding.barycentric[i]));
+        const std::size_t tet = static_cast<std::size_t>(embedding.tet[i]);
+        out->points.push_back(solver::embedded_point(tissue.tets.tets[tet], quadratic ? &middles[tet] : nullptr,
+                                                     embedding.barycentric[i]));
     }
     return out;
 }

@@ -2,7 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
-#include "nodes/meshing_call.h"
 #include "solver/meshing/iso_mesh.h"
 
 namespace sinew::nodes {
@@ -100,16 +99,16 @@ Made make(const Reads& in) {
     options.is_manifold = in[produce_manifold_mesh];
     options.most_seconds = in[max_time];
     solver::IsoMesh mesh =
-        meshing(in, meshes.name,
+        guarded(in, meshes.name,
+                [&] {
+                    options.triangle_size =
+                        in[triangle_size] * solver::default_triangle_size(points, triangles);
+                    return solver::make_iso_mesh(points, triangles, options, meshing_control(in));
+                },
                 {{"FE230", iso_value.name},
                  {"FE231", iso_value.name},
                  {"FE232", triangle_size.name},
-                 {"FE233", max_time.name}},
-                [&](const solver::MeshingControl& control) {
-                    options.triangle_size =
-                        in[triangle_size] * solver::default_triangle_size(points, triangles);
-                    return solver::make_iso_mesh(points, triangles, options, control);
-                });
+                 {"FE233", max_time.name}});
     return {
         Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
         mesh.components, mesh.lost};

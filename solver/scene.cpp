@@ -11,6 +11,9 @@ namespace sinew::solver {
 
 namespace {
 
+/// Element entries are named by twice their place plus a bit, as an int.
+constexpr std::size_t most_entries = (std::size_t{1} << 30) - 1;
+
 [[noreturn]] void refuse(int body, const std::string& code, const std::string& message, const std::string& hint) {
     Error e(code, message, hint);
     e.body = body;
@@ -55,24 +58,16 @@ std::vector<Anisotropy> make_anisotropy(const TissueRest& t, std::size_t batch_c
 /// Numbers the middles of the edges after the corners and puts them into batches like those of the corners.
 void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch>& corners, Points& nodes, Scene::System& system) {
     const std::vector<std::array<int, 2>> edges = edges_of(t.tets.tets);
-    const int first_edge = first_vertex + static_cast<int>(t.tets.vertices.size());
     for (const auto& [a, b] : edges)
         nodes.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(a)] + t.tets.vertices[static_cast<std::size_t>(b)]));
     const std::size_t first_batch = system.edge_batches.size();
     system.edge_batches.resize(first_batch + corners.size());
     auto& of_tets = system.edge_vertices.back();
-    of_tets.resize(t.tets.tets.size());
-    for (std::size_t slot = 0; slot < corners.size() * lanes; ++slot) {
-        const std::size_t tet = std::min(slot, t.tets.tets.size() - 1);
-        for (std::size_t e = 0; e < 6; ++e) {
-            const int a = t.tets.tets[tet][static_cast<std::size_t>(tet_edge_corners[e][0])];
-            const int b = t.tets.tets[tet][static_cast<std::size_t>(tet_edge_corners[e][1])];
-            const std::array<int, 2> key{std::min(a, b), std::max(a, b)};
-            const int v = first_edge + static_cast<int>(std::lower_bound(edges.begin(), edges.end(), key) - edges.begin());
-            system.edge_batches[first_batch + slot / lanes].vertex[e][slot % lanes] = v;
-            of_tets[tet][e] = v;
-        }
-    }
+    of_tets = edge_vertices(t.tets.tets, edges, first_vertex + static_cast<int>(t.tets.vertices.size()));
+    for (std::size_t slot = 0; slot < corners.size() * lanes; ++slot)
+        for (std::size_t e = 0; e < 6; ++e)
+            system.edge_batches[first_batch + slot / lanes].vertex[e][slot % lanes] =
+                of_tets[std::min(slot, t.tets.tets.size() - 1)][e];
 }
 
 } // namespace
@@ -100,6 +95,10 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         batches.first_hessian = system->hessian_size;
         system->gradient_size = batches.gradient_at(batches.batch_count);
         system->hessian_size = batches.hessian_at(batches.batch_count);
+        if (system->hessian_size > most_entries)
+            refuse(body, "FE210", "the tets up to this body take " + std::to_string(system->hessian_size) +
+                                      " stiffness entries; " + std::to_string(most_entries) + " can be numbered",
+                   "choose larger tets, or linear ones");
         Points nodes = t->tets.vertices;
         system->edge_vertices.resize(static_cast<std::size_t>(body) + 1); // bones before this one have none
         if (t->element == ElementKind::quadratic) add_edges(*t, vertex_count_, corners, nodes, *system);

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <exception>
 #include <string>
 
 namespace sinew::solver {
@@ -90,15 +89,15 @@ void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, co
     if (impl.newton) minimise(impl.potential, *impl.newton, options, control, x, memory, record);
 }
 
-/// One time step in place. What it did is added to `record`.
-void take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vector<Points> bones, const StepControl& control,
-               StepRecord& record) {
+/// One time step. Takes it, and returns true, if it has converged or `anyhow`; else, and where it throws, `s` stays
+/// where it was (its acceleration may be filled in). What it did is in `record`.
+bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vector<Points> bones, bool anyhow,
+               const StepControl& control, StepRecord& record) {
     const double h = in.step_size;
     LinearMemory memory = s.linear;
     if (memory.factor_steps_left > 0) --memory.factor_steps_left;
     impl.potential.begin_step(s, in);
     impl.x = s.x;
-    std::vector<double> acceleration;
     switch (in.integrator) {
     case Integrator::backward_euler: backward_euler_form(s, h, impl.form); break;
     case Integrator::quasi_static: quasi_static_form(s, impl.form); break;
@@ -113,9 +112,11 @@ void take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vecto
         break;
     }
     solve_stage(impl, s, in, bones, control, impl.x, memory, record);
-    update_velocity(impl.form, impl.x, impl.v);
+    if (!record.converged && !anyhow) return false;
 
+    update_velocity(impl.form, impl.x, impl.v);
     // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
+    std::vector<double> acceleration;
     if (in.integrator == Integrator::tr_bdf2 && record.converged) implied_acceleration(impl.form, impl.x, acceleration);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep)
@@ -126,14 +127,19 @@ void take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vecto
     s.v = impl.v;
     s.bones = std::move(bones);
     s.linear = memory;
+    return true;
 }
 
-void add_work(const StepRecord& from, StepRecord& to) {
+/// Adds what a step did; what a step reached only if it was `taken`.
+void add_step(const StepRecord& from, bool taken, StepRecord& to) {
     to.newton_iterations += from.newton_iterations;
     to.linear_iterations += from.linear_iterations;
     to.seconds_assembly += from.seconds_assembly;
     to.seconds_factor += from.seconds_factor;
     to.seconds_solve += from.seconds_solve;
+    if (!taken) return;
+    to.residual = std::max(to.residual, from.residual);
+    to.converged = to.converged && from.converged;
 }
 
 /// Bones halfway through the step, on the curve that the schemes read them from.
@@ -154,24 +160,15 @@ std::vector<Points> bones_halfway(const State& s, double step_size, const std::v
 void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones,
                          int halvings, const StepControl& control, StepRecord& record) {
     StepRecord attempt;
-    std::exception_ptr failure;
-    const bool may_halve = halvings > 0 && impl.newton;
-    if (!may_halve) {
-        take_step(impl, s, in, bones, control, record);
-        return;
-    }
-    State trial = s;
+    const bool last_chance = halvings == 0;
+    bool taken = false;
     try {
-        take_step(impl, trial, in, bones, control, attempt);
+        taken = take_step(impl, s, in, bones, last_chance, control, attempt);
     } catch (const Error&) {
-        failure = std::current_exception();
+        if (last_chance) throw;
     }
-    add_work(attempt, record);
-    if (!failure && attempt.converged) {
-        record.residual = std::max(record.residual, attempt.residual);
-        s = std::move(trial);
-        return;
-    }
+    add_step(attempt, taken, record);
+    if (taken) return;
     ++record.halvings;
     StepInputs half = in;
     half.step_size = 0.5 * in.step_size;

@@ -61,6 +61,11 @@ void MassMatrix::set(const Scene::System& system, const BlockPattern& pattern, c
 void MassMatrix::multiply(const std::vector<double>& u, std::vector<double>& out) const {
     const BlockPattern& p = *pattern_;
     out.resize(u.size());
+    if (diagonal_)
+        return parallel_for(static_cast<std::size_t>(p.rows), 4096, [&](std::size_t i) {
+            const double m = value_[static_cast<std::size_t>(p.row_start[i])];
+            for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) out[c] = m * u[c];
+        });
     parallel_for(static_cast<std::size_t>(p.rows), 512, [&](std::size_t i) {
         double sum[3] = {};
         const auto add = [&](double m, std::size_t j) {

@@ -12,7 +12,6 @@ class MassMatrix {
   public:
     /// `of_tet`: mass of every slot of every batch [kg]. The pattern must outlive this.
     void set(const Scene::System& system, const BlockPattern& pattern, const std::vector<double>& of_tet);
-    bool is_diagonal() const { return diagonal_; }
     /// Sum of each vertex's row, held vertices too: what weighs there [kg]. Negative at corners of quadratic tets.
     const std::vector<double>& weight() const { return weight_; }
     /// out = M u, 3 numbers an unknown.
@@ -23,7 +22,7 @@ class MassMatrix {
 
   private:
     const BlockPattern* pattern_ = nullptr;
-    bool diagonal_ = true;
+    bool diagonal_ = true; ///< all tets are linear
     std::vector<double> weight_, value_; ///< per vertex; per block of the pattern
 };
 

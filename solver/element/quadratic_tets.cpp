@@ -91,6 +91,19 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
 
 } // namespace
 
+std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets, const std::vector<std::array<int, 2>>& edges,
+                                              int first) {
+    std::vector<std::array<int, 6>> out(tets.size());
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (std::size_t e = 0; e < 6; ++e) {
+            const auto [a, b] = std::minmax(tets[t][static_cast<std::size_t>(tet_edge_corners[e][0])],
+                                            tets[t][static_cast<std::size_t>(tet_edge_corners[e][1])]);
+            const auto at = std::lower_bound(edges.begin(), edges.end(), std::array<int, 2>{a, b});
+            out[t][e] = first + static_cast<int>(at - edges.begin());
+        }
+    return out;
+}
+
 void quadratic_shape(const double* b, double* values) {
     for (int i = 0; i < 4; ++i) values[i] = b[i] * (2 * b[i] - 1);
     for (int e = 0; e < 6; ++e) values[4 + e] = 4 * b[tet_edge_corners[e][0]] * b[tet_edge_corners[e][1]];

@@ -17,6 +17,10 @@ struct EdgeBatch {
     int vertex[6][lanes];
 };
 
+/// Per tet the vertices at the middles of its edges: `first` plus their place in edges_of(tets).
+std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets, const std::vector<std::array<int, 2>>& edges,
+                                              int first);
+
 /// Values of the ten shape functions at a point given by its barycentric coordinates.
 void quadratic_shape(const double* barycentric, double* values);
 

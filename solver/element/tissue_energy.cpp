@@ -138,9 +138,10 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
         TetModuli& moduli = moduli_[batches.first_batch + i];
         const MaterialValues m = mix_layers(rest, in, tet);
         const Lame l = lame(m.youngs_modulus, m.poissons_ratio);
-        const bool splits = quadratic && rest.law != ElasticLaw::anisotropic;
+        // The last bit decides nothing: at nu = 0.4 itself, the default, there is no second part.
+        const bool splits = quadratic && rest.law != ElasticLaw::anisotropic && l.lambda > (1 + 1e-9) * pointwise_lambda * l.mu;
         moduli.mu[lane] = l.mu;
-        moduli.lambda[lane] = splits ? std::min(l.lambda, pointwise_lambda * l.mu) : l.lambda;
+        moduli.lambda[lane] = splits ? pointwise_lambda * l.mu : l.lambda;
         moduli.lambda_mean[lane] = volume_share_ * (l.lambda - moduli.lambda[lane]);
         moduli.volume[lane] = quadratic ? volume_share_ * m.volume_conservation : 0;
         moduli.compression[lane] = compression_coefficient(in.compression_resistance, m.youngs_modulus, m.poissons_ratio);

@@ -286,7 +286,7 @@ bool Multigrid::set_values() {
         if (!invert_diagonal(*level.a, level.outside, level.inverse)) return false;
     }
     Level& last = *levels_.back();
-    if (levels_.size() == 1 || last.a->rows > 4 * coarsest_rows) {
+    if (last.a->rows > 4 * coarsest_rows) {
         coarsest_->matrix.resize(0, 0); // too many for a dense factor: a sweep up and down serves
         return true;
     }

@@ -47,19 +47,48 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
 /// How one run of Newton's method ended.
 enum class End { converged, out_of_iterations, stalled };
 
+struct Evaluation {
+    double value = 0;
+    ForceNorms norms;
+};
+
+Evaluation evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<double>& x, StepRecord& record) {
+    const Stopwatch timer(record.seconds_assembly);
+    Evaluation out;
+    out.value = potential.evaluate(x, &w.gradient, &out.norms);
+    return out;
+}
+
+/// Moves x to free flight if the potential is lower there.
+Evaluation choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+    w.trial = potential.free_flight(x);
+    if (w.trial == x) return evaluate(potential, w, x, record);
+    double here;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        here = potential.evaluate(x, nullptr, nullptr);
+    }
+    const Evaluation flight = evaluate(potential, w, w.trial, record);
+    if (!(flight.value <= here)) return evaluate(potential, w, x, record);
+    x.swap(w.trial);
+    return flight;
+}
+
+/// The volume let go while this lives; given back also where a solve is stopped or fails.
+struct RelaxedVolume {
+    Potential& potential;
+    ~RelaxedVolume() { potential.relax_volume(0); }
+};
+
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
-/// Newton's method from x. `may_stall` returns at the first line search that falls below stalled_step.
-End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, bool may_stall,
+/// Newton's method from x, where the potential's value and norms are `start` and its gradient w.gradient. `may_stall`
+/// returns at the first line search that falls below stalled_step.
+End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, Evaluation start, bool may_stall,
             const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
-    ForceNorms norms;
-    double value;
-    {
-        const Stopwatch timer(record.seconds_assembly);
-        value = potential.evaluate(x, &w.gradient, &norms);
-    }
+    auto& [value, norms] = start;
     bool converged = false;
     const auto judge = [&] {
         const double force = std::sqrt(dot(w.gradient, w.gradient));
@@ -113,25 +142,22 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     w.linear.begin_step();
-    {
-        const Stopwatch timer(record.seconds_assembly);
-        std::vector<double> flight = potential.free_flight(x);
-        if (potential.evaluate(flight, nullptr, nullptr) <= potential.evaluate(x, nullptr, nullptr)) x.swap(flight);
-    }
     double r = 0;
     const int levels = potential.volume_levels();
-    End end = iterate(potential, w, options, levels > 0, control, x, memory, record, r);
+    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only
         // small ones. With the volume let go tenfold more gently the path is found in a few steps and then tightened.
         NewtonOptions rough = options;
         rough.tolerance = std::max(options.tolerance, 1e-2);
-        for (int level = levels; level > 0; --level) {
-            potential.relax_volume(level);
-            iterate(potential, w, rough, false, control, x, memory, record, r);
+        {
+            const RelaxedVolume guard{potential};
+            for (int level = levels; level > 0; --level) {
+                potential.relax_volume(level);
+                iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, record, r);
+            }
         }
-        potential.relax_volume(0);
-        end = iterate(potential, w, options, false, control, x, memory, record, r);
+        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, record, r);
     }
     record.residual = std::max(record.residual, r);
     record.converged = record.converged && end == End::converged;

@@ -23,8 +23,8 @@ struct NewtonWorkspace {
     explicit NewtonWorkspace(const Potential& potential) : hessian(potential.pattern()), linear(potential.pattern(), potential.places()) {}
 };
 
-/// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value; adds to the record's iterations and seconds, sets residual and converged
-/// (kept at the worst over several calls). Throws Error FE302 on NaN, Stopped when asked to.
+/// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value. Adds to the
+/// record's iterations and seconds; residual and converged are kept at the worst over several calls. Throws Error FE302 on NaN, Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record);
 

@@ -20,12 +20,6 @@ using namespace sinew::test;
 
 namespace {
 
-nlohmann::json integrators() {
-    std::ifstream in(data_file("accuracy.json"));
-    REQUIRE(in);
-    return nlohmann::json::parse(in)["integrators"];
-}
-
 /// A muscle between two bones: lattice-free box, fibres, two attachments, the second bone swings.
 struct Swing {
     TetMesh mesh = box_mesh({0.3, 0.06, 0.06}, 10, 2, 2);
@@ -85,7 +79,7 @@ const Scheme schemes[] = {{Integrator::backward_euler, "BE", 1},
 
 /// One tet whose four vertices hang on springs: exactly one oscillator, whatever the material.
 struct Oscillator {
-    nlohmann::json reference = integrators()["one_dof"];
+    nlohmann::json reference = accuracy()["integrators"]["one_dof"];
     TetMesh mesh = regular_tet(reference["edge"]);
     std::shared_ptr<const Scene> scene;
     Oscillator() {
@@ -254,7 +248,7 @@ TEST_CASE("liveliness: TR-BDF2 keeps more of a swing than BDF2, and BDF2 more th
 
 TEST_CASE("free fall is exact to each scheme and does not deform the body") {
     const TetMesh mesh = box_mesh({0.3, 0.2, 0.2}, 3, 2, 2);
-    const auto expected = integrators()["free_fall"]["discrete"];
+    const auto expected = accuracy()["integrators"]["free_fall"]["discrete"];
     for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/96", 96}})
         for (const Scheme& scheme : schemes)
             for (const double tolerance : {1.0, 1e-4}) {

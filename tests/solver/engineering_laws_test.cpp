@@ -1,95 +1,15 @@
 // The laws beside the three for animation: neo-Hookean with logarithms and transverse isotropy.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/element/elastic_point.h"
-#include "solver/material/principal.h"
-#include "tests/support/solver_scenes.h"
+#include "tests/support/one_tet.h"
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <random>
 
 using namespace sinew::solver;
 using namespace sinew::test;
-using Row3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using Vec12 = Eigen::Matrix<double, 12, 1>;
-using Mat12 = Eigen::Matrix<double, 12, 12>;
-
-namespace {
-
-Row3 matrix(const nlohmann::json& j) {
-    Row3 m;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) m(r, c) = j[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-    return m;
-}
-
-nlohmann::json patch() {
-    std::ifstream in(data_file("accuracy.json"));
-    REQUIRE(in);
-    return nlohmann::json::parse(in)["material_patch"];
-}
-
-Row3 random_matrix(std::mt19937& random, double spread) {
-    std::normal_distribution<double> normal;
-    Row3 f = Row3::Identity();
-    for (int i = 0; i < 9; ++i) f(i) += spread * normal(random);
-    return f;
-}
-
-/// One tet of a law; for the anisotropic one with stiffness ratio t about a slanted direction.
-struct Point {
-    ElasticLaw law;
-    TetMesh mesh = regular_tet(0.7);
-    TetBatch batch = make_batches(mesh, 0).front();
-    TetModuli moduli{};
-    Anisotropy anisotropy{};
-    Point(ElasticLaw law, double t) : law(law) {
-        const Lame l = lame(1000, 0.3);
-        const Vec3 a = Vec3(1, 2, -0.5).normalized();
-        for (int i = 0; i < lanes; ++i) {
-            moduli.mu[i] = l.mu, moduli.lambda[i] = l.lambda;
-            anisotropy.root[i] = std::pow(t, 0.25);
-            for (int c = 0; c < 3; ++c) anisotropy.direction[c][i] = a[c];
-        }
-    }
-    PointInputs inputs() const {
-        PointInputs in{law, batch, moduli};
-        in.anisotropy = &anisotropy;
-        return in;
-    }
-    Vec12 positions(const Row3& f) const {
-        Vec12 x;
-        for (int v = 0; v < 4; ++v) x.segment<3>(3 * v) = f * mesh.vertices[static_cast<std::size_t>(v)];
-        return x;
-    }
-    double energy(const Vec12& x, Vec12* gradient = nullptr) const {
-        double g[4][3][lanes];
-        ElementSummary s;
-        point_gradient(inputs(), corners_of(batch, x.data()), &g[0][0][0], s);
-        for (int a = 0; gradient && a < 4; ++a)
-            for (int c = 0; c < 3; ++c) (*gradient)[3 * batch.vertex[a][0] + c] = g[a][c][0];
-        return s.energy[0];
-    }
-    Mat12 hessian(const Vec12& x, bool project) const {
-        double h[10][9][lanes];
-        point_hessian(inputs(), corners_of(batch, x.data()), project, &h[0][0][0]);
-        Mat12 out;
-        for (int b = 0; b < 10; ++b)
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) {
-                    const int i = 3 * batch.vertex[block_pairs[b][0]][0] + r, j = 3 * batch.vertex[block_pairs[b][1]][0] + c;
-                    out(i, j) = out(j, i) = h[b][3 * r + c][0];
-                }
-        return out;
-    }
-};
-
-} // namespace
 
 TEST_CASE("log neo-Hookean and transverse isotropy give the trusted stresses and energies") {
-    const nlohmann::json p = patch();
+    const nlohmann::json p = accuracy()["material_patch"];
     const Lame l = lame(p["E"], p["nu"]);
     const auto& a = p["tistvk"]["a"];
     const double direction[3] = {a[0], a[1], a[2]};
@@ -114,20 +34,18 @@ TEST_CASE("log neo-Hookean and transverse isotropy give the trusted stresses and
 TEST_CASE("their gradients and Hessians converge to finite differences at second order, projected ones are definite") {
     std::mt19937 random(5);
     for (const auto& [law, t] : {std::pair{ElasticLaw::log_neo_hookean, 1.0}, {ElasticLaw::anisotropic, 0.05}, {ElasticLaw::anisotropic, 4.0}}) {
-        const Point tet(law, t);
+        const OneTet tet(law, 0, t);
         for (const double spread : {0.1, 0.3}) {
             Row3 f = random_matrix(random, spread);
             while (f.determinant() < 0.3) f = random_matrix(random, spread);
             const Vec12 x = tet.positions(f), d = Vec12::Random();
-            Vec12 g, plus, minus;
-            tet.energy(x, &g);
+            const Vec12 g = tet.gradient(x);
             const Mat12 h = tet.hessian(x, false);
             double gradient_error[2], hessian_error[2];
             for (int i = 0; i < 2; ++i) {
                 const double step = i ? 5e-4 : 1e-3;
-                const double up = tet.energy(x + step * d, &plus), down = tet.energy(x - step * d, &minus);
-                gradient_error[i] = std::abs((up - down) / (2 * step) - g.dot(d));
-                hessian_error[i] = ((plus - minus) / (2 * step) - h * d).norm();
+                gradient_error[i] = std::abs((tet.energy(x + step * d) - tet.energy(x - step * d)) / (2 * step) - g.dot(d));
+                hessian_error[i] = ((tet.gradient(x + step * d) - tet.gradient(x - step * d)) / (2 * step) - h * d).norm();
             }
             INFO(t << " " << spread);
             CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.1));

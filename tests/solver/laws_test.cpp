@@ -1,39 +1,18 @@
 // The elastic laws: trusted stresses and energies, derivatives, invariance, projection.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/element/elastic_point.h"
-#include "solver/material/principal.h"
 #include "solver/material/stvk.h"
-#include "tests/support/solver_scenes.h"
+#include "tests/support/one_tet.h"
 
 #include <Eigen/Dense>
 #include <catch2/catch.hpp>
-#include <fstream>
-#include <nlohmann/json.hpp>
-#include <random>
 
 using namespace sinew::solver;
 using namespace sinew::test;
-using Row3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-using Vec12 = Eigen::Matrix<double, 12, 1>;
-using Mat12 = Eigen::Matrix<double, 12, 12>;
 
 namespace {
 
 const std::pair<ElasticLaw, const char*> laws[] = {
     {ElasticLaw::stvk, "stvk"}, {ElasticLaw::neo_hookean, "snh"}, {ElasticLaw::corotational, "corot"}};
-
-nlohmann::json accuracy() {
-    std::ifstream in(data_file("accuracy.json"));
-    REQUIRE(in);
-    return nlohmann::json::parse(in);
-}
-
-Row3 matrix(const nlohmann::json& j) {
-    Row3 m;
-    for (int r = 0; r < 3; ++r)
-        for (int c = 0; c < 3; ++c) m(r, c) = j[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)];
-    return m;
-}
 
 Row3 stress(ElasticLaw law, const Lame& l, double compression, const Row3& f, double* energy = nullptr) {
     Row3 p;
@@ -42,64 +21,6 @@ Row3 stress(ElasticLaw law, const Lame& l, double compression, const Row3& f, do
     if (energy) *energy = w;
     return p;
 }
-
-Row3 random_matrix(std::mt19937& random, double spread) {
-    std::normal_distribution<double> normal;
-    Row3 f = Row3::Identity();
-    for (int i = 0; i < 9; ++i) f(i) += spread * normal(random);
-    return f;
-}
-
-/// One random tet batch (all lanes the same) with its energy, gradient and Hessian at x.
-struct OneTet {
-    TetBatch batch;
-    TetModuli moduli{};
-    ElasticLaw law;
-    OneTet(ElasticLaw law, double compression) : law(law) {
-        TetMesh mesh = regular_tet(0.7);
-        mesh.vertices[0] += Vec3(0.1, -0.05, 0.02);
-        batch = make_batches(mesh, 0).front();
-        const Lame l = lame(1000, 0.3);
-        for (int i = 0; i < lanes; ++i) moduli.mu[i] = l.mu, moduli.lambda[i] = l.lambda, moduli.compression[i] = compression;
-    }
-    double energy(const Vec12& x) const {
-        double g[4][3][lanes];
-        ElementSummary summary;
-        point_gradient({law, batch, moduli}, corners_of(batch, x.data()), &g[0][0][0], summary);
-        return summary.energy[0];
-    }
-    Vec12 gradient(const Vec12& x) const {
-        double g[4][3][lanes];
-        ElementSummary summary;
-        point_gradient({law, batch, moduli}, corners_of(batch, x.data()), &g[0][0][0], summary);
-        Vec12 out;
-        for (int a = 0; a < 4; ++a)
-            for (int c = 0; c < 3; ++c) out[3 * batch.vertex[a][0] + c] = g[a][c][0];
-        return out;
-    }
-    Mat12 hessian(const Vec12& x, bool project) const {
-        double h[10][9][lanes];
-        point_hessian({law, batch, moduli}, corners_of(batch, x.data()), project, &h[0][0][0]);
-        Mat12 out;
-        for (int b = 0; b < 10; ++b)
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) {
-                    const int i = 3 * batch.vertex[block_pairs[b][0]][0] + r, j = 3 * batch.vertex[block_pairs[b][1]][0] + c;
-                    out(i, j) = out(j, i) = h[b][3 * r + c][0];
-                }
-        return out;
-    }
-    /// Vertex positions for a deformation gradient.
-    Vec12 positions(const Row3& f) const {
-        TetMesh mesh = regular_tet(0.7);
-        mesh.vertices[0] += Vec3(0.1, -0.05, 0.02);
-        Vec12 x;
-        for (int a = 0; a < 4; ++a) x.segment<3>(3 * a) = f * mesh.vertices[static_cast<std::size_t>(mesh.tets[0][static_cast<std::size_t>(a)])];
-        Vec12 by_vertex;
-        for (int a = 0; a < 4; ++a) by_vertex.segment<3>(3 * batch.vertex[a][0]) = x.segment<3>(3 * a);
-        return by_vertex;
-    }
-};
 
 } // namespace
 

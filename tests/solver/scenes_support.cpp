@@ -1,36 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/solver_scenes.h"
 
+#include "solver/mesh/tet_box.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 namespace sinew::test {
 
 using namespace solver;
 
 TetMesh box_mesh(const Vec3& size, int nx, int ny, int nz) {
-    TetMesh mesh;
-    const auto id = [&](int i, int j, int k) { return (i * (ny + 1) + j) * (nz + 1) + k; };
-    for (int i = 0; i <= nx; ++i)
-        for (int j = 0; j <= ny; ++j)
-            for (int k = 0; k <= nz; ++k)
-                mesh.vertices.emplace_back(size.x() * i / nx, size.y() * j / ny, size.z() * k / nz);
-    // Kuhn: the six orders in which a path goes from one corner of the cube to the opposite one.
-    constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    for (int i = 0; i < nx; ++i)
-        for (int j = 0; j < ny; ++j)
-            for (int k = 0; k < nz; ++k)
-                for (const auto& order : orders) {
-                    int at[3] = {i, j, k};
-                    Tet tet;
-                    tet[0] = id(at[0], at[1], at[2]);
-                    for (std::size_t c = 0; c < 3; ++c) ++at[order[c]], tet[c + 1] = id(at[0], at[1], at[2]);
-                    mesh.tets.push_back(tet);
-                }
-    mesh.coverage.assign(mesh.tets.size(), 1.0);
-    check_and_orient(mesh);
-    return mesh;
+    return kuhn_mesh(nx, ny, nz, [&](double r, double s, double t) { return Vec3(r * size.x(), s * size.y(), t * size.z()); });
 }
 
 TetMesh regular_tet(double edge) {
@@ -92,6 +75,12 @@ StepInputs still_inputs() {
 }
 
 std::string data_file(const std::string& name) { return std::string(SINEW_SOURCE_DIR) + "/tests/solver/data/" + name; }
+
+nlohmann::json accuracy() {
+    std::ifstream in(data_file("accuracy.json"));
+    REQUIRE(in);
+    return nlohmann::json::parse(in);
+}
 
 Points read_positions(const std::string& path) {
     std::ifstream in(path);

@@ -15,12 +15,6 @@ using namespace sinew::test;
 
 namespace {
 
-nlohmann::json accuracy() {
-    std::ifstream in(data_file("accuracy.json"));
-    REQUIRE(in);
-    return nlohmann::json::parse(in);
-}
-
 struct Simulation {
     std::shared_ptr<const Scene> scene;
     Workspace workspace;

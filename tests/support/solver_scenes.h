@@ -6,6 +6,7 @@
 
 #include <functional>
 #include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,8 @@ solver::TissueInputs material(double youngs_modulus, double poissons_ratio, doub
 solver::StepInputs still_inputs();
 
 std::string data_file(const std::string& name); ///< tests/solver/data/name
+/// The trusted values of the accuracy catalogue (data/accuracy.json).
+nlohmann::json accuracy();
 /// Rows of three numbers.
 solver::Points read_positions(const std::string& path);
 

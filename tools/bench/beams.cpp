@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/beams.h"
 
+#include "solver/mesh/tet_box.h"
+
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -11,38 +13,6 @@ namespace sinew::bench {
 using namespace solver;
 
 namespace {
-
-/// A cube is cut along its long diagonal into the six paths from its lowest to its highest corner, one for
-/// each order of the axes; odd orders are turned inside out and need a swap.
-void add_kuhn_tets(int x, int y, int z, const auto& vertex, std::vector<Tet>& tets) {
-    constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};
-    for (int o = 0; o < 6; ++o) {
-        int at[3] = {x, y, z};
-        Tet tet{vertex(x, y, z), 0, 0, 0};
-        for (int k = 0; k < 3; ++k) {
-            ++at[orders[o][k]];
-            tet[static_cast<std::size_t>(k + 1)] = vertex(at[0], at[1], at[2]);
-        }
-        if (o >= 3) std::swap(tet[1], tet[2]);
-        tets.push_back(tet);
-    }
-}
-
-/// nx x ny x nz cells over the unit cube, each point taken where `map` puts it.
-TetMesh kuhn_mesh(int nx, int ny, int nz, const std::function<Vec3(double, double, double)>& map) {
-    TetMesh mesh;
-    const auto vertex = [&](int x, int y, int z) { return (x * (ny + 1) + y) * (nz + 1) + z; };
-    for (int x = 0; x <= nx; ++x)
-        for (int y = 0; y <= ny; ++y)
-            for (int z = 0; z <= nz; ++z)
-                mesh.vertices.push_back(map(static_cast<double>(x) / nx, static_cast<double>(y) / ny,
-                                            static_cast<double>(z) / nz));
-    for (int x = 0; x < nx; ++x)
-        for (int y = 0; y < ny; ++y)
-            for (int z = 0; z < nz; ++z) add_kuhn_tets(x, y, z, vertex, mesh.tets);
-    mesh.coverage.assign(mesh.tets.size(), 1.0);
-    return mesh;
-}
 
 SceneDescription free_body(TissueRest rest) {
     rest.fixed_vertices.clear();
