@@ -3,10 +3,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
-#include <vector>
 
 namespace sinew::solver {
 
@@ -22,20 +22,21 @@ template <class Body> void parallel_for(std::size_t count, std::size_t grain, co
                       });
 }
 
-/// Sum of term(i) over [0, count): chunks of fixed size, then the chunks in order, so the bits do not depend on the
-/// number of threads.
+/// Sum of term(i) over [0, count): chunks whose size depends on the count alone, then the chunks in order, so the bits do not
+/// depend on the number of threads.
 template <class Term> double ordered_sum(std::size_t count, const Term& term) {
-    constexpr std::size_t chunk = 2048;
+    std::array<double, 1024> sums;
+    const std::size_t chunk = std::max<std::size_t>(2048, (count + sums.size() - 1) / sums.size());
     const auto sum_chunk = [&](std::size_t first) {
         double sum = 0;
         for (std::size_t i = first; i < std::min(first + chunk, count); ++i) sum += term(i);
         return sum;
     };
     if (count <= chunk) return sum_chunk(0);
-    std::vector<double> sums((count + chunk - 1) / chunk);
-    parallel_for(sums.size(), 4, [&](std::size_t c) { sums[c] = sum_chunk(c * chunk); });
+    const std::size_t chunks = (count + chunk - 1) / chunk;
+    parallel_for(chunks, 4, [&](std::size_t c) { sums[c] = sum_chunk(c * chunk); });
     double sum = 0;
-    for (const double s : sums) sum += s;
+    for (std::size_t c = 0; c < chunks; ++c) sum += sums[c];
     return sum;
 }
 

@@ -18,7 +18,8 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    std::vector<double> x, v, x_gamma, v_gamma;
+    std::vector<double> x, v, x_gamma, v_gamma, acceleration;
+    std::vector<Points> bones; ///< at the end of the step
     explicit Impl(const Scene& scene) : potential(scene) {}
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
@@ -45,8 +46,6 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         throw Error("FE302", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
     for (int body = 0; body < scene.body_count(); ++body) {
         const BodyInputs& b = in.bodies[static_cast<std::size_t>(body)];
-        Error e("FE202", "", "");
-        e.body = body;
         if (const BoneRest* bone = scene.bone(body)) {
             const Points& p = std::get<BoneInputs>(b).positions;
             if (p.size() != bone->surface.size()) {
@@ -73,12 +72,11 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
     }
 }
 
-std::vector<Points> bone_positions(const Scene& scene, const StepInputs& in) {
-    std::vector<Points> bones(static_cast<std::size_t>(scene.body_count()));
+void set_bones(const Scene& scene, const StepInputs& in, std::vector<Points>& bones) {
+    bones.resize(static_cast<std::size_t>(scene.body_count()));
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.bone(body))
             bones[static_cast<std::size_t>(body)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(body)]).positions;
-    return bones;
 }
 
 /// Minimises the stage that impl.form describes, from x.
@@ -91,7 +89,7 @@ void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, co
 
 /// One time step. Takes it, and returns true, if it has converged or `anyhow`; else, and where it throws, `s` stays
 /// where it was (its acceleration may be filled in). What it did is in `record`.
-bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vector<Points> bones, bool anyhow,
+bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones, bool anyhow,
                const StepControl& control, StepRecord& record) {
     const double h = in.step_size;
     LinearMemory memory = s.linear;
@@ -116,16 +114,21 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, std::vecto
 
     update_velocity(impl.form, impl.x, impl.v);
     // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
-    std::vector<double> acceleration;
-    if (in.integrator == Integrator::tr_bdf2 && record.converged) implied_acceleration(impl.form, impl.x, acceleration);
+    impl.acceleration.clear();
+    if (in.integrator == Integrator::tr_bdf2 && record.converged) implied_acceleration(impl.form, impl.x, impl.acceleration);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
-    if (multistep)
-        s.history = {h, std::move(s.x), std::move(s.v), std::move(s.bones), std::move(acceleration)};
-    else
+    if (multistep) {
+        s.history.step_size = h;
+        s.history.x.swap(s.x);
+        s.history.v.swap(s.v);
+        s.history.bones.swap(s.bones);
+        s.history.acceleration.swap(impl.acceleration);
+    } else {
         s.history = {};
+    }
     s.x = impl.x;
     s.v = impl.v;
-    s.bones = std::move(bones);
+    s.bones = bones;
     s.linear = memory;
     return true;
 }
@@ -184,7 +187,7 @@ State initial_state(const Scene& scene, const StepInputs& inputs) {
     State s;
     s.x = scene.system().rest;
     s.v.assign(s.x.size(), 0.0);
-    s.bones = bone_positions(scene, inputs);
+    set_bones(scene, inputs, s.bones);
     std::vector<Points> surfaces(s.bones);
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
@@ -199,16 +202,18 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     Workspace::Impl& impl = workspace.impl();
     State s = before;
     StepRecord record;
-    for (std::size_t k = 0; k < substeps.size(); ++k) {
+    std::size_t k = 0;
+    StepControl inner = control;
+    if (control.progress)
+        inner.progress = [&](double done, int iteration, double residual) {
+            control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
+        };
+    for (; k < substeps.size(); ++k) {
         const StepInputs& in = substeps[k];
         check_inputs(scene, in);
         impl.prepare(s.anchors, in);
-        StepControl inner = control;
-        if (control.progress)
-            inner.progress = [&, k](double done, int iteration, double residual) {
-                control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
-            };
-        take_step_or_halves(impl, s, in, bone_positions(scene, in), in.max_halvings, inner, record);
+        set_bones(scene, in, impl.bones);
+        take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
         ++record.substeps;
     }

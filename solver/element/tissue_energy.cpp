@@ -95,16 +95,14 @@ bool TissueEnergy::set_values(const StepInputs& inputs) {
         }
         inputs_[t] = in;
 
-        std::vector<std::size_t> active;
+        const auto pull = [&](std::size_t k) { return in.fibers[k].strength * in.fibers[k].envelope * in.fibers[k].excitation; };
+        active_count_[t] = 0;
         for (std::size_t k = 0; k < in.fibers.size(); ++k)
-            if (in.fibers[k].strength * in.fibers[k].envelope * in.fibers[k].excitation != 0) active.push_back(k);
-        active_count_[t] = active.size();
+            if (pull(k) != 0) ++active_count_[t];
         fibers_[t].clear();
-        for (std::size_t i = 0; i < batches.batch_count && !active.empty(); ++i)
-            for (const std::size_t k : active) {
-                const FiberValues& f = in.fibers[k];
-                fibers_[t].push_back({&batches.fibers[k][i], f.strength * f.envelope * f.excitation, f.contraction_limit});
-            }
+        for (std::size_t i = 0; i < batches.batch_count && active_count_[t]; ++i)
+            for (std::size_t k = 0; k < in.fibers.size(); ++k)
+                if (pull(k) != 0) fibers_[t].push_back({&batches.fibers[k][i], pull(k), in.fibers[k].contraction_limit});
     }
     if (changed) {
         set_scales();

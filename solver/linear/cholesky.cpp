@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 #include <mutex>
+#include <omp.h>
 
 extern "C" void openblas_set_num_threads(int);
 
@@ -21,6 +22,19 @@ std::mutex& analysis_mutex() {
     static std::mutex mutex;
     return mutex;
 }
+
+/// CHOLMOD opens an OpenMP region for nearly every column. Here, where factors of several components are made side by side,
+/// threads of its own only stand in each other's way; while this lives, this thread opens none.
+class OneOpenMpThread {
+  public:
+    OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+    ~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
+    OneOpenMpThread(const OneOpenMpThread&) = delete;
+    OneOpenMpThread& operator=(const OneOpenMpThread&) = delete;
+
+  private:
+    int levels_;
+};
 
 } // namespace
 
@@ -118,6 +132,7 @@ bool Cholesky::factorize(const BlockMatrix& a) {
             }
         }
     });
+    const OneOpenMpThread guard;
     const int ok = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
     return ok && impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
 }

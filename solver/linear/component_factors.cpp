@@ -4,6 +4,7 @@
 #include "solver/parallel.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace sinew::solver {
 
@@ -62,14 +63,14 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern) {
 }
 
 bool ComponentFactors::factorize(const BlockMatrix& a) {
-    std::vector<char> good(parts_.size(), 0);
+    std::atomic<bool> good = true;
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
         for (std::size_t b = 0; b < part.source.size(); ++b)
             std::copy_n(a.block(static_cast<std::size_t>(part.source[b])), 9, part.matrix->block(b));
-        good[k] = part.factor->factorize(*part.matrix);
+        if (!part.factor->factorize(*part.matrix)) good = false;
     });
-    return std::find(good.begin(), good.end(), 0) == good.end();
+    return good;
 }
 
 void ComponentFactors::solve(const double* in, double* out) {

@@ -88,7 +88,7 @@ struct Multigrid::Level {
 };
 
 struct Multigrid::Coarsest {
-    Eigen::MatrixXf matrix;
+    Eigen::MatrixXf matrix, shifted;
     Eigen::LLT<Eigen::MatrixXf> factor;
     Eigen::VectorXf x;
 };
@@ -300,9 +300,9 @@ bool Multigrid::set_values() {
         }
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {
-        Eigen::MatrixXf shifted = coarsest_->matrix;
-        shifted.diagonal() *= 1 + shift;
-        coarsest_->factor.compute(shifted);
+        coarsest_->shifted = coarsest_->matrix;
+        coarsest_->shifted.diagonal() *= 1 + shift;
+        coarsest_->factor.compute(coarsest_->shifted);
         if (coarsest_->factor.info() == Eigen::Success) return true;
     }
     return false;

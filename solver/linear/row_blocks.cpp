@@ -4,7 +4,7 @@
 #include "solver/parallel.h"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
+#include <atomic>
 
 namespace sinew::solver {
 
@@ -59,18 +59,17 @@ void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks
 }
 
 bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse) {
-    constexpr std::size_t grain = 512;
     const std::size_t n = static_cast<std::size_t>(a.rows);
     inverse.resize(n);
-    std::vector<char> bad((n + grain - 1) / grain, 0);
-    parallel_for(n, grain, [&](std::size_t i) {
+    std::atomic<bool> good = true;
+    parallel_for(n, 512, [&](std::size_t i) {
         const FloatBlock& block = a.blocks[static_cast<std::size_t>(a.diagonal[i])];
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) m(r, c) = static_cast<double>(block.column[c][r]) + (r == c ? static_cast<double>(added[i]) : 0);
         const Eigen::LLT<Eigen::Matrix3d> factor(m);
         if (factor.info() != Eigen::Success) {
-            bad[i / grain] = 1;
+            good = false;
             return;
         }
         m = factor.solve(Eigen::Matrix3d::Identity());
@@ -79,7 +78,7 @@ bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::v
             inverse[i].column[c][3] = 0;
         }
     });
-    return std::find(bad.begin(), bad.end(), 1) == bad.end();
+    return good;
 }
 
 } // namespace sinew::solver

@@ -61,7 +61,7 @@ Evaluation evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<
 
 /// Moves x to free flight if the potential is lower there.
 Evaluation choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
-    w.trial = potential.free_flight(x);
+    potential.free_flight(x, w.trial);
     if (w.trial == x) return evaluate(potential, w, x, record);
     double here;
     {

@@ -63,7 +63,7 @@ void Potential::update_loads(const StepInputs& inputs) {
 }
 
 void Potential::begin_step(const State& before, const StepInputs& inputs) {
-    inputs_ = inputs;
+    inputs_ = &inputs;
     x_before_ = before.x;
     update_loads(inputs);
     if (inputs.stiffness_damping > 0 && inputs.integrator != Integrator::quasi_static) {
@@ -74,7 +74,7 @@ void Potential::begin_step(const State& before, const StepInputs& inputs) {
 
 void Potential::begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after) {
     form_ = &form;
-    springs_->begin_stage(inputs_, before, bones_after, form);
+    springs_->begin_stage(*inputs_, before, bones_after, form);
 }
 
 void Potential::accelerations(const State& before, std::vector<double>& out) {
@@ -103,7 +103,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     const MassMatrix& masses = tissues_.mass();
     const std::vector<double>& weight = masses.weight();
     const bool moving = form_->velocity_factor > 0;
-    const double alpha = moving ? inputs_.mass_damping : 0, beta = moving ? inputs_.stiffness_damping : 0;
+    const double alpha = moving ? inputs_->mass_damping : 0, beta = moving ? inputs_->stiffness_damping : 0;
     const std::size_t n = unknown_count();
 
     double spring_energy = 0;
@@ -149,7 +149,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         const std::size_t v = vertex(u);
         double w = 0;
         for (std::size_t c = 0; c < 3; ++c)
-            w += inputs_.gravity[static_cast<Eigen::Index>(c)] * (x[3 * v + c] - x_before_[3 * v + c]);
+            w += inputs_->gravity[static_cast<Eigen::Index>(c)] * (x[3 * v + c] - x_before_[3 * v + c]);
         return weight[v] * w;
     });
     const double load_energy = loads_.empty() ? 0 : -ordered_sum(n, [&](std::size_t u) {
@@ -168,7 +168,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         tissues_.add_gradient(u, g);
         const std::size_t v = vertex(u);
         for (std::size_t c = 0; c < 3; ++c) {
-            g[c] -= weight[v] * inputs_.gravity[static_cast<Eigen::Index>(c)];
+            g[c] -= weight[v] * inputs_->gravity[static_cast<Eigen::Index>(c)];
             if (form_->mass_factor > 0) g[c] += form_->mass_factor * inertia_[3 * u + c];
             if (alpha > 0) g[c] += alpha * drag_[3 * u + c];
             if (beta > 0) g[c] += beta * damping_force_[3 * u + c];
@@ -183,7 +183,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         norms->inertia = form_->mass_factor > 0 ? form_->mass_factor * std::sqrt(ordered_sum(3 * n, [&](std::size_t i) {
             return inertia_[i] * inertia_[i];
         })) : 0;
-        const double g = inputs_.gravity.norm();
+        const double g = inputs_->gravity.norm();
         norms->gravity = g * std::sqrt(ordered_sum(n, [&](std::size_t u) { return weight[vertex(u)] * weight[vertex(u)]; }));
         norms->loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(n, [&](std::size_t u) {
             const std::size_t v = 3 * vertex(u);
@@ -197,15 +197,14 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     return total;
 }
 
-std::vector<double> Potential::free_flight(const std::vector<double>& x) const {
-    std::vector<double> out = x;
+void Potential::free_flight(const std::vector<double>& x, std::vector<double>& out) const {
+    out = x;
     if (form_->mass_factor > 0)
         for (const int v : system_.vertex_of_unknown)
             for (std::size_t c = 0; c < 3; ++c) {
                 const std::size_t i = 3 * static_cast<std::size_t>(v) + c;
-                out[i] = form_->target[i] + inputs_.gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor;
+                out[i] = form_->target[i] + inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor;
             }
-    return out;
 }
 
 double Potential::force_rounding(const std::vector<double>& x) const {
@@ -218,13 +217,13 @@ void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix
     tissues_.assemble(x, project, a);
     if (!springs_->empty()) springs_->add_hessian(system_.unknown, a);
     const double f = form_->velocity_factor;
-    const double factor = form_->mass_factor + (f > 0 ? inputs_.mass_damping * f : 0);
+    const double factor = form_->mass_factor + (f > 0 ? inputs_->mass_damping * f : 0);
     if (factor > 0) tissues_.mass().add_to(a, factor);
-    if (inputs_.stiffness_damping > 0 && f > 0)
+    if (inputs_->stiffness_damping > 0 && f > 0)
         parallel_for(pattern_->block_count(), 2048, [&](std::size_t index) {
             double* out = a.block(index);
             const double* k = damping_->block(index);
-            for (int i = 0; i < 9; ++i) out[i] += inputs_.stiffness_damping * f * k[i];
+            for (int i = 0; i < 9; ++i) out[i] += inputs_->stiffness_damping * f * k[i];
         });
 }
 

@@ -28,7 +28,7 @@ class Potential {
     /// Takes the step's material values and makes the pattern for them and for these anchors, if it is not there yet.
     /// Returns true if the pattern is new.
     bool set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs);
-    /// Fixes everything that is constant over the step from `before`, after set_structure.
+    /// Fixes everything that is constant over the step from `before`, after set_structure. `inputs` must outlive the step.
     void begin_step(const State& before, const StepInputs& inputs);
     /// Fixes what is constant over one stage of it. `form` must outlive the stage.
     void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
@@ -41,7 +41,7 @@ class Potential {
     UnknownPlaces places() const; ///< of the unknowns at rest
 
     /// Where every vertex would be if only inertia and gravity acted; `x` for a step without inertia.
-    std::vector<double> free_flight(const std::vector<double>& x) const;
+    void free_flight(const std::vector<double>& x, std::vector<double>& out) const;
     /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
     /// See TissueEnergy.
@@ -70,7 +70,7 @@ class Potential {
     std::unique_ptr<BlockPattern> pattern_;
     double energy_scale_ = 0;
 
-    StepInputs inputs_;
+    const StepInputs* inputs_ = nullptr;
     const ImplicitForm* form_ = nullptr;
     std::vector<double> x_before_;
     std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none

@@ -3,6 +3,7 @@
 #include "solver/error.h"
 #include "solver/newton/potential.h"
 #include "tests/support/solver_scenes.h"
+#include "tests/support/swing.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -19,45 +20,6 @@ using namespace sinew::solver;
 using namespace sinew::test;
 
 namespace {
-
-/// A muscle between two bones: lattice-free box, fibres, two attachments, the second bone swings.
-struct Swing {
-    TetMesh mesh = box_mesh({0.3, 0.06, 0.06}, 10, 2, 2);
-    std::shared_ptr<const Scene> scene;
-    Points left, right;
-    Swing() {
-        auto t = tissue(mesh, ElasticLaw::stvk);
-        t->fibers = {{Points(mesh.tets.size(), Vec3(1, 0, 0)), std::vector<double>(mesh.tets.size(), 1.0)}};
-        left = {{0, -0.1, -0.1}, {0, 0.2, -0.1}, {0, 0, 0.2}};
-        right = {{0.3, -0.1, -0.1}, {0.3, 0.2, -0.1}, {0.3, 0, 0.2}};
-        SceneDescription d;
-        d.bodies = {t, bone(left, {{0, 1, 2}}), bone(right, {{0, 1, 2}})};
-        for (const int end : {0, 1}) {
-            AttachmentRest a;
-            a.source = 0, a.target = 1 + end;
-            a.source_weights.assign(mesh.vertices.size(), 0.0);
-            for (const int v : vertices_where(mesh.vertices, [&](const Vec3& p) { return std::abs(p.x() - 0.3 * end) < 1e-9; }))
-                a.source_weights[static_cast<std::size_t>(v)] = 1;
-            d.attachments.push_back(a);
-        }
-        scene = std::make_shared<const Scene>(std::move(d));
-    }
-    StepInputs inputs(double frame) const {
-        StepInputs in;
-        TissueInputs values = material(2e4, 0.45, 1060);
-        values.compression_resistance = 20000;
-        values.fibers = {{5e4, 0.5, std::min(1.0, frame / 10), 1}};
-        const Mat3 turn = Eigen::AngleAxisd(0.1 * frame, Vec3(0, 0, 1)).toRotationMatrix();
-        Points moved = right;
-        for (Vec3& p : moved) p = turn * p;
-        in.bodies = {values, BoneInputs{left}, BoneInputs{moved}};
-        in.attachments = {{1e8, 1, 0}, {1e8, 1, 50}};
-        in.stiffness_damping = 0.001;
-        in.mass_damping = 0.1;
-        in.max_newton_iterations = 30;
-        return in;
-    }
-};
 
 State run(const Swing& swing, Workspace& w, State s, int first, int last) {
     for (int frame = first; frame <= last; ++frame) {
