@@ -2,6 +2,7 @@
 #include "solver/attach/springs.h"
 
 #include "solver/attach/anchors.h"
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -111,22 +112,43 @@ double Springs::energy(const std::vector<double>& x, double* gradient) const {
     return total;
 }
 
-void Springs::add_hessian(const std::vector<int>& unknown, BlockMatrix& a) const {
+void Springs::set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown) {
+    std::vector<std::pair<int, Entry>> entries; // of the upper triangle, by block
     for (std::size_t k = 0; k < springs_.size(); ++k) {
         const Spring& s = springs_[k];
-        const double stiffness = values_[k].stiffness + values_[k].viscous;
         for (int i = 0; i < s.count; ++i) {
             const int row = unknown[static_cast<std::size_t>(s.vertex[i])];
-            if (row < 0) continue;
-            for (int j = 0; j < s.count; ++j) {
+            for (int j = 0; j < s.count && row >= 0; ++j) {
                 const int column = unknown[static_cast<std::size_t>(s.vertex[j])];
-                if (column < row) continue; // upper triangle; also skips fixed vertices
-                double* block = a.block(static_cast<std::size_t>(a.pattern->find(row, column)));
-                const double value = stiffness * s.coefficient[i] * s.coefficient[j];
-                for (int c = 0; c < 3; ++c) block[4 * c] += value;
+                if (column < row) continue; // also skips fixed vertices
+                entries.push_back({pattern.find(row, column), {static_cast<int>(k), s.coefficient[i] * s.coefficient[j]}});
             }
         }
     }
+    std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    blocks_.clear();
+    entries_.clear();
+    entry_start_.clear();
+    for (const auto& [block, entry] : entries) {
+        if (blocks_.empty() || blocks_.back() != block) {
+            blocks_.push_back(block);
+            entry_start_.push_back(entries_.size());
+        }
+        entries_.push_back(entry);
+    }
+    entry_start_.push_back(entries_.size());
+}
+
+void Springs::add_hessian(BlockMatrix& a) const {
+    parallel_for(blocks_.size(), 512, [&](std::size_t b) {
+        double sum = 0;
+        for (std::size_t e = entry_start_[b]; e < entry_start_[b + 1]; ++e) {
+            const Values& v = values_[static_cast<std::size_t>(entries_[e].spring)];
+            sum += (v.stiffness + v.viscous) * entries_[e].product;
+        }
+        double* block = a.block(static_cast<std::size_t>(blocks_[b]));
+        for (int c = 0; c < 3; ++c) block[4 * c] += sum;
+    });
 }
 
 double Springs::force_norm(const std::vector<double>& x) const {

@@ -26,14 +26,16 @@ class Springs {
     Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors);
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
+    /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
+    void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown);
     /// Values of the coming stage of a step from `before`; `bones_after`: bone positions at the end of the step.
     void begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
                      const ImplicitForm& form);
     bool empty() const { return springs_.empty(); }
     /// Energy [J] with its gradient added to `gradient` (3 a vertex) unless that is null.
     double energy(const std::vector<double>& x, double* gradient) const;
-    /// Adds the Hessian. `unknown[vertex]` = row or -1.
-    void add_hessian(const std::vector<int>& unknown, BlockMatrix& a) const;
+    /// Adds the Hessian to a matrix of the pattern of set_pattern.
+    void add_hessian(BlockMatrix& a) const;
     /// Root of the sum of squared spring forces [N]; and the longest spring [m].
     double force_norm(const std::vector<double>& x) const;
     double stiffness_norm() const; ///< root of the sum of squared stiffnesses [N/m]
@@ -47,10 +49,18 @@ class Springs {
         Vec3 anchor;               ///< prescribed point, 0 if both ends are free
         Vec3 reference;            ///< the stretch at which the relative velocity would be zero
     };
+    /// The spring's stiffness times this goes to the diagonal of a block.
+    struct Entry {
+        int spring;
+        double product; ///< of the coefficients of the block's row and column
+    };
     Vec3 stretch(const Spring& s, const Values& v, const std::vector<double>& x) const;
     const Scene& scene_;
     std::vector<Spring> springs_;
     std::vector<Values> values_;
+    std::vector<int> blocks_;              ///< those that springs reach
+    std::vector<std::size_t> entry_start_; ///< per such block
+    std::vector<Entry> entries_;
 };
 
 } // namespace sinew::solver

@@ -11,27 +11,36 @@
 
 #include <array>
 #include <cmath>
+#include <type_traits>
 
 namespace sinew::solver {
 
 namespace {
 
-template <class R>
-void evaluate_law(ElasticLaw law, const R* s, R mu, R lambda, R compression, Principal<R>& out) {
+/// Laws that need no singular values, except to be projected.
+bool has_tensor_form(ElasticLaw law) {
+    return law == ElasticLaw::stvk || law == ElasticLaw::neo_hookean || law == ElasticLaw::log_neo_hookean;
+}
+
+/// `Form` is Principal with the principal stretches, or TensorForm with the strains.
+template <class Form, class At, class R>
+void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compression, Form& out) {
     switch (law) {
     case ElasticLaw::stvk:
-        stvk(s, mu, lambda, out);
-        add_compression_resistance(s, compression, out);
+        stvk(at, mu, lambda, out);
+        add_compression_resistance(at, compression, out);
         break;
     case ElasticLaw::neo_hookean:
-        neo_hookean(s, mu, lambda, out);
-        add_compression_resistance(s, compression, out);
+        neo_hookean(at, mu, lambda, out);
+        add_compression_resistance(at, compression, out);
         break;
     case ElasticLaw::log_neo_hookean:
-        log_neo_hookean(s, mu, lambda, out);
-        add_compression_resistance(s, compression, out);
+        log_neo_hookean(at, mu, lambda, out);
+        add_compression_resistance(at, compression, out);
         break;
-    case ElasticLaw::corotational: corotational(s, mu, lambda, out); break;
+    case ElasticLaw::corotational:
+        if constexpr (std::is_same_v<Form, Principal<R>>) corotational(at, mu, lambda, out);
+        break;
     case ElasticLaw::anisotropic: clear(out); break; // not a function of principal stretches: material/anisotropic.h
     }
 }
@@ -45,6 +54,18 @@ template <class R> void evaluate_measure(ElasticLaw law, const R* s, Principal<R
     case ElasticLaw::anisotropic:
         clear(out);
         add_volumetric(s, s[0] * s[1] * s[2] - R(1.0), R(1.0), R(0.0), out);
+        break;
+    }
+}
+
+template <class R> void evaluate_measure(ElasticLaw law, const Strains<R>& e, TensorForm<R>& out) {
+    switch (law) {
+    case ElasticLaw::stvk: stvk_measure(e, out); break;
+    case ElasticLaw::log_neo_hookean: log_neo_hookean_measure(e, out); break;
+    default: // J - 1
+        clear(out);
+        out.energy = e.j - R(1.0);
+        out.by_j = R(1.0);
         break;
     }
 }
@@ -69,6 +90,16 @@ void evaluate_point(const PointInputs& in, const Pack* s, Principal<Pack>& q) {
     const Pack energy = q.energy;
     add_volumetric(s, Pack(0.0), in.pressures->j, Pack(0.0), q);
     q.energy = energy;
+}
+
+void evaluate_point(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pack>& law) {
+    evaluate_law(in.law, e, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression), law);
+    if (!in.pressures) return;
+    TensorForm<Pack> measure;
+    evaluate_measure(in.law, e, measure);
+    law.uniform += in.pressures->measure * measure.uniform;
+    law.by_j += in.pressures->measure * measure.by_j + in.pressures->j;
+    law.by_jj += in.pressures->measure * measure.by_jj;
 }
 
 /// out = U diag(d) V^T
@@ -163,6 +194,18 @@ void principal_blocks(const PointInputs& in, const Pack* f, Pack volume, bool pr
         }
 }
 
+/// The same without projection, for laws with a tensor form.
+void exact_blocks(const PointInputs& in, const Pack* f, Pack volume, Pack blocks[6][9]) {
+    Strains<Pack> strains;
+    set_strains(f, strains);
+    TensorForm<Pack> law;
+    evaluate_point(in, strains, law);
+    Pack n[3][3];
+    for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i) n[a][i] = Pack::load(in.batch.shape[3 * a + i]);
+    tensor_blocks(strains, law, n, volume, blocks);
+}
+
 /// Adds the anisotropic law's blocks. Projected: the tension's negative eigenvalues are set to zero, which leaves a sum
 /// of two positive semi-definite parts.
 void add_anisotropic_blocks(const PointInputs& in, const Pack* f, Pack volume, bool project, Pack blocks[6][9]) {
@@ -196,7 +239,16 @@ void point_gradient(const PointInputs& in, const Corners& corners, double* out, 
     for (auto& corner : g)
         for (Pack& component : corner) component = Pack(0.0);
     Pack energy(0.0);
-    if (has_principal_part(in)) {
+    if (has_tensor_form(in.law)) {
+        Strains<Pack> strains;
+        set_strains(f, strains);
+        TensorForm<Pack> law;
+        evaluate_point(in, strains, law);
+        energy = law.energy;
+        Pack p[9];
+        tensor_stress(strains, law, p);
+        add_stress_forces(batch, volume, p, g);
+    } else if (has_principal_part(in)) {
         Svd3<Pack> svd;
         svd3(f, svd);
         Principal<Pack> q;
@@ -231,7 +283,9 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
     deformation_gradient(batch, corners, f);
     const Pack volume = Pack::load(batch.volume) * Pack(in.share);
     Pack blocks[6][9]; // of corners a <= b in 1…3: 11 12 13 22 23 33
-    if (has_principal_part(in))
+    if (has_tensor_form(in.law) && !project)
+        exact_blocks(in, f, volume, blocks);
+    else if (has_principal_part(in))
         principal_blocks(in, f, volume, project, blocks);
     else
         for (auto& block : blocks)
@@ -270,6 +324,16 @@ void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corner
     cofactor(f, by_f);
     by_corners(out.d_j);
     if (!with_measure) return;
+    if (has_tensor_form(law)) {
+        Strains<Pack> strains;
+        set_strains(f, strains);
+        TensorForm<Pack> form;
+        evaluate_measure(law, strains, form);
+        out.measure = form.energy;
+        tensor_stress(strains, form, by_f);
+        by_corners(out.d_measure);
+        return;
+    }
     Svd3<Pack> svd;
     svd3(f, svd);
     Principal<Pack> q;
@@ -287,10 +351,19 @@ void elastic_stress(ElasticLaw law, double mu, double lambda, double compression
         *energy = a.energy();
         return;
     }
+    if (has_tensor_form(law)) {
+        Strains<double> strains;
+        set_strains(f, strains);
+        TensorForm<double> form;
+        evaluate_law(law, strains, mu, lambda, compression, form);
+        tensor_stress(strains, form, p);
+        *energy = form.energy;
+        return;
+    }
     Svd3<double> svd;
     svd3(f, svd);
     Principal<double> q{};
-    evaluate_law(law, svd.s, mu, lambda, compression, q);
+    evaluate_law(law, &svd.s[0], mu, lambda, compression, q);
     recompose(svd.u, q.first, svd.v, p);
     *energy = q.energy;
 }

@@ -6,8 +6,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/material/principal.h"
+#include "solver/material/tensor_form.h"
 
 namespace sinew::solver {
+
+template <class R> inline void neo_hookean(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
+    clear(out);
+    const R m = R(4.0 / 3.0) * mu, l = lambda + R(5.0 / 6.0) * mu;
+    const R a = R(1.0) + R(0.75) * m / l, d = e.j - a;
+    const R above = R(2.0) * e.trace + R(4.0), inverse = R(1.0) / above; // I_C + 1
+    out.energy = m * e.trace - R(0.5) * m * log(R(0.25) * above) + R(0.5) * l * (d * d - (R(1.0) - a) * (R(1.0) - a));
+    out.uniform = m * (R(1.0) - inverse);
+    out.uniform_slope = R(2.0) * m * inverse * inverse;
+    out.by_j = l * d;
+    out.by_jj = l;
+}
 
 template <class R> inline void neo_hookean(const R* s, R mu, R lambda, Principal<R>& out) {
     clear(out);

@@ -27,6 +27,7 @@ bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, c
     pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), std::move(couplings)));
     damping_.reset();
     tissues_.set_pattern(*pattern_);
+    springs_->set_pattern(*pattern_, system_.unknown);
     return true;
 }
 
@@ -215,7 +216,7 @@ double Potential::force_rounding(const std::vector<double>& x) const {
 
 void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix& a) {
     tissues_.assemble(x, project, a);
-    if (!springs_->empty()) springs_->add_hessian(system_.unknown, a);
+    if (!springs_->empty()) springs_->add_hessian(a);
     const double f = form_->velocity_factor;
     const double factor = form_->mass_factor + (f > 0 ? inputs_->mass_damping * f : 0);
     if (factor > 0) tissues_.mass().add_to(a, factor);
