@@ -5,6 +5,7 @@
 #include "solver/system.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace sinew::solver {
@@ -23,6 +24,9 @@ constexpr std::size_t most_entries = (std::size_t{1} << 30) - 1;
 void check_tissue(const TissueRest& t, int body) {
     const std::size_t n = t.tets.tets.size();
     if (n == 0) refuse(body, "FE201", "the tissue has no tets", "its mesh or lattice must not be empty");
+    for (std::size_t v = 0; v < t.tets.vertices.size(); ++v)
+        if (!t.tets.vertices[v].allFinite())
+            refuse(body, "FE202", "vertex " + std::to_string(v) + " of the tet mesh is not a finite number", "repair the mesh");
     for (const Tet& tet : t.tets.tets)
         for (const int v : tet)
             if (v < 0 || static_cast<std::size_t>(v) >= t.tets.vertices.size())
@@ -42,6 +46,27 @@ void check_tissue(const TissueRest& t, int body) {
             refuse(body, "FE204", "a fibre field has " + std::to_string(f.directions.size()) + " directions and " +
                                       std::to_string(f.weights.size()) + " weights for " + std::to_string(n) + " tets",
                    "one of each per tet");
+    // A weight that is not a number would pass every comparison below and come out as an energy that is none.
+    const auto all_finite = [](const std::vector<double>& values) {
+        return std::all_of(values.begin(), values.end(), [](double w) { return std::isfinite(w); });
+    };
+    for (const auto& w : t.layer_weights)
+        if (!all_finite(w)) refuse(body, "FE204", "a weight of a material layer is not a finite number", "check the painted map");
+    for (const auto& f : t.fibers)
+        if (!all_finite(f.weights) || !std::all_of(f.directions.begin(), f.directions.end(), [](const Vec3& d) { return d.allFinite(); }))
+            refuse(body, "FE204", "a weight or direction of a fibre field is not a finite number", "check the painted map");
+    if (!all_finite(t.tets.coverage))
+        refuse(body, "FE202", "the coverage of a tet is not a finite number", "it lies between 0 and 1");
+}
+
+/// make_batches, whose Error does not know the body.
+std::vector<TetBatch> checked_batches(const TissueRest& t, int first_vertex, int body) {
+    try {
+        return make_batches(t.tets, first_vertex);
+    } catch (Error& e) {
+        e.body = body;
+        throw;
+    }
 }
 
 std::vector<Anisotropy> make_anisotropy(const TissueRest& t, std::size_t batch_count) {
@@ -86,7 +111,7 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         batches.first_batch = system->batches.size();
         batches.first_edge_batch = system->edge_batches.size();
         batches.tet_count = t->tets.tets.size();
-        const std::vector<TetBatch> corners = make_batches(t->tets, vertex_count_);
+        const std::vector<TetBatch> corners = checked_batches(*t, vertex_count_, body);
         batches.batch_count = corners.size();
         system->batches.insert(system->batches.end(), corners.begin(), corners.end());
         for (const FiberRest& f : t->fibers) batches.fibers.push_back(make_fiber_batches(f, corners.size()));

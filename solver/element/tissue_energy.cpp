@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/element/tissue_energy.h"
 
+#include "solver/error.h"
 #include "solver/material/principal.h"
 #include "solver/material/stvk.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <string>
 
 namespace sinew::solver {
 
@@ -40,6 +43,26 @@ MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::s
         m.volume_conservation = a * layer.volume_conservation + (1 - a) * m.volume_conservation;
     }
     return m;
+}
+
+/// Throws Error FE302 that names the body where a value is not a finite number: further on it would only be an energy
+/// that is none, of the whole scene.
+void check_values(const TissueInputs& in, int body) {
+    const auto refuse = [&](const char* what) {
+        Error e("FE302", std::string(what) + " is not a finite number", "check the attribute and what it is connected to");
+        e.body = body;
+        throw e;
+    };
+    const auto finite = [](std::initializer_list<double> values) {
+        return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
+    };
+    if (!finite({in.compression_resistance, in.transverse_anisotropy})) refuse("the compression resistance or anisotropy of a tissue");
+    for (const MaterialValues& m : in.layers)
+        if (!finite({m.youngs_modulus, m.poissons_ratio, m.mass_density, m.envelope, m.volume_conservation}))
+            refuse("a value of a tissue's material");
+    for (const FiberValues& f : in.fibers)
+        if (!finite({f.strength, f.contraction_limit, f.excitation, f.envelope})) refuse("a value of a tissue's fibre");
+    if (!std::all_of(in.forces.begin(), in.forces.end(), [](const Vec3& f) { return f.allFinite(); })) refuse("a load on a tissue");
 }
 
 bool conserves_volume(const TissueInputs& in) {
@@ -76,6 +99,8 @@ TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.sy
 TissueEnergy::~TissueEnergy() = default;
 
 bool TissueEnergy::set_values(const StepInputs& inputs) {
+    for (const TissueBatches& t : system_.tissues) // all of them before anything is taken over
+        check_values(std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(t.body)]), t.body);
     bool changed = false, new_couplings = false;
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
         const TissueBatches& batches = system_.tissues[t];

@@ -19,7 +19,8 @@ class TissueEnergy {
     ~TissueEnergy();
 
     /// Takes the material and fibre values of a step. Returns true if the couplings changed: volume conservation came or
-    /// went on a tissue of linear tets, whose patches couple more vertices.
+    /// went on a tissue of linear tets, whose patches couple more vertices. Throws Error FE302 with the body where a value
+    /// is not a finite number; then nothing is taken.
     bool set_values(const StepInputs& inputs);
     /// How many tenfold steps the stiffness on means and patches lies above a hundred times the shear modulus.
     int volume_levels() const { return volume_levels_; }

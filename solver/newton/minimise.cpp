@@ -21,10 +21,11 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
 double forcing(double residual, double tolerance) { return std::clamp(0.2 * tolerance / residual, 1e-3, 1e-1); }
 
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
-/// projected one. Returns the slope along it.
-double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
-                      int iteration, const std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+/// projected one; `definite` says which. Returns the slope along it.
+double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual, int iteration,
+                      const std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record) {
     for (const bool project : {false, true}) {
+        definite = !project;
         {
             const Stopwatch timer(record.seconds_assembly);
             potential.assemble(x, project, w.hessian);
@@ -84,9 +85,11 @@ struct RelaxedVolume {
 constexpr double stalled_step = 0.1;
 
 /// Newton's method from x, where the potential's value and norms are `start` and its gradient w.gradient. `may_stall`
-/// returns at the first line search that falls below stalled_step.
-End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, Evaluation start, bool may_stall,
-            const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
+/// returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the exact Hessian was
+/// positive definite at the last one.
+End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, Evaluation start, bool may_stall, const StepControl& control,
+            std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record, double& r) {
+    definite = false;
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
     auto& [value, norms] = start;
     bool converged = false;
@@ -105,7 +108,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
                         "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
-        const double slope = find_direction(potential, w, options, r, iteration, x, memory, record);
+        const double slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         ++record.newton_iterations;
 
         // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to
@@ -137,6 +140,89 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     return End::converged;
 }
 
+/// Flat tets, not turned inside out: det F of a rounding error.
+constexpr double flat = -1e-6;
+/// How far a body is blown up to get it off a ridge, in its own size at rest.
+constexpr double nudge = 0.1;
+
+/// Where the gradient is zero and tets are flat or inverted: whether x may be no minimum. Vertices in one plane feel no
+/// force across it under laws that are even in that stretch, and a body in one point feels none at all (its Hessian is
+/// then zero too, so that inertia alone makes it definite).
+bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const std::vector<double>& x,
+                  const LinearMemory& memory, bool& definite, StepRecord& record) {
+    definite = true;
+    StepRecord shape;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        potential.describe(x, shape);
+    }
+    if (shape.inverted == 0) return false;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        potential.assemble(x, false, w.hessian);
+    }
+    // Any right-hand side that leaves out no direction shows negative curvature to conjugate gradients; what they say is
+    // checked by a factorisation, unless the scene forbids factors.
+    std::vector<double> probe(w.gradient.size());
+    for (std::size_t i = 0; i < probe.size(); ++i) probe[i] = 1 + 0.5 * std::sin(static_cast<double>(i));
+    for (const LinearMethod method : {options.method, LinearMethod::direct}) {
+        LinearMemory unchanged = memory;
+        const LinearSolver::Outcome outcome = w.linear.solve(method, w.hessian, probe, w.direction, 1e-3, 0, false, unchanged);
+        record.linear_iterations += outcome.iterations;
+        record.seconds_factor += outcome.seconds_factor;
+        record.seconds_solve += outcome.seconds_solve;
+        definite = outcome.definite;
+        if (definite || options.method != LinearMethod::automatic) break;
+    }
+    return !definite || shape.min_j > flat;
+}
+
+/// x with every body's rest shape, made small, laid over it: that opens flat tets the right way round.
+std::vector<double> nudged(const Potential& potential, const std::vector<double>& x) {
+    const UnknownPlaces places = potential.places();
+    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    std::vector<Vec3> centre(places.spacing.size(), Vec3::Zero());
+    std::vector<double> count(places.spacing.size(), 0.0);
+    for (std::size_t u = 0; u < vertex_of.size(); ++u) {
+        centre[static_cast<std::size_t>(places.body[u])] += places.points[u];
+        ++count[static_cast<std::size_t>(places.body[u])];
+    }
+    std::vector<double> out = x;
+    for (std::size_t u = 0; u < vertex_of.size(); ++u) {
+        const std::size_t body = static_cast<std::size_t>(places.body[u]);
+        const Vec3 shift = nudge * (places.points[u] - centre[body] / count[body]);
+        for (std::size_t c = 0; c < 3; ++c) out[3 * static_cast<std::size_t>(vertex_of[u]) + c] += shift[static_cast<Eigen::Index>(c)];
+    }
+    return out;
+}
+
+/// From a point without force that may be a ridge of the potential down to a lower minimum, if there is one. A ridge that
+/// cannot be left is not called converged. Where Newton's last step saw a definite Hessian there is nothing to ask.
+End leave_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
+                std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
+    bool definite = true;
+    if (!may_be_ridge(potential, w, options, x, memory, definite, record)) return End::converged;
+    const double before = evaluate(potential, w, x, record).value, before_rounding = potential.energy_rounding(), before_r = r;
+    std::vector<double> lower = nudged(potential, x);
+    LinearMemory lower_memory = memory;
+    bool lower_definite = false;
+    End end = End::out_of_iterations;
+    try {
+        end = iterate(potential, w, options, evaluate(potential, w, lower, record), false, control, lower, lower_memory, lower_definite, record, r);
+    } catch (const Error&) { // no way down from there: what is left is the point itself
+        lower = x;
+    }
+    if (evaluate(potential, w, lower, record).value < before - before_rounding) {
+        x = std::move(lower);
+        memory = lower_memory;
+        if (end == End::converged && !lower_definite && may_be_ridge(potential, w, options, x, memory, definite, record) && !definite)
+            end = End::out_of_iterations;
+        return end;
+    }
+    r = before_r;
+    return definite ? End::converged : End::out_of_iterations;
+}
+
 } // namespace
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
@@ -144,7 +230,8 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
     w.linear.begin_step();
     double r = 0;
     const int levels = potential.volume_levels();
-    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory, record, r);
+    bool definite = false;
+    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory, definite, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only
         // small ones. With the volume let go tenfold more gently the path is found in a few steps and then tightened.
@@ -154,11 +241,12 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
             const RelaxedVolume guard{potential};
             for (int level = levels; level > 0; --level) {
                 potential.relax_volume(level);
-                iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, record, r);
+                iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, definite, record, r);
             }
         }
-        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, record, r);
+        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite, record, r);
     }
+    if (end == End::converged && !definite) end = leave_ridge(potential, w, options, control, x, memory, record, r);
     record.residual = std::max(record.residual, r);
     record.converged = record.converged && end == End::converged;
 }
