@@ -177,6 +177,7 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     const std::string& method = in[linear_solver];
     s.linear_method = method == "Direct"      ? solver::LinearMethod::direct
                       : method == "Iterative" ? solver::LinearMethod::iterative
+                      : method == "Plain"     ? solver::LinearMethod::plain
                                               : solver::LinearMethod::automatic;
     s.gravity = solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
     s.mass_damping = in[mass_damping];

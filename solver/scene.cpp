@@ -110,6 +110,7 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         batches.kind = t->element;
         batches.first_batch = system->batches.size();
         batches.first_edge_batch = system->edge_batches.size();
+        batches.first_unknown = system->vertex_of_unknown.size();
         batches.tet_count = t->tets.tets.size();
         const std::vector<TetBatch> corners = checked_batches(*t, vertex_count_, body);
         batches.batch_count = corners.size();
@@ -129,13 +130,14 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         if (t->element == ElementKind::quadratic) add_edges(*t, vertex_count_, corners, nodes, *system);
         for (const Vec3& p : nodes)
             for (int c = 0; c < 3; ++c) system->rest.push_back(p[c]);
-        system->tissues.push_back(std::move(batches));
         std::vector<char> held(nodes.size(), 0);
         for (const int v : t->fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
         for (std::size_t v = 0; v < held.size(); ++v) {
             system->unknown.push_back(held[v] ? -1 : static_cast<int>(system->vertex_of_unknown.size()));
             if (!held[v]) system->vertex_of_unknown.push_back(vertex_count_ + static_cast<int>(v));
         }
+        batches.unknown_count = system->vertex_of_unknown.size() - batches.first_unknown;
+        system->tissues.push_back(std::move(batches));
         vertex_count_ += static_cast<int>(nodes.size());
     }
     for (const AttachmentRest& a : description_.attachments)

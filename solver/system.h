@@ -15,6 +15,7 @@ struct TissueBatches {
     ElementKind kind = ElementKind::linear;
     std::size_t first_batch = 0, batch_count = 0, tet_count = 0;
     std::size_t first_edge_batch = 0; ///< quadratic only
+    std::size_t first_unknown = 0, unknown_count = 0;
     std::vector<std::vector<FiberBatch>> fibers; ///< [fibre field][batch within the tissue]
     std::vector<Anisotropy> anisotropy;          ///< per batch for that law: directions, root 1
 

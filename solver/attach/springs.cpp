@@ -35,6 +35,8 @@ Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anc
             s.attachment = static_cast<int>(a);
             s.anchor_index = static_cast<int>(i);
             s.area_weight = anchor.area_weight;
+            if (source) s.body[0] = attachments[a].source;
+            if (target) s.body[1] = attachments[a].target;
             if (source) {
                 const std::size_t v = static_cast<std::size_t>(anchor.source_vertex);
                 add_point(s, scene.embedded(attachments[a].source, source->embedding.tet[v], source->embedding.barycentric[v]), 1);
@@ -151,17 +153,18 @@ void Springs::add_hessian(BlockMatrix& a) const {
     });
 }
 
-double Springs::force_norm(const std::vector<double>& x) const {
-    double sum = 0;
-    for (std::size_t k = 0; k < springs_.size(); ++k)
-        sum += (values_[k].stiffness * stretch(springs_[k], values_[k], x)).squaredNorm();
-    return std::sqrt(sum);
+void Springs::add_squared_forces(const std::vector<double>& x, std::vector<double>& of_body) const {
+    for (std::size_t k = 0; k < springs_.size(); ++k) {
+        const double square = (values_[k].stiffness * stretch(springs_[k], values_[k], x)).squaredNorm();
+        for (const int body : springs_[k].body)
+            if (body >= 0) of_body[static_cast<std::size_t>(body)] += square;
+    }
 }
 
-double Springs::stiffness_norm() const {
-    double sum = 0;
-    for (const Values& v : values_) sum += v.stiffness * v.stiffness;
-    return std::sqrt(sum);
+void Springs::add_squared_stiffnesses(std::vector<double>& of_body) const {
+    for (std::size_t k = 0; k < springs_.size(); ++k)
+        for (const int body : springs_[k].body)
+            if (body >= 0) of_body[static_cast<std::size_t>(body)] += values_[k].stiffness * values_[k].stiffness;
 }
 
 double Springs::longest(const std::vector<double>& x) const {

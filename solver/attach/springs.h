@@ -18,6 +18,7 @@ struct Spring {
     int vertex[20];
     double coefficient[20];
     double area_weight = 0; ///< [m^2]
+    int body[2] = {-1, -1}; ///< tissues at its ends
 };
 
 class Springs {
@@ -36,10 +37,10 @@ class Springs {
     double energy(const std::vector<double>& x, double* gradient) const;
     /// Adds the Hessian to a matrix of the pattern of set_pattern.
     void add_hessian(BlockMatrix& a) const;
-    /// Root of the sum of squared spring forces [N]; and the longest spring [m].
-    double force_norm(const std::vector<double>& x) const;
-    double stiffness_norm() const; ///< root of the sum of squared stiffnesses [N/m]
-    double longest(const std::vector<double>& x) const;
+    /// Adds each spring's squared force [N^2], or squared stiffness [N^2/m^2], to those of the bodies at its ends.
+    void add_squared_forces(const std::vector<double>& x, std::vector<double>& of_body) const;
+    void add_squared_stiffnesses(std::vector<double>& of_body) const;
+    double longest(const std::vector<double>& x) const; ///< [m]
     /// Energy without the viscous part.
     double stored_energy(const std::vector<double>& x) const;
 

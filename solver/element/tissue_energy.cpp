@@ -87,6 +87,8 @@ TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.sy
     has_means_.assign(n, 0);
     fibers_.resize(n);
     active_count_.assign(n, 0);
+    force_floor_.assign(n, 0.0);
+    stiffness_scale_.assign(n, 0.0);
     patches_.resize(n);
     for (const TissueBatches& t : system_.tissues) anisotropy_.push_back(t.anisotropy);
     moduli_.resize(system_.batches.size());
@@ -181,39 +183,42 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
 }
 
 void TissueEnergy::set_scales() {
-    double sum = 0, stiffness = 0, stiffest = 0;
+    double stiffest = 0;
     elastic_scale_ = 0;
-    for (std::size_t e = 0; e < system_.batches.size(); ++e)
-        for (int lane = 0; lane < lanes; ++lane) {
-            const TetBatch& b = system_.batches[e];
-            const TetModuli& m = moduli_[e];
-            double squares = 0;
-            for (const auto& row : b.shape) squares += row[lane] * row[lane];
-            const double lambda = m.lambda[lane] + m.lambda_mean[lane];
-            const double scale = (2 * m.mu[lane] + std::min(lambda, 2 * m.mu[lane])) * b.volume[lane];
-            const double modulus_volume = (2 * m.mu[lane] + lambda + m.volume[lane]) * b.volume[lane];
-            if (b.volume[lane] > 0) stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
-            sum += scale * scale * squares;
-            elastic_scale_ += modulus_volume;
-            stiffness += modulus_volume * modulus_volume * squares * squares;
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
+        const TissueBatches& batches = system_.tissues[t];
+        double floor = 0, stiffness = 0;
+        for (std::size_t e = batches.first_batch; e < batches.first_batch + batches.batch_count; ++e)
+            for (int lane = 0; lane < lanes; ++lane) {
+                const TetBatch& b = system_.batches[e];
+                const TetModuli& m = moduli_[e];
+                double squares = 0;
+                for (const auto& row : b.shape) squares += row[lane] * row[lane];
+                const double lambda = m.lambda[lane] + m.lambda_mean[lane];
+                const double scale = (2 * m.mu[lane] + std::min(lambda, 2 * m.mu[lane])) * b.volume[lane];
+                const double modulus_volume = (2 * m.mu[lane] + lambda + m.volume[lane]) * b.volume[lane];
+                if (b.volume[lane] > 0) stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
+                floor += scale * scale * squares;
+                elastic_scale_ += modulus_volume;
+                stiffness += modulus_volume * modulus_volume * squares * squares;
+            }
+        if (patches_[t]) {
+            const Patches& patches = *patches_[t];
+            for (std::size_t p = 0; p < patches.stiffness.size(); ++p) {
+                elastic_scale_ += patches.stiffness[p];
+                const std::size_t tet = static_cast<std::size_t>(patches.of.tets[static_cast<std::size_t>(patches.of.tet_start[p])]);
+                const std::size_t e = batches.first_batch + tet / lanes;
+                const double mu = moduli_[e].mu[tet % lanes];
+                double squares = 0;
+                for (const auto& row : system_.batches[e].shape) squares += row[tet % lanes] * row[tet % lanes];
+                stiffness += patches.stiffness[p] * patches.stiffness[p] * squares * squares;
+                stiffest = std::max(stiffest, patches.stiffness[p] / (patches.volume[p] * mu));
+            }
         }
-    for (std::size_t t = 0; t < patches_.size(); ++t) {
-        if (!patches_[t]) continue;
-        const Patches& patches = *patches_[t];
-        for (std::size_t p = 0; p < patches.stiffness.size(); ++p) {
-            elastic_scale_ += patches.stiffness[p];
-            const std::size_t tet = static_cast<std::size_t>(patches.of.tets[static_cast<std::size_t>(patches.of.tet_start[p])]);
-            const std::size_t e = system_.tissues[t].first_batch + tet / lanes;
-            const double mu = moduli_[e].mu[tet % lanes];
-            double squares = 0;
-            for (const auto& row : system_.batches[e].shape) squares += row[tet % lanes] * row[tet % lanes];
-            stiffness += patches.stiffness[p] * patches.stiffness[p] * squares * squares;
-            stiffest = std::max(stiffest, patches.stiffness[p] / (patches.volume[p] * mu));
-        }
+        force_floor_[t] = 1e-6 * std::sqrt(floor);
+        stiffness_scale_[t] = std::sqrt(stiffness);
     }
     volume_levels_ = stiffest > 100 ? static_cast<int>(std::ceil(std::log10(stiffest / 100))) : 0;
-    force_floor_ = 1e-6 * std::sqrt(sum);
-    stiffness_scale_ = std::sqrt(stiffness);
 }
 
 void TissueEnergy::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
@@ -427,22 +432,21 @@ void TissueEnergy::gather_patches(BlockMatrix& a) const {
     }
 }
 
-double TissueEnergy::force_norm() const {
-    double squares = 0;
+double TissueEnergy::force_norm(std::size_t t) const {
     // In the order of batches, so that the sum does not depend on how entries are stored.
-    for (const TissueBatches& batches : system_.tissues)
-        squares += ordered_sum(batches.batch_count, [&](std::size_t i) {
-            const double* g = gradients_.data() + batches.gradient_at(i);
-            double sum = 0;
-            for (int k = 0; k < batches.nodes() * 3 * lanes; ++k) sum += g[k] * g[k];
-            return sum;
-        });
-    return std::sqrt(squares);
+    const TissueBatches& batches = system_.tissues[t];
+    return std::sqrt(ordered_sum(batches.batch_count, [&](std::size_t i) {
+        const double* g = gradients_.data() + batches.gradient_at(i);
+        double sum = 0;
+        for (int k = 0; k < batches.nodes() * 3 * lanes; ++k) sum += g[k] * g[k];
+        return sum;
+    }));
 }
 
-double TissueEnergy::fiber_norm() const {
-    return std::sqrt(ordered_sum(summaries_.size(), [&](std::size_t e) {
-        const double* q = summaries_[e].fiber_squares;
+double TissueEnergy::fiber_norm(std::size_t t) const {
+    if (active_count_[t] == 0) return 0;
+    return std::sqrt(ordered_sum(system_.tissues[t].batch_count, [&](std::size_t i) {
+        const double* q = summaries_[system_.tissues[t].first_batch + i].fiber_squares;
         return (q[0] + q[1]) + (q[2] + q[3]);
     }));
 }

@@ -40,9 +40,9 @@ class TissueEnergy {
             for (int c = 0; c < 3; ++c) g[c] += e[c * lanes];
         }
     }
-    /// Norms of the last evaluation's forces of single elements, and of fibres, before they cancel [N].
-    double force_norm() const;
-    double fiber_norm() const;
+    /// Norms of the last evaluation's forces of a tissue's single elements, and of its fibres, before they cancel [N].
+    double force_norm(std::size_t tissue) const;
+    double fiber_norm(std::size_t tissue) const;
     /// Least det F and number of tets with det F <= 0 in the last evaluation.
     void count_inverted(double& least_j, int& inverted) const;
 
@@ -50,9 +50,10 @@ class TissueEnergy {
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
 
     const MassMatrix& mass() const { return mass_; }
-    double force_floor() const { return force_floor_; }         ///< forces that would strain every tet by 1e-6 [N]
-    double elastic_scale() const { return elastic_scale_; }     ///< sum of modulus x volume [J]
-    double stiffness_scale() const { return stiffness_scale_; } ///< root of summed squares of tets' stiffnesses [N/m]
+    double elastic_scale() const { return elastic_scale_; } ///< sum of modulus x volume [J]
+    /// Of one tissue: forces that would strain every tet by 1e-6 [N], and the root of its tets' summed squared stiffnesses [N/m].
+    double force_floor(std::size_t tissue) const { return force_floor_[tissue]; }
+    double stiffness_scale(std::size_t tissue) const { return stiffness_scale_[tissue]; }
 
   private:
     struct Patches; // of one tissue
@@ -76,7 +77,8 @@ class TissueEnergy {
     MassMatrix mass_;
     int volume_levels_ = 0;
     double volume_share_ = 1;
-    double force_floor_ = 0, elastic_scale_ = 0, stiffness_scale_ = 0;
+    double elastic_scale_ = 0;
+    std::vector<double> force_floor_, stiffness_scale_; ///< per tissue
 
     const BlockPattern* pattern_ = nullptr;
     std::vector<int> contribution_start_, contributions_; ///< per block: element entries in fixed order

@@ -9,6 +9,7 @@
 #include <cstring>
 #include <mutex>
 #include <omp.h>
+#include <optional>
 
 extern "C" void openblas_set_num_threads(int);
 
@@ -43,6 +44,7 @@ struct Cholesky::Impl {
     cholmod_sparse* matrix = nullptr; // lower triangle, columns sorted
     cholmod_factor* factor = nullptr;
     double factor_operations = 0;
+    bool own_threads = false;
     cholmod_dense *right = nullptr, *solution = nullptr, *work_y = nullptr, *work_e = nullptr;
 
     Impl() {
@@ -101,7 +103,8 @@ struct Cholesky::Impl {
     }
 };
 
-Cholesky::Cholesky(const BlockPattern& pattern) : impl_(std::make_unique<Impl>()) {
+Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads) : impl_(std::make_unique<Impl>()) {
+    impl_->own_threads = own_threads;
     const std::lock_guard lock(analysis_mutex());
     openblas_set_num_threads(1);
     impl_->build_structure(pattern);
@@ -132,7 +135,8 @@ bool Cholesky::factorize(const BlockMatrix& a) {
             }
         }
     });
-    const OneOpenMpThread guard;
+    std::optional<OneOpenMpThread> guard;
+    if (!impl_->own_threads) guard.emplace();
     const int ok = cholmod_factorize(impl_->matrix, impl_->factor, &impl_->common);
     return ok && impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
 }

@@ -12,7 +12,8 @@ namespace sinew::solver {
 class Cholesky {
   public:
     /// Analyses the pattern. Sets OpenBLAS to one thread: with two, its sums differ in the last bits.
-    explicit Cholesky(const BlockPattern& pattern);
+    /// `own_threads`: CHOLMOD may open OpenMP regions, as it does if left alone; they cost more than they give.
+    explicit Cholesky(const BlockPattern& pattern, bool own_threads = false);
     ~Cholesky();
     /// Numeric factorisation. False if the matrix is not positive definite (or not finite).
     bool factorize(const BlockMatrix& a);

@@ -33,8 +33,9 @@ std::vector<int> components(const BlockPattern& pattern) {
 
 } // namespace
 
-ComponentFactors::ComponentFactors(const BlockPattern& pattern) {
-    const std::vector<int> component = components(pattern);
+ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
+    const bool plain = factoring == Factoring::plain;
+    const std::vector<int> component = plain ? std::vector<int>(static_cast<std::size_t>(pattern.rows), 0) : components(pattern);
     std::vector<int> part_of(component.size(), -1), local(component.size());
     for (std::size_t i = 0; i < component.size(); ++i) {
         int& part = part_of[static_cast<std::size_t>(component[i])];
@@ -55,7 +56,7 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern) {
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
         part->matrix = std::make_unique<BlockMatrix>(part->pattern);
-        part->factor = std::make_unique<Cholesky>(part->pattern);
+        part->factor = std::make_unique<Cholesky>(part->pattern, plain);
         part->in.resize(3 * part->rows.size());
         part->out.resize(3 * part->rows.size());
     }

@@ -9,10 +9,13 @@
 
 namespace sinew::solver {
 
+/// plain: the whole matrix at once, and CHOLMOD may open threads of its own.
+enum class Factoring { by_component, plain };
+
 class ComponentFactors {
   public:
     /// One symbolic analysis per component.
-    explicit ComponentFactors(const BlockPattern& pattern);
+    explicit ComponentFactors(const BlockPattern& pattern, Factoring factoring = Factoring::by_component);
     std::size_t count() const { return parts_.size(); }
     /// False if a component is not positive definite.
     bool factorize(const BlockMatrix& a);

@@ -38,14 +38,18 @@ int LinearSolver::break_even() const {
     return static_cast<int>(std::clamp(factor_seconds / iteration_seconds, 30.0, 1000.0));
 }
 
+void LinearSolver::make_factors(bool plain) {
+    if (factors_ && plain == plain_factors_) return;
+    factors_ = std::make_unique<ComponentFactors>(pattern_, plain ? Factoring::plain : Factoring::by_component);
+    plain_factors_ = plain;
+    ++symbolic_analyses_;
+}
+
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                       Outcome& outcome) {
+                                       Outcome& outcome, bool plain) {
     {
         const Stopwatch timer(outcome.seconds_factor);
-        if (!factors_) {
-            factors_ = std::make_unique<ComponentFactors>(pattern_);
-            ++symbolic_analyses_;
-        }
+        make_factors(plain);
         outcome.definite = factor_of_this_step_ = factors_->factorize(a);
     }
     const Stopwatch timer(outcome.seconds_solve);
@@ -90,8 +94,9 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     Outcome outcome;
     x.resize(b.size());
     const bool automatic = method == LinearMethod::automatic;
-    if (method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
-        factorize_and_solve(a, b, x, outcome);
+    const bool plain = method == LinearMethod::plain;
+    if (plain || method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
+        factorize_and_solve(a, b, x, outcome, plain);
         return outcome;
     }
     if (automatic && newton_iteration >= patience(break_even())) memory.factor_steps_left = kept_steps;

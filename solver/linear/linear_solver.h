@@ -13,7 +13,9 @@
 
 namespace sinew::solver {
 
-enum class LinearMethod { automatic, direct, iterative };
+/// `plain` is the yardstick that the others are measured against: CHOLMOD as it comes, on all bodies at once, in every
+/// Newton iteration.
+enum class LinearMethod { automatic, direct, iterative, plain };
 
 /// What Auto remembers from step to step. Part of the simulation's state: the next step reads it.
 struct LinearMemory {
@@ -41,7 +43,9 @@ class LinearSolver {
     int break_even() const;
 
   private:
-    void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome);
+    void make_factors(bool plain);
+    void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome,
+                             bool plain = false);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
@@ -51,6 +55,7 @@ class LinearSolver {
     std::unique_ptr<ComponentFactors> factors_;     ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_; ///< made when first needed
     std::unique_ptr<Multigrid> multigrid_;          ///< likewise
+    bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     bool factor_of_this_step_ = false; ///< factors_ holds one
 };

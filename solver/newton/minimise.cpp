@@ -48,20 +48,14 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
 /// How one run of Newton's method ended.
 enum class End { converged, out_of_iterations, stalled };
 
-struct Evaluation {
-    double value = 0;
-    ForceNorms norms;
-};
-
-Evaluation evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<double>& x, StepRecord& record) {
+/// The potential's value at x; its gradient and forces go to the workspace.
+double evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<double>& x, StepRecord& record) {
     const Stopwatch timer(record.seconds_assembly);
-    Evaluation out;
-    out.value = potential.evaluate(x, &w.gradient, &out.norms);
-    return out;
+    return potential.evaluate(x, &w.gradient, &w.forces);
 }
 
 /// Moves x to free flight if the potential is lower there.
-Evaluation choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
     potential.free_flight(x, w.trial);
     if (w.trial == x) return evaluate(potential, w, x, record);
     double here;
@@ -69,8 +63,8 @@ Evaluation choose_start(Potential& potential, NewtonWorkspace& w, std::vector<do
         const Stopwatch timer(record.seconds_assembly);
         here = potential.evaluate(x, nullptr, nullptr);
     }
-    const Evaluation flight = evaluate(potential, w, w.trial, record);
-    if (!(flight.value <= here)) return evaluate(potential, w, x, record);
+    const double flight = evaluate(potential, w, w.trial, record);
+    if (!(flight <= here)) return evaluate(potential, w, x, record);
     x.swap(w.trial);
     return flight;
 }
@@ -84,20 +78,18 @@ struct RelaxedVolume {
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
-/// Newton's method from x, where the potential's value and norms are `start` and its gradient w.gradient. `may_stall`
+/// Newton's method from x, where the potential's value is `value` and gradient and forces are in the workspace. `may_stall`
 /// returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the exact Hessian was
 /// positive definite at the last one.
-End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, Evaluation start, bool may_stall, const StepControl& control,
+End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value, bool may_stall, const StepControl& control,
             std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record, double& r) {
     definite = false;
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
-    auto& [value, norms] = start;
     bool converged = false;
     const auto judge = [&] {
-        const double force = std::sqrt(dot(w.gradient, w.gradient));
-        r = force / std::max(norms.largest(), potential.force_floor());
-        // Rounding excuses a small residual, never one of the size of the forces themselves.
-        converged = r <= options.tolerance || (r <= 1e-3 && force <= potential.force_rounding(x));
+        const Balance balance = potential.balance(x, w.forces, options.tolerance);
+        r = balance.residual;
+        converged = balance.reached;
     };
     judge();
     for (int iteration = 0; !converged; ++iteration) {
@@ -124,14 +116,14 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
                 const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[u]);
                 for (std::size_t c = 0; c < 3; ++c) w.trial[v + c] += t * w.direction[3 * u + c];
             });
-            value = potential.evaluate(w.trial, &w.gradient, &norms);
+            value = potential.evaluate(w.trial, &w.gradient, &w.forces);
             accepted = std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding;
             if (accepted) break;
             t *= 0.5;
             if (may_stall && t < stalled_step) return End::stalled;
         }
         if (!accepted) { // no lower point along a descent direction: this is as far as the arithmetic goes
-            potential.evaluate(x, &w.gradient, &norms);
+            potential.evaluate(x, &w.gradient, &w.forces);
             return End::out_of_iterations;
         }
         x.swap(w.trial);
@@ -202,7 +194,7 @@ End leave_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& o
                 std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
     bool definite = true;
     if (!may_be_ridge(potential, w, options, x, memory, definite, record)) return End::converged;
-    const double before = evaluate(potential, w, x, record).value, before_rounding = potential.energy_rounding(), before_r = r;
+    const double before = evaluate(potential, w, x, record), before_rounding = potential.energy_rounding(), before_r = r;
     std::vector<double> lower = nudged(potential, x);
     LinearMemory lower_memory = memory;
     bool lower_definite = false;
@@ -212,7 +204,7 @@ End leave_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& o
     } catch (const Error&) { // no way down from there: what is left is the point itself
         lower = x;
     }
-    if (evaluate(potential, w, lower, record).value < before - before_rounding) {
+    if (evaluate(potential, w, lower, record) < before - before_rounding) {
         x = std::move(lower);
         memory = lower_memory;
         if (end == End::converged && !lower_definite && may_be_ridge(potential, w, options, x, memory, definite, record) && !definite)

@@ -1,6 +1,7 @@
 // Newton's method with line search on the incremental potential. Hessians are exact; only where one is not positive
 // definite is it assembled again with every element's eigenvalues clamped (projecting always costs 2.5 to 5 times the
-// iterations). Converged: |gradient| <= tolerance x the forces at work, or it is down to what rounding makes of zero.
+// iterations). Converged: on every tissue |gradient| <= tolerance x the forces at work there, or down to what rounding
+// makes of zero.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/linear_solver.h"
@@ -11,7 +12,7 @@ namespace sinew::solver {
 
 struct NewtonOptions {
     int max_iterations = 10;
-    double tolerance = 1e-6; ///< on |gradient| / largest force norm
+    double tolerance = 1e-6; ///< on Balance::residual
     LinearMethod method = LinearMethod::automatic;
 };
 
@@ -20,6 +21,7 @@ struct NewtonWorkspace {
     BlockMatrix hessian;
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
+    std::vector<BodyForces> forces; ///< at the last evaluation with gradient
     explicit NewtonWorkspace(const Potential& potential) : hessian(potential.pattern()), linear(potential.pattern(), potential.places()) {}
 };
 

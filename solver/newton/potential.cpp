@@ -8,8 +8,6 @@
 
 namespace sinew::solver {
 
-double ForceNorms::largest() const { return std::max({elements, fibers, inertia, gravity, loads, attachments, damping}); }
-
 Potential::Potential(const Scene& scene) : scene_(scene), system_(scene.system()), tissues_(scene) {}
 
 bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs) {
@@ -99,7 +97,7 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
     form_ = nullptr;
 }
 
-double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms) {
+double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gradient, std::vector<BodyForces>* forces) {
     const double elastic = tissues_.evaluate(x);
     const MassMatrix& masses = tissues_.mass();
     const std::vector<double>& weight = masses.weight();
@@ -178,24 +176,55 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
             (*gradient)[3 * u + c] = g[c];
         }
     });
-    if (norms) {
-        norms->elements = tissues_.force_norm();
-        norms->fibers = tissues_.fiber_norm();
-        norms->inertia = form_->mass_factor > 0 ? form_->mass_factor * std::sqrt(ordered_sum(3 * n, [&](std::size_t i) {
-            return inertia_[i] * inertia_[i];
+    if (forces) set_forces(x, *gradient, *forces);
+    return total;
+}
+
+void Potential::set_forces(const std::vector<double>& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
+    const std::vector<double>& weight = tissues_.mass().weight();
+    const double beta = form_->velocity_factor > 0 ? inputs_->stiffness_damping : 0, g = inputs_->gravity.norm();
+    of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
+    springs_->add_squared_forces(x, of_body_);
+    forces.resize(system_.tissues.size());
+    for (std::size_t t = 0; t < forces.size(); ++t) {
+        const TissueBatches& tissue = system_.tissues[t];
+        const std::size_t first = 3 * tissue.first_unknown, count = 3 * tissue.unknown_count;
+        const auto norm = [&](const std::vector<double>& v) {
+            return std::sqrt(ordered_sum(count, [&](std::size_t i) { return v[first + i] * v[first + i]; }));
+        };
+        const auto vertex = [&](std::size_t u) { return static_cast<std::size_t>(system_.vertex_of_unknown[tissue.first_unknown + u]); };
+        const double gravity = g > 0 ? g * std::sqrt(ordered_sum(tissue.unknown_count, [&](std::size_t u) {
+            return weight[vertex(u)] * weight[vertex(u)];
         })) : 0;
-        const double g = inputs_->gravity.norm();
-        norms->gravity = g * std::sqrt(ordered_sum(n, [&](std::size_t u) { return weight[vertex(u)] * weight[vertex(u)]; }));
-        norms->loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(n, [&](std::size_t u) {
+        const double loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(tissue.unknown_count, [&](std::size_t u) {
             const std::size_t v = 3 * vertex(u);
             return loads_[v] * loads_[v] + loads_[v + 1] * loads_[v + 1] + loads_[v + 2] * loads_[v + 2];
         }));
-        norms->attachments = springs_->empty() ? 0 : springs_->force_norm(x);
-        norms->damping = beta > 0 ? beta * std::sqrt(ordered_sum(3 * n, [&](std::size_t i) {
-            return damping_force_[i] * damping_force_[i];
-        })) : 0;
+        forces[t].sum = norm(gradient);
+        forces[t].at_work = std::max({tissues_.force_norm(t), tissues_.fiber_norm(t), gravity, loads,
+                                      form_->mass_factor > 0 ? form_->mass_factor * norm(inertia_) : 0,
+                                      std::sqrt(of_body_[static_cast<std::size_t>(tissue.body)]),
+                                      beta > 0 ? beta * norm(damping_force_) : 0, tissues_.force_floor(t)});
     }
-    return total;
+}
+
+Balance Potential::balance(const std::vector<double>& x, const std::vector<BodyForces>& forces, double tolerance) {
+    double largest = 0;
+    for (const double c : x) largest = std::max(largest, std::abs(c));
+    of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
+    springs_->add_squared_stiffnesses(of_body_);
+    Balance out{0, true};
+    for (std::size_t t = 0; t < forces.size(); ++t) {
+        const double residual = forces[t].sum / forces[t].at_work;
+        // What rounding of positions does to the forces [N]: no gradient can be made smaller. It excuses a small residual,
+        // never one of the size of the forces themselves.
+        const double rounding = 2.3e-16 * largest *
+                                (tissues_.stiffness_scale(t) + std::sqrt(of_body_[static_cast<std::size_t>(system_.tissues[t].body)]));
+        out.reached = out.reached && (residual <= tolerance || (residual <= 1e-3 && forces[t].sum <= rounding));
+        // Written so that a residual that is no number is kept.
+        if (!(residual <= out.residual)) out.residual = residual;
+    }
+    return out;
 }
 
 void Potential::free_flight(const std::vector<double>& x, std::vector<double>& out) const {
@@ -206,12 +235,6 @@ void Potential::free_flight(const std::vector<double>& x, std::vector<double>& o
                 const std::size_t i = 3 * static_cast<std::size_t>(v) + c;
                 out[i] = form_->target[i] + inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor;
             }
-}
-
-double Potential::force_rounding(const std::vector<double>& x) const {
-    double largest = 0;
-    for (const double c : x) largest = std::max(largest, std::abs(c));
-    return 2.3e-16 * largest * (tissues_.stiffness_scale() + springs_->stiffness_norm());
 }
 
 void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix& a) {

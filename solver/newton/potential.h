@@ -15,10 +15,16 @@
 
 namespace sinew::solver {
 
-/// Euclidean norms of the forces that act in the step [N], before they cancel.
-struct ForceNorms {
-    double elements = 0, fibers = 0, inertia = 0, gravity = 0, loads = 0, attachments = 0, damping = 0;
-    double largest() const;
+/// The forces on one tissue [N].
+struct BodyForces {
+    double sum = 0;     ///< what is left of them: the norm of the gradient
+    double at_work = 0; ///< the largest norm among their kinds before they cancel
+};
+
+/// How far from equilibrium a position is.
+struct Balance {
+    double residual = 0;  ///< the worst tissue's sum / at_work
+    bool reached = false; ///< every tissue's is within the tolerance, or as small as rounding lets it be
 };
 
 class Potential {
@@ -42,17 +48,15 @@ class Potential {
 
     /// Where every vertex would be if only inertia and gravity acted; `x` for a step without inertia.
     void free_flight(const std::vector<double>& x, std::vector<double>& out) const;
-    /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `norms`.
-    double evaluate(const std::vector<double>& x, std::vector<double>* gradient, ForceNorms* norms);
+    /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `forces`, one a tissue.
+    double evaluate(const std::vector<double>& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
+    /// Judges the forces that evaluate found at x. Each tissue by its own: a stiff one does not excuse a soft one.
+    Balance balance(const std::vector<double>& x, const std::vector<BodyForces>& forces, double tolerance);
     /// See TissueEnergy.
     int volume_levels() const { return tissues_.volume_levels(); }
     void relax_volume(int level) { tissues_.relax_volume(level); }
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
-    /// Forces that would strain every element by 1e-6 [N]: the floor under "the forces at work".
-    double force_floor() const { return tissues_.force_floor(); }
-    /// What rounding of positions of size |x| does to the forces [N]: no gradient can be made smaller than this.
-    double force_rounding(const std::vector<double>& x) const;
     /// How far the value may be off by rounding alone [J]: the laws subtract terms of the size of modulus x volume.
     double energy_rounding() const { return 1e-14 * energy_scale_ + 4e-16 * tissues_.elastic_scale(); }
 
@@ -61,6 +65,7 @@ class Potential {
 
   private:
     void update_loads(const StepInputs& inputs);
+    void set_forces(const std::vector<double>& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
 
     const Scene& scene_;
     const Scene::System& system_;
@@ -77,6 +82,7 @@ class Potential {
     std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
     std::vector<double> spring_gradient_, velocity_, damping_force_;
     std::vector<double> offset_, inertia_, drag_; ///< x - target, M times it, M times the velocity, 3 an unknown
+    std::vector<double> of_body_; ///< sums over springs, per body
 };
 
 } // namespace sinew::solver

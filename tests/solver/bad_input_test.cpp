@@ -27,7 +27,8 @@ TEST_CASE("values that are no numbers are refused with the body they belong to, 
         {[&](StepInputs& in, double v) { std::get<BoneInputs>(in.bodies[2]).positions[1].z() = v; }, 2},
         {[&](StepInputs& in, double v) { in.gravity.y() = v; }, -1},
         {[&](StepInputs& in, double v) { in.step_size = v; }, -1},
-        {[&](StepInputs& in, double v) { in.attachments[0].stiffness = v; }, -1},
+        {[&](StepInputs& in, double v) { in.attachments[0].stiffness = v; }, 0},
+        {[&](StepInputs& in, double v) { in.attachments[1].damping = v; }, 1},
     };
     const TetMesh mesh = box_mesh({0.3, 0.1, 0.1}, 3, 1, 1);
     for (const ElementKind kind : kinds) {

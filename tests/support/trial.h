@@ -90,12 +90,9 @@ struct Trial {
         }
         bool is_in_balance(const Trial& t) {
             std::vector<double> gradient;
-            ForceNorms norms;
-            potential.evaluate(t.state.x, &gradient, &norms);
-            double squares = 0;
-            for (const double g : gradient) squares += g * g;
-            const double force = std::sqrt(squares), ratio = force / std::max(norms.largest(), potential.force_floor());
-            return ratio <= 1e-6 * t.in.tolerance_factor || (ratio <= 1e-3 && force <= potential.force_rounding(t.state.x));
+            std::vector<BodyForces> forces;
+            potential.evaluate(t.state.x, &gradient, &forces);
+            return potential.balance(t.state.x, forces, 1e-6 * t.in.tolerance_factor).reached;
         }
         bool is_minimum(const Trial& t) {
             BlockMatrix hessian(potential.pattern());

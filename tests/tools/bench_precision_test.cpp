@@ -155,6 +155,29 @@ TEST_CASE("a feature that is not used changes neither the result nor the iterati
     }
 }
 
+TEST_CASE("sinew bench scene runs a graph under each linear solver, to the same motion", "[tools]") {
+    const std::string graph = SINEW_SOURCE_DIR "/graphs/scenes/arm.json";
+    const Said said = run_program({"bench", "scene", graph, "--steps", "2", "--quick", "--json"});
+    REQUIRE(said.code == 0);
+    const auto line = nlohmann::json::parse(said.out);
+    std::vector<std::string> solvers;
+    for (const auto& row : line["rows"]) {
+        solvers.push_back(row["solver"]);
+        INFO(solvers.back());
+        CHECK(row["scene"] == "arm.json");
+        CHECK(row["last"].get<int>() - row["first"].get<int>() == 2);
+        CHECK(row["ms_per_frame"].get<double>() > 0);
+        CHECK(row["newton_per_frame"].get<double>() >= 1);
+        CHECK(row["unconverged"] == 0);
+        // In centimetres: what other roundings and inexact directions leave within the tolerance.
+        CHECK(row["difference"].get<double>() < 1e-4);
+        CHECK((row["difference"].get<double>() > 0) == (solvers.back() != "Plain"));
+    }
+    CHECK(solvers == std::vector<std::string>{"Plain", "Direct", "Auto"});
+    CHECK(run_program({"bench", "scene"}).code == 2);
+    CHECK(run_program({"bench", "scene", graph, graph}).code == 2);
+}
+
 TEST_CASE("sinew bench report writes a page whose pictures are there, with machine and date", "[tools]") {
     const TemporaryFolder folder;
     const std::filesystem::path page = folder / "page.md";

@@ -179,8 +179,7 @@ HoldingForces::HoldingForces(const TissueRest& rest, const TissueInputs& values)
 
 Points HoldingForces::at(const std::vector<double>& x, double* energy) {
     std::vector<double> gradient(3 * potential_.unknown_count());
-    ForceNorms norms;
-    potential_.evaluate(x, &gradient, &norms);
+    potential_.evaluate(x, &gradient, nullptr);
     if (energy) {
         StepRecord record;
         potential_.describe(x, record);

@@ -106,7 +106,7 @@ std::string report_page(const Report& report, const std::string& images) {
     const auto picture = [&](const std::string& name, const std::string& what) {
         out << "\n![" << what << "](" << images << "/bench_" << name << ".svg)\n";
     };
-    out << "# Benchmarks\n\nMade by `sinew bench report -o docs/benchmarks.md" << (report.quick ? " --quick" : "") << "` on " << report.date
+    out << "# Benchmarks\n\nMade by `sinew bench report " << (report.scenes.empty() ? "" : "GRAPH ") << "-o docs/benchmarks.md" << (report.quick ? " --quick" : "") << "` on " << report.date
         << ", Sinew " << report.version << ".\n\nMachine: " << report.machine << ", " << report.threads
         << " threads unless a table says otherwise. Load average " << number(report.load_before, 2) << " before and "
         << number(report.load_after, 2) << " after; what is above the threads used is other work on the machine, and times then "
@@ -141,6 +141,13 @@ std::string report_page(const Report& report, const std::string& images) {
     out << "\n## Cantilever\n\n`sinew bench cantilever`: a box of 1 x 0.25 x 0.25 m fixed at one end sags for 20 steps of 1/48 s, stable "
            "neo-Hookean, Poisson's ratio 0.45, converged to 1e-6 of the forces at work. Phases are per Newton iteration.\n\n"
         << as_markdown(cantilever_table(report));
+
+    for (const SceneBench& s : report.scenes)
+        out << "\n## Scene: " << s.name << "\n\n`sinew bench scene`: the solver's time for frames " << s.first + 1 << " to " << s.last << ", "
+            << s.tets << " tets, medians of " << s.turns
+            << " turns. Plain is one CHOLMOD factorisation of the whole matrix in every Newton iteration; Direct, one of each "
+               "group of bodies that attachments join. All end each frame at the same tolerance.\n\n"
+            << as_markdown(scene_table(s));
 
     out << "\n## Scaling\n\n`sinew bench scaling`: the cantilever from a thousand to half a million tets. Memory is the growth of the "
            "resident set from before the scene is made to after its last step. The share of bandwidth is the bytes that conjugate gradients "

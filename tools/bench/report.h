@@ -6,6 +6,7 @@
 #include "tools/bench/convergence.h"
 #include "tools/bench/idle_cost.h"
 #include "tools/bench/scaling.h"
+#include "tools/bench/scene.h"
 #include "tools/bench/work_precision.h"
 
 namespace sinew::bench {
@@ -21,6 +22,7 @@ struct Report {
     std::vector<std::pair<CantileverOptions, CantileverResult>> cantilever;
     ScalingResult scaling;
     IdleCost idle_cost;
+    std::vector<SceneBench> scenes;
 };
 
 struct Picture {
@@ -28,7 +30,7 @@ struct Picture {
     std::string svg;
 };
 
-/// Runs every benchmark; date, machine, version and loads are the caller's to fill in.
+/// Runs every benchmark but scenes; those, date, machine, version and loads are the caller's to fill in.
 Report run_all(const RunOptions& options);
 std::vector<Picture> report_pictures(const Report& report);
 /// Markdown; `images` is the folder of the pictures as seen from the page.

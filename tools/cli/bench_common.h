@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/run_options.h"
+#include "tools/bench/scene.h"
 #include "tools/bench/table.h"
 #include "tools/cli/arguments.h"
 
@@ -15,6 +16,8 @@ bench::RunOptions run_options(const Invocation& in);
 int thread_count(const Invocation& in);
 /// {"bench": name, "date", "machine", "load", "version"}: how a result says where it comes from.
 nlohmann::ordered_json provenance(const std::string& name);
+/// A graph file under each linear solver; --steps frames of it.
+bench::SceneBench measure_scene(const Invocation& in, const std::string& file);
 /// With --json one line that holds provenance, `extra` and the rows; else the table and the summary.
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
                   const nlohmann::ordered_json& rows, const std::string& summary);
@@ -27,6 +30,7 @@ ExitCode bench_convergence(const Invocation& in);
 ExitCode bench_work_precision(const Invocation& in);
 ExitCode bench_scaling(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
+ExitCode bench_scene(const Invocation& in);
 ExitCode bench_report(const Invocation& in);
 
 } // namespace sinew::cli

@@ -19,6 +19,7 @@ ExitCode bench_report(const Invocation& in) {
     if (in.arguments.has("--only")) throw UsageError("report has all benchmarks on its page; --only is for a single one.");
     const double load = load_average();
     bench::Report report = bench::run_all(run_options(in));
+    for (const std::string& file : in.arguments.operands_from(1)) report.scenes.push_back(measure_scene(in, file));
     report.date = today(), report.machine = machine_name(), report.version = SINEW_VERSION;
     report.load_before = load, report.load_after = load_average(), report.threads = thread_count(in);
     const std::filesystem::path images = page.parent_path() / "images";
@@ -31,6 +32,7 @@ ExitCode bench_report(const Invocation& in) {
         line["work_precision"] = bench::work_precision_json(report.work_precision);
         line["scaling"] = bench::scaling_json(report.scaling);
         line["idle_cost"] = bench::idle_cost_json(report.idle_cost);
+        for (const bench::SceneBench& s : report.scenes) line["scenes"].push_back(bench::scene_json(s));
         in.out << line.dump() << std::endl;
     } else {
         in.out << "wrote " << page.string() << ": " << bench::accuracy_summary(report.accuracy) << std::endl;

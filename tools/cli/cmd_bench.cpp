@@ -25,7 +25,8 @@ constexpr Benchmark benchmarks[] = {
     {"work-precision", bench_work_precision},
     {"scaling", bench_scaling},
     {"idle-cost", bench_idle_cost},
-    {"report", bench_report},
+    {"scene", bench_scene, true},
+    {"report", bench_report, true},
 };
 
 ExitCode run_bench(const Invocation& in) {
@@ -61,9 +62,9 @@ Command bench_command() {
                       "accuracy: every case with trusted values, its error and verdict; convergence: orders in cell "
                       "size and time step; work-precision: wall time against error as sub-steps, Newton tolerance, "
                       "tet size, integrator, law, element and linear solver change; scaling: time and memory from a "
-                      "thousand to half a million tets; idle-cost: what unused features cost; report: all of them as a "
-                      "page with pictures"},
-             {"FILES", "meshing: mesh files, or folders whose mesh files are taken", false, true}},
+                      "thousand to half a million tets; idle-cost: what unused features cost; scene: the frames of "
+                      "a graph under each linear solver and under the yardstick Plain; report: all of them as a page with pictures"},
+             {"FILES", "meshing: mesh files, or folders whose mesh files are taken; scene, report: graph files", false, true}},
             {{"--json", "", "one line of JSON instead of the table; meshing: one a row"},
              {"--quick", "", "small sizes: seconds instead of minutes"},
              {"--only", "LETTERS", "only cases or sweeps with these letters in their name"},
@@ -71,14 +72,15 @@ Command bench_command() {
              {"--n", "LIST", "cantilever: cubes along the box, 6 tets each; default: 24,40 (5,184 and 24,000 tets)"},
              {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
              {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
-             {"--steps", "N", "cantilever: steps; default: 20"},
+             {"--steps", "N", "cantilever: steps; default: 20; scene: frames after the first; default: all"},
              {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
              {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
              {"--threads", "N", "default: all cores", false, 'j'}},
             "sinew bench cantilever --n 24 --E 1e5 --threads 2\n"
             "sinew bench accuracy --quick\n"
             "sinew bench work-precision -o out/bench\n"
-            "sinew bench report -o docs/benchmarks.md\n"
+            "sinew bench scene graphs/scenes/arm.json\n"
+            "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md\n"
             "sinew bench meshing graphs/scenes/arm_ziva --parts 10,20",
             run_bench};
 }
