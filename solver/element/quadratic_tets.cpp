@@ -10,17 +10,25 @@ namespace {
 constexpr int point_count = 4;
 /// Barycentric coordinates of the integration points of degree 2: near at one corner, far at the others.
 constexpr double near_corner = 0.58541019662496852, far_corner = 0.13819660112501051;
-double coordinate(int point, int corner) { return point == corner ? near_corner : far_corner; }
 
-/// d (corner m of the point's linear tet) / d node: up to two corners a node.
+/// Barycentric coordinates of a place in a tet: an integration point, or a corner.
+struct Place {
+    double near, far; ///< at its own corner, at the others
+    int own;
+    double coordinate(int corner) const { return corner == own ? near : far; }
+};
+Place integration_point(int point) { return {near_corner, far_corner, point}; }
+Place corner_place(int corner) { return {1, 0, corner}; }
+
+/// d (corner m of the place's linear tet) / d node: up to two corners a node.
 struct NodeWeights {
     int count, corner[2];
     double weight[2];
 };
-NodeWeights node_weights(int point, int node) {
-    if (node < 4) return {1, {node, 0}, {4 * coordinate(point, node) - 1, 0}};
+NodeWeights node_weights(const Place& place, int node) {
+    if (node < 4) return {1, {node, 0}, {4 * place.coordinate(node) - 1, 0}};
     const int i = tet_edge_corners[node - 4][0], j = tet_edge_corners[node - 4][1];
-    return {2, {i, j}, {4 * coordinate(point, j), 4 * coordinate(point, i)}};
+    return {2, {i, j}, {4 * place.coordinate(j), 4 * place.coordinate(i)}};
 }
 
 struct Nodes {
@@ -39,12 +47,12 @@ Nodes nodes_of(const TetBatch& batch, const EdgeBatch& edges, const double* x) {
     return out;
 }
 
-Corners corners_at(int point, const Nodes& nodes) {
+Corners corners_at(const Place& place, const Nodes& nodes) {
     Corners out;
     for (auto& corner : out.y)
         for (Pack& c : corner) c = Pack(0.0);
     for (int n = 0; n < quadratic_nodes; ++n) {
-        const NodeWeights w = node_weights(point, n);
+        const NodeWeights w = node_weights(place, n);
         for (int k = 0; k < w.count; ++k)
             for (int c = 0; c < 3; ++c) out.y[w.corner[k]][c] += Pack(w.weight[k]) * nodes.x[n][c];
     }
@@ -72,12 +80,12 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
     for (int point = 0; point < point_count; ++point) {
         PointMeasures m;
         m.measure = Pack(0.0);
-        point_measures(in.law, in.batch, corners_at(point, nodes), with_measure, m);
+        point_measures(in.law, in.batch, corners_at(integration_point(point), nodes), with_measure, m);
         out.measure += Pack(0.25) * m.measure;
         out.j += Pack(0.25) * m.j;
         if (!gradients) continue;
         for (int n = 0; n < quadratic_nodes; ++n) {
-            const NodeWeights w = node_weights(point, n);
+            const NodeWeights w = node_weights(integration_point(point), n);
             for (int k = 0; k < w.count; ++k)
                 for (int c = 0; c < 3; ++c) {
                     const Pack weight(0.25 * w.weight[k]);
@@ -128,13 +136,13 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
     for (int point = 0; point < point_count; ++point) {
         double force[4 * 3 * lanes];
         ElementSummary s;
-        point_gradient(at_point, corners_at(point, nodes), force, s);
+        point_gradient(at_point, corners_at(integration_point(point), nodes), force, s);
         energy += Pack::load(s.energy);
         squares += Pack::load(s.fiber_squares);
         const Pack j = Pack::load(s.j);
         least_j = point == 0 ? j : select(j < least_j, j, least_j);
         for (int n = 0; n < quadratic_nodes; ++n) {
-            const NodeWeights w = node_weights(point, n);
+            const NodeWeights w = node_weights(integration_point(point), n);
             for (int k = 0; k < w.count; ++k)
                 for (int c = 0; c < 3; ++c) sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
         }
@@ -170,9 +178,9 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
     constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
     for (int point = 0; point < point_count; ++point) {
         alignas(64) double blocks[10 * 9 * lanes];
-        point_hessian(at_point, corners_at(point, nodes), project, blocks);
+        point_hessian(at_point, corners_at(integration_point(point), nodes), project, blocks);
         NodeWeights weights[quadratic_nodes];
-        for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(point, n);
+        for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(integration_point(point), n);
         int pair = 0;
         for (int a = 0; a < quadratic_nodes; ++a)
             for (int b = a; b < quadratic_nodes; ++b, ++pair)
@@ -189,6 +197,17 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
     }
     for (int pair = 0; pair < quadratic_pairs; ++pair)
         for (int e = 0; e < 9; ++e) sum[pair][e].store(h + (9 * pair + e) * lanes);
+}
+
+void quadratic_corner_j(const TetBatch& batch, const EdgeBatch& edges, const double* x, double* least) {
+    const Nodes nodes = nodes_of(batch, edges, x);
+    Pack out(0.0);
+    for (int corner = 0; corner < 4; ++corner) {
+        PointMeasures m;
+        point_measures(ElasticLaw::anisotropic, batch, corners_at(corner_place(corner), nodes), false, m);
+        out = corner == 0 ? m.j : -max(-out, -m.j);
+    }
+    out.store(least);
 }
 
 } // namespace sinew::solver

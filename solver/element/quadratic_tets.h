@@ -31,4 +31,7 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
 /// h[pair (a, b), a <= b, rows of a][row*3+column][lane].
 void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project, double* h);
 
+/// Least det F over each tet's corners, where a bent tet folds first; the integration points lie inside.
+void quadratic_corner_j(const TetBatch& batch, const EdgeBatch& edges, const double* x, double* least);
+
 } // namespace sinew::solver

@@ -451,17 +451,23 @@ double TissueEnergy::fiber_norm(std::size_t t) const {
     }));
 }
 
-void TissueEnergy::count_inverted(double& least_j, int& inverted) const {
+void TissueEnergy::count_inverted(const std::vector<double>* x, double& least_j, int& inverted) const {
     least_j = 1;
     inverted = 0;
     bool first = true;
-    for (std::size_t e = 0; e < summaries_.size(); ++e)
-        for (int lane = 0; lane < lanes; ++lane) {
-            if (!(system_.batches[e].volume[lane] > 0)) continue;
-            const double j = summaries_[e].j[lane];
-            least_j = first ? j : std::min(least_j, j);
-            first = false;
-            if (!(j > 0)) ++inverted;
+    for (const TissueBatches& batches : system_.tissues)
+        for (std::size_t i = 0; i < batches.batch_count; ++i) {
+            const std::size_t e = batches.first_batch + i;
+            double at_corners[lanes];
+            const bool corners = x && batches.kind == ElementKind::quadratic;
+            if (corners) quadratic_corner_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(), at_corners);
+            for (int lane = 0; lane < lanes; ++lane) {
+                if (!(system_.batches[e].volume[lane] > 0)) continue;
+                const double j = corners ? std::min(summaries_[e].j[lane], at_corners[lane]) : summaries_[e].j[lane];
+                least_j = first ? j : std::min(least_j, j);
+                first = false;
+                if (!(j > 0)) ++inverted;
+            }
         }
 }
 

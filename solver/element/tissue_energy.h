@@ -43,8 +43,9 @@ class TissueEnergy {
     /// Norms of the last evaluation's forces of a tissue's single elements, and of its fibres, before they cancel [N].
     double force_norm(std::size_t tissue) const;
     double fiber_norm(std::size_t tissue) const;
-    /// Least det F and number of tets with det F <= 0 in the last evaluation.
-    void count_inverted(double& least_j, int& inverted) const;
+    /// Least det F and number of tets with det F <= 0 in the last evaluation: where the energy is taken, or, with the `x` of
+    /// that evaluation, at the corners of quadratic tets too.
+    void count_inverted(const std::vector<double>* x, double& least_j, int& inverted) const;
 
     /// Hessian at x into `a`, over whatever stood there. `project` clamps each element's eigenvalues at zero.
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);

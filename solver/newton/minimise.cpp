@@ -143,14 +143,11 @@ constexpr double nudge = 0.1;
 bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const std::vector<double>& x,
                   const LinearMemory& memory, bool& definite, StepRecord& record) {
     definite = true;
-    StepRecord shape;
+    double least_j;
     {
         const Stopwatch timer(record.seconds_assembly);
-        potential.describe(x, shape);
-    }
-    if (shape.inverted == 0) return false;
-    {
-        const Stopwatch timer(record.seconds_assembly);
+        least_j = potential.least_j(x);
+        if (least_j > 0) return false;
         potential.assemble(x, false, w.hessian);
     }
     // Any right-hand side that leaves out no direction shows negative curvature to conjugate gradients; what they say is
@@ -166,7 +163,7 @@ bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions&
         definite = outcome.definite;
         if (definite || options.method != LinearMethod::automatic) break;
     }
-    return !definite || shape.min_j > flat;
+    return !definite || least_j > flat;
 }
 
 /// x with every body's rest shape, made small, laid over it: that opens flat tets the right way round.

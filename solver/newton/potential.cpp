@@ -254,7 +254,15 @@ void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix
 void Potential::describe(const std::vector<double>& x, StepRecord& record) {
     record.energy = tissues_.evaluate(x) + springs_->stored_energy(x);
     record.max_stretch = springs_->longest(x);
-    tissues_.count_inverted(record.min_j, record.inverted);
+    tissues_.count_inverted(&x, record.min_j, record.inverted);
+}
+
+double Potential::least_j(const std::vector<double>& x) {
+    double out = 1;
+    int inverted = 0;
+    tissues_.evaluate(x);
+    tissues_.count_inverted(nullptr, out, inverted);
+    return out;
 }
 
 } // namespace sinew::solver

@@ -62,6 +62,8 @@ class Potential {
 
     /// Elastic + fibre + attachment energy [J], least det F, tets with det F <= 0, longest attachment, at x.
     void describe(const std::vector<double>& x, StepRecord& record);
+    /// Least det F where the energy is taken, at x.
+    double least_j(const std::vector<double>& x);
 
   private:
     void update_loads(const StepInputs& inputs);
