@@ -86,12 +86,14 @@ class HarmonicSolver {
                             "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
-        Vector f = solve(v);
-        // Tets that the surface cuts have vertices outside the solid, and values there that carry the slope on: these
-        // may lie beyond the bounds. Cutting them off keeps every value inside the solid as it is, and the mean of a
-        // cut tet near that of its solid part; solving again with the bounds as constraints would instead flatten
-        // the map towards the bounds for a tet's width inside.
-        if (range == HarmonicRange::painted) f = f.cwiseMax(low).cwiseMin(high);
+        Vector target = v;
+        Vector f = solve(target);
+        if (range == HarmonicRange::painted) {
+            const double slack = 1e-12 * (high - low);
+            const bool beyond = f.minCoeff() < low - slack || f.maxCoeff() > high + slack;
+            f = f.cwiseMax(low).cwiseMin(high);
+            if (beyond) relax_within(target, low, high, f);
+        }
         std::vector<double> result(mesh_.vertices.size());
         for (std::size_t i = 0; i < result.size(); ++i)
             result[i] = number_[i] >= 0 ? f[number_[i]] : values[nearest_[i]];
@@ -179,17 +181,44 @@ class HarmonicSolver {
                         "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
-    Vector solve(const Vector& v) const {
+    /// `target` comes as the painted values and leaves with the multipliers that hold them.
+    Vector solve(Vector& target) const {
         constexpr int rounds = 12;
+        const Vector v = target;
         const double spread = std::max(v.maxCoeff() - v.minCoeff(), 1e-300);
-        Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
+        Vector f = Vector::Constant(count_, v.mean());
         for (int round = 0; round < rounds; ++round) {
-            const Vector step = free_.solve(force(v + y, f));
+            const Vector step = free_.solve(force(target, f));
             f += step;
-            y += v - B_ * f;
+            target += v - B_ * f;
             if (step.cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
         }
         return f;
+    }
+
+    /// Where values were cut off at the bounds, the paint nearby is no longer met as well as the bounds allow: sharp
+    /// paint makes the free solution swing to both sides, and only one of them was cut. That is a matter of the tets
+    /// about the surface, so Gauss-Seidel sweeps mend it, each value kept within the bounds: they never raise what is
+    /// minimised and need no factor.
+    void relax_within(const Vector& target, double low, double high, Vector& f) const {
+        constexpr int most_sweeps = 400;
+        constexpr double enough = 1e-6;
+        const Vector pull = B_.transpose() * (W_.asDiagonal() * target);
+        for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+            double largest = 0;
+            for (int k = 0; k < count_; ++k) {
+                const int i = sweep % 2 ? count_ - 1 - k : k; // to and fro, so that no direction is favoured
+                double rest = pull[i], own = 0;
+                for (Sparse::InnerIterator entry(A_, i); entry; ++entry) {
+                    rest -= entry.value() * f[entry.row()];
+                    if (entry.row() == i) own = entry.value();
+                }
+                const double value = std::clamp(f[i] + rest / own, low, high);
+                largest = std::max(largest, std::abs(value - f[i]));
+                f[i] = value;
+            }
+            if (largest <= enough * (high - low)) return;
+        }
     }
 
     Vector force(const Vector& target, const Vector& f) const {
