@@ -80,6 +80,7 @@ constexpr CodeInfo table[] = {
     {"FE219", "attachment from a body to itself", "Choose two bodies."},
     {"FE220", "mesh is not watertight",
      "Close the holes at the vertices that are named, or choose FilledCavities."},
+    {"FE221", "tets repeated", "Remove the repeated tets; they would count twice in mass and stiffness."},
     {"FE230", "open mesh where a closed one is needed", "Close the mesh, or remesh it by zIsoMesh with isoValue > 0."},
     {"FE231", "level set is empty", "Choose an isoValue of smaller size, or a higher resolution."},
     {"FE232", "mesh would be too large", "Choose larger triangles or a smaller resolution."},

@@ -59,6 +59,8 @@ struct Evaluator::Impl {
     }
 };
 
+std::shared_ptr<Failures> remember_failures() { return std::make_shared<Failures>(); }
+
 Evaluator::Evaluator(StorePolicy policy, int threads, Observer* observer)
     : impl_(std::make_unique<Impl>(policy, threads, observer)) {}
 Evaluator::~Evaluator() = default;
@@ -66,7 +68,7 @@ Evaluator::~Evaluator() = default;
 Value Evaluator::pull(const Request& request) {
     if (request.stop.stop_requested()) throw Cancelled();
     const Impl::Target target = impl_->find(request);
-    Session session(impl_->core, target.program, request.stop, request.frame);
+    Session session(impl_->core, target.program, request.stop, request.frame, request.failures);
     const EntryPtr entry = session.entry(target.node);
     session.tell();
     const std::lock_guard lock(impl_->core.mutex);

@@ -39,11 +39,17 @@ class Observer {
     }
 };
 
+/// What has failed in the pulls of one command, so that the later ones fail alike without computing it again. Not
+/// kept longer than that: a mesher that ran out of time may do better the next time.
+class Failures;
+std::shared_ptr<Failures> remember_failures();
+
 struct Request {
     std::shared_ptr<const Graph> graph;
     Plug plug;
     double frame = 1;
     std::stop_token stop = {};
+    std::shared_ptr<Failures> failures = {}; ///< none: nothing is remembered
 };
 
 enum class Readiness { ready, would_run, undecided };

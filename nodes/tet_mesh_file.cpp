@@ -14,8 +14,9 @@ const Input<File> file{
     .name = "file",
     .doc = "The tet mesh file: Medit .mesh and legacy VTK .vtk as text, Gmsh .msh (2.x and 4.1, text or "
            "binary), "
-           "VegaFEM .veg, or TetGen's .node. Tets that are turned inside out are flipped. Coordinates are "
-           "scene units.",
+           "VegaFEM .veg, or TetGen's .node. Tets that are turned inside out are flipped. Cell data \"coverage\" of a "
+           ".vtk file is the share of each tet that is solid, as tetWriter puts it; without it tets are solid. "
+           "Coordinates are scene units.",
     .required = true,
 };
 const Input<File> elements{
@@ -59,6 +60,7 @@ void compute(const Reads& in, Writes& out) {
 void add_tet_mesh_file(Registry& registry) {
     NodeType type;
     type.name = "tetMeshFile";
+    type.numerics = 2; // reads the coverage
     type.doc = "Reads a tetrahedral mesh from a file.";
     type.inputs = {describe(file), describe(elements)};
     type.outputs = {describe(out_tets), describe(out_mesh)};

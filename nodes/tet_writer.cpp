@@ -15,7 +15,8 @@ const Input<std::string> format{
     .name = "format",
     .def = "vtk",
     .doc =
-        "The kind of file, all of them text: vtk (legacy, with the share of each tet that is solid), mesh "
+        "The kind of file, all of them text: vtk (legacy, with the share of each tet that is solid, which tetMeshFile "
+        "reads back; the others have no place for it, so their tets come back as all solid), mesh "
         "(Medit), "
         "msh (Gmsh 4.1), veg (VegaFEM), node and ele (TetGen; the two belong together, so take two writers).",
     .options = {"vtk", "mesh", "msh", "veg", "node", "ele"},

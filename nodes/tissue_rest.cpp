@@ -20,14 +20,14 @@ bool is_constant(const NumberList& map) {
 
 /// Surface maps in the volume: extended harmonically, then the mean of each tet. One factorisation serves
 /// all; constant maps need none and stay exact.
-std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std::vector<double>& areas,
+std::vector<std::vector<double>> per_tet(const solver::TissueRest& t,
                                          const std::vector<const NumberList*>& maps) {
     std::vector<NumberList> varying;
     for (const NumberList* map : maps)
         if (!is_constant(*map)) varying.push_back(*map);
     std::vector<std::vector<double>> fields;
     if (!varying.empty())
-        fields = solver::harmonic_extensions(t.tets, t.embedding, areas, varying,
+        fields = solver::harmonic_extensions(t.tets, {t.surface, t.triangles, t.embedding}, varying,
                                              std::vector<char>(t.surface.size(), 1));
     std::vector<std::vector<double>> out;
     auto next = fields.begin();
@@ -38,14 +38,14 @@ std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std:
     return out;
 }
 
-solver::Points directions(const solver::TissueRest& t, const std::vector<double>& areas, const Fiber& fiber) {
+solver::Points directions(const solver::TissueRest& t, const Fiber& fiber) {
     std::vector<char> painted;
     NumberList ends;
     for (const double e : fiber.end_points) {
         painted.push_back(is_source(e) || is_sink(e));
         ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
     }
-    return solver::fibre_directions(t.tets, t.embedding, areas, ends, painted);
+    return solver::fibre_directions(t.tets, {t.surface, t.triangles, t.embedding}, ends, painted);
 }
 
 } // namespace
@@ -75,14 +75,13 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
     t->embedding = solver::embed(t->tets, t->surface);
     t->law = parts.law;
     if (parts.tets) t->element = parts.tets->element;
-    const std::vector<double> areas = solver::vertex_areas(t->surface, t->triangles);
     const NumberList everywhere;
     std::vector<const NumberList*> maps;
     for (const Material& m : parts.materials) maps.push_back(maps.empty() ? &everywhere : &m.weights);
     for (const Fiber& f : parts.fibers) maps.push_back(&f.weights);
-    t->layer_weights = per_tet(*t, areas, maps);
+    t->layer_weights = per_tet(*t, maps);
     for (std::size_t i = 0; i < parts.fibers.size(); ++i)
-        t->fibers.push_back({directions(*t, areas, parts.fibers[i]),
+        t->fibers.push_back({directions(*t, parts.fibers[i]),
                              std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
     if (t->law == solver::ElasticLaw::anisotropic) t->stiff_directions = t->fibers.front().directions;

@@ -4,6 +4,8 @@
 #include "nodes/adapters.h"
 #include "solver/mesh/map_transfer.h"
 
+#include <algorithm>
+
 namespace sinew::nodes {
 
 using namespace engine;
@@ -33,7 +35,7 @@ const Input<std::string> mode{
 };
 const Output<NumberList> out_weights{
     .name = "outWeights",
-    .doc = "One number per vertex of newMesh.",
+    .doc = "One number per vertex of newMesh, kept between 0 and 1.",
     .unit = "1",
 };
 
@@ -49,8 +51,10 @@ void compute(const Reads& in, Writes& out) {
                 const solver::MapTransfer places = solver::find_places(*from.points, from.topology->triangles,
                                                                        *to.points, to.topology->triangles);
                 const NumberList values = per_vertex(map, from.points->size());
-                return in[mode] == "linear" ? solver::transfer_map(places, values)
-                                            : solver::transfer_ends(places, values);
+                if (in[mode] == "endPoints") return solver::transfer_ends(places, values);
+                NumberList out_map = solver::transfer_map(places, values);
+                for (double& w : out_map) w = std::clamp(w, 0.0, 1.0);
+                return out_map;
             }));
 }
 
@@ -59,6 +63,7 @@ void compute(const Reads& in, Writes& out) {
 void add_transfer_weights(Registry& registry) {
     NodeType type;
     type.name = "transferWeights";
+    type.numerics = 2; // weights are kept between 0 and 1
     type.doc = "Carries a painted map over to another mesh in the same place, by the closest point.";
     type.inputs = {describe(old_mesh), describe(old_weights), describe(new_mesh), describe(mode)};
     type.outputs = {describe(out_weights)};

@@ -64,6 +64,7 @@ const Input<std::string> fill_interior{
            "FilledCavities: all inside the outer surface; closed surfaces inside others count for nothing, "
            "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
            "cavity, whichever way it is turned; the mesh must be watertight.",
+    .keyable = false,
     .options = {"SurfaceOnly", "FilledCavities", "EmptyCavities"},
 };
 const Input<std::int64_t> max_resolution{
@@ -85,7 +86,8 @@ const Input<std::string> element{
 };
 const Wire<TetMeshValue> tets{
     .name = "tets",
-    .doc = "A tet mesh of your own, used instead of the lattice.",
+    .doc = "A tet mesh of your own, used instead of the lattice; mesh, sizes, weights and fillInterior then count for "
+           "nothing.",
     .required = false,
 };
 const Output<TetMeshValue> out_tets{

@@ -23,6 +23,12 @@ struct Flight {
 };
 using FlightPtr = std::shared_ptr<Flight>;
 
+/// Flights that ended in an error, by key. Guarded by Core::mutex.
+class Failures {
+  public:
+    std::unordered_map<Digest, FlightPtr, DigestHash> flights;
+};
+
 struct Core {
     Core(const StorePolicy& policy, int threads, Observer* watcher);
 

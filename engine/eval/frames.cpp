@@ -43,8 +43,10 @@ class Claim {
         if (flight_) core_.land(key_, flight_, type_, nullptr, nullptr);
     }
     Claim(const Claim&) = delete;
-    void land(EntryPtr entry, std::exception_ptr error) {
-        core_.land(key_, std::exchange(flight_, nullptr), type_, std::move(entry), std::move(error));
+    FlightPtr land(EntryPtr entry, std::exception_ptr error) {
+        FlightPtr flight = std::exchange(flight_, nullptr);
+        core_.land(key_, flight, type_, std::move(entry), std::move(error));
+        return flight;
     }
 
   private:
@@ -131,6 +133,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
         if (theirs->error && theirs->graph == s.program->graph().get()) std::rethrow_exception(theirs->error);
         return false;
     }
+    if (const FlightPtr failed = s.failed(key)) std::rethrow_exception(failed->error);
     Claim claim(s.core, key, *p.type, s.program->graph().get());
     const bool publishes = !s.core.values.contains(key);
     lock.unlock();
@@ -157,7 +160,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     } catch (const Cancelled&) {
         throw;
     } catch (...) {
-        claim.land(nullptr, std::current_exception());
+        s.remember(key, claim.land(nullptr, std::current_exception()));
         throw;
     }
     if (next != frame_) pins_.clear(); // the inputs of this frame are not needed again

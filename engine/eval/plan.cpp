@@ -54,6 +54,9 @@ int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&)>
     } else if (flight != session_.core.flights.end()) {
         item.foreign = true;
         item.flight = flight->second;
+    } else if (FlightPtr failed = session_.failed(key)) {
+        item.foreign = true;
+        item.flight = std::move(failed);
     } else {
         unexpanded_.push_back(known->second);
     }
@@ -159,6 +162,7 @@ void Plan::work(tbb::task_group& group, int i) {
         }
         session_.core.land(item->key, item->flight, *session_.program->place(item->site.node).type, result,
                            error && !is_stop(error) ? error : nullptr);
+        session_.remember(item->key, item->flight);
         std::vector<int> ready = settle(i, std::move(result), std::move(error), true);
         // One successor goes on here, so that a chain of nodes is a loop; the others become tasks.
         i = ready.empty() ? -1 : ready.back();

@@ -10,7 +10,8 @@ EntryPtr Goal::find(const Digest& key) {
     return it != pins_.end() ? it->second : session_.core.values.find(key);
 }
 
-Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f)
+Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f,
+                 std::shared_ptr<Failures> failures)
     : core(c)
     , program(std::move(p))
     , stop(std::move(s))
@@ -22,7 +23,21 @@ Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double 
                 return it->second->outputs[static_cast<std::size_t>(output)].digest();
         }
         return core.contents.find(plug);
-    }) {}
+    })
+    , failures_(std::move(failures)) {}
+
+FlightPtr Session::failed(const Digest& key) const {
+    if (!failures_) return nullptr;
+    const auto it = failures_->flights.find(key);
+    // Diagnostics name places in a graph, so they serve the same graph only.
+    const bool usable = it != failures_->flights.end() && it->second->graph == program->graph().get();
+    return usable ? it->second : nullptr;
+}
+
+void Session::remember(const Digest& key, const FlightPtr& flight) {
+    const std::lock_guard lock(core.mutex);
+    if (failures_ && flight->error) failures_->flights.insert_or_assign(key, flight);
+}
 
 void Session::run(std::unique_ptr<Goal> goal) {
     push(std::move(goal));

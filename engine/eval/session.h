@@ -37,7 +37,8 @@ class Goal {
 
 class Session {
   public:
-    Session(Core& core, std::shared_ptr<Program> program, std::stop_token stop, double frame);
+    Session(Core& core, std::shared_ptr<Program> program, std::stop_token stop, double frame,
+            std::shared_ptr<Failures> failures = {});
     /// The entry of a node at the session's frame.
     EntryPtr entry(int node);
     /// The state of a simulation at the session's frame.
@@ -61,6 +62,10 @@ class Session {
     void note_reuse(const Digest& key, const Site& site, const EntryPtr& entry);
     /// This session computed the key itself: finding it again is no reuse.
     void note_made(const Digest& key) { reused_.insert(key); }
+    /// Needs the core's mutex. Work on this graph that failed earlier in this command, or nothing.
+    FlightPtr failed(const Digest& key) const;
+    /// Takes the core's mutex. Keeps a flight that ended in an error.
+    void remember(const Digest& key, const FlightPtr& flight);
     /// Without the mutex: passes on what was noted.
     void tell();
     /// Gathers the values of all slots of a node at a time. Needs the core's mutex. `entry_of` gives the
@@ -70,6 +75,7 @@ class Session {
 
   private:
     void run(std::unique_ptr<Goal> goal);
+    std::shared_ptr<Failures> failures_;
     std::vector<std::unique_ptr<Goal>> stack_;
     std::set<Digest> reused_;
     std::vector<std::pair<std::string, double>> reuse_events_;

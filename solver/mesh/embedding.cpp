@@ -38,9 +38,11 @@ Barycentric coordinates(const TetMesh& mesh, std::size_t tet, const Vec3& p) {
     return {1 - l1 - l2 - l3, l1, l2, l3};
 }
 
-class Locator {
+} // namespace
+
+class TetLocator::Impl {
   public:
-    explicit Locator(const TetMesh& mesh)
+    explicit Impl(const TetMesh& mesh)
         : mesh_(mesh)
         , border_(tet_boundary(mesh.tets))
         , border_tree_(mesh.vertices, border_.triangles) {
@@ -106,20 +108,28 @@ class Locator {
     double snap_ = 0;
 };
 
-} // namespace
+TetLocator::TetLocator(const TetMesh& mesh) {
+    if (mesh.tets.empty()) throw Error("FE201", "points cannot be embedded in a tet mesh without tets");
+    impl_ = std::make_unique<Impl>(mesh);
+}
+TetLocator::~TetLocator() = default;
+int TetLocator::locate(const Vec3& p, Barycentric& barycentric) const {
+    int tet = 0;
+    impl_->locate(p, tet, barycentric);
+    return tet;
+}
 
 Embedding embed(const TetMesh& mesh, const Points& points) {
     Embedding result;
     result.tet.resize(points.size());
     result.barycentric.resize(points.size());
     if (points.empty()) return result;
-    if (mesh.tets.empty()) throw Error("FE201", "points cannot be embedded in a tet mesh without tets");
     for (std::size_t i = 0; i < points.size(); ++i)
         if (!points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
-    const Locator locator(mesh);
+    const TetLocator locator(mesh); // refuses a mesh without tets
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 64), [&](const auto& range) {
         for (std::size_t i = range.begin(); i < range.end(); ++i)
-            locator.locate(points[i], result.tet[i], result.barycentric[i]);
+            result.tet[i] = locator.locate(points[i], result.barycentric[i]);
     });
     return result;
 }

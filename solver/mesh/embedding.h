@@ -4,6 +4,7 @@
 #include "solver/mesh/tet_mesh.h"
 
 #include <array>
+#include <memory>
 #include <vector>
 
 namespace sinew::solver {
@@ -18,6 +19,19 @@ struct Embedding {
 /// Each point in the tet that holds it, or extrapolated from the nearest tet. A point on a vertex of the mesh
 /// gets exactly that vertex (coordinates 1 and 0).
 Embedding embed(const TetMesh& mesh, const Points& points);
+/// The same for points that are asked for one after the other. Immutable; queries are thread-safe. The mesh must
+/// outlive it.
+class TetLocator {
+  public:
+    explicit TetLocator(const TetMesh& mesh); ///< Throws Error FE201 (no tets).
+    ~TetLocator();
+    /// The tet of a point, and the point's coordinates in it.
+    int locate(const Vec3& p, std::array<double, 4>& barycentric) const;
+
+  private:
+    class Impl;
+    std::unique_ptr<Impl> impl_;
+};
 /// Positions of embedded points for tet vertex positions `x` (3 numbers a vertex).
 void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Points& out);
 

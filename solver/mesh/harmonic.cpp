@@ -26,10 +26,16 @@ std::size_t at(Int i) {
 }
 
 /// Gradients of the four barycentric coordinates, one a column.
-Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, const Tet& t) {
+Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, std::size_t tet) {
+    const Tet& t = mesh.tets[tet];
     const Vec3& origin = mesh.vertices[at(t[0])];
     Mat3 edges;
     for (int k = 0; k < 3; ++k) edges.row(k) = mesh.vertices[at(t[at(k + 1)])] - origin;
+    // The bound of check_and_orient: below it the volume is rounding error.
+    const double longest = edges.rowwise().norm().maxCoeff();
+    if (!(edges.determinant() > 6e-15 * longest * longest * longest))
+        throw Error("FE215", "tet " + std::to_string(tet) + " has no volume or is inside out, so nothing can be "
+                             "extended through it", "Remove or remesh flat tets.");
     Eigen::Matrix<double, 3, 4> g;
     g.rightCols<3>() = edges.inverse();
     g.col(0) = -(g.col(1) + g.col(2) + g.col(3));
@@ -80,12 +86,13 @@ class HarmonicSolver {
                             "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
-        Vector f = solve(v);
+        Vector target = v;
+        Vector f = solve(target);
         if (range == HarmonicRange::painted) {
             const double slack = 1e-12 * (high - low);
-            if (f.minCoeff() < low - slack || f.maxCoeff() > high + slack) f = solve_within(v, low, high);
-            // What is left beyond the bounds is rounding, or the bounded solve's last active set.
+            const bool beyond = f.minCoeff() < low - slack || f.maxCoeff() > high + slack;
             f = f.cwiseMax(low).cwiseMin(high);
+            if (beyond) relax_within(target, low, high, f);
         }
         std::vector<double> result(mesh_.vertices.size());
         for (std::size_t i = 0; i < result.size(); ++i)
@@ -128,7 +135,7 @@ class HarmonicSolver {
         for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
             const Tet& tet = mesh_.tets[t];
             if (number_[at(tet[0])] < 0) continue;
-            const auto g = hat_gradients(mesh_, tet);
+            const auto g = hat_gradients(mesh_, t);
             const double volume = tet_volume(mesh_.vertices[at(tet[0])], mesh_.vertices[at(tet[1])],
                                              mesh_.vertices[at(tet[2])], mesh_.vertices[at(tet[3])]);
             const double weight = (mesh_.coverage.empty() ? 1.0 : mesh_.coverage[t]) * volume;
@@ -174,107 +181,49 @@ class HarmonicSolver {
                         "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
-    Vector solve(const Vector& v) const {
+    /// `target` comes as the painted values and leaves with the multipliers that hold them.
+    Vector solve(Vector& target) const {
         constexpr int rounds = 12;
+        const Vector v = target;
         const double spread = std::max(v.maxCoeff() - v.minCoeff(), 1e-300);
-        Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
+        Vector f = Vector::Constant(count_, v.mean());
         for (int round = 0; round < rounds; ++round) {
-            const Vector residual = force(v + y, f);
-            const Vector step = free_.solve(residual);
+            const Vector step = free_.solve(force(target, f));
             f += step;
-            y += v - B_ * f;
+            target += v - B_ * f;
             if (step.cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
         }
         return f;
     }
 
-    /// The same within bounds. Few rounds: where the bounds contradict the paint, the multipliers would grow
-    /// for ever.
-    Vector solve_within(const Vector& v, double low, double high) const {
-        constexpr int rounds = 3;
-        Bounded bounded(*this, low, high);
-        Vector f = Vector::Constant(count_, v.mean()), y = Vector::Zero(v.size());
-        for (int round = 0; round < rounds; ++round) {
-            bounded.minimise(v + y, f);
-            y += v - B_ * f;
+    /// Where values were cut off at the bounds, the paint nearby is no longer met as well as the bounds allow: sharp
+    /// paint makes the free solution swing to both sides, and only one of them was cut. That is a matter of the tets
+    /// about the surface, so Gauss-Seidel sweeps mend it, each value kept within the bounds: they never raise what is
+    /// minimised and need no factor.
+    void relax_within(const Vector& target, double low, double high, Vector& f) const {
+        constexpr int most_sweeps = 400;
+        constexpr double enough = 1e-6;
+        const Vector pull = B_.transpose() * (W_.asDiagonal() * target);
+        for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+            double largest = 0;
+            for (int k = 0; k < count_; ++k) {
+                const int i = sweep % 2 ? count_ - 1 - k : k; // to and fro, so that no direction is favoured
+                double rest = pull[i], own = 0;
+                for (Sparse::InnerIterator entry(A_, i); entry; ++entry) {
+                    rest -= entry.value() * f[entry.row()];
+                    if (entry.row() == i) own = entry.value();
+                }
+                const double value = std::clamp(f[i] + rest / own, low, high);
+                largest = std::max(largest, std::abs(value - f[i]));
+                f[i] = value;
+            }
+            if (largest <= enough * (high - low)) return;
         }
-        return f;
     }
 
     Vector force(const Vector& target, const Vector& f) const {
         return B_.transpose() * (W_.asDiagonal() * Vector(target - B_ * f)) - K_ * f;
     }
-
-    /// Minimum within the bounds, by the primal-dual active set method (Hintermueller, Ito, Kunisch 2003).
-    /// One analysis of the pattern; a new factor only when the set of vertices held by a bound changes.
-    class Bounded {
-      public:
-        Bounded(const HarmonicSolver& owner, double low, double high)
-            : owner_(owner)
-            , low_(low)
-            , high_(high)
-            , diagonal_(owner.A_.diagonal())
-            , held_(at(owner.count_), 0) {
-            factor_.analyzePattern(owner.A_);
-        }
-
-        void minimise(const Vector& target, Vector& f) {
-            constexpr int most_changes = 12;
-            for (int change = 0; change < most_changes; ++change) {
-                if (!is_current_) refactorise();
-                for (std::size_t i = 0; i < held_.size(); ++i)
-                    if (held_[i]) f[index(i)] = held_[i] < 0 ? low_ : high_;
-                Vector right = owner_.force(target, f);
-                for (std::size_t i = 0; i < held_.size(); ++i)
-                    if (held_[i]) right[index(i)] = 0;
-                f += factor_.solve(right);
-                if (!update_held(owner_.force(target, f), f)) return;
-                is_current_ = false;
-            }
-            f = f.cwiseMax(low_).cwiseMin(high_);
-        }
-
-      private:
-        static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
-
-        void refactorise() {
-            Sparse matrix = owner_.A_;
-            for (int c = 0; c < matrix.outerSize(); ++c)
-                for (Sparse::InnerIterator entry(matrix, c); entry; ++entry)
-                    if (entry.row() != entry.col() && (held_[at(entry.row())] || held_[at(entry.col())]))
-                        entry.valueRef() = 0;
-            factor_.factorize(matrix);
-            require_factor(factor_);
-            is_current_ = true;
-        }
-
-        /// `push` is what a bound must hold against. Returns whether the set has changed.
-        bool update_held(const Vector& push, const Vector& f) {
-            const std::vector<char> last = held_;
-            for (std::size_t i = 0; i < held_.size(); ++i) {
-                const Eigen::Index k = index(i);
-                const double slack =
-                    1e-9 * diagonal_[k] * (high_ - low_); // above the rounding error of `push`
-                const double up = push[k] + diagonal_[k] * (f[k] - high_),
-                             down = push[k] + diagonal_[k] * (f[k] - low_);
-                const char now = up > slack ? 1 : down < -slack ? -1 : 0;
-                if (now != 0 || may_release_) held_[i] = now;
-            }
-            // Two sets in turn: from now on vertices are only added, which ends.
-            if (held_ != last && held_ == before_last_) may_release_ = false;
-            before_last_ = last;
-            return held_ != last;
-        }
-
-        const HarmonicSolver& owner_;
-        double low_, high_;
-        Vector diagonal_;
-        std::vector<char> held_; ///< -1 at the lower bound, 1 at the upper
-        std::vector<char> before_last_;
-        bool may_release_ = true;
-        Factor factor_;
-        bool is_current_ = false;
-    };
 
     const TetMesh& mesh_;
     const Embedding& surface_;
@@ -316,6 +265,15 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
     return result;
 }
 
+std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const PaintedSurface& surface,
+                                                     const std::vector<std::vector<double>>& maps,
+                                                     const std::vector<char>& painted, HarmonicRange range) {
+    const PaintSamples samples = sample_paint(mesh, surface, painted);
+    std::vector<std::vector<double>> sampled;
+    for (const std::vector<double>& values : maps) sampled.push_back(samples.values(values));
+    return harmonic_extensions(mesh, samples.embedding, samples.areas, sampled, samples.painted(painted), range);
+}
+
 std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
                                        const std::vector<double>& areas, const std::vector<double>& values,
                                        const std::vector<char>& painted, HarmonicRange range) {
@@ -337,9 +295,10 @@ Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex
     Points gradients;
     gradients.reserve(mesh.tets.size());
     double largest = 0;
-    for (const Tet& t : mesh.tets) {
+    for (std::size_t tet = 0; tet < mesh.tets.size(); ++tet) {
+        const Tet& t = mesh.tets[tet];
         // Differences first: a constant field must give exactly zero.
-        const auto g = hat_gradients(mesh, t);
+        const auto g = hat_gradients(mesh, tet);
         Vec3 sum = Vec3::Zero();
         for (int k = 1; k < 4; ++k) sum += (per_vertex[at(t[at(k)])] - per_vertex[at(t[0])]) * g.col(k);
         gradients.push_back(sum);
@@ -352,10 +311,10 @@ Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex
     return gradients;
 }
 
-Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
-                        const std::vector<double>& values, const std::vector<char>& painted) {
-    Points directions =
-        unit_gradients(mesh, harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
+namespace {
+
+Points directions_along(const TetMesh& mesh, const std::vector<double>& field) {
+    Points directions = unit_gradients(mesh, field);
     // Round after round, directions spread over shared vertices into the tets that have none.
     std::vector<std::size_t> empty;
     for (std::size_t t = 0; t < directions.size(); ++t)
@@ -378,6 +337,20 @@ Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std
         empty = std::move(still_empty);
     }
     return directions;
+}
+
+} // namespace
+
+Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                        const std::vector<double>& values, const std::vector<char>& painted) {
+    return directions_along(mesh,
+                            harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
+}
+
+Points fibre_directions(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
+                        const std::vector<char>& painted) {
+    return directions_along(mesh,
+                            harmonic_extensions(mesh, surface, {values}, painted, HarmonicRange::free)[0]);
 }
 
 } // namespace sinew::solver

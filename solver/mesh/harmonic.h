@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/mesh/embedding.h"
+#include "solver/mesh/paint_samples.h"
 
 #include <vector>
 
@@ -16,11 +17,13 @@ enum class HarmonicRange {
 /// Harmonic (Laplace) extension: minimises the coverage-weighted Dirichlet energy subject to the painted
 /// values at the embedded surface points. The values are met exactly where the mesh can; where several points
 /// in one tet ask for more than it can give, their area-weighted squares of errors are least. With
-/// HarmonicRange::painted both hold within the bounds. Parts of the mesh without a painted point take the
-/// value of the nearest painted point. \param areas   weight of each point [m^2] \param values  one per
+/// HarmonicRange::painted the result is then cut off at the bounds and relaxed within them, so maps take one
+/// factorisation whether bounds bite or not; where they do, the map is flattened towards them over a tet's width, an
+/// error of first order. Parts of the mesh without a painted point take the value of the nearest painted point. A point's influence shrinks with the tets about it: paint that stands
+/// for an area is given by a PaintedSurface, below. \param areas   weight of each point [m^2] \param values  one per
 /// embedded point \param painted which of the points are prescribed; the others are free \return one value
 /// per tet-mesh vertex Throws Error FE203 (sizes), FE202 (a painted value is not finite), FE205 (no point is
-/// painted). Direct solve, the same bits on every run.
+/// painted), FE215 (a tet without volume). Direct solve, the same bits on every run.
 std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
                                        const std::vector<double>& areas, const std::vector<double>& values,
                                        const std::vector<char>& painted,
@@ -31,10 +34,17 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
                                                      const std::vector<std::vector<double>>& maps,
                                                      const std::vector<char>& painted,
                                                      HarmonicRange range = HarmonicRange::painted);
+/// The same for paint that is linear on each triangle with three painted corners, however small the tets are
+/// (paint_samples.h): maps[k][vertex of the surface] -> result[k][vertex of the tets]. A vertex none of whose
+/// triangles is painted whole counts as a point.
+std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const PaintedSurface& surface,
+                                                     const std::vector<std::vector<double>>& maps,
+                                                     const std::vector<char>& painted,
+                                                     HarmonicRange range = HarmonicRange::painted);
 /// Mean over each tet of a per-vertex field.
 std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& per_vertex);
 /// Unit gradient per tet of a per-vertex field; zero vectors where the gradient vanishes (is less than 1e-9
-/// of the largest).
+/// of the largest). Throws Error FE215 (a tet without volume).
 Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex);
 
 /// Fibre directions: unit gradients of the harmonic field (HarmonicRange::free) between painted end points.
@@ -42,5 +52,7 @@ Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex
 /// of their neighbours.
 Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
                         const std::vector<double>& values, const std::vector<char>& painted);
+Points fibre_directions(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
+                        const std::vector<char>& painted);
 
 } // namespace sinew::solver

@@ -4,9 +4,11 @@
 
 #include "solver/error.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/tet_quality.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <numeric>
 
@@ -51,7 +53,8 @@ struct Joined {
     }
 };
 
-void check_edges(const std::vector<Triangle>& triangles, MeshCheck& out) {
+/// Returns the part of each triangle: the lowest triangle in it.
+std::vector<int> check_edges(const std::vector<Triangle>& triangles, MeshCheck& out) {
     const std::vector<Use> uses = edge_uses(triangles);
     Joined parts(triangles.size());
     // Corners are joined over edges; a vertex with more than one group of corners has more than one fan.
@@ -71,8 +74,11 @@ void check_edges(const std::vector<Triangle>& triangles, MeshCheck& out) {
         if (j - i > 2) out.non_manifold_edges.add(u.low, u.high);
         if (j - i == 2 && u.forward == uses[i + 1].forward) out.badly_oriented_edges.add(u.low, u.high);
     }
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        out.components += parts.find(static_cast<int>(t)) == static_cast<int>(t);
+    std::vector<int> part_of;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        part_of.push_back(parts.find(static_cast<int>(t)));
+        out.components += part_of.back() == static_cast<int>(t);
+    }
 
     std::vector<std::array<int, 2>> fans; // vertex, group
     for (std::size_t t = 0; t < triangles.size(); ++t)
@@ -83,6 +89,41 @@ void check_edges(const std::vector<Triangle>& triangles, MeshCheck& out) {
     for (std::size_t i = 0, j; i < fans.size(); i = j) {
         for (j = i + 1; j < fans.size() && fans[j][0] == fans[i][0];) ++j;
         if (j - i > 1) out.non_manifold_vertices.add(fans[i][0]);
+    }
+    return part_of;
+}
+
+/// For closed meshes.
+void check_sides(const Points& points, const std::vector<Triangle>& triangles, const std::vector<int>& part_of,
+                 MeshCheck& out) {
+    struct Part {
+        double volume = 0;
+        Box box{Vec3::Constant(1e300), Vec3::Constant(-1e300)};
+        bool holds(const Part& other) const {
+            return (box.min.array() <= other.box.min.array()).all() &&
+                   (box.max.array() >= other.box.max.array()).all() &&
+                   (box.min != other.box.min || box.max != other.box.max);
+        }
+    };
+    std::map<int, Part> parts;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        Part& part = parts[part_of[t]];
+        // From the part's own first corner, so that a part far away from the origin keeps its sign.
+        const Vec3& origin = points[at(triangles[at(part_of[t])][0])];
+        part.volume += tet_volume(origin, points[at(triangles[t][0])], points[at(triangles[t][1])],
+                                  points[at(triangles[t][2])]);
+        for (const int v : triangles[t]) {
+            part.box.min = part.box.min.cwiseMin(points[at(v)]);
+            part.box.max = part.box.max.cwiseMax(points[at(v)]);
+        }
+    }
+    for (const auto& [first, part] : parts) {
+        // Less is rounding: such a part encloses nothing.
+        const double size = part.box.size().maxCoeff();
+        if (!(part.volume < -1e-12 * size * size * size)) continue;
+        const bool inside_another =
+            std::any_of(parts.begin(), parts.end(), [&](const auto& other) { return other.second.holds(part); });
+        if (!inside_another) out.inside_out_parts.add(first);
     }
 }
 
@@ -150,10 +191,23 @@ MeshCheck check_mesh(const Points& points, const std::vector<Triangle>& triangle
                 throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
                                          " of " + std::to_string(points.size()));
     MeshCheck out;
-    check_edges(triangles, out);
+    const std::vector<int> part_of = check_edges(triangles, out);
+    if (out.is_closed()) check_sides(points, triangles, part_of, out);
     check_triangles(points, triangles, out);
     check_vertices(points, triangles, out);
     out.volume = enclosed_volume(points, triangles);
+    return out;
+}
+
+Flaw flat_tets(const TetMesh& mesh) {
+    constexpr double least = 1, largest = 179;
+    Flaw out;
+    const auto x = [&](int v) -> const Vec3& { return mesh.vertices[at(v)]; };
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+        const Tet& tet = mesh.tets[t];
+        const auto range = dihedral_range(x(tet[0]), x(tet[1]), x(tet[2]), x(tet[3]));
+        if (!(range[0] >= least && range[1] <= largest)) out.add(static_cast<int>(t));
+    }
     return out;
 }
 

@@ -1,7 +1,7 @@
 // What is wrong with a triangle mesh: counts and the first places of each kind of flaw.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/types.h"
+#include "solver/mesh/tet_mesh.h"
 
 #include <array>
 #include <string>
@@ -30,6 +30,9 @@ struct MeshCheck {
     Flaw duplicate_triangles;   ///< with the corners of an earlier triangle, in any order
     Flaw coinciding_vertices;   ///< at the place of an earlier vertex
     Flaw unused_vertices;       ///< of no triangle
+    Flaw inside_out_parts;      ///< parts of a closed mesh with negative volume, outside of all others: their first
+                                ///< triangles. Parts within others may be cavities
+    Flaw flat_tets;             ///< of a tet mesh; only flat_tets() looks for them
     Flaw crossing_triangles;    ///< pairs that cross or overlap; only inspect_mesh looks for them
     std::size_t components = 0; ///< of triangles joined over edges
     double volume = 0;          ///< enclosed volume, negative if the mesh is inside out; meaningless if open
@@ -43,6 +46,9 @@ struct MeshCheck {
 /// Indices must be in range (Error FE203 else). Time grows with n log n. For self-intersections
 /// there is inspect_mesh in solver/meshing/self_intersections.h.
 MeshCheck check_mesh(const Points& points, const std::vector<Triangle>& triangles);
+
+/// Tets with a dihedral angle below 1 or above 179 degrees.
+Flaw flat_tets(const TetMesh& mesh);
 
 /// "12 open edges (3-4, 7-9, …)": the flaw with its first places; empty if there is none.
 std::string describe(const Flaw& flaw, const std::string& singular, const std::string& plural);

@@ -61,11 +61,13 @@ SurfaceMesh finish_surface(const std::string& file, Points points, std::vector<i
     });
 }
 
-TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets) {
+TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets,
+                    std::vector<double> coverage) {
     return in_file(file, [&] {
         TetMesh mesh;
         mesh.vertices = std::move(vertices);
         mesh.tets = std::move(tets);
+        mesh.coverage = std::move(coverage);
         check_and_orient(mesh);
         return mesh;
     });

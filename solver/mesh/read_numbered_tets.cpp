@@ -21,6 +21,7 @@ class Numbered {
         std::array<long long, 4> numbers{};
         for (long long& n : numbers) n = text.integer("a vertex of a tet");
         tets.push_back(numbers);
+        lines.push_back(text.line());
     }
     TetMesh finish(const std::string& file) {
         std::vector<Tet> out;
@@ -29,7 +30,8 @@ class Numbered {
             for (std::size_t k = 0; k < 4; ++k) {
                 const auto found = vertex_.find(numbers[k]);
                 if (found == vertex_.end())
-                    throw Error("FE203", file + ": tet " + std::to_string(out.size()) + " uses vertex " +
+                    throw Error("FE203", file + ":" + std::to_string(lines[out.size()]) + ": tet " +
+                                             std::to_string(out.size()) + " uses vertex " +
                                              std::to_string(numbers[k]) + ", which the file does not have");
                 t[k] = found->second;
             }
@@ -40,6 +42,7 @@ class Numbered {
 
     Points points;
     std::vector<std::array<long long, 4>> tets;
+    std::vector<int> lines; ///< of the tets
 
   private:
     std::unordered_map<long long, int> vertex_;

@@ -24,6 +24,15 @@ int vertex(TextScanner& text, long long number, long long first, const std::stri
     return static_cast<int>(number - first);
 }
 
+/// A vertex that the file does not have, in the file's own numbers. Files without vertices are refused later.
+void require_vertex(int v, std::size_t count, int first, const std::string& owner, const std::string& file,
+                    int line) {
+    if (count == 0 || static_cast<std::size_t>(v) < count) return;
+    throw Error("FE203", file + ":" + std::to_string(line) + ": " + owner + " uses vertex " +
+                             std::to_string(static_cast<long long>(v) + first) + "; the file has " +
+                             std::to_string(count) + " vertices, numbered from " + std::to_string(first));
+}
+
 Vec3 read_point(TextScanner& text, std::size_t i) {
     Vec3 p;
     for (int d = 0; d < 3; ++d) p[d] = text.number("a coordinate of vertex " + std::to_string(i));
@@ -39,6 +48,7 @@ TetMesh read_medit(std::string_view bytes, const std::string& file) {
     text.integer("the version");
     Points vertices;
     std::vector<Tet> tets;
+    std::vector<int> lines; // of the tets
     bool has_end = false;
     while (!text.at_end() && !has_end) {
         const std::string_view keyword = text.word();
@@ -61,6 +71,7 @@ TetMesh read_medit(std::string_view bytes, const std::string& file) {
                 Tet tet;
                 for (int& v : tet) v = vertex(text, text.integer("a vertex number of " + owner), 1, owner);
                 text.integer("the reference of " + owner);
+                lines.push_back(text.line());
                 tets.push_back(tet);
             }
         } else if (same_word(keyword, "Hexahedra") || same_word(keyword, "TetrahedraP2")) {
@@ -72,6 +83,9 @@ TetMesh read_medit(std::string_view bytes, const std::string& file) {
             while (!text.at_end() && !is_word(text.peek())) text.number("a number of " + printable(keyword));
         }
     }
+    for (std::size_t t = 0; t < tets.size(); ++t)
+        for (const int v : tets[t])
+            require_vertex(v, vertices.size(), 1, "tet " + std::to_string(t), file, lines[t]);
     return finish_tets(file, std::move(vertices), std::move(tets));
 }
 
@@ -81,8 +95,53 @@ namespace {
 struct VtkCells {
     std::vector<std::size_t> first{0}; ///< where each cell begins in `corners`, and the end
     std::vector<int> corners;
+    std::vector<int> lines; ///< of the corners
     std::size_t count() const { return first.size() - 1; }
+    void add(TextScanner& text, const std::string& owner) {
+        corners.push_back(vertex(text, text.integer("a vertex number of " + owner), 0, owner));
+        lines.push_back(text.line());
+    }
 };
+
+/// From CELL_DATA on: the share of each cell that is solid, as write_vtk puts it (or a program that has turned
+/// SCALARS into a FIELD array since); other data is passed over. Empty if there is none. Stops before POINT_DATA.
+std::vector<double> read_coverage(TextScanner& text, const std::vector<long long>& types) {
+    constexpr long long tet = 10;
+    const std::size_t count = text.count("the number of cells with data");
+    std::vector<double> coverage;
+    bool in_field = false;
+    while (!text.at_end() && !same_word(text.peek(), "POINT_DATA") && !same_word(text.peek(), "CELL_DATA")) {
+        const std::string_view word = text.word();
+        bool begins = false;
+        if (same_word(word, "FIELD")) {
+            in_field = true;
+        } else if (same_word(word, "SCALARS")) {
+            in_field = false;
+            const bool named = same_word(text.word(), "coverage");
+            text.word_on_line(); // the type
+            const std::string_view components = text.word_on_line();
+            begins = named && (components.empty() || components == "1");
+            if (same_word(text.peek(), "LOOKUP_TABLE")) text.word(), text.word();
+        } else if (in_field && same_word(word, "coverage")) {
+            const bool fits = text.word() == "1" && text.word() == std::to_string(count);
+            text.word(); // the type
+            begins = fits;
+        }
+        if (!begins) continue;
+        if (count != types.size())
+            text.fail("coverage of " + std::to_string(count) + " cells for " + std::to_string(types.size()) +
+                      " cells");
+        coverage.clear();
+        for (std::size_t c = 0; c < count; ++c) {
+            const double share = text.number("the coverage of cell " + std::to_string(c));
+            if (types[c] == tet && !(share > 0 && share <= 1))
+                text.fail("the coverage of cell " + std::to_string(c) + " is " + std::to_string(share) +
+                          "; it must be above 0 and at most 1");
+            coverage.push_back(share);
+        }
+    }
+    return coverage;
+}
 
 /// Up to version 4: "CELLS n size", each cell its size and its vertices.
 void read_counted_cells(TextScanner& text, std::size_t count, std::size_t size, VtkCells& cells) {
@@ -91,7 +150,7 @@ void read_counted_cells(TextScanner& text, std::size_t count, std::size_t size, 
         const std::string owner = "cell " + std::to_string(c);
         const std::size_t corners = text.count("the size of " + owner);
         for (std::size_t k = 0; k < corners; ++k)
-            cells.corners.push_back(vertex(text, text.integer("a vertex number of " + owner), 0, owner));
+            cells.add(text, owner);
         cells.first.push_back(cells.corners.size());
         used += corners + 1;
     }
@@ -117,15 +176,21 @@ void read_offset_cells(TextScanner& text, std::size_t offsets, std::size_t size,
     if (!same_word(text.word(), "CONNECTIVITY")) text.fail("CONNECTIVITY was expected behind OFFSETS");
     text.word();
     for (std::size_t k = 0; k < size; ++k)
-        cells.corners.push_back(vertex(text, text.integer("a vertex number of the cells"), 0, "a cell"));
+        cells.add(text, "the cells");
 }
 
-std::vector<Tet> tets_of(TextScanner& text, const VtkCells& cells, const std::vector<long long>& types) {
+TetMesh tets_of(TextScanner& text, const std::string& file, Points vertices, const VtkCells& cells,
+                const std::vector<long long>& types, const std::vector<double>& cell_coverage) {
     std::vector<Tet> tets;
+    std::vector<double> coverage;
     for (std::size_t c = 0; c < cells.count(); ++c) {
         const std::size_t first = cells.first[c], size = cells.first[c + 1] - first;
         const long long type = types[c];
         if (type == 10 && size == 4) {
+            for (std::size_t k = first; k < first + 4; ++k)
+                require_vertex(cells.corners[k], vertices.size(), 0, "cell " + std::to_string(c), file,
+                               cells.lines[k]);
+            if (!cell_coverage.empty()) coverage.push_back(cell_coverage[c]);
             tets.push_back({cells.corners[first], cells.corners[first + 1], cells.corners[first + 2],
                             cells.corners[first + 3]});
         } else if (type == 10) {
@@ -137,7 +202,7 @@ std::vector<Tet> tets_of(TextScanner& text, const VtkCells& cells, const std::ve
         // Types below 10 and quadratic edges and faces (21 to 23) are points, lines and faces: the tets stand
         // alone.
     }
-    return tets;
+    return finish_tets(file, std::move(vertices), std::move(tets), std::move(coverage));
 }
 
 } // namespace
@@ -156,6 +221,7 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
     Points vertices;
     VtkCells cells;
     std::vector<long long> types;
+    std::vector<double> coverage;
     bool has_types = false; // their count alone does not tell: both may be none
     while (!text.at_end()) {
         const std::string_view keyword = text.word();
@@ -188,8 +254,10 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
                 return false;
             };
             while (!text.at_end() && !is_section(text.peek())) text.word();
-        } else if (same_word(keyword, "CELL_DATA") || same_word(keyword, "POINT_DATA")) {
-            break;
+        } else if (same_word(keyword, "CELL_DATA")) {
+            coverage = read_coverage(text, types);
+        } else if (same_word(keyword, "POINT_DATA")) {
+            while (!text.at_end() && !same_word(text.peek(), "CELL_DATA")) text.word();
         } else {
             text.fail("'" + printable(keyword) +
                       "' stands where a section (POINTS, CELLS, CELL_TYPES …) should");
@@ -198,8 +266,7 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
     if (!has_types || types.size() != cells.count())
         text.fail(std::to_string(types.size()) + " cell types for " + std::to_string(cells.count()) +
                   " cells");
-    std::vector<Tet> tets = tets_of(text, cells, types);
-    return finish_tets(file, std::move(vertices), std::move(tets));
+    return tets_of(text, file, std::move(vertices), cells, types, coverage);
 }
 
 } // namespace sinew::solver

@@ -18,6 +18,27 @@ struct Face {
     int tet, side;
 };
 
+/// Tets on the same four vertices would count twice in mass and stiffness.
+void refuse_repeated(const std::vector<Tet>& tets) {
+    std::vector<std::array<int, 5>> sorted; // corners, tet
+    sorted.reserve(tets.size());
+    for (std::size_t t = 0; t < tets.size(); ++t) {
+        Tet c = tets[t];
+        std::sort(c.begin(), c.end());
+        sorted.push_back({c[0], c[1], c[2], c[3], static_cast<int>(t)});
+    }
+    std::sort(sorted.begin(), sorted.end());
+    std::vector<std::array<int, 2>> repeated; // tet, the one before it
+    for (std::size_t i = 1; i < sorted.size(); ++i)
+        if (std::equal(sorted[i].begin(), sorted[i].begin() + 4, sorted[i - 1].begin()))
+            repeated.push_back({sorted[i][4], sorted[i - 1][4]});
+    if (repeated.empty()) return;
+    const auto [tet, earlier] = *std::min_element(repeated.begin(), repeated.end());
+    throw Error("FE221", "tet " + std::to_string(tet) + " has the corners of tet " + std::to_string(earlier) +
+                             "; tets that repeat others: " + std::to_string(repeated.size()),
+                "remove the repeated tets");
+}
+
 } // namespace
 
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -88,6 +109,7 @@ void check_and_orient(TetMesh& mesh) {
             throw Error("FE215", "tet " + std::to_string(t) + " has no volume", "remove or remesh flat tets");
         if (volume < 0) std::swap(tet[2], tet[3]);
     }
+    refuse_repeated(mesh.tets);
     if (mesh.coverage.empty()) mesh.coverage.assign(mesh.tets.size(), 1.0);
     if (mesh.coverage.size() != mesh.tets.size())
         throw Error("FE203", std::to_string(mesh.coverage.size()) + " coverage values for " +

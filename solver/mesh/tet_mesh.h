@@ -12,14 +12,14 @@ struct TetMesh {
     Points vertices;
     std::vector<Tet> tets; ///< positively oriented: det(x1-x0, x2-x0, x3-x0) > 0
     std::vector<double>
-        coverage; ///< per tet in (0, 1]: share of its volume inside the solid; 1 for user meshes
+        coverage; ///< per tet in (0, 1]: share of its volume inside the solid; 1 if not told
 };
 
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Triangles that belong to one tet only, outward oriented.
 std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets);
-/// Throws Error: FE201 empty, FE202 not finite, FE203 index, FE215 zero volume. Flips negatively oriented
-/// tets.
+/// Throws Error: FE201 empty, FE202 not finite, FE203 index, FE215 zero volume, FE221 repeated tets. Flips
+/// negatively oriented tets.
 void check_and_orient(TetMesh& mesh);
 
 /// Every edge of the mesh once, as (lower, higher) vertex, sorted.

@@ -336,3 +336,46 @@ TEST_CASE("a file enters by its content: a copy elsewhere is found, a change is 
     std::filesystem::remove(a.path);
     CHECK(codes_of([&] { e.pull({g, {"f", "out"}, 1, {}}); }) == "IO401");
 }
+
+TEST_CASE("what failed in a command is not computed again in it, and fails alike") {
+    auto counts = std::make_shared<Counts>();
+    const auto types = registry(counts);
+    const std::string nodes =
+        R"("bad": {"type": "failer"}, "after": {"type": "relay", "inputs": {"in": {"from": "bad.out"}}})";
+    const auto g = graph(types, nodes), other = graph(types, nodes);
+    Evaluator e;
+    const auto failure = [&](const std::shared_ptr<const Graph>& in, const char* node,
+                             std::shared_ptr<Failures> failures) {
+        try {
+            e.pull({in, {node, "out"}, 1, {}, std::move(failures)});
+        } catch (const Failure& f) {
+            return f.diagnostics()[0].node + " " + f.diagnostics()[0].code;
+        }
+        return std::string("none");
+    };
+    const auto command = remember_failures();
+    CHECK(failure(g, "bad", command) == "bad FE201");
+    CHECK(failure(g, "after", command) == "bad FE201");
+    CHECK(failure(g, "bad", command) == "bad FE201");
+    CHECK(counts->computes == 1);
+    CHECK(failure(g, "bad", remember_failures()) == "bad FE201"); // the next command tries again
+    CHECK(counts->computes == 2);
+    CHECK(failure(g, "bad", nullptr) == "bad FE201"); // as does a host that asks for nothing to be remembered
+    CHECK(counts->computes == 3);
+    CHECK(failure(other, "bad", command) == "bad FE201"); // its diagnostics name places in another graph
+    CHECK(counts->computes == 4);
+}
+
+TEST_CASE("a step that failed in a command is not taken again in it") {
+    auto counts = std::make_shared<Counts>();
+    const auto g = graph(registry(counts), R"("s": {"type": "sim", "inputs": {"failAt": 3}},
+        "after": {"type": "relay", "inputs": {"in": {"from": "s.out"}}})");
+    Evaluator e;
+    const auto command = remember_failures();
+    CHECK_THROWS_AS(e.pull({g, {"s", "out"}, 3, {}, command}), Failure);
+    const int advances = counts->advances;
+    CHECK_THROWS_AS(e.pull({g, {"after", "out"}, 3, {}, command}), Failure);
+    CHECK(counts->advances == advances);
+    CHECK_THROWS_AS(e.pull({g, {"after", "out"}, 3}), Failure);
+    CHECK(counts->advances == advances + 1);
+}

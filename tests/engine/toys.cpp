@@ -92,7 +92,10 @@ void add_troublemakers(Registry& r, std::shared_ptr<Counts> counts) {
            .doc = "Fails.",
            .inputs = {describe(value)},
            .outputs = {describe(out)},
-           .compute = [](const Reads& in, Writes&) { in.fail("value", "FE201", "nothing to work on"); }});
+           .compute = [counts](const Reads& in, Writes&) {
+               ++counts->computes;
+               in.fail("value", "FE201", "nothing to work on");
+           }});
     r.add({.name = "crasher",
            .doc = "Has a bug.",
            .outputs = {describe(out)},

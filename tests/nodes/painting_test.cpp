@@ -153,3 +153,14 @@ TEST_CASE("a painted map is carried over to an iso mesh, and one that does not f
     s.set("moved", "weights", "[]");
     CHECK(codes([&] { s.pull("moved", "outWeights"); }) == Codes{"FE204"});
 }
+
+TEST_CASE("transferred weights stay between 0 and 1", "[nodes]") {
+    Session s(R"("ball": {"type": "polySphere"}, "cube": {"type": "polyCube"},
+        "moved": {"type": "transferWeights", "inputs": {"oldMesh": {"from": "ball.outMesh"},
+            "newMesh": {"from": "cube.outMesh"}, "weights": [7]}})");
+    for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 1);
+    s.set("moved", "weights", "[-1]");
+    for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 0);
+    s.set("moved", "weights", "[0.25]");
+    for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 0.25);
+}

@@ -49,7 +49,7 @@ TEST_CASE("check of a mesh file counts its flaws and names the first", "[tools]"
         INFO(name);
         CHECK(flaw.at("count") == 0);
     }
-    CHECK(good.at("flaws").size() == 9);
+    CHECK(good.at("flaws").size() == 11);
 
     const json open = only(run_program({"check", write(folder, "open.obj", cube(1)), "--json"}));
     CHECK(open.at("closed") == false);
@@ -117,4 +117,38 @@ TEST_CASE("check --meshes lists the meshes of a graph and warns of features that
     const Said both = run_program({"check", write_graph(folder, graph), "--meshes", "--fast"});
     CHECK(both.code == 2);
     CHECK(has(both.err, "--fast"));
+}
+
+TEST_CASE("check names parts that are inside out, tets that repeat and tets that are flat", "[tools]") {
+    const TemporaryFolder folder;
+    const auto flaws = [&](const std::string& name, const std::string& text) {
+        return only(run_program({"check", write(folder, name, text), "--json"})).at("flaws");
+    };
+    // Every face the other way round.
+    const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n",
+                      turned = "f 2 3 4 1\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
+    CHECK(flaws("turned.obj", vertices + turned).at("insideOutParts").at("first") == json::parse("[0]"));
+    CHECK(has(run_program({"check", (folder / "turned.obj").string()}).out, "1 part turned inside out, at triangle (0)"));
+    // A large tet beside the cube, and one around it: then the cube may be a cavity.
+    const std::string beside = "v 5 0 0\nv 9 0 0\nv 5 4 0\nv 5 0 4\n", tet = "f 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n",
+                      around = "v -9 -9 -9\nv 90 -9 -9\nv -9 90 -9\nv -9 -9 90\n";
+    CHECK(flaws("two.obj", vertices + beside + tet + turned).at("insideOutParts").at("first") == json::parse("[4]"));
+    CHECK(flaws("cavity.obj", vertices + around + tet + turned).at("insideOutParts").at("count") == 0);
+
+    const std::string head = "MeshVersionFormatted 1\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n";
+    const std::string flat = write(folder, "flat.mesh", head + "0.5 0.5 -1e-3 0\nTetrahedra\n2\n1 2 3 4 0\n1 3 2 5 0\n");
+    CHECK(only(run_program({"check", flat, "--json"})).at("flaws").at("flatTets").at("first") == json::parse("[1]"));
+    const Said twice = run_program(
+        {"check", write(folder, "twice.mesh", head + "1 1 1 0\nTetrahedra\n3\n1 2 3 4 0\n2 3 4 5 0\n4 2 1 3 0\n")});
+    CHECK(twice.code == 1);
+    CHECK(has(twice.err, "FE221"));
+    CHECK(has(twice.err, "tet 2 has the corners of tet 0"));
+
+    json graph = small_graph();
+    graph["nodes"]["own"] = {{"type", "tetMeshFile"}, {"inputs", {{"file", flat}}}};
+    graph["nodes"]["lattice"] = {{"type", "zTet"}, {"inputs", {{"tets", {{"from", "own.outTets"}}}}}};
+    const Said checked = run_program({"check", write_graph(folder, graph), "--meshes"});
+    CHECK(has(checked.err, "FE238"));
+    CHECK(has(checked.err, "own.outTets has 1 nearly flat tet (1)"));
+    CHECK_FALSE(has(checked.out, "unused")); // a border on its tets' vertices leaves out the inner ones
 }

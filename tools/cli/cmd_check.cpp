@@ -46,13 +46,14 @@ ExitCode check(const Invocation& in) {
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings;
     engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    const auto failures = engine::remember_failures();
     if (!fast)
-        for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop))
+        for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop, failures))
             found.push_back(std::move(problem));
     for (auto& warning : warnings.take()) found.push_back(std::move(warning));
     std::vector<MeshReport> reports;
     if (meshes) {
-        reports = mesh_reports(open.graph, evaluator, in.stop);
+        reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
     sort_by_place(found);

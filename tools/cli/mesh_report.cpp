@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <typeindex>
 
 namespace sinew::cli {
 
@@ -39,6 +40,7 @@ MeshReport report_tets(const solver::TetMesh& mesh) {
     r.check.unused_vertices = {}; // those inside
     r.tets = mesh.tets.size();
     r.dihedral = solver::dihedral_range(mesh);
+    r.check.flat_tets = solver::flat_tets(mesh);
     return r;
 }
 
@@ -70,6 +72,9 @@ std::vector<NamedFlaw> flaws_of(const MeshCheck& c) {
         {&c.coinciding_vertices, "coincidingVertices", "vertex at another's place",
          "vertices at others' places"},
         {&c.unused_vertices, "unusedVertices", "unused vertex", "unused vertices"},
+        {&c.inside_out_parts, "insideOutParts", "part turned inside out, at triangle",
+         "parts turned inside out, at triangles"},
+        {&c.flat_tets, "flatTets", "nearly flat tet", "nearly flat tets"},
         {&c.crossing_triangles, "crossingTriangles", "pair of crossing triangles",
          "pairs of crossing triangles"}};
 }
@@ -110,6 +115,12 @@ std::string cell(const std::string& text, int width) {
     return width < 0 ? text + space : space + text;
 }
 
+bool has_tets(const engine::NodeType& type) {
+    return std::any_of(type.outputs.begin(), type.outputs.end(), [](const engine::AttributeInfo& output) {
+        return output.type == std::type_index(typeid(nodes::TetMeshValue));
+    });
+}
+
 /// What the mesh at this input cannot do; empty if nothing.
 std::string what_is_off(const engine::Graph& graph, const std::string& node, const std::string& attribute,
                         const MeshCheck& check) {
@@ -125,10 +136,21 @@ std::string what_is_off(const engine::Graph& graph, const std::string& node, con
     return {};
 }
 
+engine::Diagnostic warning_at(const engine::Graph& graph, const std::string& node, const std::string& attribute) {
+    engine::Diagnostic d;
+    d.severity = engine::Severity::warning;
+    d.code = "FE238";
+    d.node = node;
+    d.attribute = attribute;
+    d.spot = graph.spot(node, attribute);
+    return d;
+}
+
 } // namespace
 
 std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph,
-                                     engine::Evaluator& evaluator, std::stop_token stop) {
+                                     engine::Evaluator& evaluator, std::stop_token stop,
+                                     const std::shared_ptr<engine::Failures>& failures) {
     const std::vector<std::string> names = graph->node_names();
     const double frame = start_frame(*graph, names);
     std::vector<MeshReport> out;
@@ -138,8 +160,10 @@ std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>&
         for (const engine::AttributeInfo& output : node->type->outputs) {
             const engine::Plug plug{name, std::string(output.name)};
             try {
-                auto report = report_value(evaluator.pull({graph, plug, frame, stop}));
+                auto report = report_value(evaluator.pull({graph, plug, frame, stop, failures}));
                 if (report && report->vertices > 0) { // a transform without a mesh gives an empty one
+                    // The border of tets keeps their numbers, those of inner vertices too.
+                    if (report->tets == 0 && has_tets(*node->type)) report->check.unused_vertices = {};
                     report->plug = plug;
                     report->name = plug.text();
                     out.push_back(std::move(*report));
@@ -187,15 +211,20 @@ std::vector<engine::Diagnostic> features_off(const engine::Graph& graph,
             const auto* source = std::get_if<engine::Plug>(&binding);
             if (!source) continue;
             for (const MeshReport& r : reports) {
-                if (r.plug != *source || r.tets > 0) continue;
+                if (r.plug != *source) continue;
+                if (r.tets > 0) {
+                    if (!r.check.flat_tets) continue;
+                    engine::Diagnostic d = warning_at(graph, name, attribute);
+                    d.message = r.name + " has " +
+                                solver::describe(r.check.flat_tets, "nearly flat tet", "nearly flat tets") +
+                                ", so steps may fail or take many iterations";
+                    d.hint = "Remesh, or let zTet make the tets.";
+                    out.push_back(std::move(d));
+                    continue;
+                }
                 const std::string off = what_is_off(graph, name, attribute, r.check);
                 if (off.empty()) continue;
-                engine::Diagnostic d;
-                d.severity = engine::Severity::warning;
-                d.code = "FE238";
-                d.node = name;
-                d.attribute = attribute;
-                d.spot = graph.spot(name, attribute);
+                engine::Diagnostic d = warning_at(graph, name, attribute);
                 d.message = r.name + " is not closed (" + flaws_as_text(r.check) + "), so " + off;
                 d.hint = "Close the mesh, or wrap it by zIsoMesh with isoValue > 0.";
                 out.push_back(std::move(d));

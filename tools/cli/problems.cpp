@@ -24,7 +24,8 @@ std::vector<Diagnostic> WarningCollector::take() {
 
 std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph,
                                       engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
-                                      std::stop_token stop) {
+                                      std::stop_token stop,
+                                      const std::shared_ptr<engine::Failures>& failures) {
     const double frame = start_frame(*graph, nodes);
     std::vector<Diagnostic> found;
     for (const std::string& name : nodes) {
@@ -33,7 +34,7 @@ std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>
         if (!node || !node->type || node->type->outputs.empty()) continue;
         try {
             // One output is enough: a node computes all of them at once.
-            evaluator.pull({graph, {name, std::string(node->type->outputs.front().name)}, frame, stop});
+            evaluator.pull({graph, {name, std::string(node->type->outputs.front().name)}, frame, stop, failures});
         } catch (const engine::Failure& failure) {
             found.insert(found.end(), failure.diagnostics().begin(), failure.diagnostics().end());
         }

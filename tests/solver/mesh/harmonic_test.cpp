@@ -266,3 +266,172 @@ TEST_CASE("harmonic extension refuses what it cannot use", "[mesh][harmonic]") {
     REQUIRE(code(wrong) == "none");
     REQUIRE_THROWS_AS(tet_means(sphere.tets, {1, 2}), Error);
 }
+
+namespace {
+
+double value_in(const TetMesh& mesh, const std::vector<double>& field, const Vec3& p) {
+    const Embedding e = embed(mesh, {p});
+    double sum = 0;
+    for (std::size_t k = 0; k < 4; ++k) sum += e.barycentric[0][k] * field[at(mesh.tets[at(e.tet[0])][k])];
+    return sum;
+}
+
+/// A unit cube of 8 corners and 12 triangles, in tets much smaller than they.
+struct Cube {
+    SurfaceMesh surface = make_cube(1, 1, 1, 1, 1, 1);
+    TetMesh tets;
+    Embedding embedding;
+    explicit Cube(int parts) {
+        const Vec3 low = bounding_box(surface.points).min;
+        for (Vec3& p : surface.points) p -= low;
+        LatticeOptions options;
+        options.tet_size = 1.0 / parts;
+        tets = make_lattice(surface.points, surface.triangles, options);
+        embedding = embed(tets, surface.points);
+    }
+    PaintedSurface painted() const { return {surface.points, surface.triangles, embedding}; }
+    template <class Map>
+    std::vector<double> extend(const Map& map, HarmonicRange range = HarmonicRange::painted) const {
+        std::vector<double> values;
+        for (const Vec3& p : surface.points) values.push_back(map(p));
+        return harmonic_extensions(tets, painted(), {values}, std::vector<char>(values.size(), 1), range)[0];
+    }
+};
+
+} // namespace
+
+TEST_CASE("paint on large triangles holds however small the tets are", "[mesh][harmonic]") {
+    // A point alone loses its hold as tets shrink: with corners only, the value at the side sinks to one half.
+    std::vector<double> errors;
+    for (const int parts : {3, 5, 9}) { // odd: the sides of the cube pass through the middle of tets
+        const Cube cube(parts);
+        REQUIRE(cube.surface.points.size() == 8);
+        const auto x = [](const Vec3& p) { return p.x(); };
+        const std::vector<double> free = cube.extend(x, HarmonicRange::free), field = cube.extend(x);
+        for (std::size_t v = 0; v < free.size(); ++v) {
+            REQUIRE(free[v] == Approx(cube.tets.vertices[v].x()).margin(1e-4));
+            REQUIRE(field[v] >= 0);
+            REQUIRE(field[v] <= 1);
+        }
+        REQUIRE(value_in(cube.tets, free, {0.999, 0.5, 0.5}) == Approx(0.999).margin(1e-5));
+        REQUIRE(value_in(cube.tets, field, {0.999, 0.5, 0.5}) == Approx(0.999).margin(1.1e-3));
+        errors.push_back(value_in(cube.tets, field, {0.75, 0.5, 0.5}) - 0.75);
+    }
+    CAPTURE(errors[0], errors[1], errors[2]);
+    REQUIRE(errors[0] < 0.15);
+    // The bounds flatten the map by half a tet at the sides; that falls with the first power of the tet size.
+    REQUIRE(std::log(errors[0] / errors[2]) / std::log(3.0) > 0.9);
+}
+
+TEST_CASE("a map that is not linear converges with the tets", "[mesh][harmonic]") {
+    // Opposite corners at 1: saddles on the sides. No closed form; the differences between halvings tell.
+    const auto map = [](const Vec3& p) { return (p.x() > 0.5) == (p.y() > 0.5) ? p.z() : 0.3; };
+    const Points places{{0.3, 0.4, 0.6}, {0.9, 0.1, 0.5}, {0.5, 0.3, 0.8}, {0.15, 0.8, 0.2}};
+    std::vector<std::vector<double>> values;
+    for (const int parts : {4, 8, 16}) {
+        const Cube cube(parts);
+        const std::vector<double> field = cube.extend(map);
+        values.emplace_back();
+        for (const Vec3& p : places) values.back().push_back(value_in(cube.tets, field, p));
+    }
+    double coarse = 0, fine = 0;
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        coarse = std::max(coarse, std::abs(values[0][i] - values[1][i]));
+        fine = std::max(fine, std::abs(values[1][i] - values[2][i]));
+    }
+    CAPTURE(coarse, fine);
+    REQUIRE(coarse < 0.07);
+    REQUIRE(fine < 0.5 * coarse);
+}
+
+TEST_CASE("fibres between two large painted sides run straight", "[mesh][harmonic]") {
+    // The ends are two triangles each. Held at their corners alone, fibres lean by 29 degrees on average.
+    const Cube cube(9);
+    std::vector<double> ends;
+    for (const Vec3& p : cube.surface.points) ends.push_back(p.x() > 0.5 ? 1 : 0);
+    double worst = 0;
+    for (const Vec3& d : fibre_directions(cube.tets, cube.painted(), ends, std::vector<char>(8, 1)))
+        worst = std::max(worst, (d - Vec3(1, 0, 0)).norm());
+    CAPTURE(worst);
+    REQUIRE(worst < 1e-3);
+}
+
+TEST_CASE("samples share out the area of a triangle and stay on it", "[mesh][harmonic]") {
+    const Cube cube(7);
+    const std::vector<char> all(8, 1);
+    const PaintSamples samples = sample_paint(cube.tets, cube.painted(), all);
+    REQUIRE(samples.vertices() == 8);
+    REQUIRE(samples.areas.size() > 6 * 14 * 14); // half an edge apart, on six sides
+    double area = 0;
+    for (const double a : samples.areas) {
+        REQUIRE(a > 0);
+        area += a;
+    }
+    REQUIRE(area == Approx(6));
+    const std::vector<double> ones = samples.values(std::vector<double>(8, 1.0 / 3));
+    for (const double v : ones) REQUIRE(v == 1.0 / 3);
+    std::vector<double> x;
+    for (const Vec3& p : cube.tets.vertices) x.insert(x.end(), p.data(), p.data() + 3);
+    Points places;
+    apply(samples.embedding, cube.tets.tets, x.data(), places);
+    std::vector<double> corner_x;
+    for (const Vec3& p : cube.surface.points) corner_x.push_back(p.x());
+    const std::vector<double> sample_x = samples.values(corner_x);
+    for (std::size_t i = 0; i < places.size(); ++i) REQUIRE(places[i].x() == Approx(sample_x[i]).margin(1e-12));
+    // A side with a corner that is not painted gets none, and triangles smaller than the tets none either.
+    std::vector<char> none(8, 0);
+    none[0] = 1;
+    REQUIRE(sample_paint(cube.tets, cube.painted(), none).corners.empty());
+    const Painted sphere(make_sphere(1, 40, 40), 0.5);
+    REQUIRE(sample_paint(sphere.tets, {sphere.surface.points, sphere.surface.triangles, sphere.embedding},
+                         std::vector<char>(sphere.areas.size(), 1))
+                .areas == sphere.areas);
+}
+
+TEST_CASE("a linear map of a muscle is its extension at every tet size", "[mesh][harmonic]") {
+    const SurfaceMesh muscle = read_surface(SINEW_SOURCE_DIR "/graphs/scenes/arm_ziva/muscles/brachialis.obj");
+    const Box box = bounding_box(muscle.points);
+    const Vec3 slope = Vec3(1, -0.7, 0.4) / box.size().maxCoeff();
+    std::vector<double> values;
+    for (const Vec3& p : muscle.points) values.push_back(slope.dot(p - box.min));
+    double last = 1e300;
+    for (const double parts : {15.0, 30.0}) {
+        LatticeOptions options;
+        options.tet_size = box.size().maxCoeff() / parts;
+        const TetMesh mesh = make_lattice(muscle.points, muscle.triangles, options);
+        const Embedding embedding = embed(mesh, muscle.points);
+        const std::vector<double> field =
+            harmonic_extensions(mesh, {muscle.points, muscle.triangles, embedding}, {values},
+                                std::vector<char>(values.size(), 1))[0];
+        std::vector<char> inside(field.size(), 1);
+        for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+            if (mesh.coverage[t] < 1)
+                for (const int v : mesh.tets[t]) inside[at(v)] = 0;
+        double within = 0, all = 0;
+        for (std::size_t v = 0; v < field.size(); ++v) {
+            const double error = std::abs(field[v] - slope.dot(mesh.vertices[v] - box.min));
+            all = std::max(all, error);
+            if (inside[v]) within = std::max(within, error);
+        }
+        CAPTURE(parts, within, all);
+        REQUIRE(within < 1e-4);
+        REQUIRE(all < last);
+        last = all;
+    }
+}
+
+TEST_CASE("a flat tet is refused by name", "[mesh][harmonic]") {
+    TetMesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}};
+    mesh.tets = {{0, 1, 2, 3}, {0, 1, 4, 2}};
+    mesh.coverage = {1, 1};
+    const Embedding e{{0, 0}, {{1, 0, 0, 0}, {0, 0, 0, 1}}};
+    std::string said;
+    try {
+        harmonic_extension(mesh, e, {1, 1}, {0, 1}, {1, 1});
+    } catch (const Error& error) {
+        said = error.code + " " + error.what();
+    }
+    REQUIRE(said.find("FE215 tet 1 ") == 0);
+    REQUIRE_THROWS_AS(unit_gradients(mesh, {0, 0, 0, 0, 0}), Error);
+}

@@ -134,3 +134,42 @@ TEST_CASE("VegaFEM: sections in any order, others are passed over, hexahedra and
     CHECK(says(problem(vertices + vertices, "a.veg"), "twice"));
     CHECK(says(problem("hello\n", "a.veg"), "'hello' stands where a section"));
 }
+
+TEST_CASE("the share of each tet that is solid survives a VTK file", "[mesh][files]") {
+    TetMesh mesh = two_tets();
+    mesh.coverage = {1.0 / 3, 1e-3};
+    const std::string text = write_vtk(mesh);
+    CHECK(parse_tets(text, "a.vtk").coverage == mesh.coverage);
+
+    // Beside other cells and other data, in either place that programs keep it in.
+    const std::string head = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+                             "0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 2 9\n3 0 1 2\n4 0 1 2 3\nCELL_TYPES 2\n5\n10\n";
+    const std::string other = "SCALARS part int\nLOOKUP_TABLE default\n7 8\n",
+                      points = "POINT_DATA 4\nSCALARS coverage float 1\nLOOKUP_TABLE default\n9 9 9 9\n";
+    const auto coverage = [&](const std::string& data) { return parse_tets(head + data, "a.vtk").coverage; };
+    CHECK(coverage("") == std::vector<double>{1});
+    CHECK(coverage(points) == std::vector<double>{1});
+    CHECK(coverage(points + "CELL_DATA 2\n" + other + "SCALARS coverage double\nLOOKUP_TABLE default\n0 0.25\n") ==
+          std::vector<double>{0.25});
+    CHECK(coverage("CELL_DATA 2\n" + other + "FIELD FieldData 2\npart 1 2 int\n1 1\ncoverage 1 2 double\n0 0.5\n" +
+                   points) == std::vector<double>{0.5});
+    CHECK(says(problem(head + "CELL_DATA 2\nSCALARS coverage double 1\nLOOKUP_TABLE default\n1 0\n", "a.vtk"),
+               "a.vtk:16: the coverage of cell 1 is 0"));
+    CHECK(says(problem(head + "CELL_DATA 3\nSCALARS coverage double 1\nLOOKUP_TABLE default\n1 1 1\n", "a.vtk"),
+               "3 cells for 2"));
+}
+
+TEST_CASE("a vertex that does not exist is named in the file's own numbers, with the line", "[mesh][files]") {
+    const std::string head = "MeshVersionFormatted 2\nDimension 3\n",
+                      points = "Vertices\n4\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n",
+                      tets = "Tetrahedra\n2\n1 2 3 4 0\n1 2 3 9 0\n";
+    const char* wanted = "tet 1 uses vertex 9; the file has 4 vertices, numbered from 1";
+    CHECK(says(problem(head + points + tets + "End\n", "a.mesh", "FE203"), std::string("a.mesh:12: ") + wanted));
+    CHECK(says(problem(head + tets + points + "End\n", "a.mesh", "FE203"), std::string("a.mesh:6: ") + wanted));
+    const std::string grid = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
+                             "0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 4\nCELL_TYPES 1\n10\n";
+    CHECK(says(problem(grid, "a.vtk", "FE203"), "a.vtk:8: cell 0 uses vertex 4; the file has 4 vertices, numbered from 0"));
+    CHECK(says(problem("*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n1 1 2 3 9\n",
+                       "a.veg", "FE203"),
+               "a.veg:10: tet 0 uses vertex 9"));
+}

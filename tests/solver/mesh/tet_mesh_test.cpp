@@ -61,6 +61,20 @@ TEST_CASE("the border of two tets has six outward triangles around their volume"
     REQUIRE(with_tets.tet == std::vector<int>{0, 0, 0, 1, 1, 1});
 }
 
+TEST_CASE("a tet that repeats another is refused, whichever way it is turned", "[mesh]") {
+    TetMesh mesh = one_tet();
+    mesh.vertices.emplace_back(1, 1, 1);
+    mesh.tets = {{0, 1, 2, 3}, {1, 2, 3, 4}};
+    REQUIRE(code_of(mesh) == "none");
+    mesh.tets.push_back({3, 1, 0, 2});
+    REQUIRE(code_of(mesh) == "FE221");
+    try {
+        check_and_orient(mesh);
+    } catch (const Error& e) {
+        REQUIRE(std::string(e.what()).find("tet 2 has the corners of tet 0") == 0);
+    }
+}
+
 TEST_CASE("unusable tet meshes are refused with their code", "[mesh]") {
     REQUIRE(code_of(one_tet()) == "none");
     REQUIRE(code_of(TetMesh{}) == "FE201");
