@@ -135,7 +135,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tissue(Registry& registry) {
     NodeType type;
     type.name = "zTissue";
-    type.numerics = 2; // the default lattice fills closed surfaces inside others
+    // 2: the default lattice fills closed surfaces inside others
+    type.numerics = 3; // and turns triangles and parts that face the wrong way
     type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
     type.inputs = {describe(enable),
                    describe(mesh),

@@ -7,6 +7,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/distance_grid.h"
 #include "solver/meshing/iso_seeds.h"
+#include "solver/meshing/shells.h"
 #include "solver/meshing/soup.h"
 #include "solver/meshing/surface_mesher.h"
 
@@ -241,6 +242,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                 "), so it has no inside for an iso value of " + short_number(options.iso_value),
             "Give an isoValue above 0, or close the mesh.");
     if (!(options.iso_value > 0)) drop_opposite(soup);
+    turn_outwards(soup.points, soup.triangles);
     const double iso = frame.in(options.iso_value);
     // Triangles larger than the level set are no different from one another.
     const double most_size = 2 * (bounding_box(soup.points).size().norm() + 4 * std::abs(iso));
