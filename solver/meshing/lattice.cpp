@@ -106,7 +106,7 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
                                 const LatticeOptions& options, const MeshingControl& control) {
     const auto number = [](double x) {
         char text[32];
-        std::snprintf(text, sizeof text, "%.2g", x);
+        std::snprintf(text, sizeof text, "%.4g", x);
         return std::string(text);
     };
     const Vec3 size = solid.box.size();
@@ -133,7 +133,7 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
                     (std::isfinite(heavier)
                          ? "with the least share of " + number(options.least_coverage) +
                                " that every tet counts as solid, its volume would come out " +
-                               number(heavier * 100) + " % too large"
+                               number(1 + heavier) + " times as large"
                          : "no tet would hold a share of it"),
                 hint);
 }
