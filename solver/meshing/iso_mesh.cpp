@@ -73,7 +73,7 @@ class Watch {
 
 /// The coordinates in which the mesh is made: near the surface's middle, the level set's size within 2^33 of 1.
 /// Far from the origin there is nothing left of the numbers' precision for circumcentres and offsets, and
-/// far from size 1 products overflow. Shifts are whole multiples of a power of two some times the size, scales
+/// far from size 1 products overflow. Shifts are whole multiples of a power of two, some thousand times the size, scales
 /// whole powers of 2^64: no number is rounded, and ordinary meshes near the origin keep theirs.
 struct Frame {
     Vec3 shift = Vec3::Zero();
@@ -100,7 +100,7 @@ Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, do
     if (size == 0) return frame; // nothing but triangles without an area, which the soup refuses
     if (size < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units", "Repair the coordinates.");
     frame.exponent = -64 * static_cast<int>(std::lround(std::ilogb(size) / 64.0));
-    const double stride = std::ldexp(16.0, std::ilogb(size));
+    const double stride = std::ldexp(4096.0, std::ilogb(size));
     for (int d = 0; d < 3; ++d) frame.shift[d] = std::round(box.centre()[d] / stride) * stride;
     return frame;
 }
