@@ -167,7 +167,7 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
     std::size_t evaluations = 0;
     in.watch = [&] { watch.check(); };
     // Far beyond that, triangles become smaller and smaller at one place.
-    const double most = 1e6 + 30 * expected;
+    const double most = 1e6 + 10 * expected;
     in.field = [&](const Vec3& p) {
         if (static_cast<double>(evaluations) > most) refuse_endless(frame.out(p), is_manifold);
         if (++evaluations % 4096 == 0) {

@@ -99,6 +99,8 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     const Box box = bounding_box(used);
     const double longest = box.size().maxCoeff();
     if (!(longest < 1e60)) throw Error("FE202", "the mesh is larger than 1e60 units");
+    // Volumes below the smallest numbers there are; a flat or single place is named below.
+    if (longest > 0 && longest < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units");
     if (!(box.size().minCoeff() > 1e-9 * longest))
         throw Error("FE211", "the mesh is flat: its bounding box has no volume",
                     "a tissue needs a surface with an inside");
