@@ -30,9 +30,9 @@ const Input<double> width{
 };
 const Input<double> radius{
     .name = "radius",
-    .def = 0.4,
+    .def = 0.25,
     .limits = {.min = 0, .open_min = true},
-    .doc = "Radius of the tube, in scene units.",
+    .doc = "Radius of the tube, in scene units. Turns cross each other from about half of height / coils on.",
 };
 const Input<std::int64_t> subdivisions_axis{
     .name = "subdivisionsAxis",

@@ -108,7 +108,8 @@ Made make(const Reads& in) {
                 {{"FE230", iso_value.name},
                  {"FE231", iso_value.name},
                  {"FE232", triangle_size.name},
-                 {"FE233", max_time.name}});
+                 {"FE233", max_time.name},
+                 {"FE234", iso_value.name}});
     return {
         Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
         mesh.components, mesh.lost};
@@ -129,6 +130,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_iso_mesh(Registry& registry) {
     NodeType type;
     type.name = "zIsoMesh";
+    type.numerics = 2; // doubled faces do not count for isoValue <= 0; made near the origin
     type.doc =
         "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
     type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),

@@ -4,6 +4,8 @@
 #include "nodes/adapters.h"
 #include "solver/meshing/lattice.h"
 
+#include <algorithm>
+
 namespace sinew::nodes {
 
 using namespace engine;
@@ -16,7 +18,8 @@ const Input<double> tet_size{
     .def = 0,
     .limits = {.min = 0},
     .doc = "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
-           "the longest side of the mesh's bounding box / 3.5.",
+           "the longest side of the mesh's bounding box / 3.5. Every tet counts as at least a thousandth solid; tets so "
+           "large that this adds more than a tenth to the mesh's volume are refused.",
     .keyable = false,
 };
 const Input<NumberList> weights{
@@ -117,10 +120,16 @@ TetMeshValue make_tets(const Reads& in) {
     options.propagation = in[refinement_propagation];
     options.refinement = painted.empty() ? NumberList{1} : painted;
     for (double& w : options.refinement) w *= in[envelope] * in[surface_refinement];
-    return guarded(in, mesh.name, [&] {
-        return TetMeshValue::from(
-            solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
-    });
+    const bool is_refined = std::any_of(options.refinement.begin(), options.refinement.end(),
+                                        [](double levels) { return levels > 0; });
+    return guarded(in, mesh.name,
+                   [&] {
+                       return TetMeshValue::from(solver::make_lattice(*m->points, m->topology->triangles, options,
+                                                                      meshing_control(in)));
+                   },
+                   {{"FE206", tet_size.name},
+                    {"FE210", is_refined ? surface_refinement.name : tet_size.name},
+                    {"FE220", fill_interior.name}});
 }
 
 void compute(const Reads& in, Writes& out) {
@@ -138,7 +147,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tet(Registry& registry) {
     NodeType type;
     type.name = "zTet";
-    type.numerics = 2; // closed surfaces inside others are filled unless fillInterior says otherwise
+    // 2: closed surfaces inside others are filled unless fillInterior says otherwise
+    type.numerics = 3; // triangles and parts that face the wrong way are turned; too large tets refused
     type.doc =
         "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
         "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "

@@ -5,15 +5,19 @@
 #include "solver/error.h"
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/tet_quality.h"
 #include "solver/meshing/guarded_delaunay.h"
 #include "solver/meshing/inner_points.h"
 #include "solver/meshing/self_intersections.h"
+#include "solver/meshing/starved_points.h"
 #include "solver/meshing/tet_improve.h"
 
 #include <algorithm>
 
 namespace sinew::solver {
 namespace {
+
+constexpr double least_dihedral = 0.05; ///< of a tet of the result [degrees]
 
 /// Refuses what has no inside, or whose boundary tets could not have.
 void check_surface(const MeshCheck& found) {
@@ -56,6 +60,46 @@ void refuse_crossings(const Points& points, const std::vector<Triangle>& triangl
                 "to blame.");
 }
 
+/// The tets' boundary has the surface's triangles; where it has them the other way round, a part lies inside
+/// another (or not) and faces as if it did not (or did).
+void refuse_wrong_sides(const std::vector<Tet>& tets, const std::vector<Triangle>& outward) {
+    std::vector<Triangle> sides = boundary_triangles(tets);
+    const auto lowest_first = [](Triangle t) {
+        std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+        return t;
+    };
+    for (Triangle& t : sides) t = lowest_first(t);
+    std::sort(sides.begin(), sides.end());
+    Flaw wrong;
+    for (std::size_t t = 0; t < outward.size(); ++t)
+        if (std::binary_search(sides.begin(), sides.end(),
+                               lowest_first({outward[t][0], outward[t][2], outward[t][1]})))
+            wrong.add(static_cast<int>(t));
+    if (wrong)
+        throw Error("FE236",
+                    "the mesh's parts do not bound one solid: " +
+                        describe(wrong, "triangle faces into the solid", "triangles face into the solid"),
+                    "Turn the triangles of the part that is named: a part inside another bounds a cavity and "
+                    "faces the other way than the outer one; parts beside each other face alike.");
+}
+
+void refuse_flat(const TetMesh& mesh) {
+    Flaw flat;
+    const auto x = [&](int v) -> const Vec3& { return mesh.vertices[static_cast<std::size_t>(v)]; };
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
+        const Tet& c = mesh.tets[t];
+        if (!(tet_volume(x(c[0]), x(c[1]), x(c[2]), x(c[3])) > 0) ||
+            !(dihedral_range(x(c[0]), x(c[1]), x(c[2]), x(c[3]))[0] >= least_dihedral))
+            flat.add(mesh.tets[t][0]);
+    }
+    if (flat)
+        throw Error("FE237",
+                    describe(flat, "tet stays flat, at vertex", "tets stay flat, at vertices") +
+                        "; none may have a dihedral angle below 0.05 degrees",
+                    "Remesh the surface by zIsoMesh, whose triangles always give good tets; very flat or long "
+                    "triangles are to blame.");
+}
+
 /// Every triangle with its lowest corner first, in order.
 std::vector<Triangle> canonical(std::vector<Triangle> triangles) {
     for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
@@ -87,19 +131,27 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
 
     constexpr std::size_t most_inner = 5000000;
     const double growth = 1.2 * (1 - options.refinement_quality);
-    const Points inner = options.refinement_quality > 0
-                             ? inner_points(points, outward, growth, most_inner, part(control, 0, 0.2))
-                             : Points{};
-    GuardedDelaunay filled = guarded_delaunay(points, outward, inner, part(control, 0.2, 0.4));
+    const InnerPoints inner = options.refinement_quality > 0
+                                  ? inner_points(points, outward, growth, most_inner, part(control, 0, 0.2))
+                                  : InnerPoints{};
+    GuardedDelaunay filled = guarded_delaunay(points, outward, inner.points, part(control, 0.2, 0.35));
     if (!filled.missing.empty()) refuse_missing(filled.missing);
+    refuse_wrong_sides(filled.tets, outward);
     TetMesh mesh;
     mesh.vertices = std::move(filled.vertices);
     mesh.tets = std::move(filled.tets);
+    InnerPoints left_out;
+    for (const int i : filled.left_out) {
+        left_out.points.push_back(inner.points[static_cast<std::size_t>(i)]);
+        left_out.edges.push_back(inner.edges[static_cast<std::size_t>(i)]);
+    }
+    add_starved_points(mesh, left_out, part(control, 0.35, 0.4));
     constexpr int passes = 6;
     improve_tets(mesh, passes, part(control, 0.4, 1));
     if (canonical(boundary_triangles(mesh.tets)) != canonical(outward))
         throw Error("FE237", "the boundary of the tets came out different from the mesh",
                     "Remesh the surface by zIsoMesh, and report the mesh: this is a fault of the program.");
+    refuse_flat(mesh);
     mesh.coverage.assign(mesh.tets.size(), 1.0);
     if (control.progress) control.progress(1, "meshed");
     return mesh;

@@ -14,14 +14,16 @@ struct DelaunayTetOptions {
 
 /// Delaunay triangulation of the surface's vertices, vertices on a graded body-centred lattice inside that
 /// leave the surface's triangles alone, recovery of triangles that Delaunay does not have
-/// (boundary_recovery.h; iso meshes never need it), then improvement (tet_improve.h). Vertices of the result:
-/// those of the input in their order, so that vertex i of the surface is vertex i of the tets, then new ones,
-/// all inside. Cavities (parts facing inwards inside another) stay empty. The same bits on every run. \param
-/// triangles  closed, manifold, no vertex twice at one place, every vertex used, none crossing another;
+/// (boundary_recovery.h; iso meshes never need it), lattice vertices where none was possible before
+/// (starved_points.h), then improvement (tet_improve.h). Vertices of the result: those of the input in their
+/// order, so that vertex i of the surface is vertex i of the tets, then new ones, all inside. Cavities (parts
+/// facing inwards inside another) stay empty. No tet has a dihedral angle below 0.05 degrees. The same bits on
+/// every run.
+/// \param triangles  closed, manifold, no vertex twice at one place, every vertex used, none crossing another;
 ///                   facing outwards, or all inwards
 /// Throws Stopped; Error FE201 to FE203 (input), FE206 (options), FE230 (open: the edges), FE236 (not
-/// manifold, oriented or clean: the edges, vertices, triangles), FE237 (triangles that cross, or that could
-/// not be recovered), FE232 (too many tets).
+/// manifold, oriented or clean: the edges, vertices, triangles; parts that face the wrong way), FE237
+/// (triangles that cross, that could not be recovered, or that leave flat tets), FE232 (too many tets).
 TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& triangles,
                            const DelaunayTetOptions& options, const MeshingControl& control = {});
 

@@ -24,15 +24,17 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 /// out.
 class OuterPieces {
   public:
-    OuterPieces(const Soup& soup, const SurfaceTree& tree, double length)
+    OuterPieces(const Soup& soup, const SurfaceTree& tree, double length, const MeshingControl& control)
         : soup_(soup)
         , tree_(tree)
-        , length_(length) {}
+        , length_(length)
+        , control_(control) {}
 
     Soup make() {
         std::vector<std::vector<std::array<Vec3, 3>>> kept(soup_.triangles.size());
         std::vector<char> hidden(kept.size(), 0);
-        parallel_for(kept.size(), 64, [&](std::size_t t) {
+        constexpr std::size_t run = 1024;
+        const auto find = [&](std::size_t t) {
             const Triangle& c = soup_.triangles[t];
             const std::array<Vec3, 3> whole{soup_.points[at(c[0])], soup_.points[at(c[1])],
                                             soup_.points[at(c[2])]};
@@ -40,7 +42,11 @@ class OuterPieces {
             cut(whole, kept[t], pieces);
             hidden[t] = kept[t].size() != pieces;
             if (!hidden[t]) kept[t] = {whole};
-        });
+        };
+        for (std::size_t first = 0; first < kept.size(); first += run) {
+            if (control_.stop && control_.stop()) throw Stopped();
+            parallel_for(std::min(run, kept.size() - first), 64, [&](std::size_t i) { find(first + i); });
+        }
         any_hidden_ = std::find(hidden.begin(), hidden.end(), 1) != hidden.end();
         Soup out;
         for (const auto& pieces : kept)
@@ -84,6 +90,7 @@ class OuterPieces {
     const Soup& soup_;
     const SurfaceTree& tree_;
     double length_;
+    const MeshingControl& control_;
     bool any_hidden_ = false;
 };
 
@@ -96,7 +103,7 @@ class Builder {
         , tree_(std::make_unique<SurfaceTree>(soup.points, soup.triangles)) {
         place(resolution);
         if (iso < 0) {
-            OuterPieces pieces(soup, *tree_, 2 * grid_.step);
+            OuterPieces pieces(soup, *tree_, 2 * grid_.step, control);
             const Soup outer = pieces.make();
             if (pieces.any_hidden() && !outer.triangles.empty())
                 distances_ = std::make_unique<SurfaceTree>(outer.points, outer.triangles);

@@ -76,6 +76,8 @@ class Builder {
             watch(i, inner.size());
             if (insert_guarded(inner[i], static_cast<int>(out.vertices.size())))
                 out.vertices.push_back(inner[i]);
+            else
+                out.left_out.push_back(static_cast<int>(i));
         }
         if (!is_complete) {
             recover(out);
@@ -208,20 +210,42 @@ class Builder {
         return kept_.contains(sorted(t));
     }
 
+    /// The cells whose balls hold p; none if a triangle of the surface lies between two of them. Ends at the
+    /// first such triangle: where all vertices lie on one sphere, every ball holds p.
+    std::vector<Cell> free_zone(const Kernel::Point_3& p, Cell first) const {
+        std::vector<Cell> zone{first};
+        first->tds_data().mark_in_conflict();
+        bool is_free = true;
+        for (std::size_t i = 0; i < zone.size() && is_free; ++i)
+            for (int k = 0; k < 4 && is_free; ++k) {
+                const Cell n = zone[i]->neighbor(k);
+                const bool is_known = n->tds_data().is_in_conflict();
+                if (!is_known && delaunay_.side_of_sphere(n, p, true) != CGAL::ON_BOUNDED_SIDE) continue;
+                if (is_kept({zone[i], k})) is_free = false;
+                if (is_known) continue;
+                n->tds_data().mark_in_conflict();
+                zone.push_back(n);
+            }
+        for (const Cell& c : zone) c->tds_data().clear();
+        return is_free ? zone : std::vector<Cell>{};
+    }
+
     bool insert_guarded(const Vec3& p, int number) {
         Delaunay::Locate_type type;
         int i, j;
         const Cell where = delaunay_.locate(point(p), type, i, j, hint_);
         hint_ = where;
         if (type == Delaunay::VERTEX || type == Delaunay::OUTSIDE_CONVEX_HULL) return false;
-        std::vector<Facet> border, within;
-        std::vector<Cell> cells;
-        delaunay_.find_conflicts(point(p), where, std::back_inserter(border), std::back_inserter(cells),
-                                 std::back_inserter(within));
-        for (const Facet& f : within)
-            if (is_kept(f)) return false;
-        const auto v = delaunay_.insert_in_hole(point(p), cells.begin(), cells.end(), border.front().first,
-                                                border.front().second);
+        const std::vector<Cell> zone = free_zone(point(p), where);
+        if (zone.empty()) return false;
+        Facet border;
+        for (const Cell& c : zone) c->tds_data().mark_in_conflict();
+        for (int k = 0; k < 4; ++k)
+            for (const Cell& c : zone)
+                if (border.first == Cell() && !c->neighbor(k)->tds_data().is_in_conflict()) border = {c, k};
+        for (const Cell& c : zone) c->tds_data().clear();
+        const auto v =
+            delaunay_.insert_in_hole(point(p), zone.begin(), zone.end(), border.first, border.second);
         v->info() = number;
         hint_ = v->cell();
         return true;

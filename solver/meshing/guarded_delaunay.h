@@ -10,6 +10,7 @@ struct GuardedDelaunay {
     std::vector<int>
         missing;     ///< triangles that the vertices' Delaunay triangulation does not have; then no tets
     Points vertices; ///< the surface's, then the inner points that were taken
+    std::vector<int> left_out; ///< inner points that were not taken, by number
     std::vector<Tet> tets; ///< inside the surface, positively oriented, in a canonical order
 };
 

@@ -53,9 +53,9 @@ class Octree {
         corner_ = box.centre() - Vec3::Constant(0.5 * side_);
     }
 
-    Points make() {
+    InnerPoints make() {
         visit(0, {0, 0, 0}, 0, 1);
-        return std::move(points_);
+        return std::move(found_);
     }
 
   private:
@@ -107,11 +107,12 @@ class Octree {
         const Vec3 p = position(k);
         const ClosestPoint near = tree_.closest(p);
         if (near.distance < 0.55 * edge_at(near) || !tree_.inside(p)) return;
-        if (points_.size() == most_)
+        if (found_.points.size() == most_)
             throw Error("FE232",
                         "the tets would need more than " + std::to_string(most_) + " vertices inside",
                         "Choose a smaller refinementQuality, or a coarser surface.");
-        points_.push_back(p);
+        found_.points.push_back(p);
+        found_.edges.push_back(edge_at(near) + growth_ * near.distance);
     }
 
     const std::vector<Triangle>& triangles_;
@@ -123,13 +124,13 @@ class Octree {
     double side_ = 1;
     Vec3 corner_ = Vec3::Zero();
     std::unordered_set<std::uint64_t> seen_;
-    Points points_;
+    InnerPoints found_;
 };
 
 } // namespace
 
-Points inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth,
-                    std::size_t most, const MeshingControl& control) {
+InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth,
+                         std::size_t most, const MeshingControl& control) {
     return Octree(points, triangles, growth, most, control).make();
 }
 

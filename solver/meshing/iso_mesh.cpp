@@ -4,8 +4,10 @@
 
 #include "solver/error.h"
 #include "solver/mesh/mesh_check.h"
+#include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/distance_grid.h"
 #include "solver/meshing/iso_seeds.h"
+#include "solver/meshing/shells.h"
 #include "solver/meshing/soup.h"
 #include "solver/meshing/surface_mesher.h"
 
@@ -13,6 +15,8 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
+#include <map>
 
 namespace sinew::solver {
 namespace {
@@ -67,11 +71,88 @@ class Watch {
     Clock::time_point begin_;
 };
 
+/// The coordinates in which the mesh is made: near the surface's middle, the level set's size within 2^33 of 1.
+/// Far from the origin there is nothing left of the numbers' precision for circumcentres and offsets, and
+/// far from size 1 products overflow. Shifts are whole multiples of a power of two, some thousand times the size, scales
+/// whole powers of 2^64: no number is rounded, and ordinary meshes near the origin keep theirs.
+struct Frame {
+    Vec3 shift = Vec3::Zero();
+    int exponent = 0;
+    double farthest = 0; ///< largest coordinate, in size
+
+    double in(double length) const { return std::ldexp(length, exponent); }
+    Vec3 in(const Vec3& p) const { return (p - shift).unaryExpr([this](double x) { return in(x); }); }
+    double out(double length) const { return std::ldexp(length, -exponent); }
+    Vec3 out(const Vec3& p) const { return Vec3(p.unaryExpr([this](double x) { return out(x); })) + shift; }
+};
+
+Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {
+    check_usable(SurfaceMesh::from_triangles(points, triangles));
+    Points used;
+    for (const Triangle& t : triangles)
+        for (const int v : t) used.push_back(points[static_cast<std::size_t>(v)]);
+    const Box box = bounding_box(used);
+    const double size = box.size().maxCoeff() + 2 * std::max(iso, 0.0);
+    Frame frame;
+    frame.farthest = std::max(box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff());
+    if (!(size < 1e60) || !(frame.farthest < 1e60))
+        throw Error("FE202", "the mesh is larger than 1e60 units", "Repair the coordinates.");
+    if (size == 0) return frame; // nothing but triangles without an area, which the soup refuses
+    if (size < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units", "Repair the coordinates.");
+    frame.exponent = -64 * static_cast<int>(std::lround(std::ilogb(size) / 64.0));
+    const double stride = std::ldexp(4096.0, std::ilogb(size));
+    for (int d = 0; d < 3; ++d) frame.shift[d] = std::round(box.centre()[d] / stride) * stride;
+    return frame;
+}
+
+/// Refuses what the numbers cannot hold once the result is back at its place.
+void check_precision(const Frame& frame, double size) {
+    const double spacing = frame.farthest * std::numeric_limits<double>::epsilon();
+    if (spacing > 1e-5 * size)
+        throw Error("FE208",
+                    "the mesh lies too far from the origin: numbers there are " + short_number(spacing) +
+                        " apart, too much for triangles of size " + short_number(size),
+                    "Move the mesh towards the origin.");
+}
+
+/// Takes out triangles that lie on each other face to face: nothing is between them, and a level set of the
+/// signed distance would be crumbs along them. Throws Error FE211 if nothing is left to have an inside.
+void drop_opposite(Soup& soup) {
+    std::map<Triangle, std::vector<std::size_t>> at_place; // by sorted corners; a soup has each direction once
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+        Triangle key = soup.triangles[t];
+        std::sort(key.begin(), key.end());
+        at_place[key].push_back(t);
+    }
+    std::vector<char> gone(soup.triangles.size(), 0);
+    for (const auto& [corners, uses] : at_place)
+        if (uses.size() == 2)
+            for (const std::size_t t : uses) gone[t] = 1;
+    std::size_t kept = 0;
+    for (std::size_t t = 0; t < soup.triangles.size(); ++t)
+        if (!gone[t]) soup.triangles[kept++] = soup.triangles[t];
+    soup.triangles.resize(kept);
+    if (kept == 0)
+        throw Error("FE211", "the surface is closed but encloses no volume: every triangle lies on another",
+                    "Take the doubled faces away, or give an isoValue above 0 to wrap them.");
+}
+
 /// The share of the whole that the grid takes.
 constexpr double grid_share = 0.4;
 
+[[noreturn]] void refuse_endless(const Vec3& place, bool is_manifold) {
+    const std::string where = "(" + short_number(place.x()) + ", " + short_number(place.y()) + ", " +
+                              short_number(place.z()) + ")";
+    throw Error("FE234",
+                "the level set cannot be meshed: triangles become smaller and smaller near " + where +
+                    ", where it meets itself in an edge or a point, or bends too sharply",
+                is_manifold ? "Give a slightly larger or smaller isoValue, so that parts overlap or come apart "
+                              "there, or switch produceManifoldMesh off."
+                            : "Give a slightly larger or smaller isoValue.");
+}
+
 SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, double size, bool is_manifold,
-                               Watch& watch) {
+                               const Frame& frame, Watch& watch) {
     SurfaceMesherInput in;
     in.seeds = seeds.points;
     in.inside = seeds.inside;
@@ -84,7 +165,11 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
     // Measured: 60 to 150 evaluations a seed.
     const double expected = 100.0 * static_cast<double>(seeds.points.size());
     std::size_t evaluations = 0;
+    in.watch = [&] { watch.check(); };
+    // Far beyond that, triangles become smaller and smaller at one place.
+    const double most = 1e6 + 10 * expected;
     in.field = [&](const Vec3& p) {
+        if (static_cast<double>(evaluations) > most) refuse_endless(frame.out(p), is_manifold);
         if (++evaluations % 4096 == 0) {
             watch.check();
             const double share = static_cast<double>(evaluations) / expected;
@@ -136,6 +221,7 @@ double size_for(const Soup& soup) { return bounding_box(soup.points).size().norm
 } // namespace
 
 double default_triangle_size(const Points& points, const std::vector<Triangle>& triangles) {
+    frame_for(points, triangles, 0);
     return size_for(make_soup(points, triangles));
 }
 
@@ -143,7 +229,10 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                       const IsoMeshOptions& options, const MeshingControl& control) {
     check(options);
     Watch watch(control, options.most_seconds);
-    const Soup soup = make_soup(points, triangles);
+    const Frame frame = frame_for(points, triangles, options.iso_value);
+    Points near = points;
+    for (Vec3& p : near) p = frame.in(p);
+    Soup soup = make_soup(near, triangles);
     if (!soup.is_closed && !(options.iso_value > 0))
         throw Error(
             "FE230",
@@ -152,10 +241,15 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                 std::to_string(soup.first_open[0]) + " and " + std::to_string(soup.first_open[1]) +
                 "), so it has no inside for an iso value of " + short_number(options.iso_value),
             "Give an isoValue above 0, or close the mesh.");
-    const double size = options.triangle_size > 0 ? options.triangle_size : size_for(soup);
-    const DistanceGrid grid =
-        make_distance_grid(soup, options.iso_value, options.resolution, watch.part(0, grid_share));
-    IsoSeeds seeds = make_iso_seeds(grid, 1e300);
+    if (!(options.iso_value > 0)) drop_opposite(soup);
+    turn_outwards(soup.points, soup.triangles);
+    const double iso = frame.in(options.iso_value);
+    // Triangles larger than the level set are no different from one another.
+    const double most_size = 2 * (bounding_box(soup.points).size().norm() + 4 * std::abs(iso));
+    const double size = options.triangle_size > 0 ? std::min(frame.in(options.triangle_size), most_size) : size_for(soup);
+    check_precision(frame, frame.out(size));
+    const DistanceGrid grid = make_distance_grid(soup, iso, options.resolution, watch.part(0, grid_share));
+    IsoSeeds seeds = make_iso_seeds(grid, 1e300, {}, watch.part(0, 1));
     if (seeds.points.empty())
         throw Error(
             "FE231", "nothing lies at a distance of " + short_number(options.iso_value) + " from the mesh",
@@ -168,9 +262,9 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
     std::vector<int> finer(seeds.areas.size(), 0);
     constexpr int attempts = 3;
     for (int attempt = 0; attempt < attempts; ++attempt) {
-        seeds = make_iso_seeds(grid, size, finer);
+        seeds = make_iso_seeds(grid, size, finer, watch.part(0, 1));
         watch.check();
-        SurfaceMesherOutput out = run_mesher(grid, seeds, size, options.is_manifold, watch);
+        SurfaceMesherOutput out = run_mesher(grid, seeds, size, options.is_manifold, frame, watch);
         const std::vector<int> lost = lost_components(seeds, out);
         mesh.points = std::move(out.points);
         mesh.triangles = std::move(out.triangles);
@@ -184,6 +278,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                         " pieces of the level set are too small to be meshed",
                     "Choose a smaller triangleSize, a higher resolution or another isoValue.");
     if (options.is_manifold) check_manifold(mesh);
+    for (Vec3& p : mesh.points) p = frame.out(p);
     watch.progress(1, "meshed");
     return mesh;
 }

@@ -22,7 +22,8 @@ struct IsoMesh {
     std::size_t lost = 0;            ///< components that are too small for any triangle
 };
 
-/// A fortieth of the diagonal of the box around the triangles. Throws Error FE201 to FE203.
+/// A fortieth of the diagonal of the box around the triangles. Throws Error FE201 to FE203 (also for surfaces
+/// larger than 1e60 or smaller than 1e-60 units).
 double default_triangle_size(const Points& points, const std::vector<Triangle>& triangles);
 
 /// Any triangles will do: open, overlapping, in any order and direction; vertices at the same place count as
@@ -32,8 +33,12 @@ double default_triangle_size(const Points& points, const std::vector<Triangle>& 
 /// are at least 30 degrees (Boissonnat & Oudot 2005, refinement by CGAL); surface to level set about 0.1
 /// triangle size, level set to true distance about a grid cell's curvature error. The same bits on every run
 /// and for every number of threads; a time limit ends in an error, never in another mesh.
-/// Throws Stopped; Error FE201 to FE203 (input), FE206 (options), FE230 (open and iso_value <= 0), FE231
-/// (nothing there), FE232 (too many triangles or samples), FE233 (time), FE234 (not manifold after all).
+/// It is made near the origin and at a size near 1, wherever the surface is; of triangles that lie on each
+/// other face to face neither counts for an iso_value <= 0.
+/// Throws Stopped; Error FE201 to FE203 (input; larger than 1e60 or smaller than 1e-60 units), FE206 (options),
+/// FE208 (so far away that numbers there are more than 1e-5 triangle sizes apart), FE211 (closed, but encloses
+/// nothing), FE230 (open and iso_value <= 0), FE231 (nothing there), FE232 (too many triangles or samples),
+/// FE233 (time), FE234 (not manifold after all, or parts that meet in an edge, so that refinement has no end).
 IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangles,
                       const IsoMeshOptions& options, const MeshingControl& control = {});
 

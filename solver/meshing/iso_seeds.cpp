@@ -78,12 +78,13 @@ struct Crossing {
 };
 
 /// All crossings of the level set with the grid's lines, each once.
-std::vector<Crossing> crossings(const DistanceGrid& grid, IsoSeeds& seeds) {
+std::vector<Crossing> crossings(const DistanceGrid& grid, IsoSeeds& seeds, const MeshingControl& control) {
     Components components(grid);
     std::unordered_map<std::uint32_t, int> numbers;
     std::vector<Crossing> out;
     bool has_inside = false;
     for (std::size_t place = 0; place < grid.filled.size(); ++place) {
+        if (place % 4096 == 0 && control.stop && control.stop()) throw Stopped();
         const Index& block = grid.filled[place];
         const auto slot = static_cast<int>(place);
         for (int k = 0; k < cells; ++k)
@@ -157,9 +158,10 @@ class Thinning {
 
 double IsoSeeds::area() const { return std::accumulate(areas.begin(), areas.end(), 0.0); }
 
-IsoSeeds make_iso_seeds(const DistanceGrid& grid, double spacing, const std::vector<int>& finer) {
+IsoSeeds make_iso_seeds(const DistanceGrid& grid, double spacing, const std::vector<int>& finer,
+                        const MeshingControl& control) {
     IsoSeeds seeds;
-    std::vector<Crossing> all = crossings(grid, seeds);
+    std::vector<Crossing> all = crossings(grid, seeds, control);
     // A plane of area A is crossed by A (|nx| + |ny| + |nz|) / step^2 lines: 1.5 on average over directions.
     for (const Crossing& c : all) seeds.areas[at(c.component)] += grid.step * grid.step / 1.5;
     shuffle(all);

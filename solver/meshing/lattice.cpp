@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <string>
 
@@ -19,6 +20,9 @@ namespace {
 /// Lattice numbers of the finest level must fit into 64 bits, lattice coordinates into 32.
 constexpr double most_cubes_along = 400000;
 constexpr std::int64_t most_tets = 20'000'000; // about 4 GB while they are made
+
+/// Share of the solid's volume that least coverages may add.
+constexpr double most_excess = 0.1;
 
 /// The side of the coarse cubes; throws where it would make no sense or too many cubes.
 double checked_side(const Solid& solid, const LatticeOptions& options, int levels) {
@@ -66,6 +70,74 @@ TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces,
     return mesh;
 }
 
+/// How much heavier than the solid the tets are: the least coverage counts as mass and stiffness.
+double excess(const BccGrid& finest, const std::vector<LatticePiece>& pieces, double least_coverage) {
+    double solid = 0, counted = 0;
+    for (const LatticePiece& p : pieces) {
+        const double volume = tet_volume(finest.position(p.corners[0]), finest.position(p.corners[1]),
+                                         finest.position(p.corners[2]), finest.position(p.corners[3]));
+        solid += p.share * volume;
+        counted += std::max(p.share, least_coverage) * volume;
+    }
+    return solid > 0 ? counted / solid - 1 : std::numeric_limits<double>::infinity();
+}
+
+struct Lattice {
+    BccGrid finest;
+    std::vector<LatticePiece> pieces;
+    bool is_sound(double least_coverage) const {
+        return excess(finest, pieces, least_coverage) <= most_excess;
+    }
+};
+
+Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
+                        const MeshingControl& control) {
+    const BccGrid grid = make_bcc_grid(solid.box.centre(), solid.box.size(), side);
+    const bool is_surface_only = options.fill == Fill::surface_only;
+    const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, control);
+    RefinedCells refined = refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets}, control);
+    BccGrid finest = grid;
+    for (int level = 0; level < refined.levels; ++level) finest = finest.finer();
+    return {finest, std::move(refined.pieces)};
+}
+
+/// Says what is wrong and, where it can be found quickly, a size that would do.
+[[noreturn]] void refuse_coarse(const Solid& solid, const Paint& paint, double side, const Lattice& lattice,
+                                const LatticeOptions& options, const MeshingControl& control) {
+    const auto number = [](double x) {
+        char text[32];
+        std::snprintf(text, sizeof text, "%.4g", x);
+        return std::string(text);
+    };
+    const Vec3 size = solid.box.size();
+    std::string hint = "choose a smaller tet size, and a higher maximum resolution if that is refused";
+    for (double smaller = side / 2;; smaller /= 2) {
+        // A number to be typed, rounded down.
+        const double unit = std::pow(10.0, std::floor(std::log10(smaller)) - 1);
+        const double typed = std::floor(smaller / unit) * unit;
+        const double along = size.maxCoeff() / typed * std::exp2(paint.highest());
+        // Each try has up to eight times as many tets as the one before.
+        constexpr double most_cubes = 300000;
+        constexpr std::size_t most_pieces = 6000;
+        if (along > options.max_resolution || ((size / typed).array() + 5).prod() > most_cubes) break;
+        const Lattice tried = lattice_of_side(solid, paint, typed, options, {control.stop, {}});
+        if (tried.is_sound(options.least_coverage)) {
+            hint = "choose a tet size of " + number(typed) + " or less";
+            break;
+        }
+        if (tried.pieces.size() > most_pieces) break;
+    }
+    const double heavier = excess(lattice.finest, lattice.pieces, options.least_coverage);
+    throw Error("FE210",
+                "the tet size of " + number(side) + " is too large for this mesh: " +
+                    (std::isfinite(heavier)
+                         ? "with the least share of " + number(options.least_coverage) +
+                               " that every tet counts as solid, its volume would come out " +
+                               number(1 + heavier) + " times as large"
+                         : "no tet would hold a share of it"),
+                hint);
+}
+
 } // namespace
 
 TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles,
@@ -81,14 +153,9 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
                     "the lattice would have about " + std::to_string(static_cast<long long>(cubes.prod())) +
                         " cubes, more than can be numbered",
                     "raise the tet size");
-    const BccGrid grid = make_bcc_grid(solid.box.centre(), size, side);
-    const bool is_surface_only = options.fill == Fill::surface_only;
-    const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, control);
-    const RefinedCells refined =
-        refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets}, control);
-    BccGrid finest = grid;
-    for (int level = 0; level < refined.levels; ++level) finest = finest.finer();
-    return assemble(finest, refined.pieces, options.least_coverage);
+    const Lattice lattice = lattice_of_side(solid, paint, side, options, control);
+    if (!lattice.is_sound(options.least_coverage)) refuse_coarse(solid, paint, side, lattice, options, control);
+    return assemble(lattice.finest, lattice.pieces, options.least_coverage);
 }
 
 } // namespace sinew::solver

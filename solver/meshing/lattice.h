@@ -15,7 +15,7 @@ struct LatticeOptions {
         150; ///< refuse (FE210) a lattice with more of its finest cubes along the longest side
     /// Lower bound of a tet's coverage: a tet that the solid only grazes keeps this much mass and stiffness,
     /// so that vertices which hang on such tets alone do not fold. Costs about 1e-5 of the volume at the
-    /// default size.
+    /// default size; a lattice that it makes more than a tenth too heavy is refused (FE210).
     double least_coverage = 1e-3;
     Fill fill = Fill::filled_cavities;
     /// How often the tet size is to be halved at the surface: a number per vertex, one for all, or none. The
@@ -36,7 +36,8 @@ struct LatticeOptions {
 /// degrees without refinement, and in 30 to 116.6 degrees between levels. Order: tets by coarse cube (z, then
 /// y, then x), parts of a tet together; vertices by z, then y, then x; the same for any thread count. Throws
 /// Error FE201 (empty), FE202 (not finite), FE203 (index), FE204 (count of refinement), FE206 (options),
-/// FE210 (too fine), FE211 (flat, or closed around no volume), FE220 (not watertight); Stopped.
+/// FE210 (too fine, or too coarse to know its volume), FE211 (flat, closed around no volume, or one-sided),
+/// FE220 (not watertight); Stopped.
 TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles,
                      const LatticeOptions& options, const MeshingControl& control = {});
 

@@ -62,7 +62,7 @@ struct Shell {
     std::vector<Triangle> triangles;
     std::vector<int> vertices; ///< sorted
     Box box;
-    double volume = 0; ///< signed
+    double volume = 0; ///< signed; of an open one about the middle of its box, so by what it wraps
     bool is_closed = true;
 };
 
@@ -70,6 +70,13 @@ struct Shells {
     std::vector<Shell> shells;
     std::vector<int> of_triangle;
 };
+
+double volume_about(const Points& points, const std::vector<Triangle>& triangles, const Vec3& middle) {
+    double volume = 0;
+    for (const Triangle& t : triangles)
+        volume += (points[at(t[0])] - middle).dot((points[at(t[1])] - middle).cross(points[at(t[2])] - middle)) / 6;
+    return volume;
+}
 
 Shells find_shells(const Points& points, const std::vector<Triangle>& triangles) {
     const std::vector<Side> sides = sorted_sides(triangles);
@@ -105,12 +112,12 @@ Shells find_shells(const Points& points, const std::vector<Triangle>& triangles)
     for (Shell& shell : result.shells) {
         std::sort(shell.vertices.begin(), shell.vertices.end());
         shell.vertices.erase(std::unique(shell.vertices.begin(), shell.vertices.end()), shell.vertices.end());
-        shell.volume = enclosed_volume(points, shell.triangles);
         shell.box = {points[at(shell.vertices[0])], points[at(shell.vertices[0])]};
         for (int v : shell.vertices) {
             shell.box.min = shell.box.min.cwiseMin(points[at(v)]);
             shell.box.max = shell.box.max.cwiseMax(points[at(v)]);
         }
+        shell.volume = volume_about(points, shell.triangles, shell.box.centre());
     }
     return result;
 }
@@ -122,8 +129,14 @@ bool may_lie_in(const Shell& inner, const Shell& outer) {
            (outer.box.max.array() >= inner.box.max.array()).all();
 }
 
-std::vector<int> shell_depths(const Points& points, const std::vector<Shell>& shells) {
-    std::vector<int> depth(shells.size(), 0);
+struct Nesting {
+    std::vector<int> depth; ///< of each shell: in how many others it lies
+    std::vector<int> root;  ///< the first of these that lies in no other; itself, if it lies in none
+};
+
+Nesting find_nesting(const Points& points, const std::vector<Shell>& shells) {
+    Nesting found{std::vector<int>(shells.size(), 0), {}};
+    std::vector<std::vector<std::size_t>> holders(shells.size());
     for (std::size_t outer = 0; outer < shells.size(); ++outer) {
         std::vector<std::size_t> inner;
         for (std::size_t i = 0; i < shells.size(); ++i)
@@ -131,10 +144,18 @@ std::vector<int> shell_depths(const Points& points, const std::vector<Shell>& sh
         if (inner.empty()) continue;
         const SurfaceTree tree(points, shells[outer].triangles);
         for (std::size_t i : inner)
-            depth[i] += std::all_of(shells[i].vertices.begin(), shells[i].vertices.end(),
-                                    [&](int v) { return tree.inside_either_way(points[at(v)]); });
+            if (std::all_of(shells[i].vertices.begin(), shells[i].vertices.end(),
+                            [&](int v) { return tree.inside_either_way(points[at(v)]); })) {
+                ++found.depth[i];
+                holders[i].push_back(outer);
+            }
     }
-    return depth;
+    for (std::size_t i = 0; i < shells.size(); ++i) {
+        const auto outermost = std::find_if(holders[i].begin(), holders[i].end(),
+                                            [&](std::size_t h) { return found.depth[h] == 0; });
+        found.root.push_back(static_cast<int>(outermost == holders[i].end() ? i : *outermost));
+    }
+    return found;
 }
 
 void turn(std::vector<Triangle>& triangles) {
@@ -166,24 +187,37 @@ void check_watertight(const std::vector<std::array<int, 2>>& border) {
                 "close the holes at these vertices, or choose filled cavities, which closes them by itself");
 }
 
-void apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill) {
+double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill) {
     Shells found = find_shells(points, triangles);
-    if (found.shells.size() < 2) return;
-    const std::vector<int> depth = shell_depths(points, found.shells);
-    if (std::all_of(depth.begin(), depth.end(), [](int d) { return d == 0; })) return;
-    if (fill == Fill::empty_cavities)
-        for (std::size_t s = 0; s < found.shells.size(); ++s) {
-            // Solids outwards, cavities inwards.
-            const bool is_outward = found.shells[s].volume > 0;
-            if (is_outward != (depth[s] % 2 == 0)) turn(found.shells[s].triangles);
-        }
+    const std::vector<int> depth = find_nesting(points, found.shells).depth;
+    const bool keeps_all = fill == Fill::empty_cavities;
+    double volume = 0;
+    for (std::size_t s = 0; s < found.shells.size(); ++s) {
+        if (!keeps_all && depth[s] > 0) continue;
+        // Solids outwards, cavities inwards.
+        Shell& shell = found.shells[s];
+        if ((shell.volume < 0) == (depth[s] % 2 == 0)) turn(shell.triangles);
+        volume += std::abs(shell.volume);
+    }
     std::vector<std::size_t> next(found.shells.size(), 0);
     std::vector<Triangle> kept;
     for (int shell : found.of_triangle) {
         const Triangle& t = found.shells[at(shell)].triangles[next[at(shell)]++];
-        if (fill == Fill::empty_cavities || depth[at(shell)] == 0) kept.push_back(t);
+        if (keeps_all || depth[at(shell)] == 0) kept.push_back(t);
     }
     triangles = std::move(kept);
+    return volume;
+}
+
+void turn_outwards(const Points& points, std::vector<Triangle>& triangles) {
+    Shells found = find_shells(points, triangles);
+    const auto faces_inwards = [](const Shell& s) { return s.is_closed && s.volume < 0; };
+    if (std::none_of(found.shells.begin(), found.shells.end(), faces_inwards)) return;
+    const std::vector<int> root = find_nesting(points, found.shells).root;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const int shell = found.of_triangle[t];
+        if (faces_inwards(found.shells[at(root[at(shell)])])) std::swap(triangles[t][1], triangles[t][2]);
+    }
 }
 
 } // namespace sinew::solver

@@ -22,12 +22,17 @@ std::vector<std::array<int, 2>> border_edges_of(const std::vector<Triangle>& tri
 /// Throws Error FE220, with the number of border edges and the first of them, if there are any.
 void check_watertight(const std::vector<std::array<int, 2>>& border_edges);
 
-/// Prepares welded triangles for the rule "inside is where the winding number exceeds one half in size":
-/// drops shells inside others, or (empty_cavities) turns shells so that solids and cavities alternate. A
-/// shell is what hangs together by edges. It lies in another one when the winding number of that one exceeds
-/// one half in size at all of its vertices, so shells that cross do not lie in each other. Shells that are
-/// not closed count as one together, and that one is never inside. Triangles stay in order; nothing changes
-/// if no shell lies in another.
-void apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill);
+/// Prepares welded triangles for the rule "inside is where the winding number exceeds one half in size": drops
+/// shells inside others, or keeps all (empty_cavities), and turns shells so that solids face outwards and
+/// cavities inwards, whichever way they came: an inside-out part is as solid as any, also where it crosses
+/// another. A shell is what hangs together by edges. It lies in another one when the winding number of that one
+/// exceeds one half in size at all of its vertices, so shells that cross do not lie in each other. Shells that
+/// are not closed count as one together, and that one is never inside. Triangles stay in order.
+/// \return the volumes of the shells that are left, each taken as positive
+double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill);
+
+/// Turns closed shells that lie in no other and face inwards, each together with all that lies in it: so
+/// cavities stay cavities, and parts that cross are one solid.
+void turn_outwards(const Points& points, std::vector<Triangle>& triangles);
 
 } // namespace sinew::solver

@@ -4,54 +4,25 @@
 
 #include "solver/error.h"
 #include "solver/meshing/holes.h"
+#include "solver/meshing/welding.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <set>
-#include <utility>
 
 namespace sinew::solver {
 namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// Number of the first vertex at the same place, for each vertex.
-std::vector<int> weld(const Points& points) {
-    std::vector<int> order(points.size());
-    std::iota(order.begin(), order.end(), 0);
-    const auto compare = [&](int a, int b) {
-        for (int d = 0; d < 3; ++d)
-            if (points[at(a)][d] != points[at(b)][d]) return points[at(a)][d] < points[at(b)][d] ? -1 : 1;
-        return 0;
-    };
-    std::sort(order.begin(), order.end(), [&](int a, int b) {
-        const int c = compare(a, b);
-        return c != 0 ? c < 0 : a < b;
-    });
-    std::vector<int> first(points.size());
-    for (std::size_t i = 0; i < order.size(); ++i)
-        first[at(order[i])] =
-            i > 0 && compare(order[i - 1], order[i]) == 0 ? first[at(order[i - 1])] : order[i];
-    return first;
-}
-
-/// Keeps the first of triangles with the same corners in the same direction.
-void drop_repeated(std::vector<Triangle>& triangles) {
-    std::vector<std::pair<Triangle, std::size_t>> keys;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        Triangle key = triangles[t];
-        std::rotate(key.begin(), std::min_element(key.begin(), key.end()), key.end());
-        keys.emplace_back(key, t);
-    }
-    std::sort(keys.begin(), keys.end());
-    std::vector<char> is_repeated(triangles.size(), 0);
-    for (std::size_t i = 1; i < keys.size(); ++i)
-        is_repeated[keys[i].second] = keys[i].first == keys[i - 1].first;
-    std::size_t kept = 0;
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        if (!is_repeated[t]) triangles[kept++] = triangles[t];
-    triangles.resize(kept);
+void refuse_one_sided(const OneSided& found) {
+    if (found.parts == 0) return;
+    throw Error("FE211",
+                std::to_string(found.parts) + (found.parts == 1 ? " part" : " parts") +
+                    " of the mesh cannot be turned to face one way, the first at the edge between vertices " +
+                    std::to_string(found.first[0]) + " and " + std::to_string(found.first[1]) +
+                    ": like a twisted ring it has one side only, and so no inside",
+                "repair the mesh there, or wrap it by zIsoMesh with isoValue > 0");
 }
 
 double area(const Points& points, const std::vector<Triangle>& triangles) {
@@ -120,40 +91,32 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     view.triangles = triangles;
     check_usable(view);
 
-    std::vector<int> first = weld(points);
-    std::vector<Triangle> kept;
-    for (const Triangle& t : triangles) {
-        const Triangle w{first[at(t[0])], first[at(t[1])], first[at(t[2])]};
-        if (w[0] != w[1] && w[1] != w[2] && w[2] != w[0]) kept.push_back(w);
-    }
+    auto [first, kept] = weld(points, triangles);
     if (kept.empty()) throw Error("FE211", "the mesh has no triangle with an area");
-    drop_repeated(kept);
     Points used;
     for (const Triangle& t : kept)
         for (int v : t) used.push_back(points[at(v)]);
     const Box box = bounding_box(used);
     const double longest = box.size().maxCoeff();
     if (!(longest < 1e60)) throw Error("FE202", "the mesh is larger than 1e60 units");
+    // Volumes below the smallest numbers there are; a flat or single place is named below.
+    if (longest > 0 && longest < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units");
     if (!(box.size().minCoeff() > 1e-9 * longest))
         throw Error("FE211", "the mesh is flat: its bounding box has no volume",
                     "a tissue needs a surface with an inside");
-    const auto border = border_edges_of(kept);
+    auto border = border_edges_of(kept);
+    if (!border.empty()) {
+        refuse_one_sided(turn_alike(points, kept));
+        border = border_edges_of(kept);
+    }
     if (fill == Fill::empty_cavities) check_watertight(border);
     const std::vector<Triangle> lids = close_holes(points, kept);
     const bool closed = area(points, lids) <= 0.1 * area(points, kept);
     if (closed) kept.insert(kept.end(), lids.begin(), lids.end());
-    apply_fill(points, kept, fill);
-    // About the box's centre, so that an open surface is judged by what it wraps.
-    Points centred = points;
-    for (Vec3& p : centred) p -= box.centre();
-    double volume = 0;
-    for (const Triangle& t : kept)
-        volume += centred[at(t[0])].dot(centred[at(t[1])].cross(centred[at(t[2])])) / 6;
-    if (closed && !(std::abs(volume) > 1e-12 * longest * longest * longest))
+    const double volume = apply_fill(points, kept, fill);
+    if (closed && !(volume > 1e-12 * longest * longest * longest))
         throw Error("FE211", "the surface is closed but encloses no volume",
                     "look for doubled faces, or parts that are turned inside out");
-    if (volume < 0)
-        for (Triangle& t : kept) std::swap(t[1], t[2]);
 
     SurfaceTree tree(points, kept);
     std::vector<Solid::Sides> sides = find_sides(points, kept, tree, longest, phase);

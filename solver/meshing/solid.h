@@ -8,13 +8,14 @@
 
 namespace sinew::solver {
 
-/// Inside is where the winding number exceeds one half in size; so parts may overlap, and a part that is
-/// turned inside out counts as solid where it stands alone. Cracks and holes whose lids have less than a
+/// Inside is where the winding number exceeds one half in size; so parts may overlap. Triangles that face the
+/// wrong way are turned first (turn_alike in welding.h), then closed parts that are inside out, so these are as
+/// solid as any (shells.h). Cracks and holes whose lids have less than a
 /// tenth of the surface's area are closed first (holes.h); larger ones are closed by the surface on which the
 /// winding number is one half.
 struct Solid {
-    /// The whole winding numbers just below and above a triangle: 1 and 0 on an ordinary
-    /// one, 2 and 1 inside another part, 0 and -1 on a part that is turned inside out.
+    /// The whole winding numbers just below and above a triangle: 1 and 0 on an ordinary one, 2 and 1 inside
+    /// another part.
     struct Sides {
         signed char below = 0, above = 0; ///< both 0: not the same all over the triangle
         bool are_known() const { return below != above; }
@@ -32,7 +33,7 @@ struct Solid {
     double winding_number(const Vec3& p) const { return tree.winding_number(p); }
 };
 
-/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, or closed around no volume),
+/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, closed around no volume, or one-sided),
 /// FE220 (not watertight, where empty cavities ask for it); Stopped.
 Solid make_solid(const Points& points, const std::vector<Triangle>& triangles,
                  Fill fill = Fill::filled_cavities, const MeshingControl& control = {});

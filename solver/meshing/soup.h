@@ -19,9 +19,8 @@ struct Soup {
     std::array<int, 2> first_open{-1, -1}; ///< the first of them, by the vertices of the input
 };
 
-/// Triangles that face the wrong way are turned where that closes the surface: each part whose edges all have
-/// two triangles is oriented alike and, if that changed a triangle, outwards. Order of vertices and triangles
-/// is kept. Throws Error FE201 (no triangle is left), FE202 (not finite), FE203 (index).
+/// Triangles that face the wrong way are turned where that closes the surface (turn_alike in welding.h). Order
+/// of vertices and triangles is kept. Throws Error FE201 (no triangle is left), FE202 (not finite), FE203 (index).
 Soup make_soup(const Points& points, const std::vector<Triangle>& triangles);
 
 } // namespace sinew::solver

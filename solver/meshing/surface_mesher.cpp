@@ -132,7 +132,10 @@ SurfaceMesherOutput mesh_level_set(const SurfaceMesherInput& in) {
     const auto point = [](const Vec3& p) { return Point(p.x(), p.y(), p.z()); };
     Triangulation triangulation;
     std::vector<Triangulation::Vertex_handle> seeds;
-    for (const Vec3& p : in.seeds) seeds.push_back(triangulation.insert(point(p)));
+    for (const Vec3& p : in.seeds) {
+        if (seeds.size() % 1024 == 0 && in.watch) in.watch();
+        seeds.push_back(triangulation.insert(point(p)));
+    }
     Complex complex(triangulation);
     // Crossings are found to a thousandth of the triangle size.
     const Surface surface([&in](const Point& p) { return in.field(Vec3(p.x(), p.y(), p.z())); },

@@ -9,6 +9,7 @@ namespace sinew::solver {
 
 struct SurfaceMesherInput {
     std::function<double(const Vec3&)> field; ///< negative inside; may throw, which ends the meshing
+    std::function<void()> watch;              ///< called now and then while the field is not; may throw
     Points seeds;                             ///< points on the level set, about one a triangle's size apart
     Vec3 inside = Vec3::Zero();               ///< a point with field < 0
     double reach = 1;                         ///< everything lies within this distance of `inside`

@@ -4,7 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/mesh/tet_quality.h"
-#include "solver/meshing/tet_complex.h"
+#include "solver/meshing/tet_cavity.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +17,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double fair = 0.5;  ///< tets below are worth a flip
 constexpr double bad = 0.35;  ///< tets below are worth a new vertex
+constexpr double flat = 0.02; ///< tets below are worth a new vertex anywhere near
 constexpr double gain = 1e-6; ///< least improvement, so that no two states alternate
 class Improver {
   public:
@@ -24,6 +25,7 @@ class Improver {
         : mesh_(mesh)
         , control_(control)
         , complex_(std::move(mesh.vertices), std::move(mesh.tets))
+        , cavity_(complex_)
         , is_fixed_(complex_.vertices.size(), 0) {
         for (const Triangle& t : boundary_triangles(complex_.living()))
             for (const int v : t) is_fixed_[at(v)] = 1;
@@ -37,6 +39,7 @@ class Improver {
             if (pass > 0 && flips == 0) break;
         }
         split_bad();
+        mend_flat();
         mesh_.vertices = std::move(complex_.vertices);
         mesh_.tets = complex_.living();
     }
@@ -223,12 +226,63 @@ class Improver {
             for (const auto& [i, j] : tet_edges)
                 if (split_edge(corners[i], corners[j])) break;
         }
+        settle();
+    }
+
+    void settle() {
         for (int round = 0; round < 3; ++round) {
             for (const int t : below(fair))
                 for (const int v : tet(t))
                     if (!is_fixed_[at(v)]) smooth(v);
             flip_all(1, 1);
         }
+    }
+
+    /// What flips and vertices on edges leave flat: a vertex beside the tet, from which all around is filled.
+    void mend_flat() {
+        for (int round = 0; round < 4; ++round) {
+            bool any = false;
+            for (const int t : below(flat)) {
+                report(1, 1, 0, 1);
+                if (complex_.is_alive(t) && insert_near(t)) any = true;
+            }
+            if (!any) return;
+            settle();
+        }
+    }
+
+    bool insert_near(int t) {
+        const auto middle_of = [&](int s) {
+            const Tet& c = tet(s);
+            return Vec3((x(c[0]) + x(c[1]) + x(c[2]) + x(c[3])) / 4);
+        };
+        // Within the tets beside it, and in the middle of all tets around.
+        Points places;
+        const Tet corners = tet(t);
+        for (const auto& [i, j, k, l] : tet_faces)
+            if (const int n = complex_.beside(t, corners[i], corners[j], corners[k]); n >= 0)
+                places.push_back(middle_of(n));
+        Vec3 sum = Vec3::Zero();
+        double count = 0;
+        for (const int v : corners)
+            for (const int s : star(v)) sum += middle_of(s), count += 1;
+        places.push_back(sum / count);
+        places.push_back(0.5 * (sum / count + middle_of(t)));
+        constexpr std::size_t most_tets = 60;
+        double best = 0;
+        Vec3 place;
+        for (const Vec3& p : places) {
+            cavity_.start(t);
+            if (const double q = cavity_.grow_for(p, most_tets); q > best + gain) best = q, place = p;
+        }
+        if (best == 0) return false;
+        cavity_.start(t);
+        cavity_.grow_for(place, most_tets);
+        const int v = complex_.add_vertex(place);
+        is_fixed_.push_back(0);
+        cavity_.fill(v);
+        for (int k = 0; k < 3; ++k) smooth(v);
+        return true;
     }
 
     bool split_edge(int a, int b) {
@@ -258,6 +312,7 @@ class Improver {
     TetMesh& mesh_;
     const MeshingControl& control_;
     TetComplex complex_;
+    TetCavity cavity_;
     std::vector<char> is_fixed_;
 };
 

@@ -3,6 +3,7 @@
 #include "bench.h"
 
 #include "solver/mesh/mesh_files.h"
+#include "solver/meshing/self_intersections.h"
 
 using namespace bench;
 
@@ -27,7 +28,9 @@ TEST_CASE("primitives have Maya's counts and sizes", "[nodes]") {
     CHECK(solver::bounding_box(*cube.points).centre() == solver::Vec3(0, 0, 0));
     CHECK(s.get<nodes::Mesh>("plane", "outMesh").points->size() == 121);
     CHECK(solver::is_closed(s.get<nodes::Mesh>("cylinder", "outMesh").topology->triangles));
-    CHECK(solver::is_closed(s.get<nodes::Mesh>("helix", "outMesh").topology->triangles));
+    const auto helix = s.get<nodes::Mesh>("helix", "outMesh");
+    CHECK(solver::is_closed(helix.topology->triangles));
+    CHECK(solver::self_intersections(*helix.points, helix.topology->triangles).count == 0);
 }
 
 TEST_CASE("a mesh file keeps its polygons", "[nodes]") {

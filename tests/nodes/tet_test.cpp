@@ -97,8 +97,17 @@ TEST_CASE("zTet refuses weights for another mesh and refinement past maxResoluti
     s.set("t", "maxResolution", "9");
     CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
     CHECK(text.find("10 cubes along the longest side, refined 1 times") != std::string::npos);
+    CHECK(text.find("t.surfaceRefinement") != std::string::npos);
     s.set("t", "maxResolution", "10");
     CHECK(count(s) > 100);
+    s.set("t", "surfaceRefinement", "0");
+    s.set("t", "tetSize", "0.01");
+    CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
+    CHECK(text.find("t.tetSize") != std::string::npos);
+    s.set("t", "tetSize", "1000");
+    CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
+    CHECK(text.find("t.tetSize") != std::string::npos);
+    CHECK(text.find("too large for this mesh") != std::string::npos);
 }
 
 TEST_CASE("zTet's fill modes reach the lattice, and an open mesh is told where it is open", "[nodes]") {
@@ -118,6 +127,7 @@ TEST_CASE("zTet's fill modes reach the lattice, and an open mesh is told where i
     std::string text;
     CHECK(codes([&] { count(open); }, &text) == Codes{"FE220"});
     CHECK(text.find("3 border edges, the first between vertices 0-1, 2-0, 1-2") != std::string::npos);
+    CHECK(text.find("t.fillInterior") != std::string::npos);
     open.set("t", "fillInterior", "\"FilledCavities\"");
     CHECK(count(open) > 10);
 }
