@@ -238,7 +238,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         fibers = fibers || !t->fibers.empty();
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
         const bool law_resists =
-            t->law != solver::ElasticLaw::corotational && t->law != solver::ElasticLaw::anisotropic;
+            t->law == solver::ElasticLaw::stvk || t->law == solver::ElasticLaw::neo_hookean;
         resists = resists || (law_resists && values.compression_resistance > 0);
         for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
     }

@@ -47,8 +47,8 @@ const Input<double> compression_resistance{
     .def = 20000,
     .unit = "1",
     .limits = {.min = 0},
-    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. No effect on "
-           "Corotational and Anisotropic.",
+    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. Acts in StVK "
+           "and NeoHookean.",
 };
 const Input<double> transverse_anisotropy{
     .name = "transverseAnisotropy",

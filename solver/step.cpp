@@ -172,7 +172,8 @@ std::vector<Points> bones_halfway(const State& s, double step_size, const std::v
 void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones,
                          int halvings, const StepControl& control, StepRecord& record) {
     StepRecord attempt;
-    const bool last_chance = halvings == 0;
+    // Without inertia and with bones that stand still, half a step is the same problem again: keep what was reached.
+    const bool last_chance = halvings == 0 || (in.integrator == Integrator::quasi_static && bones == s.bones);
     bool taken = false;
     try {
         taken = take_step(impl, s, in, bones, last_chance, control, attempt);

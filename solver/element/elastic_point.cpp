@@ -34,10 +34,7 @@ void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compression, F
         neo_hookean(at, mu, lambda, out);
         add_compression_resistance(at, compression, out);
         break;
-    case ElasticLaw::log_neo_hookean:
-        log_neo_hookean(at, mu, lambda, out);
-        add_compression_resistance(at, compression, out);
-        break;
+    case ElasticLaw::log_neo_hookean: log_neo_hookean(at, mu, lambda, out); break;
     case ElasticLaw::corotational:
         if constexpr (std::is_same_v<Form, Principal<R>>) corotational(at, mu, lambda, out);
         break;

@@ -8,6 +8,13 @@
 
 namespace sinew::solver {
 
+namespace {
+
+/// A level of TissueEnergy::relax_volume that leaves nothing of it.
+constexpr int no_volume = 300;
+
+} // namespace
+
 Potential::Potential(const Scene& scene) : scene_(scene), system_(scene.system()), tissues_(scene) {}
 
 bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs) {
@@ -67,7 +74,10 @@ void Potential::begin_step(const State& before, const StepInputs& inputs) {
     update_loads(inputs);
     if (inputs.stiffness_damping > 0 && inputs.integrator != Integrator::quasi_static) {
         if (!damping_) damping_ = std::make_unique<BlockMatrix>(*pattern_);
+        // Damping by the stiffness of volume conservation would brake all motion: its directions turn with the body.
+        tissues_.relax_volume(no_volume);
         tissues_.assemble(before.x, true, *damping_);
+        tissues_.relax_volume(0);
     }
 }
 

@@ -198,7 +198,7 @@ TEST_CASE("the value budget holds and evicts what was used longest ago") {
     CHECK(counts->computes == 101);
 }
 
-TEST_CASE("a failure names node, attribute, place and frame; independent failures come together") {
+TEST_CASE("a failure names node, attribute, place and frame, independent failures come together") {
     const auto g = graph(registry(), R"(
         "f1": {"type": "failer", "inputs": {"value": 3}},
         "f2": {"type": "failer", "inputs": {"value": {"keys": [[1, 1], [9, 5]]}}},

@@ -252,7 +252,7 @@ TEST_CASE("required inputs, start frames and sub-steps") {
     CHECK(codes_of([&] { e.pull({half, {"sim", "out"}, 3, {}}); }) == "DG107");
 }
 
-TEST_CASE("files must exist; paths start at the graph's folder") {
+TEST_CASE("files must exist, paths start at the graph's folder") {
     const auto folder = std::filesystem::temp_directory_path() / "sinew_engine_paths";
     std::filesystem::create_directories(folder / "meshes");
     std::ofstream(folder / "meshes" / "a.obj") << "hello";

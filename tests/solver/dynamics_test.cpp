@@ -253,6 +253,58 @@ TEST_CASE("a step that fails is taken again in halves, and says so") {
     CHECK(s.bones == failed.bones);
 }
 
+TEST_CASE("without inertia only a step that moves bones is halved, else what it reached is kept and the next goes on") {
+    const Swing swing;
+    Workspace w(swing.scene);
+    StepInputs in = swing.inputs(10);
+    in.integrator = Integrator::quasi_static;
+    in.max_newton_iterations = 8;
+    in.max_halvings = 6;
+    const State turned = advance(w, initial_state(*swing.scene, swing.inputs(0)), std::span(&in, 1));
+    CHECK(turned.record.halvings > 0);
+    INFO(turned.record.newton_iterations << " iterations, " << turned.record.halvings << " halvings, residual " << turned.record.residual);
+    CHECK(turned.record.converged);
+
+    State still = initial_state(*swing.scene, in); // the bones are there already, the muscle is not
+    in.gravity = Vec3(0, -2000, 0);
+    in.max_newton_iterations = 2;
+    still = advance(w, still, std::span(&in, 1));
+    CHECK_FALSE(still.record.converged);
+    CHECK(still.record.halvings == 0);
+    CHECK(still.record.newton_iterations == 2);
+    for (int step = 0; step < 20 && !still.record.converged; ++step) still = advance(w, still, std::span(&in, 1));
+    CHECK(still.record.converged);
+}
+
+TEST_CASE("stiffness damping leaves volume conservation alone: a beam sags as fast with it as without") {
+    double drop[2][2];
+    for (const bool conserves : {false, true})
+        for (const bool damped : {false, true}) {
+            auto t = tissue(box_mesh({1, 0.2, 0.2}, 8, 2, 2), ElasticLaw::neo_hookean);
+            t->fixed_vertices = vertices_where(t->tets.vertices, [](const Vec3& p) { return p.x() < 1e-9; });
+            const auto scene = std::make_shared<const Scene>(SceneDescription{{t}, {}});
+            StepInputs in = still_inputs();
+            in.integrator = Integrator::backward_euler;
+            in.gravity = Vec3(0, -9.8, 0);
+            in.stiffness_damping = damped ? 0.001 : 0;
+            in.max_newton_iterations = 40;
+            TissueInputs values = material(1e5, 0.45);
+            values.layers[0].volume_conservation = conserves ? 1e8 : 0;
+            in.bodies = {values};
+            Workspace w(scene);
+            State s = initial_state(*scene, in);
+            for (int frame = 0; frame < 7; ++frame) {
+                s = advance(w, s, std::span(&in, 1));
+                CHECK(s.record.converged);
+            }
+            const int tip = vertices_where(t->tets.vertices, [](const Vec3& p) { return (p - Vec3(1, 0.1, 0.1)).norm() < 1e-9; })[0];
+            drop[conserves][damped] = 0.1 - position(s, tip).y();
+        }
+    CHECK(drop[0][0] > 0.2);
+    CHECK(drop[0][1] == Approx(drop[0][0]).epsilon(0.02));
+    CHECK(drop[1][1] == Approx(drop[1][0]).epsilon(0.02));
+}
+
 TEST_CASE("mass damping gives the exact discrete terminal motion") {
     const double alpha = 0.8, g = 9.81, h = 1.0 / 24;
     const TetMesh mesh = regular_tet(0.2);

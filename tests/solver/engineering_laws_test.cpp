@@ -64,7 +64,7 @@ TEST_CASE("their gradients and Hessians converge to finite differences at second
     }
 }
 
-TEST_CASE("with equal stiffness across and along, the anisotropic law is StVK; each side of 1 moves the right modulus") {
+TEST_CASE("with equal stiffness across and along, the anisotropic law is StVK, each side of 1 moves the right modulus") {
     std::mt19937 random(9);
     const Lame l = lame(1000, 0.3);
     const Vec3 a = Vec3(0.3, -1, 0.4).normalized();

@@ -61,7 +61,7 @@ TEST_CASE("a free body squeezed into a plane or a point comes back to its rest s
                 }
 }
 
-TEST_CASE("a body held at one face and squeezed into its plane comes back; out of a point it says where it ends") {
+TEST_CASE("a body held at one face and squeezed into its plane comes back, out of a point it says where it ends") {
     for (const ElementKind kind : kinds)
         for (const ElasticLaw law : laws)
             for (const double resistance : {0.0, 20000.0})

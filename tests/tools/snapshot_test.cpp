@@ -94,7 +94,7 @@ TEST_CASE("what is wrong with a movie's words is said before anything is compute
     CHECK_FALSE(fs::exists(mp4));
 }
 
-TEST_CASE("ffmpeg gets every frame in order; when it fails its words are shown and the old file stays",
+TEST_CASE("ffmpeg gets every frame in order, when it fails its words are shown and the old file stays",
           "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph()), mp4 = (folder / "m.mp4").string();

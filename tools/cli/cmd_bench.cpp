@@ -59,7 +59,7 @@ Command bench_command() {
             "measure the solver and the meshing: accuracy and speed",
             {{"NAME", "cantilever: a box of 1 x 0.25 x 0.25 m fixed at one end sags for 20 steps of 1/48 s, "
                       "one JSON line a run; meshing: zTet's lattice of meshes in all fill modes, as a table; "
-                      "accuracy: every case with trusted values, its error and verdict; convergence: orders in cell "
+                      "accuracy: every case with trusted values, its error and verdict, exit code 3 if one fails; convergence: orders in cell "
                       "size and time step; work-precision: wall time against error as sub-steps, Newton tolerance, "
                       "tet size, integrator, law, element and linear solver change; scaling: time and memory from a "
                       "thousand to half a million tets; idle-cost: what unused features cost; scene: the frames of "

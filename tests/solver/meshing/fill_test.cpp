@@ -108,7 +108,7 @@ TEST_CASE("two cavities side by side are both empty, parts that cross are none",
         REQUIRE(covered_volume(lattice_of(twice, fill, 0.3)) == Approx(1).epsilon(1e-6));
 }
 
-TEST_CASE("empty cavities refuse a mesh with holes and say where; the others close them", "[fill]") {
+TEST_CASE("empty cavities refuse a mesh with holes and say where, the others close them", "[fill]") {
     SurfaceMesh mesh = make_sphere(1, 24, 24);
     const Triangle removed = mesh.triangles[300];
     mesh.triangles.erase(mesh.triangles.begin() + 300);

@@ -169,7 +169,7 @@ TEST_CASE("all cuts of a lattice tet fill it and keep the dihedral angles in 30 
 }
 
 TEST_CASE(
-    "no paint leaves every bit of the lattice; full paint and propagation give the lattice of half the size",
+    "no paint leaves every bit of the lattice, full paint and propagation give the lattice of half the size",
     "[refinement]") {
     const auto everywhere = [](const Vec3&) { return true; };
     const TetMesh plain = refined_sphere(2 / 3.5, 0, [](const Vec3&) { return 0.0; });
