@@ -10,8 +10,8 @@ namespace sinew::solver {
 
 namespace {
 
-/// A level of TissueEnergy::relax_volume that leaves nothing of it.
-constexpr int no_volume = 300;
+/// A level of TissueEnergy::relax_volume that leaves nothing to speak of, and more than zero: what is zero is forgotten.
+constexpr int no_volume = 30;
 
 } // namespace
 
