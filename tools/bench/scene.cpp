@@ -3,6 +3,7 @@
 
 #include "engine/evaluator.h"
 #include "nodes/values.h"
+#include "tools/bench/beams.h"
 
 #include <algorithm>
 #include <array>
@@ -58,11 +59,6 @@ double farthest(const Motion& a, const Motion& b) {
     return out;
 }
 
-double median(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2), values.end());
-    return values[values.size() / 2];
-}
-
 } // namespace
 
 SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::string& solver, int first, int last, int turns,
@@ -80,7 +76,7 @@ SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::stri
             if (turn == 0) out.rows.push_back({.solver = solvers[k]});
             SceneRow& row = out.rows[k];
             passes[k].push_back(pass_of(edit.commit().graph, solver, out, options, row, out.tets, k == 0 ? yardstick : motion));
-            if (k > 0) row.difference = farthest(motion, yardstick);
+            if (k > 0 && turn == 0) row.difference = farthest(motion, yardstick);
         }
     for (std::size_t k = 0; k < solvers.size(); ++k) {
         SceneRow& row = out.rows[k];
