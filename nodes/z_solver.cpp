@@ -157,7 +157,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 4;
+    type.base.numerics = 5;
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),

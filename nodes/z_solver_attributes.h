@@ -92,7 +92,7 @@ inline const Input<double> stiffness_damping{
     .def = 0.001,
     .unit = "s",
     .limits = {.min = 0},
-    .doc = "Damps fast wobble (Rayleigh). Brakes fast turning of very stiff bodies too: 0 for those.",
+    .doc = "Damps fast wobble: a viscosity of this times the stiffness, on the rate of strain. Turning is not braked.",
 };
 inline const Input<double> mass_damping{
     .name = "massDamping",

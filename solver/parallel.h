@@ -22,22 +22,27 @@ template <class Body> void parallel_for(std::size_t count, std::size_t grain, co
                       });
 }
 
-/// Sum of term(i) over [0, count): chunks whose size depends on the count alone, then the chunks in order, so the bits do not
+/// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the chunks in order, so the bits do not
 /// depend on the number of threads.
-template <class Term> double ordered_sum(std::size_t count, const Term& term) {
-    std::array<double, 1024> sums;
-    const std::size_t chunk = std::max<std::size_t>(2048, (count + sums.size() - 1) / sums.size());
+template <std::size_t n, class Add> std::array<double, n> ordered_sums(std::size_t count, const Add& add) {
+    std::array<std::array<double, n>, 1024> parts;
+    const std::size_t chunk = std::max<std::size_t>(2048, (count + parts.size() - 1) / parts.size());
     const auto sum_chunk = [&](std::size_t first) {
-        double sum = 0;
-        for (std::size_t i = first; i < std::min(first + chunk, count); ++i) sum += term(i);
-        return sum;
+        std::array<double, n> sums{};
+        for (std::size_t i = first; i < std::min(first + chunk, count); ++i) add(i, sums);
+        return sums;
     };
     if (count <= chunk) return sum_chunk(0);
     const std::size_t chunks = (count + chunk - 1) / chunk;
-    parallel_for(chunks, 4, [&](std::size_t c) { sums[c] = sum_chunk(c * chunk); });
-    double sum = 0;
-    for (std::size_t c = 0; c < chunks; ++c) sum += sums[c];
-    return sum;
+    parallel_for(chunks, 4, [&](std::size_t c) { parts[c] = sum_chunk(c * chunk); });
+    std::array<double, n> sums{};
+    for (std::size_t c = 0; c < chunks; ++c)
+        for (std::size_t k = 0; k < n; ++k) sums[k] += parts[c][k];
+    return sums;
+}
+/// Sum of term(i) over [0, count), likewise.
+template <class Term> double ordered_sum(std::size_t count, const Term& term) {
+    return ordered_sums<1>(count, [&](std::size_t i, std::array<double, 1>& sum) { sum[0] += term(i); })[0];
 }
 
 } // namespace sinew::solver

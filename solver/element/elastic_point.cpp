@@ -8,6 +8,7 @@
 #include "solver/material/log_neo_hookean.h"
 #include "solver/material/neo_hookean.h"
 #include "solver/material/stvk.h"
+#include "solver/material/viscosity.h"
 
 #include <array>
 #include <cmath>
@@ -89,8 +90,20 @@ void evaluate_point(const PointInputs& in, const Pack* s, Principal<Pack>& q) {
     q.energy = energy;
 }
 
+void load_strain(const double* from, Pack* strain) {
+    for (int i = 0; i < 6; ++i) strain[i] = Pack::load(from + i * lanes);
+}
+
+void add_viscosity(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pack>& law) {
+    Pack reference[6];
+    load_strain(in.reference_strain, reference);
+    const Pack share(in.viscosity);
+    add_viscosity(e, reference, share * Pack::load(in.moduli.mu), share * Pack::load(in.moduli.lambda), law);
+}
+
 void evaluate_point(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pack>& law) {
     evaluate_law(in.law, e, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression), law);
+    if (in.viscosity > 0) add_viscosity(in, e, law);
     if (!in.pressures) return;
     TensorForm<Pack> measure;
     evaluate_measure(in.law, e, measure);
@@ -145,6 +158,9 @@ template <class R> void cofactor(const R* f, R* out) {
 
 /// Whether the point's energy has a part in principal stretches.
 bool has_principal_part(const PointInputs& in) { return in.law != ElasticLaw::anisotropic || in.pressures; }
+
+/// Whether damping is added to a part in principal stretches; tensor forms and the anisotropic law take it in.
+bool damps_alone(const PointInputs& in) { return in.viscosity > 0 && in.law != ElasticLaw::anisotropic; }
 
 std::array<Pack, 3> load_direction(const Anisotropy& a) {
     return {Pack::load(a.direction[0]), Pack::load(a.direction[1]), Pack::load(a.direction[2])};
@@ -203,11 +219,45 @@ void exact_blocks(const PointInputs& in, const Pack* f, Pack volume, Pack blocks
     tensor_blocks(strains, law, n, volume, blocks);
 }
 
+/// Adds the blocks of damping alone, for laws without a tensor form and for projection.
+void add_viscous_blocks(const PointInputs& in, const Pack* f, Pack volume, bool project, Pack blocks[6][9]) {
+    Strains<Pack> strains;
+    set_strains(f, strains);
+    TensorForm<Pack> law;
+    clear(law);
+    add_viscosity(in, strains, law);
+    Pack n[3][3], own[6][9];
+    for (int a = 0; a < 3; ++a)
+        for (int i = 0; i < 3; ++i) n[a][i] = Pack::load(in.batch.shape[3 * a + i]);
+    if (project)
+        tensor_blocks<false>(strains, law, n, volume, own);
+    else
+        tensor_blocks(strains, law, n, volume, own);
+    for (int b = 0; b < 6; ++b)
+        for (int e = 0; e < 9; ++e) blocks[b][e] += own[b][e];
+}
+
+/// The anisotropic law with its damping.
+AnisotropicStVK<Pack> anisotropic_at(const PointInputs& in, const Pack* f) {
+    AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root), Pack::load(in.moduli.mu),
+                              Pack::load(in.moduli.lambda));
+    if (in.viscosity > 0) {
+        Pack listed[6], reference[9];
+        load_strain(in.reference_strain, listed);
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, k = (i + 2) % 3;
+            reference[4 * i] = listed[i];
+            reference[3 * j + k] = reference[3 * k + j] = listed[3 + i];
+        }
+        law.add_viscosity(reference, Pack(in.viscosity));
+    }
+    return law;
+}
+
 /// Adds the anisotropic law's blocks. Projected: the tension's negative eigenvalues are set to zero, which leaves a sum
 /// of two positive semi-definite parts.
 void add_anisotropic_blocks(const PointInputs& in, const Pack* f, Pack volume, bool project, Pack blocks[6][9]) {
-    AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root), Pack::load(in.moduli.mu),
-                              Pack::load(in.moduli.lambda));
+    AnisotropicStVK<Pack> law = anisotropic_at(in, f);
     if (project) {
         Pack diagonal[3], off_diagonal[3];
         law.tension(diagonal, off_diagonal);
@@ -226,6 +276,29 @@ void add_anisotropic_blocks(const PointInputs& in, const Pack* f, Pack volume, b
 }
 
 } // namespace
+
+void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x, const Corners& x_between,
+                      const Corners& v, double* out) {
+    Pack f[9], sum[6], listed[6];
+    Strains<Pack> strains;
+    deformation_gradient(batch, x, f);
+    set_strains(f, strains);
+    list_strain(strains.green, sum);
+    for (Pack& s : sum) s *= Pack(reference.start);
+    if (reference.v) {
+        Pack rate[9];
+        deformation_gradient(batch, v, rate);
+        strain_rate(f, rate, listed);
+        for (int i = 0; i < 6; ++i) sum[i] += Pack(reference.rate) * listed[i];
+    }
+    if (reference.x_between) {
+        deformation_gradient(batch, x_between, f);
+        set_strains(f, strains);
+        list_strain(strains.green, listed);
+        for (int i = 0; i < 6; ++i) sum[i] += Pack(reference.between) * listed[i];
+    }
+    for (int i = 0; i < 6; ++i) sum[i].store(out + i * lanes);
+}
 
 void point_gradient(const PointInputs& in, const Corners& corners, double* out, ElementSummary& summary) {
     const TetBatch& batch = in.batch;
@@ -253,11 +326,21 @@ void point_gradient(const PointInputs& in, const Corners& corners, double* out, 
         energy = q.energy;
         Pack p[9];
         recompose(svd.u, q.first, svd.v, p);
+        if (damps_alone(in)) {
+            Strains<Pack> strains;
+            set_strains(f, strains);
+            TensorForm<Pack> damping;
+            clear(damping);
+            add_viscosity(in, strains, damping);
+            energy += damping.energy;
+            Pack viscous[9];
+            tensor_stress(strains, damping, viscous);
+            for (int i = 0; i < 9; ++i) p[i] += viscous[i];
+        }
         add_stress_forces(batch, volume, p, g);
     }
     if (in.law == ElasticLaw::anisotropic) {
-        const AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root),
-                                        Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda));
+        const AnisotropicStVK<Pack> law = anisotropic_at(in, f);
         Pack p[9];
         law.stress(p);
         energy += law.energy();
@@ -282,9 +365,10 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
     Pack blocks[6][9]; // of corners a <= b in 1…3: 11 12 13 22 23 33
     if (has_tensor_form(in.law) && !project)
         exact_blocks(in, f, volume, blocks);
-    else if (has_principal_part(in))
+    else if (has_principal_part(in)) {
         principal_blocks(in, f, volume, project, blocks);
-    else
+        if (damps_alone(in)) add_viscous_blocks(in, f, volume, project, blocks);
+    } else
         for (auto& block : blocks)
             for (Pack& entry : block) entry = Pack(0.0);
     if (in.law == ElasticLaw::anisotropic) add_anisotropic_blocks(in, f, volume, project, blocks);

@@ -5,6 +5,7 @@
 #pragma once
 #include "solver/element/tet_batch.h"
 #include "solver/fiber/active_stress.h"
+#include "solver/integrate/strain_reference.h"
 #include "solver/scene.h"
 
 #include <span>
@@ -35,6 +36,8 @@ struct PointInputs {
     double share = 1;                       ///< of the tet's volume
     const Anisotropy* anisotropy = nullptr; ///< law anisotropic only
     const Pressures* pressures = nullptr;
+    double viscosity = 0; ///< of damping: this times mu and lambda act on E - E_ref (material/viscosity.h)
+    const double* reference_strain = nullptr; ///< E_ref, [component of list_strain][lane]
     std::span<const ActiveFiber> fibers = {};
 };
 
@@ -43,6 +46,13 @@ struct ElementSummary {
     double j[lanes];             ///< det F; the least over the points
     double fiber_squares[lanes]; ///< sum of squared fibre forces [N^2]: they may cancel the elastic ones within a tet
 };
+
+/// Doubles that the reference strain of one point takes.
+inline constexpr int strain_size = 6 * lanes;
+/// E_ref of a point, out[component of list_strain][lane], from the corners of its linear tet, where the reference looks at
+/// these times, and their velocities.
+void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x, const Corners& x_between,
+                      const Corners& v, double* out);
 
 /// dE/d corners, g[corner][component][lane] [N], without the energies on means.
 void point_gradient(const PointInputs& in, const Corners& corners, double* g, ElementSummary& summary);

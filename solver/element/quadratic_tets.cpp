@@ -117,6 +117,15 @@ void quadratic_shape(const double* b, double* values) {
     for (int e = 0; e < 6; ++e) values[4 + e] = 4 * b[tet_edge_corners[e][0]] * b[tet_edge_corners[e][1]];
 }
 
+void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference, double* out) {
+    const auto nodes = [&](const std::vector<double>* x) { return x ? nodes_of(batch, edges, x->data()) : Nodes{}; };
+    const Nodes x = nodes(reference.x), between = nodes(reference.x_between), v = nodes(reference.v);
+    for (int point = 0; point < point_count; ++point) {
+        const Place place = integration_point(point);
+        reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v), out + point * strain_size);
+    }
+}
+
 void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
                         ElementSummary& summary) {
     const Nodes nodes = nodes_of(in.batch, edges, x);
@@ -135,6 +144,7 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
         for (Pack& c : node) c = Pack(0.0);
     for (int point = 0; point < point_count; ++point) {
         double force[4 * 3 * lanes];
+        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
         ElementSummary s;
         point_gradient(at_point, corners_at(integration_point(point), nodes), force, s);
         energy += Pack::load(s.energy);
@@ -178,6 +188,7 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
     constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
     for (int point = 0; point < point_count; ++point) {
         alignas(64) double blocks[10 * 9 * lanes];
+        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
         point_hessian(at_point, corners_at(integration_point(point), nodes), project, blocks);
         NodeWeights weights[quadratic_nodes];
         for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(integration_point(point), n);

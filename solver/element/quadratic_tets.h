@@ -24,8 +24,12 @@ std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets, cons
 /// Values of the ten shape functions at a point given by its barycentric coordinates.
 void quadratic_shape(const double* barycentric, double* values);
 
+/// E_ref at each of the points, out[point][component of list_strain][lane].
+void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference, double* out);
+
 /// g[node][component][lane]; the summary's energy includes those on means if `means` (some of moduli.lambda_mean or
-/// moduli.volume are not zero). `in.share` and `in.pressures` are not read.
+/// moduli.volume are not zero). `in.share` and `in.pressures` are not read;
+/// `in.reference_strain` is that of all points.
 void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
                         ElementSummary& summary);
 /// h[pair (a, b), a <= b, rows of a][row*3+column][lane].

@@ -185,6 +185,7 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
 void TissueEnergy::set_scales() {
     double stiffest = 0;
     elastic_scale_ = 0;
+    vertex_stiffness_.assign(static_cast<std::size_t>(scene_.vertex_count()), 0.0);
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
         const TissueBatches& batches = system_.tissues[t];
         double floor = 0, stiffness = 0;
@@ -200,6 +201,8 @@ void TissueEnergy::set_scales() {
                 if (b.volume[lane] > 0) stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
                 floor += scale * scale * squares;
                 elastic_scale_ += modulus_volume;
+                for (int n = 0; n < batches.nodes(); ++n)
+                    vertex_stiffness_[static_cast<std::size_t>(system_.node(batches, e - batches.first_batch, n)[lane])] += modulus_volume / batches.nodes();
                 stiffness += modulus_volume * modulus_volume * squares * squares;
             }
         if (patches_[t]) {
@@ -295,8 +298,28 @@ PointInputs TissueEnergy::point_inputs(std::size_t t, std::size_t i) const {
     const std::size_t e = batches.first_batch + i;
     PointInputs in{batches.law, system_.batches[e], moduli_[e]};
     if (!anisotropy_[t].empty()) in.anisotropy = &anisotropy_[t][i];
+    if (damping_share_ > 0) {
+        in.viscosity = damping_share_;
+        in.reference_strain = reference_strains_.data() + batches.gradient_at(i);
+    }
     if (active_count_[t]) in.fibers = std::span(fibers_[t]).subspan(i * active_count_[t], active_count_[t]);
     return in;
+}
+
+void TissueEnergy::set_damping(double share, const StrainReference& reference) {
+    damping_share_ = share;
+    if (!(share > 0)) return;
+    static_assert(strain_size <= 4 * 3 * lanes && 4 * strain_size <= quadratic_nodes * 3 * lanes);
+    reference_strains_.resize(system_.gradient_size);
+    for (const TissueBatches& batches : system_.tissues)
+        parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
+            const TetBatch& batch = system_.batches[batches.first_batch + i];
+            double* out = reference_strains_.data() + batches.gradient_at(i);
+            if (batches.kind == ElementKind::quadratic)
+                return quadratic_reference_strain(batch, system_.edge_batches[batches.first_edge_batch + i], reference, out);
+            const auto corners = [&](const std::vector<double>* x) { return x ? corners_of(batch, x->data()) : Corners{}; };
+            reference_strain(batch, reference, corners(reference.x), corners(reference.x_between), corners(reference.v), out);
+        });
 }
 
 double TissueEnergy::set_patch_pressures(std::size_t t, const std::vector<double>& x) {

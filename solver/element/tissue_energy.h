@@ -31,7 +31,10 @@ class TissueEnergy {
     /// Finds where each entry goes and sets the masses. The pattern must outlive this.
     void set_pattern(const BlockPattern& pattern);
 
-    /// Energy at x (3 a vertex) [J]; keeps the gradient for the functions below.
+    /// Damping of the coming stage: `share` times the laws' small-strain stiffness acts on E - E_ref; 0 = none. What acts on
+    /// means and patches is left out.
+    void set_damping(double share, const StrainReference& reference);
+    /// Energy at x (3 a vertex) [J], damping included; keeps the gradient for the functions below.
     double evaluate(const std::vector<double>& x);
     /// Adds the gradient of the last evaluation at one unknown to g[3] [N].
     void add_gradient(std::size_t unknown, double* g) const {
@@ -51,10 +54,11 @@ class TissueEnergy {
     void assemble(const std::vector<double>& x, bool project, BlockMatrix& a);
 
     const MassMatrix& mass() const { return mass_; }
-    double elastic_scale() const { return elastic_scale_; } ///< sum of modulus x volume [J]
+    double elastic_scale() const { return (1 + damping_share_) * elastic_scale_; } ///< sum of modulus x volume [J]
+    const std::vector<double>& vertex_stiffness() const { return vertex_stiffness_; } ///< the same shared out to vertices
     /// Of one tissue: forces that would strain every tet by 1e-6 [N], and the root of its tets' summed squared stiffnesses [N/m].
     double force_floor(std::size_t tissue) const { return force_floor_[tissue]; }
-    double stiffness_scale(std::size_t tissue) const { return stiffness_scale_[tissue]; }
+    double stiffness_scale(std::size_t tissue) const { return (1 + damping_share_) * stiffness_scale_[tissue]; }
 
   private:
     struct Patches; // of one tissue
@@ -76,9 +80,12 @@ class TissueEnergy {
     std::vector<std::unique_ptr<Patches>> patches_; ///< per tissue; null where none are used
     std::vector<double> tet_mass_; ///< per slot of all batches [kg]
     MassMatrix mass_;
+    double damping_share_ = 0;
+    std::vector<double> reference_strains_; ///< where a batch's gradient stands, from there; empty without damping
     int volume_levels_ = 0;
     double volume_share_ = 1;
     double elastic_scale_ = 0;
+    std::vector<double> vertex_stiffness_;
     std::vector<double> force_floor_, stiffness_scale_; ///< per tissue
 
     const BlockPattern* pattern_ = nullptr;

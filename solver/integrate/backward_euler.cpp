@@ -9,6 +9,7 @@ void backward_euler_form(const State& before, double step_size, ImplicitForm& fo
     form.velocity_factor = 1 / step_size;
     form.bone_position = {0, 0, 1};
     form.bone_velocity = {0, -1 / step_size, 1 / step_size};
+    form.strain = {.x = &before.x};
     form.target.resize(n);
     form.velocity_offset.resize(n);
     for (std::size_t i = 0; i < n; ++i) {

@@ -18,6 +18,7 @@ void bdf2_form(const State& before, double step_size, ImplicitForm& form) {
     form.mass_factor = 1 / (reach * reach);
     form.velocity_factor = 1 / reach;
     set_bone_weights(before, step_size, 1, form);
+    form.strain = {.x = &before.x, .start = now, .x_between = &last.x, .between = -then};
     form.target.resize(n);
     form.velocity_offset.resize(n);
     for (std::size_t i = 0; i < n; ++i) {

@@ -8,6 +8,7 @@ void quasi_static_form(const State& before, ImplicitForm& form) {
     form.velocity_factor = 0;
     form.bone_position = {0, 0, 1};
     form.bone_velocity = {};
+    form.strain = {};
     form.target = before.x;
     form.velocity_offset.assign(before.x.size(), 0.0);
 }

@@ -18,6 +18,7 @@ void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm&
     form.mass_factor = 1 / (half * half);
     form.velocity_factor = 1 / half;
     set_bone_weights(before, step_size, gamma_fraction, form);
+    form.strain = {.x = &before.x, .v = &before.v, .rate = half};
     form.target.resize(n);
     form.velocity_offset.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
@@ -35,6 +36,7 @@ void tr_bdf2_bdf2_form(const State& before, const std::vector<double>& x_gamma, 
     form.mass_factor = 1 / (reach * reach);
     form.velocity_factor = 1 / reach;
     set_bone_weights(before, step_size, 1, form);
+    form.strain = {.x = &before.x, .start = -start, .x_between = &x_gamma, .between = middle};
     form.target.resize(n);
     form.velocity_offset.resize(n);
     for (std::size_t i = 0; i < n; ++i) {

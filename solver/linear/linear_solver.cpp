@@ -111,7 +111,8 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     }
     outcome.iterations = r.iterations;
     outcome.definite = r.definite;
-    if (r.converged || (!r.definite && !projected) || (r.definite && !automatic)) return outcome;
+    // The projected matrix is the last there is: where single precision cannot solve it, a factor must.
+    if (r.converged || (!projected && (!r.definite || !automatic))) return outcome;
     if (automatic) memory.factor_steps_left = kept_steps;
     factorize_and_solve(a, b, x, outcome);
     return outcome;

@@ -19,22 +19,28 @@ template <class R> class AnisotropicStVK {
             for (int j = 0; j < 3; ++j)
                 q_[3 * i + j] = (i == j ? root : R(0.0)) + (R(1.0) - root) * a[static_cast<std::size_t>(i)] * a[static_cast<std::size_t>(j)];
         product(f, q_, d_);
-        R trace(0.0);
+        energy_ = R(0.0);
+        for (R& t : tension_) t = R(0.0);
         for (int i = 0; i < 3; ++i)
             for (int j = i; j < 3; ++j) {
                 R c(0.0), squared(0.0); // D^T D = Q C Q and Q^2
                 for (int k = 0; k < 3; ++k) c += d_[3 * k + i] * d_[3 * k + j], squared += q_[3 * k + i] * q_[3 * k + j];
                 strain_[3 * i + j] = strain_[3 * j + i] = R(0.5) * (c - squared);
-                if (i == j) trace += strain_[4 * i];
             }
-        trace_ = trace;
-        for (int i = 0; i < 9; ++i) tension_[i] = R(2.0) * mu * strain_[i] + (i % 4 == 0 ? lambda * trace : R(0.0));
+        add_strain(mu, lambda, strain_);
     }
-    R energy() const {
-        R squares(0.0);
-        for (const R& e : strain_) squares += e * e;
-        return mu_ * squares + R(0.5) * lambda_ * trace_ * trace_;
+    /// Adds damping (viscosity.h) of `share` times the law's own stiffness from the reference strain, whole: the weighted
+    /// difference Q (E - E_ref) Q makes the tension.
+    void add_viscosity(const R* reference, R share) {
+        R qr[9], difference[9];
+        product(q_, reference, qr);
+        product(qr, q_, difference);
+        for (int i = 0; i < 9; ++i) difference[i] = strain_[i] - difference[i];
+        add_strain(share * mu_, share * lambda_, difference);
+        mu_ *= R(1.0) + share;
+        lambda_ *= R(1.0) + share;
     }
+    R energy() const { return energy_; }
     /// P = D T Q with T the derivative by the weighted strain.
     void stress(R* p) const {
         R dt[9];
@@ -77,11 +83,20 @@ template <class R> class AnisotropicStVK {
     }
 
   private:
+    void add_strain(R mu, R lambda, const R* e) {
+        const R trace = e[0] + e[4] + e[8];
+        R squares(0.0);
+        for (int i = 0; i < 9; ++i) {
+            squares += e[i] * e[i];
+            tension_[i] += R(2.0) * mu * e[i] + (i % 4 == 0 ? lambda * trace : R(0.0));
+        }
+        energy_ += mu * squares + R(0.5) * lambda * trace * trace;
+    }
     static void product(const R* a, const R* b, R* out) {
         for (int i = 0; i < 3; ++i)
             for (int j = 0; j < 3; ++j) out[3 * i + j] = a[3 * i] * b[j] + a[3 * i + 1] * b[3 + j] + a[3 * i + 2] * b[6 + j];
     }
-    R mu_, lambda_, trace_, q_[9], d_[9], strain_[9], tension_[9];
+    R mu_, lambda_, energy_, q_[9], d_[9], strain_[9], tension_[9];
 };
 
 } // namespace sinew::solver

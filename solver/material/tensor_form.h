@@ -1,6 +1,6 @@
 // Isotropic laws without singular values: as functions of the Green strain E and of J = det F, with
-//   P = F S + by_j cof F,  S = uniform I + green E,
-// where `uniform` depends on tr E only and `green` is a constant. All that a step needs except the projection, which wants
+//   P = F S + by_j cof F,  S = uniform I + green E + constant,
+// where `uniform` depends on tr E only and `green` and `constant` do not depend on F. All that a step needs except the projection, which wants
 // eigenvalues and takes the law in principal stretches (principal.h): the singular values cost more than all the rest.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
@@ -35,34 +35,47 @@ template <class R> struct TensorForm {
     R energy;
     R uniform, uniform_slope; ///< of S; the slope by tr E
     R green;                  ///< of S
+    R constant[6];            ///< of S: 00 11 22 12 02 01
     R by_j, by_jj;            ///< first and second derivative by J
 };
 
 template <class R> inline void clear(TensorForm<R>& out) {
     out.energy = out.uniform = out.uniform_slope = out.green = out.by_j = out.by_jj = R(0.0);
+    for (R& c : out.constant) c = R(0.0);
+}
+
+/// S [Pa].
+template <class R> inline void second_stress(const Strains<R>& e, const TensorForm<R>& law, R* s) {
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        s[4 * i] = law.uniform + law.green * e.green[4 * i] + law.constant[i];
+        s[3 * j + k] = s[3 * k + j] = law.green * e.green[3 * j + k] + law.constant[3 + i];
+    }
 }
 
 /// P [Pa].
 template <class R> inline void tensor_stress(const Strains<R>& e, const TensorForm<R>& law, R* p) {
+    R s[9];
+    second_stress(e, law, s);
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j) {
-            const R fe = e.f[3 * i] * e.green[j] + e.f[3 * i + 1] * e.green[3 + j] + e.f[3 * i + 2] * e.green[6 + j];
-            p[3 * i + j] = law.uniform * e.f[3 * i + j] + law.green * fe + law.by_j * e.cofactor[3 * i + j];
-        }
+        for (int j = 0; j < 3; ++j)
+            p[3 * i + j] = e.f[3 * i] * s[j] + e.f[3 * i + 1] * s[3 + j] + e.f[3 * i + 2] * s[6 + j] + law.by_j * e.cofactor[3 * i + j];
 }
 
 /// Hessian blocks of the nodes a <= b of 0…2 with shape gradients n[a], times `factor`; order 00 01 02 11 12 22, row-major.
-template <class R> inline void tensor_blocks(const Strains<R>& e, const TensorForm<R>& law, const R n[3][3], R factor, R blocks[6][9]) {
+/// Not `geometric`: without the part of S, which may be negative; what is left of a form without by_j is not.
+template <bool geometric = true, class R> inline void tensor_blocks(const Strains<R>& e, const TensorForm<R>& law, const R n[3][3], R factor, R blocks[6][9]) {
     const auto times = [](const R* m, const R* v, R* out) {
         for (int i = 0; i < 3; ++i) out[i] = m[3 * i] * v[0] + m[3 * i + 1] * v[1] + m[3 * i + 2] * v[2];
     };
     const R slope = factor * law.uniform_slope, half_green = factor * R(0.5) * law.green, jj = factor * law.by_jj;
-    R fn[3][3], cn[3][3], sn[3][3]; // F n, cof F n, factor S n
+    R fn[3][3], cn[3][3], sn[3][3], s[9]; // F n, cof F n, factor S n
+    second_stress(e, law, s);
     for (int a = 0; a < 3; ++a) {
         times(e.f, n[a], fn[a]);
         times(e.cofactor, n[a], cn[a]);
-        times(e.green, n[a], sn[a]);
-        for (int i = 0; i < 3; ++i) sn[a][i] = factor * (law.uniform * n[a][i] + law.green * sn[a][i]);
+        times(s, n[a], sn[a]);
+        for (int i = 0; i < 3; ++i) sn[a][i] *= geometric ? factor : R(0.0);
     }
     R left[9]; // factor green/2 F F^T
     for (int i = 0; i < 3; ++i)
@@ -74,11 +87,11 @@ template <class R> inline void tensor_blocks(const Strains<R>& e, const TensorFo
         for (int b = a; b < 3; ++b, ++index) {
             R* k = blocks[index];
             const R nn = n[a][0] * n[b][0] + n[a][1] * n[b][1] + n[a][2] * n[b][2];
-            const R geometric = sn[a][0] * n[b][0] + sn[a][1] * n[b][1] + sn[a][2] * n[b][2];
+            const R by_stress = sn[a][0] * n[b][0] + sn[a][1] * n[b][1] + sn[a][2] * n[b][2];
             for (int i = 0; i < 3; ++i)
                 for (int j = 0; j < 3; ++j)
                     k[3 * i + j] = slope * fn[a][i] * fn[b][j] + half_green * fn[b][i] * fn[a][j] + nn * left[3 * i + j] +
-                                   jj * cn[a][i] * cn[b][j] + (i == j ? geometric : R(0.0));
+                                   jj * cn[a][i] * cn[b][j] + (i == j ? by_stress : R(0.0));
             if (a == b) continue;
             // d cof F: the cross product with F (n_a x n_b).
             const R across[3] = {n[a][1] * n[b][2] - n[a][2] * n[b][1], n[a][2] * n[b][0] - n[a][0] * n[b][2],

@@ -54,13 +54,14 @@ double evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<doub
     return potential.evaluate(x, &w.gradient, &w.forces);
 }
 
-/// Moves x to free flight if the potential is lower there.
+/// Moves x to free flight, along arcs, if the potential is lower there.
 double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
-    potential.free_flight(x, w.trial);
-    if (w.trial == x) return evaluate(potential, w, x, record);
+    if (!potential.free_flight(x, w.direction, w.gain)) return evaluate(potential, w, x, record);
     double here;
     {
         const Stopwatch timer(record.seconds_assembly);
+        w.arcs.fit(potential, x, w.direction, w.gain);
+        w.arcs.move(potential, x, w.direction, 1, w.trial);
         here = potential.evaluate(x, nullptr, nullptr);
     }
     const double flight = evaluate(potential, w, w.trial, record);
@@ -84,7 +85,6 @@ constexpr double stalled_step = 0.1;
 End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value, bool may_stall, const StepControl& control,
             std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record, double& r) {
     definite = false;
-    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
     bool converged = false;
     const auto judge = [&] {
         const Balance balance = potential.balance(x, w.forces, options.tolerance);
@@ -110,12 +110,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         const double before = value;
         double t = 1;
         bool accepted = false;
+        potential.work(w.gradient, w.direction, w.gain);
+        w.arcs.fit(potential, x, w.direction, w.gain);
         for (int trial = 0; trial < 40 && !accepted; ++trial) {
-            w.trial = x;
-            parallel_for(vertex_of.size(), 4096, [&](std::size_t u) {
-                const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[u]);
-                for (std::size_t c = 0; c < 3; ++c) w.trial[v + c] += t * w.direction[3 * u + c];
-            });
+            w.arcs.move(potential, x, w.direction, t, w.trial);
             value = potential.evaluate(w.trial, &w.gradient, &w.forces);
             accepted = std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding;
             if (accepted) break;

@@ -5,6 +5,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/linear_solver.h"
+#include "solver/newton/arcs.h"
 #include "solver/newton/potential.h"
 #include "solver/step.h"
 
@@ -21,6 +22,8 @@ struct NewtonWorkspace {
     BlockMatrix hessian;
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
+    std::vector<double> gain; ///< that the direction promises each tissue [J]
+    Arcs arcs;
     std::vector<BodyForces> forces; ///< at the last evaluation with gradient
     explicit NewtonWorkspace(const Potential& potential) : hessian(potential.pattern()), linear(potential.pattern(), potential.places()) {}
 };

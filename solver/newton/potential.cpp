@@ -8,13 +8,6 @@
 
 namespace sinew::solver {
 
-namespace {
-
-/// A level of TissueEnergy::relax_volume that leaves nothing to speak of, and more than zero: what is zero is forgotten.
-constexpr int no_volume = 30;
-
-} // namespace
-
 Potential::Potential(const Scene& scene) : scene_(scene), system_(scene.system()), tissues_(scene) {}
 
 bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs) {
@@ -30,7 +23,6 @@ bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, c
         if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
     }
     pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), std::move(couplings)));
-    damping_.reset();
     tissues_.set_pattern(*pattern_);
     springs_->set_pattern(*pattern_, system_.unknown);
     return true;
@@ -72,17 +64,11 @@ void Potential::begin_step(const State& before, const StepInputs& inputs) {
     inputs_ = &inputs;
     x_before_ = before.x;
     update_loads(inputs);
-    if (inputs.stiffness_damping > 0 && inputs.integrator != Integrator::quasi_static) {
-        if (!damping_) damping_ = std::make_unique<BlockMatrix>(*pattern_);
-        // Damping by the stiffness of volume conservation would brake all motion: its directions turn with the body.
-        tissues_.relax_volume(no_volume);
-        tissues_.assemble(before.x, true, *damping_);
-        tissues_.relax_volume(0);
-    }
 }
 
 void Potential::begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after) {
     form_ = &form;
+    tissues_.set_damping(inputs_->stiffness_damping * form.velocity_factor, form.strain);
     springs_->begin_stage(*inputs_, before, bones_after, form);
 }
 
@@ -93,6 +79,7 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
     now.target = before.x;
     now.velocity_offset.resize(before.x.size());
     for (std::size_t i = 0; i < before.x.size(); ++i) now.velocity_offset[i] = before.v[i] - before.x[i];
+    now.strain = {.x = &before.x, .v = &before.v, .rate = -1};
     now.bone_position = {0, 1, 0};
     if (const double h = before.history.step_size; h > 0 && !before.history.bones.empty())
         now.bone_velocity = {-1 / h, 1 / h, 0};
@@ -112,26 +99,13 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     const MassMatrix& masses = tissues_.mass();
     const std::vector<double>& weight = masses.weight();
     const bool moving = form_->velocity_factor > 0;
-    const double alpha = moving ? inputs_->mass_damping : 0, beta = moving ? inputs_->stiffness_damping : 0;
+    const double alpha = moving ? inputs_->mass_damping : 0;
     const std::size_t n = unknown_count();
 
     double spring_energy = 0;
     if (!springs_->empty()) {
         if (gradient) spring_gradient_.assign(x.size(), 0.0);
         spring_energy = springs_->energy(x, gradient ? spring_gradient_.data() : nullptr);
-    }
-    double damping_energy = 0;
-    if (beta > 0) {
-        velocity_.resize(3 * n);
-        damping_force_.resize(3 * n);
-        parallel_for(n, 4096, [&](std::size_t u) {
-            const std::size_t v = 3 * static_cast<std::size_t>(system_.vertex_of_unknown[u]);
-            for (std::size_t c = 0; c < 3; ++c)
-                velocity_[3 * u + c] = form_->velocity_factor * x[v + c] + form_->velocity_offset[v + c];
-        });
-        multiply(*damping_, velocity_.data(), damping_force_.data());
-        damping_energy = beta / (2 * form_->velocity_factor) *
-                         ordered_sum(3 * n, [&](std::size_t i) { return velocity_[i] * damping_force_[i]; });
     }
     const auto vertex = [&](std::size_t u) { return static_cast<std::size_t>(system_.vertex_of_unknown[u]); };
     // Inertia and mass damping: M (m (x - target) + alpha v), its energy on the way.
@@ -167,8 +141,8 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         for (std::size_t c = v; c < v + 3; ++c) w += loads_[c] * (x[c] - x_before_[c]);
         return w;
     });
-    energy_scale_ = std::abs(elastic) + spring_energy + damping_energy + inertia_energy + std::abs(gravity_energy) + std::abs(load_energy);
-    const double total = elastic + spring_energy + damping_energy + inertia_energy + gravity_energy + load_energy;
+    energy_scale_ = std::abs(elastic) + spring_energy + inertia_energy + std::abs(gravity_energy) + std::abs(load_energy);
+    const double total = elastic + spring_energy + inertia_energy + gravity_energy + load_energy;
     if (!gradient) return total;
 
     gradient->resize(3 * n);
@@ -180,7 +154,6 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
             g[c] -= weight[v] * inputs_->gravity[static_cast<Eigen::Index>(c)];
             if (form_->mass_factor > 0) g[c] += form_->mass_factor * inertia_[3 * u + c];
             if (alpha > 0) g[c] += alpha * drag_[3 * u + c];
-            if (beta > 0) g[c] += beta * damping_force_[3 * u + c];
             if (!springs_->empty()) g[c] += spring_gradient_[3 * v + c];
             if (!loads_.empty()) g[c] -= loads_[3 * v + c];
             (*gradient)[3 * u + c] = g[c];
@@ -192,7 +165,7 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
 
 void Potential::set_forces(const std::vector<double>& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
     const std::vector<double>& weight = tissues_.mass().weight();
-    const double beta = form_->velocity_factor > 0 ? inputs_->stiffness_damping : 0, g = inputs_->gravity.norm();
+    const double g = inputs_->gravity.norm();
     of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
     springs_->add_squared_forces(x, of_body_);
     forces.resize(system_.tissues.size());
@@ -214,7 +187,7 @@ void Potential::set_forces(const std::vector<double>& x, const std::vector<doubl
         forces[t].at_work = std::max({tissues_.force_norm(t), tissues_.fiber_norm(t), gravity, loads,
                                       form_->mass_factor > 0 ? form_->mass_factor * norm(inertia_) : 0,
                                       std::sqrt(of_body_[static_cast<std::size_t>(tissue.body)]),
-                                      beta > 0 ? beta * norm(damping_force_) : 0, tissues_.force_floor(t)});
+                                      tissues_.force_floor(t)});
     }
 }
 
@@ -237,14 +210,35 @@ Balance Potential::balance(const std::vector<double>& x, const std::vector<BodyF
     return out;
 }
 
-void Potential::free_flight(const std::vector<double>& x, std::vector<double>& out) const {
-    out = x;
-    if (form_->mass_factor > 0)
-        for (const int v : system_.vertex_of_unknown)
+bool Potential::free_flight(const std::vector<double>& x, std::vector<double>& direction, std::vector<double>& gain) const {
+    if (!(form_->mass_factor > 0)) return false;
+    const std::vector<double>& weight = tissues_.mass().weight();
+    direction.resize(3 * unknown_count());
+    gain.resize(tissue_count());
+    bool moves = false;
+    for (std::size_t t = 0; t < tissue_count(); ++t) {
+        const auto [first, count] = unknowns_of(t);
+        gain[t] = ordered_sum(count, [&](std::size_t i) {
+            const std::size_t u = first + i, v = static_cast<std::size_t>(system_.vertex_of_unknown[u]);
+            double squares = 0;
             for (std::size_t c = 0; c < 3; ++c) {
-                const std::size_t i = 3 * static_cast<std::size_t>(v) + c;
-                out[i] = form_->target[i] + inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor;
+                const double d = form_->target[3 * v + c] + inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor - x[3 * v + c];
+                direction[3 * u + c] = d;
+                squares += d * d;
             }
+            return 0.5 * form_->mass_factor * weight[v] * squares;
+        });
+        moves = moves || gain[t] != 0;
+    }
+    return moves;
+}
+
+void Potential::work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const {
+    out.resize(tissue_count());
+    for (std::size_t t = 0; t < tissue_count(); ++t) {
+        const auto [first, count] = unknowns_of(t);
+        out[t] = ordered_sum(3 * count, [&](std::size_t i) { return -force[3 * first + i] * direction[3 * first + i]; });
+    }
 }
 
 void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix& a) {
@@ -253,15 +247,10 @@ void Potential::assemble(const std::vector<double>& x, bool project, BlockMatrix
     const double f = form_->velocity_factor;
     const double factor = form_->mass_factor + (f > 0 ? inputs_->mass_damping * f : 0);
     if (factor > 0) tissues_.mass().add_to(a, factor);
-    if (inputs_->stiffness_damping > 0 && f > 0)
-        parallel_for(pattern_->block_count(), 2048, [&](std::size_t index) {
-            double* out = a.block(index);
-            const double* k = damping_->block(index);
-            for (int i = 0; i < 9; ++i) out[i] += inputs_->stiffness_damping * f * k[i];
-        });
 }
 
 void Potential::describe(const std::vector<double>& x, StepRecord& record) {
+    tissues_.set_damping(0, {}); // nothing of it is stored
     record.energy = tissues_.evaluate(x) + springs_->stored_energy(x);
     record.max_stretch = springs_->longest(x);
     tissues_.count_inverted(&x, record.min_j, record.inverted);

@@ -42,12 +42,28 @@ class Potential {
     void accelerations(const State& before, std::vector<double>& out);
 
     const std::vector<int>& vertex_of_unknown() const { return system_.vertex_of_unknown; }
+    std::size_t tissue_count() const { return system_.tissues.size(); }
+    struct Range {
+        std::size_t first, count;
+    };
+    Range unknowns_of(std::size_t tissue) const { return {system_.tissues[tissue].first_unknown, system_.tissues[tissue].unknown_count}; }
+    Range vertices_of(std::size_t tissue) const {
+        const int body = system_.tissues[tissue].body;
+        return {static_cast<std::size_t>(scene_.first_vertex(body)), scene_.vertex_count(body)};
+    }
+    /// Per vertex its unknown; -1 where it is held.
+    const std::vector<int>& unknown_of_vertex() const { return system_.unknown; }
+    /// Sum over the tets at each vertex of their share of modulus x volume [J].
+    const std::vector<double>& vertex_stiffness() const { return tissues_.vertex_stiffness(); }
     std::size_t unknown_count() const { return scene_.system().vertex_of_unknown.size(); }
     const BlockPattern& pattern() const { return *pattern_; }
     UnknownPlaces places() const; ///< of the unknowns at rest
 
-    /// Where every vertex would be if only inertia and gravity acted; `x` for a step without inertia.
-    void free_flight(const std::vector<double>& x, std::vector<double>& out) const;
+    /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each tissue's
+    /// gain by going there, were it not elastic [J]. False, with nothing set, for a step without inertia, or if that is nowhere.
+    bool free_flight(const std::vector<double>& x, std::vector<double>& direction, std::vector<double>& gain) const;
+    /// Work of a force, 3 an unknown, against a direction, for each tissue.
+    void work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const;
     /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `forces`, one a tissue.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each tissue by its own: a stiff one does not excuse a soft one.
@@ -81,8 +97,7 @@ class Potential {
     const ImplicitForm* form_ = nullptr;
     std::vector<double> x_before_;
     std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none
-    std::unique_ptr<BlockMatrix> damping_; ///< projected elastic Hessian at the start of the step
-    std::vector<double> spring_gradient_, velocity_, damping_force_;
+    std::vector<double> spring_gradient_, velocity_;
     std::vector<double> offset_, inertia_, drag_; ///< x - target, M times it, M times the velocity, 3 an unknown
     std::vector<double> of_body_; ///< sums over springs, per body
 };
