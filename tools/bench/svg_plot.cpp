@@ -11,7 +11,7 @@ namespace sinew::bench {
 
 namespace {
 
-constexpr double width = 820, height = 500, left = 84, right = 230, top = 46, bottom = 62;
+constexpr double width = 840, height = 500, left = 84, right = 250, top = 46, bottom = 62;
 // Colours that stay apart for colour-blind readers (Okabe and Ito), then again with hollow markers.
 constexpr const char* colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444"};
 
@@ -163,6 +163,13 @@ std::string draw(const Plot& plot) {
         out << "</g>\n";
         legend_line(style, "slope " + tick_label(slope));
     }
+    for (const auto& [height_at, name] : plot.levels) {
+        const std::string style = "stroke=\"#aa3333\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"";
+        out << "<g clip-path=\"url(#inside)\">";
+        polyline(out, {{x.from, y.at(height_at)}, {x.to, y.at(height_at)}}, style);
+        out << "</g>\n";
+        legend_line(style, name);
+    }
     if (plot.pareto && !all.empty()) {
         std::vector<std::pair<double, double>> line;
         for (const std::size_t i : pareto_front(all)) line.emplace_back(x.at(all[i].x), y.at(all[i].y));
@@ -179,8 +186,12 @@ std::string draw(const Plot& plot) {
             if (drawable(p)) line.emplace_back(x.at(p.x), y.at(p.y));
         const std::string style = std::string("stroke=\"") + colour + "\" stroke-width=\"1.6\"";
         if (plot.series[s].line && line.size() > 1) polyline(out, line, style);
-        for (const PlotPoint& p : plot.series[s].points)
-            if (drawable(p)) marker(out, s, colour, hollow, x.at(p.x), y.at(p.y), p.label);
+        for (const PlotPoint& p : plot.series[s].points) {
+            if (!drawable(p)) continue;
+            marker(out, s, colour, hollow, x.at(p.x), y.at(p.y), p.label);
+            const bool near_edge = x.at(p.x) > x.to - 40;
+            if (!p.note.empty()) text(out, x.at(p.x) + (near_edge ? -7 : 7), y.at(p.y) - 6, near_edge ? "end" : "start", p.note, 10);
+        }
         if (plot.series[s].line) polyline(out, {{legend_x, legend}, {legend_x + 26, legend}}, style);
         marker(out, s, colour, hollow, legend_x + 13, legend, "");
         text(out, legend_x + 34, legend + 4, "start", plot.series[s].name);
