@@ -159,6 +159,7 @@ TEST_CASE("sinew bench scene runs a graph under each linear solver, to the same 
         CHECK(row["ms_per_frame"].get<double>() > 0);
         CHECK(row["newton_per_frame"].get<double>() >= 1);
         CHECK(row["unconverged"] == 0);
+        CHECK(row["difference_unit"] == "scene units");
         // In centimetres: what other roundings and inexact directions leave within the tolerance.
         CHECK(row["difference"].get<double>() < 1e-4);
         CHECK((row["difference"].get<double>() > 0) == (solvers.back() != "Plain"));

@@ -58,10 +58,10 @@ std::string as_csv(const nlohmann::ordered_json& rows) {
     for (const nlohmann::ordered_json& row : rows) {
         std::string names, cells;
         for (const auto& [key, value] : row.items()) {
-            names += (names.empty() ? "" : ",") + key;
+            const std::string comma = names.empty() ? "" : ",";
             const bool unknown = value.is_number_float() && !std::isfinite(value.get<double>());
-            cells += (&value == &*row.begin() ? "" : ",") +
-                     (unknown ? std::string() : value.is_string() ? "\"" + value.get<std::string>() + "\"" : value.dump());
+            names += comma + key;
+            cells += comma + (unknown ? std::string() : value.is_string() ? "\"" + value.get<std::string>() + "\"" : value.dump());
         }
         if (out.empty()) out = names + "\n";
         out += cells + "\n";

@@ -69,8 +69,8 @@ struct ExactInTime {
     std::string source;
 };
 
-/// Finds it once for each law, element and mesh. Other codes' trajectories where there are any; for the other laws of the law
-/// sweep a run of its own, so fine that its error is below a hundredth of what it measures (second order).
+/// Other codes' trajectories where there are any. For the other laws, which only the law sweep has, on one mesh and with one
+/// integrator of second order, a run of the law's own, once: so fine that its error is below a hundredth of what it measures.
 class TimeReferences {
   public:
     explicit TimeReferences(const RunOptions& options) : options_(options) {}
