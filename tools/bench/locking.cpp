@@ -155,12 +155,12 @@ std::vector<LockingPoint> modest_ones(std::vector<LockingPoint> points) {
 }
 
 Table locking_table(const std::vector<LockingPoint>& points) {
-    Table t{{"problem", "element", "mesh", "tets", "displacement [m]", "converged [m]", "error [%]", "within 10 %", "time [ms] (median)", "runs", "spread [ms]",
+    Table t{{"problem", "element", "mesh", "tets", "displacement [m]", "converged [m]", "error [%]", "within 10 %", "time [s] (median)", "runs", "spread [s]",
              "Newton", "CG", "front"}, {}};
     for (const LockingPoint& p : points)
         t.rows.push_back({p.problem, p.element, p.mesh, std::to_string(p.tets), number(p.value, 6),
                           number(p.converged, 6) + " ± " + number(p.converged_error, 1), number(100 * p.error, 3),
-                          p.error <= promised_error ? "yes" : "no", number(1000 * p.timing.seconds, 3), std::to_string(p.timing.repeats), spread_of(p.timing, 1000),
+                          p.error <= promised_error ? "yes" : "no", number(p.timing.seconds, 3), std::to_string(p.timing.repeats), spread_of(p.timing),
                           std::to_string(p.newton), std::to_string(p.linear_iterations),
                           p.unconverged ? "not converged" : p.on_front ? "yes" : ""});
     return t;

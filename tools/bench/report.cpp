@@ -141,7 +141,7 @@ std::string report_page(const Report& report, const std::string& images) {
            "cantilever, nu 0.4, with volumeConservation of 1000 E against the incompressible body of the same shear modulus (quadratic tets "
            "at nu 0.4999 on two meshes, extrapolated; ± is how far the finer one is from that), and without it against another code; there "
            "linear tets bend too little even where nothing is incompressible. The meshes of at most " << modest_tets << " tets:\n\n"
-        << as_markdown(without(locking_table(modest_ones(report.locking)), {"runs", "spread [ms]", "CG", "front"}));
+        << as_markdown(without(locking_table(modest_ones(report.locking)), {"runs", "spread [s]", "CG", "front"}));
     for (const NamedPlot& p : locking_plots(report.locking)) picture(p.name, p.plot.title);
     out << "\n<details><summary>All meshes</summary>\n\n" << as_markdown(locking_table(report.locking)) << "\n</details>\n";
 

@@ -45,7 +45,8 @@ struct Axis {
         if (values.empty()) values = {1, 10};
         const auto [least, most] = std::minmax_element(values.begin(), values.end());
         low = std::log10(*least), high = std::log10(*most);
-        const double room = std::max(0.06 * (high - low), 0.08);
+        // At least 0.8 decades, so that there is more than one tick.
+        const double room = std::max({0.06 * (high - low), 0.08, 0.5 * (0.8 - (high - low))});
         low -= room, high += room;
     }
     /// 1, 2 and 5 of each decade where there are few decades, else the powers of ten.
@@ -189,8 +190,10 @@ std::string draw(const Plot& plot) {
         for (const PlotPoint& p : plot.series[s].points) {
             if (!drawable(p)) continue;
             marker(out, s, colour, hollow, x.at(p.x), y.at(p.y), p.label);
-            const bool near_edge = x.at(p.x) > x.to - 40;
-            if (!p.note.empty()) text(out, x.at(p.x) + (near_edge ? -7 : 7), y.at(p.y) - 6, near_edge ? "end" : "start", p.note, 10);
+            if (p.note.empty()) continue;
+            // To the right and above, where lines that fall do not pass; at the right edge to the left and below.
+            const bool at_edge = x.at(p.x) > x.to - 40;
+            text(out, x.at(p.x) + (at_edge ? -7 : 7), y.at(p.y) + (at_edge ? 13 : -6), at_edge ? "end" : "start", p.note, 10);
         }
         if (plot.series[s].line) polyline(out, {{legend_x, legend}, {legend_x + 26, legend}}, style);
         marker(out, s, colour, hollow, legend_x + 13, legend, "");

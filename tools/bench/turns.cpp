@@ -27,8 +27,6 @@ Timing summary_of(const std::vector<double>& seconds) {
     return {median(seconds), *least, *most, static_cast<int>(seconds.size())};
 }
 
-std::string spread_of(const Timing& timing, double per_second) {
-    return number(per_second * timing.least, 3) + "…" + number(per_second * timing.most, 3);
-}
+std::string spread_of(const Timing& timing) { return number(timing.least, 3) + "…" + number(timing.most, 3); }
 
 } // namespace sinew::bench

@@ -17,7 +17,7 @@ struct Timing {
     int repeats = 0;
 };
 Timing summary_of(const std::vector<double>& seconds);
-/// "0.0978…0.121", times `per_second`.
-std::string spread_of(const Timing& timing, double per_second = 1);
+/// "0.0978…0.121", in seconds.
+std::string spread_of(const Timing& timing);
 
 } // namespace sinew::bench
