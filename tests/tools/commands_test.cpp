@@ -187,8 +187,8 @@ TEST_CASE("a snapshot is made from a folder of OBJ files or from a graph", "[too
     CHECK(run_program({"snapshot", out, "--size", "12", "-o", png}).code == 2);
 }
 
-TEST_CASE("the benchmark prints one JSON line a run", "[tools]") {
-    const Said said = run_program({"bench", "cantilever", "--n", "8", "--E", "1e5,1e6", "--steps", "20"});
+TEST_CASE("the cantilever prints one JSON line a run, or a table with the same digests", "[tools]") {
+    const Said said = run_program({"bench", "cantilever", "--n", "8", "--E", "1e5,1e6", "--steps", "20", "--json"});
     REQUIRE(said.code == 0);
     const auto lines = said.lines();
     REQUIRE(lines.size() == 2);
@@ -201,6 +201,53 @@ TEST_CASE("the benchmark prints one JSON line a run", "[tools]") {
         CHECK(line.at("unconverged") == 0);
     }
     CHECK(lines[0].at("tip_y") < lines[1].at("tip_y"));
+    const Said table = run_program({"bench", "cantilever", "--n", "8", "--E", "1e5,1e6", "--steps", "20"});
+    CHECK(table.code == 0);
+    CHECK(table.out.starts_with("tets"));
+    CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 4);
+    for (const json& line : lines) CHECK(has(table.out, line.at("digest").get<std::string>()));
+}
+
+TEST_CASE("a quick cantilever is small, unless a size is given", "[tools]") {
+    const auto sizes = [](std::vector<std::string> more) {
+        std::vector<std::string> words{"bench", "cantilever", "--quick", "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        std::vector<std::pair<int, int>> out; // tets, steps
+        for (const json& line : run_program(words).lines()) out.emplace_back(line.at("tets"), line.at("steps"));
+        return out;
+    };
+    CHECK(sizes({}) == std::vector<std::pair<int, int>>{{192, 3}, {192, 3}});
+    CHECK(sizes({"--n", "4,12", "--E", "1e5", "--steps", "2"}) == std::vector<std::pair<int, int>>{{24, 2}, {648, 2}});
+    CHECK(run_program({"bench", "cantilever", "--n", "8,9"}).code == 2);
+    CHECK(run_program({"bench", "cantilever", "--n", "8", "--E", "0"}).code == 2);
+}
+
+TEST_CASE("bench says what each benchmark does, with an example, and refuses flags that it would not read", "[tools]") {
+    const std::string help = run_program({"bench", "--help"}).out;
+    for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers", "scaling", "idle-cost", "scene", "report"}) {
+        INFO(name);
+        CHECK(has(help, name + ":"));
+        CHECK(has(help, "sinew bench " + name + " "));
+    }
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
+                                                                                       {"cantilever", "--only", "E"},
+                                                                                       {"meshing", "--quick", "a.obj"},
+                                                                                       {"scaling", "--law", "StVK"},
+                                                                                       {"report", "--only", "scaling", "-o", "page.md"}}) {
+        std::vector<std::string> all{"bench"};
+        all.insert(all.end(), words.begin(), words.end());
+        const Said said = run_program(all);
+        INFO(words[0]);
+        CHECK(said.code == 2);
+        CHECK(has(said.err, "has no " + words[1]));
+        CHECK(said.out.empty());
+    }
+    for (const std::string name : {"scaling", "levers", "work-precision", "convergence", "accuracy", "idle-cost"}) {
+        const Said said = run_program({"bench", name, "--only", "no such thing"});
+        INFO(name);
+        CHECK(said.code == 2);
+        CHECK(has(said.err, "no such thing"));
+    }
 }
 
 TEST_CASE("the graphs to learn from are right and run", "[tools]") {

@@ -17,6 +17,11 @@ constexpr int frames = 24;
 
 const json& values_of(const LawName& law) { return bar_release_values()["references"][std::string(law.catalogue)]; }
 
+/// The law itself if its trajectories are known, else the one that it differs least from: it takes that one's material.
+const LawName& known_kin(const LawName& law) {
+    return bar_is_known(law) ? law : *find_law(law.law == ElasticLaw::anisotropic ? "stvk" : "nh");
+}
+
 Points points(const json& rows) {
     Points out;
     for (const json& r : rows) out.emplace_back(r[0], r[1], r[2]);
@@ -26,9 +31,10 @@ Points points(const json& rows) {
 } // namespace
 
 BarTrajectory run_bar(const BarRelease& bar, const std::stop_token& stop) {
-    const json& m = values_of(bar.law)["material"];
+    const json& m = values_of(known_kin(bar.law))["material"];
     const int across = std::max(1, bar.cells / 4);
     auto rest = make_tissue(box_mesh({0, 0, 0}, {0.4, 0.1, 0.1}, bar.cells, across, across), bar.law.law, bar.element.kind);
+    if (bar.law.law == ElasticLaw::anisotropic) rest->stiff_directions.assign(rest->tets.tets.size(), Vec3::UnitX());
     rest->fixed_vertices = vertices_where(nodes_of(*rest), [](const Vec3& p) { return p.x() < 1e-9; });
     const int tip = vertex_at(rest->tets.vertices, {0.4, 0.1, 0.1});
     StepInputs in = tight_inputs();
@@ -37,7 +43,9 @@ BarTrajectory run_bar(const BarRelease& bar, const std::stop_token& stop) {
     in.integrator = bar.integrator.integrator;
     in.linear_method = bar.linear;
     in.step_size = 1.0 / (frames * bar.substeps);
-    in.bodies = {material(m["E"], m["nu"], m["rho"])};
+    TissueInputs values = material(m["E"], m["nu"], m["rho"]);
+    values.transverse_anisotropy = bar_anisotropy;
+    in.bodies = {values};
     Simulation sim({{rest}, {}}, in, stop);
     BarTrajectory out;
     out.tip.push_back(position(sim.state.x, tip));

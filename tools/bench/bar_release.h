@@ -6,8 +6,11 @@
 
 namespace sinew::bench {
 
+/// Stiffness across the bar over that along it, in the anisotropic law; the other laws do not read it.
+inline constexpr double bar_anisotropy = 0.5;
+
 struct BarRelease {
-    LawName law = laws[0];
+    LawName law = laws[0]; ///< without known trajectories: neo-Hookean has the log law's material, anisotropic StVK's
     IntegratorName integrator = integrators[0];
     int cells = 8;    ///< along the bar of 0.4 x 0.1 x 0.1 m; a quarter of it across
     int substeps = 1; ///< of a frame of 1/24 s

@@ -4,9 +4,12 @@
 #pragma once
 #include "engine/digest.h"
 #include "solver/step.h"
+#include "tools/bench/table.h"
 
 #include <functional>
 #include <stop_token>
+#include <utility>
+#include <vector>
 
 namespace sinew::bench {
 
@@ -16,7 +19,7 @@ struct CantileverOptions {
     solver::ElasticLaw law = solver::ElasticLaw::neo_hookean;
     int steps = 20;
     solver::LinearMethod linear = solver::LinearMethod::automatic;
-    std::function<void()> at_end; ///< called after the last step, while everything is still in memory; may be empty
+    std::function<void()> at_end = {}; ///< called after the last step, while everything is still in memory; may be empty
 };
 
 struct CantileverResult {
@@ -34,5 +37,8 @@ solver::TissueRest cantilever_rest(int n, solver::ElasticLaw law);
 
 /// Runs on the calling thread's TBB arena. Throws solver::Error and solver::Stopped.
 CantileverResult run_cantilever(const CantileverOptions& options, std::stop_token stop = {});
+
+using CantileverRun = std::pair<CantileverOptions, CantileverResult>;
+Table cantilever_table(const std::vector<CantileverRun>& runs);
 
 } // namespace sinew::bench

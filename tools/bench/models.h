@@ -20,6 +20,10 @@ inline constexpr std::array laws{LawName{"StVK", "stvk", solver::ElasticLaw::stv
                                  LawName{"LogNeoHookean", "nh", solver::ElasticLaw::log_neo_hookean},
                                  LawName{"Corotational", "corot", solver::ElasticLaw::corotational}};
 
+/// With the one that needs directions and a ratio too.
+inline constexpr std::array all_laws{laws[0], laws[1], laws[2], laws[3], LawName{"Anisotropic", "tistvk", solver::ElasticLaw::anisotropic}};
+static_assert(all_laws.size() == laws.size() + 1);
+
 /// The entry whose energy the reference values call `catalogue`; nullptr if the engine has no such law.
 constexpr const LawName* find_law(std::string_view catalogue) {
     for (const LawName& l : laws)

@@ -5,6 +5,8 @@
 #include "tools/bench/cantilever.h"
 #include "tools/bench/convergence.h"
 #include "tools/bench/idle_cost.h"
+#include "tools/bench/levers.h"
+#include "tools/bench/locking.h"
 #include "tools/bench/scaling.h"
 #include "tools/bench/scene.h"
 #include "tools/bench/work_precision.h"
@@ -19,7 +21,9 @@ struct Report {
     std::vector<CaseResult> accuracy;
     std::vector<ConvergenceRow> convergence;
     std::vector<WorkPoint> work_precision;
-    std::vector<std::pair<CantileverOptions, CantileverResult>> cantilever;
+    std::vector<LockingPoint> locking;
+    std::vector<CantileverRun> cantilever;
+    std::vector<Lever> levers;
     ScalingResult scaling;
     IdleCost idle_cost;
     std::vector<SceneBench> scenes;

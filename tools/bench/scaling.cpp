@@ -63,6 +63,42 @@ double bytes_of_iteration(const TissueRest& rest) {
     return (2 * edges + rows) * block + rows * vectors;
 }
 
+/// On 1 and 2 threads.
+std::vector<MachineLimits> measure_limits(const RunOptions& options) {
+    std::vector<MachineLimits> out;
+    for (const int threads : {1, 2}) {
+        options.tell("dgemm and triad on " + std::to_string(threads) + " threads");
+        MachineLimits m;
+        m.threads = threads;
+        m.dgemm = dgemm_rate(options.quick ? 256 : 2048, threads, 5);
+        m.triad = triad_rate(threads, options.quick ? 1 << 20 : 1 << 24, 9);
+        out.push_back(m);
+    }
+    return out;
+}
+
+ScalingRow measure_cantilever(int n, const MachineLimits& limit, const RunOptions& options) {
+    CantileverOptions c;
+    c.n = n;
+    c.steps = n <= 40 ? 6 : 4; // the first is not counted; each is several Newton iterations
+    ScalingRow row;
+    row.n = n, row.threads = limit.threads, row.steps = c.steps;
+    options.tell("cantilever of " + std::to_string(3 * n * n * n / 8) + " tets, " + std::to_string(limit.threads) + " threads");
+    const double bytes = bytes_of_iteration(cantilever_rest(n, ElasticLaw::neo_hookean));
+    const double before = resident_bytes();
+    double after = 0;
+    c.at_end = [&after] { after = resident_bytes(); };
+    CantileverResult r;
+    tbb::task_arena(limit.threads).execute([&] { r = run_cantilever(c, options.stop); });
+    row.tets = r.tets, row.vertices = r.vertices, row.unconverged = r.unconverged;
+    row.newton_ms = r.newton_ms_median, row.assembly_ms = r.assembly_ms, row.factor_ms = r.factor_ms;
+    row.solve_ms = r.solve_ms, row.other_ms = r.other_ms, row.linear_iterations = r.linear_iterations;
+    row.bytes_per_tet = std::max(0.0, after - before) / r.tets;
+    row.bandwidth_share = r.factor_ms > 0 || !(r.solve_ms > 0) ? std::numeric_limits<double>::quiet_NaN()
+                                                               : bytes * r.linear_iterations / (1e-3 * r.solve_ms) / limit.triad;
+    return row;
+}
+
 FactorRow measure_factor(int n, double dgemm) {
     const auto rest = cantilever_rest(n, ElasticLaw::neo_hookean);
     const Scene scene({{std::make_shared<const TissueRest>(rest)}, {}});
@@ -103,42 +139,17 @@ FactorRow measure_factor(int n, double dgemm) {
 
 ScalingResult run_scaling(const RunOptions& options) {
     ScalingResult out;
-    for (const int threads : {1, 2}) {
-        options.tell("dgemm and triad on " + std::to_string(threads) + " threads");
-        MachineLimits m;
-        m.threads = threads;
-        m.dgemm = dgemm_rate(options.quick ? 256 : 2048, threads, 5);
-        m.triad = triad_rate(threads, options.quick ? 1 << 20 : 1 << 24, 9);
-        out.limits.push_back(m);
-    }
-    for (const int n : options.quick ? std::vector<int>{8, 12} : std::vector<int>{16, 24, 40, 60, 80, 112}) {
-        const double bytes = bytes_of_iteration(cantilever_rest(n, ElasticLaw::neo_hookean));
-        for (const MachineLimits& limit : out.limits) {
-            CantileverOptions c;
-            c.n = n;
-            c.steps = n <= 40 ? 6 : 4; // the first is not counted; each is several Newton iterations
-            ScalingRow row;
-            row.n = n, row.threads = limit.threads, row.steps = c.steps;
-            options.tell("cantilever of " + std::to_string(3 * n * n * n / 8) + " tets, " + std::to_string(limit.threads) + " threads");
-            const double before = resident_bytes();
-            double after = 0;
-            c.at_end = [&after] { after = resident_bytes(); };
-            CantileverResult r;
-            tbb::task_arena(limit.threads).execute([&] { r = run_cantilever(c, options.stop); });
-            row.tets = r.tets, row.vertices = r.vertices, row.unconverged = r.unconverged;
-            row.newton_ms = r.newton_ms_median, row.assembly_ms = r.assembly_ms, row.factor_ms = r.factor_ms;
-            row.solve_ms = r.solve_ms, row.other_ms = r.other_ms, row.linear_iterations = r.linear_iterations;
-            row.bytes_per_tet = std::max(0.0, after - before) / r.tets;
-            row.bandwidth_share = r.factor_ms > 0 || !(r.solve_ms > 0)
-                                      ? std::numeric_limits<double>::quiet_NaN()
-                                      : bytes * r.linear_iterations / (1e-3 * r.solve_ms) / limit.triad;
-            out.rows.push_back(row);
+    const bool whole = options.wants("cantilever"), factors = options.wants("factor");
+    if (!whole && !factors) return out;
+    out.limits = measure_limits(options);
+    if (whole)
+        for (const int n : options.quick ? std::vector<int>{8, 12} : std::vector<int>{16, 24, 40, 60, 80, 112})
+            for (const MachineLimits& limit : out.limits) out.rows.push_back(measure_cantilever(n, limit, options));
+    if (factors)
+        for (const int n : options.quick ? std::vector<int>{8, 12} : std::vector<int>{16, 24, 40, 60}) {
+            options.tell("factor of " + std::to_string(3 * n * n * n / 8) + " tets");
+            out.factors.push_back(measure_factor(n, out.limits.front().dgemm));
         }
-    }
-    for (const int n : options.quick ? std::vector<int>{8, 12} : std::vector<int>{16, 24, 40, 60}) {
-        options.tell("factor of " + std::to_string(3 * n * n * n / 8) + " tets");
-        out.factors.push_back(measure_factor(n, out.limits.front().dgemm));
-    }
     return out;
 }
 

@@ -41,6 +41,7 @@ struct ScalingResult {
     std::vector<FactorRow> factors;
 };
 
+/// The options' filter picks from "cantilever" and "factor"; with neither the result has no limits either.
 /// Throws solver::Error and solver::Stopped.
 ScalingResult run_scaling(const RunOptions& options);
 

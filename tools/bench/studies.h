@@ -40,6 +40,16 @@ struct LevelValues {
 
 /// Small-strain, gravity and twisted beams, Cook's panel, free vibration; every law that has reference values.
 std::vector<MeshStudy> mesh_studies();
+/// Cook's panel in the log neo-Hookean law at this Poisson's ratio: ux and uy of its upper corner.
+MeshStudy cook_study(const std::string& poissons_ratio, solver::ElementKind element);
+inline constexpr double cook_modulus = 1e5, gravity_modulus = 1e6; ///< Young's, of the catalogue [Pa]
+/// How far the upper corner of Cook's panel moves under its load [m].
+solver::Vec3 cook_corner(const MeshLevel& mesh, solver::ElasticLaw law, solver::ElementKind element,
+                         solver::TissueInputs values, const std::stop_token& stop, Work& work);
+/// How far the middle of the free end of the gravity cantilever (0.8 x 0.1 x 0.1 m, held at x = 0) moves [m].
+solver::Vec3 gravity_tip(const MeshLevel& mesh, solver::ElasticLaw law, solver::ElementKind element,
+                         const solver::TissueInputs& values, const std::stop_token& stop, Work& work);
+
 /// What ran already, by name and setting.
 struct StudyMemory {
     std::map<std::string, std::vector<LevelValues>> levels;

@@ -11,7 +11,7 @@ namespace sinew::bench {
 
 namespace {
 
-constexpr double width = 820, height = 500, left = 84, right = 230, top = 46, bottom = 62;
+constexpr double width = 840, height = 500, left = 84, right = 250, top = 46, bottom = 62;
 // Colours that stay apart for colour-blind readers (Okabe and Ito), then again with hollow markers.
 constexpr const char* colours[] = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#444444"};
 
@@ -45,7 +45,8 @@ struct Axis {
         if (values.empty()) values = {1, 10};
         const auto [least, most] = std::minmax_element(values.begin(), values.end());
         low = std::log10(*least), high = std::log10(*most);
-        const double room = std::max(0.06 * (high - low), 0.08);
+        // At least 0.8 decades, so that there is more than one tick.
+        const double room = std::max({0.06 * (high - low), 0.08, 0.5 * (0.8 - (high - low))});
         low -= room, high += room;
     }
     /// 1, 2 and 5 of each decade where there are few decades, else the powers of ten.
@@ -163,6 +164,13 @@ std::string draw(const Plot& plot) {
         out << "</g>\n";
         legend_line(style, "slope " + tick_label(slope));
     }
+    for (const auto& [height_at, name] : plot.levels) {
+        const std::string style = "stroke=\"#aa3333\" stroke-width=\"1.2\" stroke-dasharray=\"6 4\"";
+        out << "<g clip-path=\"url(#inside)\">";
+        polyline(out, {{x.from, y.at(height_at)}, {x.to, y.at(height_at)}}, style);
+        out << "</g>\n";
+        legend_line(style, name);
+    }
     if (plot.pareto && !all.empty()) {
         std::vector<std::pair<double, double>> line;
         for (const std::size_t i : pareto_front(all)) line.emplace_back(x.at(all[i].x), y.at(all[i].y));
@@ -179,8 +187,14 @@ std::string draw(const Plot& plot) {
             if (drawable(p)) line.emplace_back(x.at(p.x), y.at(p.y));
         const std::string style = std::string("stroke=\"") + colour + "\" stroke-width=\"1.6\"";
         if (plot.series[s].line && line.size() > 1) polyline(out, line, style);
-        for (const PlotPoint& p : plot.series[s].points)
-            if (drawable(p)) marker(out, s, colour, hollow, x.at(p.x), y.at(p.y), p.label);
+        for (const PlotPoint& p : plot.series[s].points) {
+            if (!drawable(p)) continue;
+            marker(out, s, colour, hollow, x.at(p.x), y.at(p.y), p.label);
+            if (p.note.empty()) continue;
+            // To the right and above, where lines that fall do not pass; at the right edge to the left and below.
+            const bool at_edge = x.at(p.x) > x.to - 40;
+            text(out, x.at(p.x) + (at_edge ? -7 : 7), y.at(p.y) + (at_edge ? 13 : -6), at_edge ? "end" : "start", p.note, 10);
+        }
         if (plot.series[s].line) polyline(out, {{legend_x, legend}, {legend_x + 26, legend}}, style);
         marker(out, s, colour, hollow, legend_x + 13, legend, "");
         text(out, legend_x + 34, legend + 4, "start", plot.series[s].name);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sinew::bench {
@@ -9,6 +10,7 @@ namespace sinew::bench {
 struct PlotPoint {
     double x = 0, y = 0; ///< above 0; others are left out
     std::string label;   ///< shown on hovering
+    std::string note = ""; ///< small, beside the point; may be empty
 };
 
 struct PlotSeries {
@@ -23,6 +25,12 @@ struct Plot {
     bool pareto = false; ///< draw the line of the points that no other beats in both x and y
     /// Grey guide lines of these slopes through the middle of the data.
     std::vector<double> slopes;
+    std::vector<std::pair<double, std::string>> levels = {}; ///< dashed lines across at these y, with their names
+};
+
+struct NamedPlot {
+    std::string name; ///< of the file, without ending
+    Plot plot;
 };
 
 /// Numbers of the points that no other beats: no other is as small in both and smaller in one. By rising x.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 namespace sinew::bench {
 
@@ -49,6 +50,22 @@ std::string as_markdown(const Table& table) {
     line(table.columns);
     line(std::vector<std::string>(table.columns.size(), "---"));
     for (const auto& row : table.rows) line(row);
+    return out;
+}
+
+std::string as_csv(const nlohmann::ordered_json& rows) {
+    std::string out;
+    for (const nlohmann::ordered_json& row : rows) {
+        std::string names, cells;
+        for (const auto& [key, value] : row.items()) {
+            const std::string comma = names.empty() ? "" : ",";
+            const bool unknown = value.is_number_float() && !std::isfinite(value.get<double>());
+            names += comma + key;
+            cells += comma + (unknown ? std::string() : value.is_string() ? "\"" + value.get<std::string>() + "\"" : value.dump());
+        }
+        if (out.empty()) out = names + "\n";
+        out += cells + "\n";
+    }
     return out;
 }
 

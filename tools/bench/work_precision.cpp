@@ -15,12 +15,14 @@ namespace {
 using solver::Points;
 
 constexpr double base_tolerance = 1e-6; // of the solver, which tolerance_factor multiplies
-constexpr double longest_repeated = 5;  // seconds; what takes longer is measured once, and says so
+constexpr int fine_factor = 16;         // sub-steps of a law's own reference over the most that are measured
 
 struct Plan {
     std::string sweep, setting;
     BarRelease bar;
 };
+
+int most_law_substeps(bool quick) { return quick ? 1 : 8; }
 
 /// What is run, cheapest choices first within a sweep.
 std::vector<Plan> plans(bool quick) {
@@ -42,10 +44,9 @@ std::vector<Plan> plans(bool quick) {
             bar.element = element;
             add("tet size", number(400.0 / cells) + " mm " + std::string(element.word), bar);
         }
-    for (const LawName& other : laws)
-        if (bar_is_known(other))
-            for (int substeps = 1; substeps <= (quick ? 1 : 8); substeps *= 2)
-                add("law", std::string(other.word) + " x" + std::to_string(substeps), {other, best, 8, substeps, 1});
+    for (const LawName& other : all_laws)
+        for (int substeps = 1; substeps <= most_law_substeps(quick); substeps *= 2)
+            add("law", std::string(other.word) + " x" + std::to_string(substeps), {other, best, 8, substeps, 1});
     for (const LinearMethodName& method : linear_methods)
         for (const int cells : {8, 16})
             if (!quick || cells == 8) {
@@ -62,7 +63,35 @@ std::string_view word_of(solver::LinearMethod method) {
     return "?";
 }
 
-WorkPoint describe(const Plan& plan, const BarTrajectory& run) {
+/// What is exact in time on a mesh, and where it is from.
+struct ExactInTime {
+    Points tip;
+    std::string source;
+};
+
+/// Other codes' trajectories where there are any. For the other laws, which only the law sweep has, on one mesh and with one
+/// integrator of second order, a run of the law's own, once: so fine that its error is below a hundredth of what it measures.
+class TimeReferences {
+  public:
+    explicit TimeReferences(const RunOptions& options) : options_(options) {}
+    ExactInTime operator()(const BarRelease& bar) {
+        if (bar_is_known(bar.law))
+            return bar.element.kind == solver::ElementKind::linear ? ExactInTime{bar_on_mesh(bar.law, bar.cells), "other code"} : ExactInTime{};
+        auto& own = own_[std::string(bar.law.word)];
+        if (own.tip.empty()) {
+            const int substeps = fine_factor * most_law_substeps(options_.quick);
+            options_.tell("work-precision, " + std::string(bar.law.word) + " with " + std::to_string(substeps) + " sub-steps, the reference");
+            own = {run_bar({bar.law, bar.integrator, bar.cells, substeps}, options_.stop).tip, "own, " + std::to_string(substeps) + " sub-steps"};
+        }
+        return own;
+    }
+
+  private:
+    const RunOptions& options_;
+    std::map<std::string, ExactInTime> own_;
+};
+
+WorkPoint describe(const Plan& plan, const BarTrajectory& run, TimeReferences& references) {
     WorkPoint p;
     p.sweep = plan.sweep, p.setting = plan.setting;
     p.law = plan.bar.law.word, p.element = plan.bar.element.word, p.integrator = plan.bar.integrator.word;
@@ -70,9 +99,9 @@ WorkPoint describe(const Plan& plan, const BarTrajectory& run) {
     p.cells = plan.bar.cells, p.substeps = plan.bar.substeps;
     p.tolerance = base_tolerance * plan.bar.tolerance_factor;
     p.newton = run.work.newton, p.unconverged = run.work.unconverged, p.linear_iterations = run.work.linear_iterations;
-    const Points exact = plan.bar.element.kind == solver::ElementKind::linear ? bar_on_mesh(plan.bar.law, plan.bar.cells) : Points{};
-    if (!exact.empty()) p.error_time = rms_distance(run.tip, exact);
-    p.error_total = rms_distance(run.tip, bar_continuum(plan.bar.law));
+    if (const ExactInTime exact = references(plan.bar); !exact.tip.empty())
+        p.error_time = rms_distance(run.tip, exact.tip), p.exact_in_time = exact.source;
+    if (bar_is_known(plan.bar.law)) p.error_total = rms_distance(run.tip, bar_continuum(plan.bar.law));
     return p;
 }
 
@@ -82,7 +111,7 @@ void mark_front(std::vector<WorkPoint>& points) {
     for (std::size_t i = 0; i < points.size(); ++i) by_law[points[i].law].push_back(i);
     for (const auto& [law, members] : by_law) {
         std::vector<PlotPoint> plotted;
-        for (const std::size_t i : members) plotted.push_back({points[i].seconds, points[i].error_total, ""});
+        for (const std::size_t i : members) plotted.push_back({points[i].timing.seconds, points[i].error_total, ""});
         for (const std::size_t k : pareto_front(plotted)) points[members[k]].on_front = true;
     }
 }
@@ -93,25 +122,18 @@ std::vector<WorkPoint> run_work_precision(const RunOptions& options) {
     std::vector<Plan> wanted;
     for (Plan& plan : plans(options.quick))
         if (options.wants(plan.sweep)) wanted.push_back(std::move(plan));
-    // All plans once, then all again: what disturbs the machine for a while does not fall on one of them alone.
-    const int repeats = options.quick ? 1 : 5;
+    const int turns = options.quick ? 1 : 5;
+    TimeReferences references(options);
     std::vector<WorkPoint> points;
-    std::vector<std::vector<double>> seconds(wanted.size());
-    for (int repeat = 0; repeat < repeats; ++repeat)
-        for (std::size_t i = 0; i < wanted.size(); ++i) {
-            const BarRelease& bar = wanted[i].bar;
-            if (repeat > 0 && seconds[i].front() > longest_repeated) continue;
-            options.tell("work-precision, " + wanted[i].sweep + ", " + wanted[i].setting + ", " + std::string(bar.integrator.word) + ", run " +
-                         std::to_string(repeat + 1) + " of " + std::to_string(repeats));
-            const BarTrajectory run = run_bar(bar, options.stop);
-            if (repeat == 0) points.push_back(describe(wanted[i], run));
-            seconds[i].push_back(run.work.seconds);
-        }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const auto [least, most] = std::minmax_element(seconds[i].begin(), seconds[i].end());
-        points[i].seconds = median(seconds[i]), points[i].seconds_least = *least, points[i].seconds_most = *most;
-        points[i].repeats = static_cast<int>(seconds[i].size());
-    }
+    const auto seconds = in_turns(wanted.size(), turns, [&](std::size_t i, int turn) {
+        const BarRelease& bar = wanted[i].bar;
+        options.tell("work-precision, " + wanted[i].sweep + ", " + wanted[i].setting + ", " + std::string(bar.integrator.word) + ", run " +
+                     std::to_string(turn + 1) + " of " + std::to_string(turns));
+        const BarTrajectory run = run_bar(bar, options.stop);
+        if (turn == 0) points.push_back(describe(wanted[i], run, references));
+        return run.work.seconds;
+    });
+    for (std::size_t i = 0; i < points.size(); ++i) points[i].timing = summary_of(seconds[i]);
     mark_front(points);
     return points;
 }
@@ -119,12 +141,12 @@ std::vector<WorkPoint> run_work_precision(const RunOptions& options) {
 Table work_precision_table(const std::vector<WorkPoint>& points) {
     Table t;
     t.columns = {"sweep", "setting", "law", "element", "integrator", "cells", "sub-steps", "Newton tol.", "linear solver",
-                 "s per s (median)", "runs", "spread", "Newton", "CG", "error in time [mm]", "total error [mm]", "front"};
+                 "s per s (median)", "runs", "spread", "Newton", "CG", "error in time [mm]", "against", "total error [mm]", "front"};
     for (const WorkPoint& p : points)
         t.rows.push_back({p.sweep, p.setting, p.law, p.element, p.integrator, std::to_string(p.cells), std::to_string(p.substeps),
-                          number(p.tolerance, 1), p.linear_solver, number(p.seconds, 3), std::to_string(p.repeats),
-                          number(p.seconds_least, 3) + "…" + number(p.seconds_most, 3), std::to_string(p.newton),
-                          std::to_string(p.linear_iterations), number(1000 * p.error_time, 3), number(1000 * p.error_total, 3),
+                          number(p.tolerance, 1), p.linear_solver, number(p.timing.seconds, 3), std::to_string(p.timing.repeats),
+                          spread_of(p.timing), std::to_string(p.newton), std::to_string(p.linear_iterations),
+                          number(1000 * p.error_time, 3), p.exact_in_time, number(1000 * p.error_total, 3),
                           p.unconverged ? "not converged" : p.on_front ? "yes" : ""});
     return t;
 }
@@ -134,27 +156,11 @@ nlohmann::ordered_json work_precision_json(const std::vector<WorkPoint>& points)
     for (const WorkPoint& p : points)
         rows.push_back({{"sweep", p.sweep}, {"setting", p.setting}, {"law", p.law}, {"element", p.element},
                         {"integrator", p.integrator}, {"linear_solver", p.linear_solver}, {"cells", p.cells},
-                        {"substeps", p.substeps}, {"newton_tolerance", p.tolerance}, {"seconds_median", p.seconds},
-                        {"seconds_least", p.seconds_least}, {"seconds_most", p.seconds_most}, {"repeats", p.repeats},
+                        {"substeps", p.substeps}, {"newton_tolerance", p.tolerance}, {"seconds_median", p.timing.seconds},
+                        {"seconds_least", p.timing.least}, {"seconds_most", p.timing.most}, {"repeats", p.timing.repeats},
                         {"newton", p.newton}, {"linear_iterations", p.linear_iterations}, {"unconverged", p.unconverged},
-                        {"error_time_m", p.error_time}, {"error_total_m", p.error_total}, {"on_front", p.on_front}});
+                        {"error_time_m", p.error_time}, {"exact_in_time", p.exact_in_time}, {"error_total_m", p.error_total}, {"on_front", p.on_front}});
     return rows;
-}
-
-std::string work_precision_csv(const std::vector<WorkPoint>& points) {
-    std::string out;
-    for (const nlohmann::ordered_json& row : work_precision_json(points)) {
-        std::string names, cells;
-        for (const auto& [key, value] : row.items()) {
-            names += (names.empty() ? "" : ",") + key;
-            // Words with commas stand in quotes; a number that is not known stays empty.
-            const bool unknown = value.is_number_float() && !std::isfinite(value.get<double>());
-            cells += (cells.empty() ? "" : ",") + (unknown ? std::string() : value.is_string() ? "\"" + value.get<std::string>() + "\"" : value.dump());
-        }
-        if (out.empty()) out = names + "\n";
-        out += cells + "\n";
-    }
-    return out;
 }
 
 std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points) {
@@ -170,8 +176,8 @@ std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points
             if (series.empty()) continue;
             auto it = std::find_if(p.series.begin(), p.series.end(), [&](const PlotSeries& s) { return s.name == series; });
             if (it == p.series.end()) it = p.series.insert(p.series.end(), {series, {}, true});
-            it->points.push_back({w.seconds, in_time ? w.error_time : w.error_total,
-                                  w.setting + ": " + number(w.seconds, 3) + " s, " + number(1000 * (in_time ? w.error_time : w.error_total), 3) + " mm"});
+            it->points.push_back({w.timing.seconds, in_time ? w.error_time : w.error_total,
+                                  w.setting + ": " + number(w.timing.seconds, 3) + " s, " + number(1000 * (in_time ? w.error_time : w.error_total), 3) + " mm"});
         }
         if (!p.series.empty()) out.push_back({name, std::move(p)});
     };

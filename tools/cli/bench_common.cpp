@@ -27,14 +27,16 @@ nlohmann::ordered_json provenance(const std::string& name) {
 }
 
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
-                  const nlohmann::ordered_json& rows, const std::string& summary) {
+                  const nlohmann::ordered_json& rows, const std::string& summary, const nlohmann::ordered_json* extra) {
     if (in.arguments.has("--json")) {
         nlohmann::ordered_json line = provenance(name);
         line["summary"] = summary;
         line["rows"] = rows;
+        if (extra) line.update(*extra);
         in.out << line.dump() << std::endl;
     } else {
-        in.out << bench::as_text(table) << summary << std::endl;
+        if (!table.rows.empty()) in.out << bench::as_text(table);
+        in.out << summary << std::endl;
     }
 }
 

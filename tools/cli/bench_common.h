@@ -18,9 +18,10 @@ int thread_count(const Invocation& in);
 nlohmann::ordered_json provenance(const std::string& name);
 /// A graph file under each linear solver; --steps frames of it.
 bench::SceneBench measure_scene(const Invocation& in, const std::string& file);
-/// With --json one line that holds provenance, `extra` and the rows; else the table and the summary.
+/// With --json one line that holds provenance, the summary, the rows and the members of `extra`; else the table, if it has
+/// rows, and the summary.
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
-                  const nlohmann::ordered_json& rows, const std::string& summary);
+                  const nlohmann::ordered_json& rows, const std::string& summary, const nlohmann::ordered_json* extra = nullptr);
 
 // One function a subcommand.
 ExitCode bench_cantilever(const Invocation& in);
@@ -29,6 +30,7 @@ ExitCode bench_accuracy(const Invocation& in);
 ExitCode bench_convergence(const Invocation& in);
 ExitCode bench_work_precision(const Invocation& in);
 ExitCode bench_scaling(const Invocation& in);
+ExitCode bench_levers(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
 ExitCode bench_scene(const Invocation& in);
 ExitCode bench_report(const Invocation& in);

@@ -1,6 +1,7 @@
-// `sinew bench scaling` and `sinew bench idle-cost`.
+// `sinew bench scaling`, `sinew bench levers` and `sinew bench idle-cost`.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/idle_cost.h"
+#include "tools/bench/levers.h"
 #include "tools/bench/scaling.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/bench_common.h"
@@ -12,13 +13,27 @@
 namespace sinew::cli {
 
 ExitCode bench_scaling(const Invocation& in) {
-    const bench::ScalingResult r = bench::run_scaling(run_options(in));
-    if (!in.arguments.has("--json"))
-        in.out << bench::as_text(bench::limits_table(r)) << "\n" << bench::as_text(bench::factor_table(r)) << "\n";
+    const bench::RunOptions options = run_options(in);
+    const bench::ScalingResult r = bench::run_scaling(options);
+    if (r.limits.empty())
+        throw UsageError("--only: scaling has no part with '" + options.filter + "' in its name; its parts are cantilever and factor.");
+    if (!in.arguments.has("--json")) {
+        in.out << bench::as_text(bench::limits_table(r)) << "\n";
+        if (!r.factors.empty()) in.out << bench::as_text(bench::factor_table(r)) << "\n";
+    }
     print_result(in, "scaling", bench::scaling_table(r), bench::scaling_json(r),
-                 "memory per tet is the growth of the resident set while the scene is simulated");
+                 r.rows.empty() ? "medians of 5" : "memory per tet is the growth of the resident set while the scene is simulated");
     if (const auto folder = in.arguments.value("--output"))
         write_file(std::filesystem::path(*folder) / "scaling.svg", bench::draw(bench::scaling_plot(r)));
+    return done;
+}
+
+ExitCode bench_levers(const Invocation& in) {
+    const bench::RunOptions options = run_options(in);
+    const auto levers = bench::run_levers(options);
+    if (levers.empty()) throw UsageError("--only: there is no lever with '" + options.filter + "' in its name.");
+    print_result(in, "levers", bench::levers_table(levers), bench::levers_json(levers),
+                 std::to_string(levers.size()) + " levers; built for " + bench::vector_instructions());
     return done;
 }
 

@@ -1,6 +1,7 @@
 // `sinew bench convergence` and `sinew bench work-precision`.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/convergence.h"
+#include "tools/bench/locking.h"
 #include "tools/bench/work_precision.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/bench_common.h"
@@ -27,15 +28,24 @@ ExitCode bench_convergence(const Invocation& in) {
 ExitCode bench_work_precision(const Invocation& in) {
     const bench::RunOptions options = run_options(in);
     const auto points = bench::run_work_precision(options);
-    if (points.empty())
-        throw UsageError("--only: there is no sweep with '" + options.filter + "' in its name.");
+    const auto locking = bench::run_locking(options);
+    if (points.empty() && locking.empty())
+        throw UsageError("--only: there is no sweep and no problem with '" + options.filter + "' in its name.");
+    if (!in.arguments.has("--json") && !locking.empty()) in.out << bench::as_text(bench::locking_table(locking)) << "\n";
+    const nlohmann::ordered_json extra = {{"locking", bench::locking_json(locking)}};
     print_result(in, "work-precision", bench::work_precision_table(points), bench::work_precision_json(points),
-                 std::to_string(points.size()) + " runs");
+                 std::to_string(points.size()) + " runs of the released bar, " + std::to_string(locking.size()) + " of nearly incompressible bodies",
+                 &extra);
     if (const auto folder = in.arguments.value("--output")) {
         const std::filesystem::path path = *folder;
-        write_file(path / "work_precision.csv", bench::work_precision_csv(points));
-        write_file(path / "work_precision.json", bench::work_precision_json(points).dump(1) + "\n");
-        for (const bench::NamedPlot& p : bench::work_precision_plots(points)) write_file(path / (p.name + ".svg"), bench::draw(p.plot));
+        const auto write = [&](const std::string& name, const nlohmann::ordered_json& rows, const std::vector<bench::NamedPlot>& plots) {
+            if (rows.empty()) return;
+            write_file(path / (name + ".csv"), bench::as_csv(rows));
+            write_file(path / (name + ".json"), rows.dump(1) + "\n");
+            for (const bench::NamedPlot& p : plots) write_file(path / (p.name + ".svg"), bench::draw(p.plot));
+        };
+        write("work_precision", bench::work_precision_json(points), bench::work_precision_plots(points));
+        write("work_precision_locking", bench::locking_json(locking), bench::locking_plots(locking));
     }
     return done;
 }

@@ -16,7 +16,6 @@ ExitCode bench_report(const Invocation& in) {
     if (!output) throw UsageError("report needs --output PAGE.md.");
     const std::filesystem::path page = *output;
     if (page.extension() != ".md") throw UsageError("--output of report needs a file that ends in .md, not '" + *output + "'.");
-    if (in.arguments.has("--only")) throw UsageError("report has all benchmarks on its page; --only is for a single one.");
     const double load = load_average();
     bench::Report report = bench::run_all(run_options(in));
     for (const std::string& file : in.arguments.operands_from(1)) report.scenes.push_back(measure_scene(in, file));
@@ -30,6 +29,8 @@ ExitCode bench_report(const Invocation& in) {
         line["accuracy"] = bench::accuracy_json(report.accuracy);
         line["convergence"] = bench::convergence_json(report.convergence);
         line["work_precision"] = bench::work_precision_json(report.work_precision);
+        line["locking"] = bench::locking_json(report.locking);
+        line["levers"] = bench::levers_json(report.levers);
         line["scaling"] = bench::scaling_json(report.scaling);
         line["idle_cost"] = bench::idle_cost_json(report.idle_cost);
         for (const bench::SceneBench& s : report.scenes) line["scenes"].push_back(bench::scene_json(s));
