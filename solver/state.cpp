@@ -11,7 +11,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 4\n";
+constexpr std::string_view magic = "sinew state 5\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -55,22 +55,67 @@ class Reader {
     std::span<const std::byte> in_;
 };
 
+void put_points(Writer& w, const Points& points) {
+    w.put(static_cast<std::uint64_t>(points.size()));
+    for (const Vec3& p : points)
+        for (int c = 0; c < 3; ++c) w.put(p[c]);
+}
+
+void get_points(Reader& r, Points& points) {
+    points.resize(r.get_count(3 * sizeof(double)));
+    for (Vec3& p : points)
+        for (int c = 0; c < 3; ++c) r.get(p[c]);
+}
+
 void put_bones(Writer& w, const std::vector<Points>& bones) {
     w.put(static_cast<std::uint64_t>(bones.size()));
-    for (const Points& points : bones) {
-        w.put(static_cast<std::uint64_t>(points.size()));
-        for (const Vec3& p : points)
-            for (int c = 0; c < 3; ++c) w.put(p[c]);
-    }
+    for (const Points& points : bones) put_points(w, points);
 }
 
 void get_bones(Reader& r, std::vector<Points>& bones) {
     bones.resize(r.get_count(sizeof(std::uint64_t)));
-    for (Points& points : bones) {
-        points.resize(r.get_count(3 * sizeof(double)));
-        for (Vec3& p : points)
-            for (int c = 0; c < 3; ++c) r.get(p[c]);
+    for (Points& points : bones) get_points(r, points);
+}
+
+void put_values(Writer& w, const std::optional<StepInputs>& values) {
+    w.put(values.has_value());
+    if (!values) return;
+    for (int c = 0; c < 3; ++c) w.put(values->gravity[c]);
+    w.put(values->step_size), w.put(values->integrator), w.put(values->mass_damping), w.put(values->stiffness_damping);
+    w.put(static_cast<std::uint64_t>(values->bodies.size()));
+    for (const BodyInputs& body : values->bodies) {
+        const auto* t = std::get_if<TissueInputs>(&body);
+        w.put(t != nullptr);
+        if (!t) continue;
+        w.put(t->compression_resistance), w.put(t->transverse_anisotropy);
+        w.put_all(t->layers), w.put_all(t->fibers);
+        put_points(w, t->forces);
     }
+    w.put_all(values->attachments);
+}
+
+void get_values(Reader& r, std::optional<StepInputs>& values) {
+    bool given = false;
+    r.get(given);
+    if (!given) return;
+    values.emplace();
+    for (int c = 0; c < 3; ++c) r.get(values->gravity[c]);
+    r.get(values->step_size), r.get(values->integrator), r.get(values->mass_damping), r.get(values->stiffness_damping);
+    values->bodies.resize(r.get_count(sizeof(bool)));
+    for (BodyInputs& body : values->bodies) {
+        bool tissue = false;
+        r.get(tissue);
+        if (!tissue) {
+            body.emplace<BoneInputs>();
+            continue;
+        }
+        TissueInputs t;
+        r.get(t.compression_resistance), r.get(t.transverse_anisotropy);
+        r.get_all(t.layers), r.get_all(t.fibers);
+        get_points(r, t.forces);
+        body = std::move(t);
+    }
+    r.get_all(values->attachments);
 }
 
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
@@ -90,6 +135,7 @@ std::vector<std::byte> save(const State& s) {
     w.put(s.history.step_size);
     w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
     put_bones(w, s.history.bones);
+    put_values(w, s.history.values);
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
     for (const auto& list : s.anchors) {
         w.put(static_cast<std::uint64_t>(list.size()));
@@ -118,6 +164,7 @@ State load(std::span<const std::byte> bytes) {
     r.get(s.history.step_size);
     r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
     get_bones(r, s.history.bones);
+    get_values(r, s.history.values);
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
     for (auto& list : s.anchors) {
         list.resize(r.get_count(sizeof(double)));

@@ -3,9 +3,11 @@
 #pragma once
 #include "solver/types.h"
 #include "solver/linear/linear_solver.h"
+#include "solver/step_inputs.h"
 
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,6 +44,7 @@ struct History {
     std::vector<double> x, v;  ///< at the start of the last step
     std::vector<Points> bones; ///< likewise, per body
     std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
+    std::optional<StepInputs> values; ///< that the last step ended with, as copy_values leaves them
 };
 
 struct State {

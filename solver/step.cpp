@@ -3,6 +3,7 @@
 
 #include "solver/attach/anchors.h"
 #include "solver/error.h"
+#include "solver/integrate/values_between.h"
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
@@ -20,6 +21,7 @@ struct Workspace::Impl {
     ImplicitForm form;
     std::vector<double> x, v, x_gamma, v_gamma, acceleration;
     std::vector<Points> bones; ///< at the end of the step
+    StepInputs between;        ///< values within it
     explicit Impl(const Scene& scene) : potential(scene) {}
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
@@ -112,9 +114,14 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     case Integrator::tr_bdf2:
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
         tr_bdf2_trapezoid_form(s, h, impl.form);
+        if (s.history.values) {
+            values_between(*s.history.values, in, tr_bdf2_gamma, impl.between);
+            impl.potential.set_values(impl.between);
+        }
         solve_stage(impl, s, in, bones, control, impl.x, memory, record);
         update_velocity(impl.form, impl.x, impl.v_gamma);
         impl.x_gamma = impl.x;
+        if (s.history.values) impl.potential.set_values(in);
         tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, impl.form);
         break;
     }
@@ -132,6 +139,12 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         s.history.v.swap(s.v);
         s.history.bones.swap(s.bones);
         s.history.acceleration.swap(impl.acceleration);
+        if (in.integrator == Integrator::tr_bdf2) {
+            if (!s.history.values) s.history.values.emplace();
+            copy_values(in, *s.history.values);
+        } else {
+            s.history.values.reset();
+        }
     } else {
         s.history = {};
     }

@@ -4,6 +4,7 @@
 #include "solver/linear/linear_solver.h"
 #include "solver/types.h"
 
+#include <algorithm>
 #include <variant>
 #include <vector>
 
@@ -33,6 +34,11 @@ struct TissueInputs {
     std::vector<FiberValues> fibers;
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
 };
+
+/// Whether some layer does; on linear tets it couples more vertices.
+inline bool conserves_volume(const TissueInputs& in) {
+    return std::any_of(in.layers.begin(), in.layers.end(), [](const MaterialValues& m) { return m.volume_conservation > 0; });
+}
 
 struct BoneInputs {
     Points positions; ///< of every surface vertex at the end of the step [m]

@@ -65,10 +65,6 @@ void check_values(const TissueInputs& in, int body) {
     if (!std::all_of(in.forces.begin(), in.forces.end(), [](const Vec3& f) { return f.allFinite(); })) refuse("a load on a tissue");
 }
 
-bool conserves_volume(const TissueInputs& in) {
-    return std::any_of(in.layers.begin(), in.layers.end(), [](const MaterialValues& m) { return m.volume_conservation > 0; });
-}
-
 } // namespace
 
 /// Volume patches of one tissue of linear tets, with what the last pass found.

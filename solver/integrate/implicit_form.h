@@ -8,6 +8,7 @@
 #include "solver/step_inputs.h"
 
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace sinew::solver {
@@ -35,7 +36,8 @@ void bdf2_form(const State& before, double step_size, ImplicitForm& form);
 bool has_bdf2_history(const State& before, double step_size);
 
 /// TR-BDF2, gamma = 2 - sqrt 2 (Bank et al. 1985): the trapezoid rule over gamma h, then BDF2 from 0 and gamma h to h.
-/// Second order, L-stable; both stages have m = 4/(gamma h)^2.
+/// Second order, L-stable; both stages have m = 4/(gamma h)^2. The first needs bones and values at gamma h.
+inline const double tr_bdf2_gamma = 2 - std::sqrt(2.0);
 /// Stage 0 needs before.history.acceleration.
 void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm& form);
 /// Stage 1, from the state at gamma h.

@@ -1,23 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/integrate/implicit_form.h"
 
-#include <cmath>
-
 namespace sinew::solver {
-
-namespace {
-
-const double gamma_fraction = 2 - std::sqrt(2.0);
-
-} // namespace
 
 void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm& form) {
     const std::vector<double>& a = before.history.acceleration;
     const std::size_t n = before.x.size();
-    const double half = 0.5 * gamma_fraction * step_size;
+    const double half = 0.5 * tr_bdf2_gamma * step_size;
     form.mass_factor = 1 / (half * half);
     form.velocity_factor = 1 / half;
-    set_bone_weights(before, step_size, gamma_fraction, form);
+    set_bone_weights(before, step_size, tr_bdf2_gamma, form);
     form.strain = {.x = &before.x, .v = &before.v, .rate = half};
     form.target.resize(n);
     form.velocity_offset.resize(n);
@@ -30,7 +22,7 @@ void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm&
 void tr_bdf2_bdf2_form(const State& before, const std::vector<double>& x_gamma, const std::vector<double>& v_gamma,
                        double step_size, ImplicitForm& form) {
     const std::size_t n = before.x.size();
-    const double g = gamma_fraction;
+    const double g = tr_bdf2_gamma;
     // x' = middle x_gamma - start x + reach v'; reach = gamma h / 2 for this gamma.
     const double middle = 1 / (g * (2 - g)), start = (1 - g) * (1 - g) * middle, reach = 0.5 * g * step_size;
     form.mass_factor = 1 / (reach * reach);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace sinew::solver {
 
@@ -63,6 +64,12 @@ void Potential::update_loads(const StepInputs& inputs) {
 void Potential::begin_step(const State& before, const StepInputs& inputs) {
     inputs_ = &inputs;
     x_before_ = before.x;
+    update_loads(inputs);
+}
+
+void Potential::set_values(const StepInputs& inputs) {
+    if (tissues_.set_values(inputs)) throw std::logic_error("values within a step may not change what is coupled");
+    inputs_ = &inputs;
     update_loads(inputs);
 }
 

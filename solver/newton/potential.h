@@ -36,6 +36,8 @@ class Potential {
     bool set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs);
     /// Fixes everything that is constant over the step from `before`, after set_structure. `inputs` must outlive the step.
     void begin_step(const State& before, const StepInputs& inputs);
+    /// Takes other values than those of begin_step for what follows; they may not change the structure.
+    void set_values(const StepInputs& inputs);
     /// Fixes what is constant over one stage of it. `form` must outlive the stage.
     void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
     /// Acceleration of every vertex at `before` under the values of begin_step, 3 a vertex [m/s^2]; 0 where held.

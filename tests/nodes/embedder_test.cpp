@@ -32,7 +32,7 @@ std::shared_ptr<const engine::Registry> registry_with_affine() {
     type.compute = [](const engine::Reads& in, engine::Writes& out) {
         const nodes::Body& b = in[body_in];
         const auto& t = *std::get<std::shared_ptr<const solver::TissueRest>>(b.rest->data);
-        out.set(solved_out, nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}});
+        out.set(solved_out, nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}, {}});
     };
     registry->add(std::move(type));
     return registry;

@@ -1,0 +1,17 @@
+// Values that are keyed, at times within a step: schemes that look there must see them as they are there, or lose their
+// order.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/step_inputs.h"
+
+namespace sinew::solver {
+
+/// Copies what drives a step but the bones, whose positions the state keeps, into `out`. Takes nothing from the heap where
+/// `out` is of the same scene.
+void copy_values(const StepInputs& in, StepInputs& out);
+
+/// The values at `share` of the way from those of `before` to those of `after`, each on a line (second order); settings and
+/// bones are those of `after`, or empty. Where volume conservation comes or goes, materials jump to `after`.
+void values_between(const StepInputs& before, const StepInputs& after, double share, StepInputs& out);
+
+} // namespace sinew::solver
