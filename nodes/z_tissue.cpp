@@ -135,7 +135,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tissue(Registry& registry) {
     NodeType type;
     type.name = "zTissue";
-    type.numerics = 3; // paint holds on triangles, not only at vertices, where they are larger than the tets
+    type.numerics = tissue_numerics;
     type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
     type.inputs = {describe(enable),
                    describe(mesh),
