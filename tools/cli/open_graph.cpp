@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -127,6 +128,16 @@ std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::
     for (const std::string& name : graph.node_names())
         if (seen.contains(name)) out.push_back(name);
     return out;
+}
+
+engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph) {
+    if (arguments.has("--cache") && arguments.has("--no-cache"))
+        throw UsageError("--cache and --no-cache contradict each other.");
+    engine::StorePolicy policy;
+    if (arguments.has("--no-cache")) return policy;
+    const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
+    policy.disk_folder = arguments.value("--cache").value_or(beside.string());
+    return policy;
 }
 
 std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {
