@@ -175,7 +175,12 @@ SceneAxes scene_axes(const Graph& graph, const std::vector<std::string>& nodes) 
 std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::size_t count) {
     const Node* node = graph.find(plug.node);
     std::vector<BodyLabel> labels;
-    if (node && node->type)
+    const bool is_collision = plug.attribute == "outCollisionMeshes"; // of the body, not of the meshes that ride on it
+    if (node && is_collision && count == 1)
+        if (const auto body = node->inputs.find("body"); body != node->inputs.end())
+            for (const Plug& source : sources(body->second))
+                labels.push_back({file_name(source.node) + "_collision", kind_of_node(graph, source.node)});
+    if (node && node->type && !is_collision)
         for (const engine::AttributeInfo& input : node->type->inputs) {
             const auto it = node->inputs.find(input.name);
             if (input.kind != engine::AttributeKind::wire_list || it == node->inputs.end()) continue;
