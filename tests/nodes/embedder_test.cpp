@@ -152,6 +152,10 @@ TEST_CASE("collision surfaces that cannot ride are refused at their input, and f
     std::string text;
     CHECK(codes(with(R"("translate": [50, 0, 0])"), "s", "outBody", &text) == Codes{"FE239"});
     CHECK(text.find("collisionShape") != std::string::npos);
+    CHECK(codes(scene + R"(, "nothing": {"type": "transform"},
+            "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}],
+                  "collisionShape": {"from": "nothing.outMesh"}}})", "s", "outBody", &text) == Codes{"FE201"});
+    CHECK(text.find("collisionShape") != std::string::npos);
     Session wide(with(R"("scale": [4, 1, 1])"));
     wide.pull("s", "outBody");
     REQUIRE(wide.counter.warnings.size() == 1);

@@ -2,8 +2,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
-#include <sys/wait.h>
-
 using namespace bench;
 namespace fs = std::filesystem;
 
@@ -115,27 +113,4 @@ TEST_CASE("a folder that cannot be written is warned about once, and all goes on
     REQUIRE(visit.counter.warnings.size() == 1);
     CHECK(visit.counter.warnings[0].code == "IO407");
     CHECK(bytes_of(in_the_way) == "not a folder");
-}
-
-TEST_CASE("processes that keep the same tets at once do each other no harm", "[nodes][kept]") {
-    const Folder folder;
-    const fs::path cache = folder.path("cache");
-    std::vector<pid_t> children;
-    for (int i = 0; i < 4; ++i) {
-        const pid_t child = fork();
-        REQUIRE(child >= 0);
-        if (child == 0) {
-            int good = 0;
-            for (int k = 0; k < 3; ++k) good += Visit(tets(), cache).counter.warnings.empty();
-            _exit(good == 3 ? 0 : 1);
-        }
-        children.push_back(child);
-    }
-    for (const pid_t child : children) {
-        int status = -1;
-        REQUIRE(waitpid(child, &status, 0) == child);
-        CHECK(status == 0);
-    }
-    CHECK(files_in(cache).size() == 1);
-    CHECK(Visit(tets(), cache).made() == 0);
 }
