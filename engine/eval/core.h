@@ -41,8 +41,8 @@ struct Core {
     StateStore states;
     DigestTable contents;
     ScratchPool scratch;
-    const std::optional<DiskStore> disk;      ///< has no need of the mutex
-    std::atomic<bool> disk_is_full = false;   ///< or cannot be written to: told once, then left alone
+    const std::optional<DiskStore> disk;       ///< has no need of the mutex
+    std::atomic<bool> disk_has_failed = false; ///< cannot be written to: told once, then only read
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
     FileDigests files;

@@ -132,12 +132,12 @@ EntryPtr Plan::read_kept(const Item& item) {
 }
 
 void Plan::write_kept(const Item& item, const Entry& entry) {
-    if (session_.core.disk_is_full) return;
+    if (session_.core.disk_has_failed) return;
     const Place& p = session_.program->place(item.site.node);
     try {
         session_.core.disk->write(item.key, encode_entry(session_.program->graph()->registry(), *p.type, entry));
     } catch (const Failure& failure) {
-        if (session_.core.disk_is_full.exchange(true)) return;
+        if (session_.core.disk_has_failed.exchange(true)) return;
         Diagnostic d = session_.program->about(p, p.type->kept_when, "IO407",
                                                "nothing is kept on disk: " + failure.diagnostics().front().message,
                                                failure.diagnostics().front().hint);

@@ -6,7 +6,6 @@
 
 #include <fstream>
 #include <memory>
-#include <set>
 
 using namespace sinew::test;
 using nlohmann::json;
@@ -76,30 +75,4 @@ TEST_CASE("processes that keep the same tets at once do each other no harm", "[t
         }
         CHECK(files_in(folder / "small.sinew-cache") == 1);
     }
-}
-
-TEST_CASE("the collision surface is written under its body's name when asked for, and not otherwise", "[tools]") {
-    const TemporaryFolder folder;
-    json graph = small_graph();
-    graph["nodes"]["shape"] = {{"type", "polyCube"}, {"inputs", {{"width", 4.2}, {"height", 8.2}, {"depth", 4.2}}}};
-    graph["nodes"]["block"]["inputs"]["collisionShape"] = {{"from", "shape.outMesh"}};
-    graph["nodes"]["skin"] = {{"type", "zEmbedder"},
-                              {"inputs", {{"solved", {{"from", "solver.outSolved"}}}, {"body", {{"from", "block.outBody"}}},
-                                          {"meshes", {{{"from", "blockMesh.outMesh"}}}}}}};
-    const std::string path = write_graph(folder, graph);
-    const auto written = [&](std::vector<std::string> pulls) {
-        const fs::path out = folder / ("out" + std::to_string(pulls.size()));
-        std::vector<std::string> words{"run", path, "--frames", "1-2", "--format", "obj", "--out", out.string()};
-        words.insert(words.end(), pulls.begin(), pulls.end());
-        CHECK(run_program(words).code == 0);
-        std::set<std::string> names;
-        for (const auto& entry : fs::directory_iterator(out / "obj")) {
-            const std::string name = entry.path().filename().string();
-            names.insert(name.substr(0, name.find('.')));
-        }
-        return names;
-    };
-    using Names = std::set<std::string>;
-    CHECK(written({}) == Names{"block", "lower", "upper"});
-    CHECK(written({"--pull", "skin.outMeshes", "--pull", "skin.outCollisionMeshes"}) == Names{"blockMesh", "block_collision"});
 }
