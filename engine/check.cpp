@@ -131,6 +131,9 @@ class Checker {
         if (s && (input_.name == s->start_frame_input || input_.name == s->substeps_input))
             return problem("DG029", "cannot be connected",
                            "write a plain value: it decides which frames there are");
+        if (!input_.name.empty() && input_.name == type_.kept_when)
+            return problem("DG029", "cannot be connected",
+                           "write a plain value: it decides where results are looked for before anything runs");
         source(p, "/from");
     }
 

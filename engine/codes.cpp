@@ -90,6 +90,7 @@ constexpr CodeInfo table[] = {
     {"FE236", "mesh cannot be the boundary of tets", "Repair the edges that are named, or remesh by zIsoMesh."},
     {"FE237", "triangles that cross, or that tets cannot keep", "Remesh the surface by zIsoMesh."},
     {"FE238", "mesh switches a feature off", "Repair the edges that are named, or remesh by zIsoMesh."},
+    {"FE239", "mesh far from the tets that shall carry it", "Model it where the tissue is at rest, in the same units."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},
@@ -101,6 +102,8 @@ constexpr CodeInfo table[] = {
     {"IO403", "file has an error in it", "Repair the line that is named."},
     {"IO404", "file format is not supported", "Convert the file to a supported format."},
     {"IO405", "file cannot be written", "Check the folder, permissions and free space."},
+    {"IO406", "kept result cannot be used", "Nothing to do: it is made anew and replaced."},
+    {"IO407", "results cannot be kept on disk", "Check the folder, permissions and free space, or choose another by --cache."},
 };
 
 } // namespace

@@ -12,12 +12,16 @@
 
 namespace sinew::engine {
 
-/// Byte budgets of the memory store; hard limits, not hints.
+/// Where results are kept. The byte budgets of memory are hard limits, not hints.
 struct StorePolicy {
     std::size_t value_bytes = std::size_t{2} << 30;
     std::size_t state_bytes = std::size_t{4} << 30;
     std::size_t scratch_entries = 1024; ///< kept scratch objects: some per node (tracks, rest data), one solver each
     int state_every = 1;                    ///< keep the state of each k-th frame, and the newest
+    /// Outputs of nodes that ask for it (NodeType::kept_when) are kept in files here, and found again by later processes.
+    /// Made when first written to. Empty: nothing is kept on disk. What cannot be read or written is warned about (IO406,
+    /// IO407) and computed.
+    std::string disk_folder = {};
 };
 
 /// Events for hosts, progress bars and tests. Called from worker threads, one call at a time.

@@ -147,6 +147,9 @@ struct NodeType {
     std::string_view doc;
     std::vector<AttributeInfo> inputs = {}, outputs = {};
     bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it
+    /// An Input<bool> with Affects::nothing: where it is on, the outputs are kept on disk under the node's key, and a later
+    /// process reads them instead of computing. Every output's type needs a codec. Empty: never.
+    std::string_view kept_when = {};
     std::function<void(const Reads&, Writes&)> compute = {}; ///< stateless
     std::shared_ptr<const SimulationFunctions> simulation =
         {}; ///< set for simulations, then compute is empty

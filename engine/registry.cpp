@@ -61,7 +61,28 @@ void check_time_inputs(const NodeType& t) {
             contradiction(t, a->name, "the sub-steps are an Input<std::int64_t>, at least 1");
 }
 
+// So is the switch that keeps outputs on disk; it must not enter their key.
+void check_kept(const NodeType& t, const std::map<std::type_index, Codec>& codecs) {
+    const AttributeInfo* a = t.find_input(t.kept_when);
+    if (!a || a->kind != AttributeKind::literal || !a->def.is<bool>() || a->keyable || a->affects != Affects::nothing)
+        contradiction(t, t.kept_when, "what keeps outputs on disk is an Input<bool> that is not keyable and affects nothing");
+    if (t.simulation) contradiction(t, t.kept_when, "frames of simulations are not kept on disk");
+    for (const AttributeInfo& o : t.outputs)
+        if (!codecs.contains(o.type)) contradiction(t, o.name, "is to be kept on disk and its type has no codec");
+}
+
 } // namespace
+
+void Registry::add(Codec codec) {
+    const std::string name(codec.type_name);
+    if (!codecs_.emplace(codec.type, std::move(codec)).second)
+        throw std::logic_error("a second codec for values of type " + name);
+}
+
+const Codec* Registry::find_codec(std::type_index type) const {
+    const auto it = codecs_.find(type);
+    return it == codecs_.end() ? nullptr : &it->second;
+}
 
 void Registry::add(NodeType type) {
     if (type.name.empty()) throw std::logic_error("a node type needs a name");
@@ -81,6 +102,7 @@ void Registry::add(NodeType type) {
         check_attribute(type, a, outputs);
     }
     if (type.simulation) check_time_inputs(type);
+    if (!type.kept_when.empty()) check_kept(type, codecs_);
     std::string name(type.name);
     types_.emplace(std::move(name), std::move(type));
 }

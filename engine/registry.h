@@ -1,6 +1,7 @@
 // Node types by name. Filled by explicit calls (nodes/register_all.cpp), never by static initialisers.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/codec.h"
 #include "engine/node_type.h"
 
 #include <map>
@@ -17,11 +18,15 @@ class Registry {
     void add(SimulationType<State> type) {
         add(erase(std::move(type)));
     }
+    /// Throws std::logic_error on a second codec of the same type. Codecs come before the node types that need them.
+    void add(Codec codec);
+    const Codec* find_codec(std::type_index type) const; ///< nullptr if there is none
     const NodeType* find(std::string_view name) const;
     std::vector<std::string> names() const;
 
   private:
     std::map<std::string, NodeType, std::less<>> types_;
+    std::map<std::type_index, Codec> codecs_;
 };
 
 } // namespace sinew::engine

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/register_all.h"
 
+#include "nodes/codecs.h"
+
 namespace sinew::nodes {
 
 // geometry
@@ -37,6 +39,7 @@ void add_mesh_writer(engine::Registry&);
 void add_tet_writer(engine::Registry&);
 
 void register_all(engine::Registry& registry) {
+    add_codecs(registry);
     for (auto* add : {add_mesh_file,
                       add_tet_mesh_file,
                       add_poly_sphere,

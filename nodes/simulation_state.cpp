@@ -2,33 +2,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/simulation_state.h"
 
+#include "engine/byte_stream.h"
 #include "engine/diagnostics.h"
 #include "solver/error.h"
-
-#include <cstring>
-#include <type_traits>
 
 namespace sinew::nodes {
 
 namespace {
 
 constexpr std::uint64_t format_mark = 0x31307a5f77656e69; // "inew_z01"
-
-class Writer {
-  public:
-    template <class T>
-    void put(const T& v) {
-        static_assert(std::is_trivially_copyable_v<T>);
-        const auto* p = reinterpret_cast<const std::byte*>(&v);
-        bytes.insert(bytes.end(), p, p + sizeof(T));
-    }
-    template <class T>
-    void put_list(const std::vector<T>& list) {
-        put<std::uint64_t>(list.size());
-        for (const T& v : list) put(v);
-    }
-    std::vector<std::byte> bytes;
-};
 
 [[noreturn]] void refuse(const std::string& what) {
     engine::Diagnostic d;
@@ -38,33 +20,10 @@ class Writer {
     throw engine::Failure(d);
 }
 
-class Reader {
-  public:
-    explicit Reader(std::span<const std::byte> bytes)
-        : rest(bytes) {}
-    template <class T>
-    T get() {
-        T v;
-        if (rest.size() < sizeof(T)) refuse("it ends too early");
-        std::memcpy(&v, rest.data(), sizeof(T));
-        rest = rest.subspan(sizeof(T));
-        return v;
-    }
-    template <class T>
-    std::vector<T> get_list() {
-        const auto n = get<std::uint64_t>();
-        if (n > rest.size() / sizeof(T)) refuse("it ends too early");
-        std::vector<T> out(n);
-        for (T& v : out) v = get<T>();
-        return out;
-    }
-    std::span<const std::byte> rest;
-};
-
 } // namespace
 
 std::vector<std::byte> save(const SimulationState& state) {
-    Writer w;
+    engine::ByteWriter w;
     w.put(format_mark);
     w.put(state.scene.scale);
     w.put_list(state.scene.bodies);
@@ -76,15 +35,17 @@ std::vector<std::byte> save(const SimulationState& state) {
 }
 
 SimulationState load_simulation(std::span<const std::byte> bytes) {
-    Reader r(bytes);
-    if (r.get<std::uint64_t>() != format_mark) refuse("it is not a state of this version");
     SimulationState out;
-    out.scene.scale = r.get<double>();
-    out.scene.bodies = r.get_list<engine::Digest>();
-    out.scene.attachments = r.get_list<engine::Digest>();
-    out.scene.links = r.get_list<std::array<int, 2>>();
     try {
+        engine::ByteReader r(bytes);
+        if (r.get<std::uint64_t>() != format_mark) refuse("it is not a state of this version");
+        out.scene.scale = r.get<double>();
+        out.scene.bodies = r.get_list<engine::Digest>();
+        out.scene.attachments = r.get_list<engine::Digest>();
+        out.scene.links = r.get_list<std::array<int, 2>>();
         out.state = solver::load(r.rest);
+    } catch (const engine::BadBytes& e) {
+        refuse(e.what());
     } catch (const solver::Error& e) {
         refuse(e.what());
     }

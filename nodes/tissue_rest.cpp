@@ -55,7 +55,7 @@ bool is_sink(double end_point) { return end_point >= 0.9; }
 
 engine::Digest static_digest(const TissueParts& parts) {
     engine::Hasher h;
-    h.add("tissue").add(parts.mesh->topology->digest).add(parts.mesh->points_digest);
+    h.add("tissue").add(tissue_numerics).add(parts.mesh->topology->digest).add(parts.mesh->points_digest);
     h.add(parts.tets ? parts.tets->digest : engine::Digest{}).add(static_cast<int>(parts.law));
     h.add(static_cast<std::uint64_t>(parts.materials.size()));
     // The first layer covers everything, so what is painted on it changes nothing.

@@ -1,5 +1,5 @@
 // Digests and sizes of the values on wires. A value's digest covers all that a consumer can see, save the
-// wall clock.
+// wall clock and Body::collision (why: values.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/values.h"
 

@@ -74,11 +74,25 @@ struct BodyRest {
     engine::Digest digest;
 };
 
+/// Points that ride on tets: the vertices that carry each.
+using CarriedPoints = std::vector<solver::PointWeights>;
+
+/// A mesh of the user's that shall stand in for a tissue's own surface in contacts, placed in the tissue's tets at rest.
+struct CollisionSurface {
+    Mesh mesh; ///< at rest, scene units
+    CarriedPoints carriers;
+    std::size_t far_vertices = 0; ///< more than a tet's width outside of the tets
+};
+
 /// … and its values at one time.
 struct Body {
     std::shared_ptr<const BodyRest> rest;
     bool enable = true;
     std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
+    /// Tissues with a collisionShape, else null. Not part of the digest: zSolver's frames are keyed by the digests of its
+    /// bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact term
+    /// that reads it must bring it into BodyRest::digest.
+    std::shared_ptr<const CollisionSurface> collision = nullptr;
     bool is_bone() const { return values.index() == 1; }
 };
 

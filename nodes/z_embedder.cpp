@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
-#include "solver/element/quadratic_tets.h"
+#include "nodes/carriers.h"
 
 namespace sinew::nodes {
 
@@ -31,6 +31,12 @@ const Output<MeshList> out_meshes{
     .doc = "The carried meshes at this frame, in the order of `meshes`.",
 };
 
+const Output<MeshList> out_collision_meshes{
+    .name = "outCollisionMeshes",
+    .doc = "The tissue's collision surface at this frame: its collisionShape, carried. No mesh where it has none. No contact "
+           "reads it yet: Sinew has no contacts.",
+};
+
 std::size_t find(const Reads& in, const Solved& s) {
     const int found = find_body(s.bodies, id_of(in[body]));
     if (found >= 0) return static_cast<std::size_t>(found);
@@ -41,43 +47,16 @@ std::size_t find(const Reads& in, const Solved& s) {
             "Connect a tissue that is among zSolver.bodies and enabled there.");
 }
 
-/// Where a mesh's points sit in the tets of a tissue, found once: the vertices that carry each.
-struct Carriers {
-    std::vector<solver::PointWeights> points;
-};
-
-std::shared_ptr<Carriers> find_carriers(const solver::TissueRest& tissue, const solver::Points& points) {
-    const solver::Embedding embedding = solver::embed(tissue.tets, points);
-    const bool quadratic = tissue.element == solver::ElementKind::quadratic;
-    std::vector<std::array<int, 6>> middles;
-    if (quadratic)
-        middles = solver::edge_vertices(tissue.tets.tets, solver::edges_of(tissue.tets.tets),
-                                        static_cast<int>(tissue.tets.vertices.size()));
-    auto out = std::make_shared<Carriers>();
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const std::size_t tet = static_cast<std::size_t>(embedding.tet[i]);
-        out->points.push_back(solver::embedded_point(tissue.tets.tets[tet], quadratic ? &middles[tet] : nullptr,
-                                                     embedding.barycentric[i]));
-    }
-    return out;
-}
-
-solver::Points carried(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue,
-                       const Mesh& mesh, const solver::Points& corners, const solver::Points& midpoints) {
+solver::Points carried_by(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue, const Mesh& mesh,
+                          const solver::Points& corners, const solver::Points& midpoints) {
+    struct Kept {
+        CarriedPoints points;
+    };
     const Digest key = Hasher().add("zEmbedder").add(rest.digest).add(mesh.points_digest).finish();
-    auto carriers = in.lease<Carriers>(key, [&] {
-        return guarded(in, meshes.name, [&] { return find_carriers(tissue, *mesh.points); });
+    auto kept = in.lease<Kept>(key, [&] {
+        return guarded(in, meshes.name, [&] { return std::make_shared<Kept>(Kept{find_carriers(tissue, *mesh.points)}); });
     });
-    solver::Points out;
-    for (const solver::PointWeights& w : carriers->points) {
-        solver::Vec3 p = solver::Vec3::Zero();
-        for (int k = 0; k < w.count; ++k) {
-            const std::size_t v = static_cast<std::size_t>(w.vertex[k]);
-            p += w.weight[k] * (v < corners.size() ? corners[v] : midpoints[v - corners.size()]);
-        }
-        out.push_back(p);
-    }
-    return out;
+    return carried(kept->points, corners, midpoints);
 }
 
 Mesh blended(const Mesh& from, solver::Points to, double share) {
@@ -98,8 +77,14 @@ void compute(const Reads& in, Writes& out) {
     if (all.empty()) all.emplace_back(rest.mesh);
     MeshList list;
     for (const Mesh& m : all)
-        list.meshes.push_back(blended(m, carried(in, rest, **tissue, m, s.positions[at], s.midpoints[at]), in[envelope]));
+        list.meshes.push_back(blended(m, carried_by(in, rest, **tissue, m, s.positions[at], s.midpoints[at]), in[envelope]));
     out.set(out_meshes, std::move(list));
+    // From the body as connected here, not from the solver's: its frames are the same with and without.
+    MeshList collision;
+    if (const auto& shape = in[body].collision)
+        collision.meshes.push_back(
+            blended(shape->mesh, carried(shape->carriers, s.positions[at], s.midpoints[at]), in[envelope]));
+    out.set(out_collision_meshes, std::move(collision));
 }
 
 } // namespace
@@ -107,9 +92,9 @@ void compute(const Reads& in, Writes& out) {
 void add_z_embedder(Registry& registry) {
     NodeType type;
     type.name = "zEmbedder";
-    type.doc = "Carries extra meshes, for example a fine skin, along with a simulated tissue.";
+    type.doc = "Carries extra meshes, for example a fine skin, and the tissue's collision surface along with a simulated tissue.";
     type.inputs = {describe(solved), describe(body), describe(meshes), describe(envelope)};
-    type.outputs = {describe(out_meshes)};
+    type.outputs = {describe(out_meshes), describe(out_collision_meshes)};
     type.compute = compute;
     registry.add(std::move(type));
 }

@@ -130,7 +130,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_iso_mesh(Registry& registry) {
     NodeType type;
     type.name = "zIsoMesh";
-    type.numerics = 2; // doubled faces do not count for isoValue <= 0; made near the origin
+    // 2: doubled faces do not count for isoValue <= 0; made near the origin
+    type.numerics = 3; // sheets thinner than triangles are followed, or refused, in place of crumbs
     type.doc =
         "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
     type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),

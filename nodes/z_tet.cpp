@@ -87,6 +87,15 @@ const Input<std::string> element{
     .keyable = false,
     .options = {"linear", "quadratic"},
 };
+const Input<bool> cache_tet_mesh{
+    .name = "cacheTetMesh",
+    .def = false,
+    .doc = "Keeps the tets on disk, so that a later run reads them instead of meshing. What is read is what was made, to the "
+           "last bit; when an input has changed, tets are made and kept anew. The folder: `--cache` on the command line, "
+           "StorePolicy::disk_folder in a program.",
+    .keyable = false,
+    .affects = Affects::nothing,
+};
 const Wire<TetMeshValue> tets{
     .name = "tets",
     .doc = "A tet mesh of your own, used instead of the lattice; mesh, sizes, weights and fillInterior then count for "
@@ -163,8 +172,10 @@ void add_z_tet(Registry& registry) {
                    describe(fill_interior),
                    describe(max_resolution),
                    describe(element),
+                   describe(cache_tet_mesh),
                    describe(tets)};
     type.outputs = {describe(out_tets), describe(out_mesh)};
+    type.kept_when = cache_tet_mesh.name;
     type.compute = compute;
     registry.add(std::move(type));
 }

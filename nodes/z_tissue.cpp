@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/carriers.h"
 #include "nodes/tissue_rest.h"
 
 #include <algorithm>
@@ -58,6 +59,14 @@ const Input<double> transverse_anisotropy{
     .doc = "Anisotropic only: stiffness across the fibre over stiffness along it; 1 is the same in all directions. "
            "Young's modulus is the one along the fibre.",
 };
+const Wire<Mesh> collision_shape{
+    .name = "collisionShape",
+    .doc = "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
+           "scene units; coarser, or closed where the mesh is not. It rides on the tets: zEmbedder.outCollisionMeshes gives "
+           "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
+           "change it simulates nothing again.",
+    .required = false,
+};
 const Output<Body> out_body{
     .name = "outBody",
     .doc = "The tissue, for zSolver.bodies, zAttachment and zEmbedder.",
@@ -106,6 +115,29 @@ void check_law(const Reads& in, const TissueParts& parts) {
                 "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
 }
 
+std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const BodyRest& rest) {
+    const Mesh* shape = in.find(collision_shape);
+    if (!shape) return nullptr;
+    struct Kept {
+        std::shared_ptr<const CollisionSurface> surface;
+    };
+    const Digest key = Hasher().add("zTissue.collision").add(rest.digest).add(shape->topology->digest).add(shape->points_digest).finish();
+    auto kept = in.lease<Kept>(key, [&] {
+        return guarded(in, collision_shape.name, [&] {
+            const auto& tissue = *std::get<std::shared_ptr<const solver::TissueRest>>(rest.data);
+            return std::make_shared<Kept>(
+                Kept{std::make_shared<const CollisionSurface>(place_collision_surface(tissue, *shape))});
+        });
+    });
+    if (kept->surface->far_vertices > 0)
+        in.warn(collision_shape.name, "FE239",
+                std::to_string(kept->surface->far_vertices) + " of " + std::to_string(shape->points->size()) +
+                    " vertices lie more than a tet's width outside of the tissue's tets and will swing about with the "
+                    "nearest",
+                "Keep the mesh near the tissue, or make the tets larger.");
+    return kept->surface;
+}
+
 void compute(const Reads& in, Writes& out) {
     const TissueParts parts{&in[mesh], in.find(tets), law_of(in[law]), in[materials], in[fibers]};
     check_layers(in, parts);
@@ -121,13 +153,14 @@ void compute(const Reads& in, Writes& out) {
             return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))});
         });
     });
+    const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
     values.transverse_anisotropy = in[transverse_anisotropy];
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values)});
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values), collision});
 }
 
 } // namespace
@@ -135,7 +168,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_tissue(Registry& registry) {
     NodeType type;
     type.name = "zTissue";
-    type.numerics = 3; // paint holds on triangles, not only at vertices, where they are larger than the tets
+    type.numerics = tissue_numerics;
     type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
     type.inputs = {describe(enable),
                    describe(mesh),
@@ -144,7 +177,8 @@ void add_z_tissue(Registry& registry) {
                    describe(fibers),
                    describe(law),
                    describe(compression_resistance),
-                   describe(transverse_anisotropy)};
+                   describe(transverse_anisotropy),
+                   describe(collision_shape)};
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -16,6 +16,7 @@ Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     : values(policy.value_bytes)
     , states(policy.state_bytes, std::max(1, policy.state_every))
     , scratch(policy.scratch_entries)
+    , disk(policy.disk_folder.empty() ? std::nullopt : std::optional<DiskStore>(policy.disk_folder))
     , arena(threads > 0 ? threads : tbb::task_arena::automatic)
     , observer_(watcher) {}
 

@@ -2,13 +2,16 @@
 // One mutex guards everything but the observer; nobody holds it while a node computes.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/eval/disk_store.h"
 #include "engine/eval/program.h"
 #include "engine/eval/store.h"
 #include "engine/evaluator.h"
 
+#include <atomic>
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <optional>
 #include <tbb/task_arena.h>
 #include <unordered_map>
 
@@ -38,6 +41,8 @@ struct Core {
     StateStore states;
     DigestTable contents;
     ScratchPool scratch;
+    const std::optional<DiskStore> disk;       ///< has no need of the mutex
+    std::atomic<bool> disk_has_failed = false; ///< cannot be written to: told once, then only read
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
     FileDigests files;

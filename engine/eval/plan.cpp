@@ -2,6 +2,7 @@
 #include "engine/eval/plan.h"
 
 #include "engine/eval/arena.h"
+#include "engine/eval/kept_entry.h"
 
 #include <algorithm>
 #include <chrono>
@@ -88,8 +89,68 @@ void Plan::claim() {
         if (!i.finished && !i.foreign) i.flight = session_.core.claim(i.key, session_.program->graph().get());
 }
 
+namespace {
+
+/// The node asks for its outputs to be kept on disk.
+bool is_kept(const Place& p) {
+    if (p.type->kept_when.empty()) return false;
+    for (const Slot& s : p.slots)
+        if (s.info->name == p.type->kept_when) return s.kind == Slot::Kind::constant && s.constant.as<bool>();
+    return false;
+}
+
+} // namespace
+
+// What an earlier process, or this one, kept on disk; nothing if there is none that can be used.
+EntryPtr Plan::read_kept(const Item& item) {
+    const Place& p = session_.program->place(item.site.node);
+    const DiskStore& disk = *session_.core.disk;
+    DiskStore::Found found = disk.read(item.key);
+    std::vector<Diagnostic> warnings;
+    EntryPtr entry;
+    if (found.payload) {
+        try {
+            entry = std::make_shared<Entry>(decode_entry(session_.program->graph()->registry(), *p.type, *found.payload));
+            warnings = entry->warnings;
+        } catch (const BadBytes& bad) {
+            found.fault = bad.what();
+        }
+    }
+    if (!found.fault.empty()) {
+        Diagnostic d = session_.program->about(p, p.type->kept_when, "IO406",
+                                               "what was kept in '" + disk.file_of(item.key).string() +
+                                                   "' cannot be used and is made anew: " + found.fault);
+        d.severity = Severity::warning;
+        warnings.push_back(std::move(d));
+    }
+    for (Diagnostic& d : warnings) {
+        locate(d, *session_.program->graph(), p.name);
+        session_.core.observe([&](Observer& o) { o.warning(d); });
+    }
+    if (entry) session_.core.observe([&](Observer& o) { o.reused(p.name, p.dynamic ? item.site.frame : session_.frame); });
+    return entry;
+}
+
+void Plan::write_kept(const Item& item, const Entry& entry) {
+    if (session_.core.disk_has_failed) return;
+    const Place& p = session_.program->place(item.site.node);
+    try {
+        session_.core.disk->write(item.key, encode_entry(session_.program->graph()->registry(), *p.type, entry));
+    } catch (const Failure& failure) {
+        if (session_.core.disk_has_failed.exchange(true)) return;
+        Diagnostic d = session_.program->about(p, p.type->kept_when, "IO407",
+                                               "nothing is kept on disk: " + failure.diagnostics().front().message,
+                                               failure.diagnostics().front().hint);
+        d.severity = Severity::warning;
+        session_.core.observe([&](Observer& o) { o.warning(d); });
+    }
+}
+
 EntryPtr Plan::compute(const Item& item) {
     const Place& p = session_.program->place(item.site.node);
+    const bool kept = session_.core.disk && is_kept(p);
+    if (kept)
+        if (EntryPtr entry = read_kept(item)) return entry;
     const double frame = p.dynamic ? item.site.frame : session_.frame;
     CallContext context;
     context.core = &session_.core, context.program = session_.program.get(), context.place = &p;
@@ -109,6 +170,7 @@ EntryPtr Plan::compute(const Item& item) {
     const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
     const EntryPtr entry = make_entry(p, writes, std::move(context.warnings));
     session_.core.observe([&](Observer& o) { o.computed(p.name, frame, seconds.count()); });
+    if (kept) write_kept(item, *entry);
     return entry;
 }
 

@@ -46,6 +46,8 @@ class Plan {
     void work(tbb::task_group& group, int i);
     void spawn(tbb::task_group& group, int i);
     EntryPtr compute(const Item& item);
+    EntryPtr read_kept(const Item& item);
+    void write_kept(const Item& item, const Entry& entry);
     std::vector<int> settle(int i, EntryPtr result, std::exception_ptr error, bool original);
     void land(const Item& item);
     bool wait_for_others(std::vector<int>& ready);

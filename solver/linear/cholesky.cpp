@@ -2,42 +2,15 @@
 #include "solver/linear/cholesky.h"
 
 #include "solver/error.h"
+#include "solver/linear/cholmod_threads.h"
 #include "solver/parallel.h"
 
 #include <cholmod.h>
 #include <cmath>
 #include <cstring>
-#include <mutex>
-#include <omp.h>
 #include <optional>
 
-extern "C" void openblas_set_num_threads(int);
-
 namespace sinew::solver {
-
-namespace {
-
-/// METIS draws from the C library's rand(), so two analyses at once would disturb each other's order, and with it the
-/// bits of the result.
-std::mutex& analysis_mutex() {
-    static std::mutex mutex;
-    return mutex;
-}
-
-/// CHOLMOD opens an OpenMP region for nearly every column. Here, where factors of several components are made side by side,
-/// threads of its own only stand in each other's way; while this lives, this thread opens none.
-class OneOpenMpThread {
-  public:
-    OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
-    ~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
-    OneOpenMpThread(const OneOpenMpThread&) = delete;
-    OneOpenMpThread& operator=(const OneOpenMpThread&) = delete;
-
-  private:
-    int levels_;
-};
-
-} // namespace
 
 struct Cholesky::Impl {
     cholmod_common common{};
@@ -106,7 +79,7 @@ struct Cholesky::Impl {
 Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads) : impl_(std::make_unique<Impl>()) {
     impl_->own_threads = own_threads;
     const std::lock_guard lock(analysis_mutex());
-    openblas_set_num_threads(1);
+    use_one_blas_thread();
     impl_->build_structure(pattern);
     std::vector<int> order = impl_->order_vertices(pattern);
     impl_->common.nmethods = 1;

@@ -1,6 +1,5 @@
 // Direct solution by CHOLMOD's supernodal Cholesky: one symbolic analysis per pattern (METIS on the vertex graph,
 // expanded to three unknowns a vertex, which finds the same fill in half the time), one factor per matrix.
-// The only place that knows SuiteSparse and BLAS.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/block_matrix.h"

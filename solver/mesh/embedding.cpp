@@ -134,6 +134,25 @@ Embedding embed(const TetMesh& mesh, const Points& points) {
     return result;
 }
 
+std::vector<double> widths_outside(const TetMesh& mesh, const Embedding& e) {
+    std::vector<double> out(e.size(), 0.0);
+    for (std::size_t i = 0; i < e.size(); ++i) {
+        const Barycentric& b = e.barycentric[i];
+        if (*std::min_element(b.begin(), b.end()) >= 0) continue;
+        Vec3 corner[4];
+        for (std::size_t k = 0; k < 4; ++k) corner[k] = mesh.vertices[at(mesh.tets[at(e.tet[i])][k])];
+        const double volume6 = std::abs((corner[1] - corner[0]).dot((corner[2] - corner[0]).cross(corner[3] - corner[0])));
+        double beyond = 0, longest = 0;
+        for (std::size_t k = 0; k < 4; ++k) { // behind the face opposite to corner k
+            const Vec3 &p = corner[(k + 1) % 4], &q = corner[(k + 2) % 4], &r = corner[(k + 3) % 4];
+            beyond = std::max(beyond, -b[k] * volume6 / (q - p).cross(r - p).norm());
+            longest = std::max({longest, (q - p).norm(), (r - q).norm(), (p - r).norm()});
+        }
+        out[i] = beyond / longest;
+    }
+    return out;
+}
+
 void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Points& out) {
     out.resize(e.size());
     const auto one = [&](std::size_t i) {

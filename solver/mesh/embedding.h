@@ -32,6 +32,9 @@ class TetLocator {
     class Impl;
     std::unique_ptr<Impl> impl_;
 };
+/// How far each point lies outside of the tet that carries it, in widths (longest edges) of that tet: 0 inside, else at
+/// most the distance to the tet. Beyond about 1, what is extrapolated swings about when the tet turns or shears.
+std::vector<double> widths_outside(const TetMesh& mesh, const Embedding& e);
 /// Positions of embedded points for tet vertex positions `x` (3 numbers a vertex).
 void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Points& out);
 

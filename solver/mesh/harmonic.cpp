@@ -3,14 +3,15 @@
 #include "solver/mesh/harmonic.h"
 
 #include "solver/error.h"
+#include "solver/linear/scalar_cholesky.h"
 
 #include <Eigen/LU>
-#include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 
 namespace sinew::solver {
@@ -101,8 +102,6 @@ class HarmonicSolver {
     }
 
   private:
-    using Factor = Eigen::SimplicialLDLT<Sparse>;
-
     /// Unknowns are the vertices of parts with paint; the others take a constant.
     void number_vertices() {
         const std::vector<int> part = connected_parts(mesh_);
@@ -169,16 +168,22 @@ class HarmonicSolver {
         const double scale = Vector(K_.diagonal()).maxCoeff();
         W_ *= 1e5 * scale / std::max(Vector(squares.diagonal()).maxCoeff(), 1e-300);
         A_ = K_ + Sparse(B_.transpose() * (W_.asDiagonal() * B_));
-        // Only in the matrix that corrects, so it costs accuracy nowhere and no pivot can vanish.
-        for (int i = 0; i < count_; ++i) A_.coeffRef(i, i) += 1e-13 * scale;
-        free_.compute(A_);
-        require_factor(free_);
+        factorize(scale);
     }
 
-    static void require_factor(const Factor& factor) {
-        if (factor.info() != Eigen::Success)
-            throw Error("FE212",
-                        "painted values cannot be extended into the volume: the tet mesh is degenerate");
+    /// A small multiple of the identity keeps pivots above zero. It stands only in the matrix that corrects, so it costs
+    /// accuracy nowhere. Where rounding of the large W still beats it (several points in tets of no coverage), more of it
+    /// is taken; the solution is the same, found in more steps.
+    void factorize(double scale) {
+        factor_ = std::make_unique<ScalarCholesky>(A_);
+        double added = 0;
+        for (double share = 1e-13; share < 1e-8; share *= 100) {
+            for (int i = 0; i < count_; ++i) A_.coeffRef(i, i) += share * scale - added;
+            added = share * scale;
+            if (factor_->factorize(A_)) return;
+        }
+        throw Error("FE212",
+                    "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
     /// `target` comes as the painted values and leaves with the multipliers that hold them.
@@ -188,7 +193,7 @@ class HarmonicSolver {
         const double spread = std::max(v.maxCoeff() - v.minCoeff(), 1e-300);
         Vector f = Vector::Constant(count_, v.mean());
         for (int round = 0; round < rounds; ++round) {
-            const Vector step = free_.solve(force(target, f));
+            const Vector step = factor_->solve(force(target, f));
             f += step;
             target += v - B_ * f;
             if (step.cwiseAbs().maxCoeff() <= 1e-14 * spread) break;
@@ -233,7 +238,7 @@ class HarmonicSolver {
     int count_ = 0;
     Sparse K_, B_, A_;
     Vector W_;
-    Factor free_;
+    std::unique_ptr<ScalarCholesky> factor_;
 };
 
 void check_sizes(const Embedding& surface, std::size_t areas, std::size_t painted) {

@@ -29,7 +29,8 @@ constexpr int linear_tet = 4;
 class TextSource {
   public:
     TextSource(std::string_view bytes, const std::string& file)
-        : text_(bytes, file, 0) {}
+        : text_(bytes, file, 0)
+        , file_(file) {}
     /// The next word, which should be "$Name"; empty at the end.
     std::string_view section() { return text_.word(); }
     void skip_to(const std::string& end) {
@@ -46,10 +47,14 @@ class TextSource {
     double real(const char* what) { return text_.number(what); }
     long long line_number(const char* what) { return text_.integer(what); }
     std::size_t remaining() const { return text_.remaining(); }
+    /// Where the last word stood, and that as the begin of a message.
+    std::size_t place() const { return static_cast<std::size_t>(text_.line()); }
+    std::string where(std::size_t place) const { return file_ + ":" + std::to_string(place) + ": "; }
     [[noreturn]] void fail(const std::string& problem) const { text_.fail(problem); }
 
   private:
     TextScanner text_;
+    std::string file_;
 };
 
 /// The same file with numbers as bytes; section names and some counts stay words on lines of their own.
@@ -81,7 +86,7 @@ class BinarySource {
     }
     double real(const char* what) {
         const auto value = raw<double>(what);
-        if (!std::isfinite(value)) throw Error("FE202", where() + std::string(what) + " is not finite");
+        if (!std::isfinite(value)) throw Error("FE202", where(at_) + std::string(what) + " is not finite");
         return value;
     }
     /// A number that stands as text on a line.
@@ -90,11 +95,12 @@ class BinarySource {
         return TextScanner(text, file_, 0).to_integer(text, what);
     }
     std::size_t remaining() const { return bytes_.size() - at_; }
-    [[noreturn]] void fail(const std::string& problem) const { throw Error("IO403", where() + problem); }
+    std::size_t place() const { return at_; }
+    std::string where(std::size_t place) const { return file_ + ": byte " + std::to_string(place) + ": "; }
+    [[noreturn]] void fail(const std::string& problem) const { throw Error("IO403", where(at_) + problem); }
 
   private:
     static bool is_space(char c) { return c == '\n' || c == '\r' || c == ' ' || c == '\t'; }
-    std::string where() const { return file_ + ": byte " + std::to_string(at_) + ": "; }
     std::string_view line() {
         const std::size_t first = at_, end = std::min(bytes_.find('\n', at_), bytes_.size());
         at_ = std::min(end + 1, bytes_.size());
@@ -156,8 +162,8 @@ class GmshReader {
             for (std::size_t k = 0; k < 4; ++k) {
                 const auto found = vertex_.find(tags[k]);
                 if (found == vertex_.end())
-                    throw Error("FE203", file + ": tet " + std::to_string(tets.size()) + " uses node " +
-                                             std::to_string(tags[k]) + ", which the file does not have");
+                    throw Error("FE203", in_.where(tet_places_[tets.size()]) + "tet " + std::to_string(tets.size()) +
+                                             " uses node " + std::to_string(tags[k]) + ", which the file does not have");
                 t[k] = found->second;
             }
             tets.push_back(t);
@@ -223,7 +229,9 @@ class GmshReader {
             const long long tag = next();
             if (k < 4) tags[static_cast<std::size_t>(k)] = tag;
         }
-        if (kind == linear_tet) tet_tags_.push_back(tags);
+        if (kind != linear_tet) return;
+        tet_tags_.push_back(tags);
+        tet_places_.push_back(in_.place());
     }
 
     void read_elements() {
@@ -289,6 +297,7 @@ class GmshReader {
     Points points_;
     std::unordered_map<long long, int> vertex_; ///< by node number
     std::vector<std::array<long long, 4>> tet_tags_;
+    std::vector<std::size_t> tet_places_; ///< where the last node of each stands
 };
 
 } // namespace

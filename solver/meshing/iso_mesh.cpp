@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <numeric>
 
 namespace sinew::solver {
 namespace {
@@ -191,6 +192,48 @@ std::vector<int> lost_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
     return lost;
 }
 
+/// Components of which crumbs alone were meshed: where two sides of the level set are much closer to each other than
+/// triangles are wide, the mesher sees neither.
+std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutput& mesh, double size) {
+    std::vector<int> parent(mesh.points.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int v) {
+        while (parent[static_cast<std::size_t>(v)] != v)
+            v = parent[static_cast<std::size_t>(v)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(v)])];
+        return v;
+    };
+    for (const Triangle& t : mesh.triangles)
+        for (int k = 1; k < 3; ++k) parent[static_cast<std::size_t>(root(t[static_cast<std::size_t>(k)]))] = root(t[0]);
+    std::vector<int> component(mesh.points.size(), -1); // of each root
+    for (std::size_t s = 0; s < seeds.points.size(); ++s)
+        if (const int v = mesh.vertex_of_seed[s]; v >= 0) component[static_cast<std::size_t>(root(v))] = seeds.component[s];
+    std::vector<double> areas(seeds.areas.size(), 0.0);
+    for (const Triangle& t : mesh.triangles) {
+        const int c = component[static_cast<std::size_t>(root(t[0]))];
+        const Vec3& p = mesh.points[static_cast<std::size_t>(t[0])];
+        if (c >= 0)
+            areas[static_cast<std::size_t>(c)] += 0.5 * (mesh.points[static_cast<std::size_t>(t[1])] - p)
+                                                            .cross(mesh.points[static_cast<std::size_t>(t[2])] - p)
+                                                            .norm();
+    }
+    // The seeds' estimate of an area is 0.65 to 1 of it. Components of a few triangles may be rough.
+    std::vector<int> torn;
+    for (std::size_t c = 0; c < areas.size(); ++c)
+        if (seeds.areas[c] > 10 * size * size && areas[c] > 0 && areas[c] < 0.4 * seeds.areas[c])
+            torn.push_back(static_cast<int>(c));
+    return torn;
+}
+
+[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame) {
+    std::size_t first = 0;
+    while (seeds.component[first] != torn.front()) ++first;
+    const Vec3 place = frame.out(seeds.points[first]);
+    throw Error("FE231",
+                "the surface near (" + short_number(place.x()) + ", " + short_number(place.y()) + ", " +
+                    short_number(place.z()) + ") is a sheet too thin for the triangles: crumbs of it would be left",
+                "Give an isoValue above 0 so that it gets a thickness, a smaller triangleSize, or a higher resolution.");
+}
+
 void check_count(double area, double size) {
     constexpr double most = 2e7;
     const double triangles = area / (size * size * std::sqrt(3.0) / 4);
@@ -265,12 +308,14 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
         seeds = make_iso_seeds(grid, size, finer, watch.part(0, 1));
         watch.check();
         SurfaceMesherOutput out = run_mesher(grid, seeds, size, options.is_manifold, frame, watch);
-        const std::vector<int> lost = lost_components(seeds, out);
+        const std::vector<int> lost = lost_components(seeds, out), torn = torn_components(seeds, out, size);
         mesh.points = std::move(out.points);
         mesh.triangles = std::move(out.triangles);
         mesh.lost = lost.size();
-        if (lost.empty()) break;
+        if (lost.empty() && torn.empty()) break;
         for (const int c : lost) ++finer[static_cast<std::size_t>(c)];
+        for (const int c : torn) ++finer[static_cast<std::size_t>(c)];
+        if (attempt + 1 == attempts && !torn.empty()) refuse_torn(seeds, torn, frame);
     }
     if (mesh.triangles.empty())
         throw Error("FE231",

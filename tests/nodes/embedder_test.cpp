@@ -3,6 +3,7 @@
 #include "bench.h"
 
 #include "engine/registry.h"
+#include "solver/element/quadratic_tets.h"
 
 using namespace bench;
 
@@ -32,7 +33,12 @@ std::shared_ptr<const engine::Registry> registry_with_affine() {
     type.compute = [](const engine::Reads& in, engine::Writes& out) {
         const nodes::Body& b = in[body_in];
         const auto& t = *std::get<std::shared_ptr<const solver::TissueRest>>(b.rest->data);
-        out.set(solved_out, nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}, {}});
+        solver::Points midpoints;
+        if (t.element == solver::ElementKind::quadratic)
+            for (const auto& edge : solver::edges_of(t.tets.tets))
+                midpoints.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(edge[0])] +
+                                           t.tets.vertices[static_cast<std::size_t>(edge[1])]));
+        out.set(solved_out, nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}, {affine(midpoints)}});
     };
     registry->add(std::move(type));
     return registry;
@@ -90,4 +96,72 @@ TEST_CASE("an embedder refuses bones and bodies of other solvers", "[nodes]") {
         "b": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "bone.outBody"}}})");
     CHECK(codes([&] { s.pull("e", "outMeshes"); }) == Codes{"FE209"});
     CHECK(codes([&] { s.pull("b", "outMeshes"); }) == Codes{"FE218"});
+}
+
+TEST_CASE("a tissue's collision surface follows an affine motion exactly, with linear and quadratic tets", "[nodes]") {
+    for (const std::string element : {"linear", "quadratic"}) {
+        const std::string text = R"({"format": "sinew 1", "nodes": {)" + scene +
+                                 R"(, "tets": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}, "element": ")" + element + R"("}},
+            "shell": {"type": "polySphere", "inputs": {"radius": 2.1, "subdivisionsAxis": 9, "subdivisionsHeight": 7}},
+            "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "tets": {"from": "tets.outTets"},
+                  "materials": [{"from": "flesh.outMaterial"}], "collisionShape": {"from": "shell.outMesh"}}},
+            "a": {"type": "affine", "inputs": {"body": {"from": "s.outBody"}}},
+            "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "a.outSolved"}, "body": {"from": "s.outBody"}}},
+            "without": {"type": "zEmbedder", "inputs": {"solved": {"from": "b.outSolved"}, "body": {"from": "t.outBody"}}},
+            "b": {"type": "affine", "inputs": {"body": {"from": "t.outBody"}}}}})";
+        const auto graph = engine::read_graph(registry_with_affine(), text, "test.json").graph;
+        Counter counter;
+        engine::Evaluator evaluator({}, 1, &counter);
+        const auto list = [&](const char* node) {
+            return evaluator.pull({graph, {node, "outCollisionMeshes"}, 1}).as<nodes::MeshList>();
+        };
+        const auto shell = evaluator.pull({graph, {"shell", "outMesh"}, 1}).as<nodes::Mesh>();
+        REQUIRE(list("e").meshes.size() == 1);
+        CHECK(list("e").meshes[0].topology->digest == shell.topology->digest);
+        CHECK(largest_difference(*list("e").meshes[0].points, affine(*shell.points)) < 1e-10);
+        CHECK(list("without").meshes.empty());
+        CHECK(counter.warnings.empty());
+    }
+}
+
+TEST_CASE("another collision surface simulates nothing again, and what rides is the new one", "[nodes]") {
+    Session s(scene + R"(, "shell": {"type": "polySphere", "inputs": {"radius": 2.1, "subdivisionsAxis": 9}},
+        "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "s.outBody"}]}},
+        "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "s.outBody"}}})");
+    const auto collision = [&] { return s.get<nodes::MeshList>("e", "outCollisionMeshes", 4).meshes; };
+    REQUIRE(collision().empty());
+    const engine::Digest bodies = s.pull("solver", "outMeshes", 4).digest();
+    REQUIRE(s.counter.steps["solver"] == 4);
+    s.set("s", "collisionShape", R"({"from": "shell.outMesh"})");
+    REQUIRE(collision().size() == 1);
+    const auto first = *collision()[0].points;
+    s.set("shell", "radius", "1.5");
+    CHECK(collision()[0].points->size() == first.size());
+    CHECK(largest_difference(*collision()[0].points, first) == Approx(0.6).margin(0.05));
+    CHECK(s.counter.steps["solver"] == 4);
+    CHECK(s.pull("solver", "outMeshes", 4).digest() == bodies);
+}
+
+TEST_CASE("collision surfaces that cannot ride are refused at their input, and far vertices are warned of", "[nodes]") {
+    const auto with = [](const std::string& shape) {
+        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + shape + R"(}},
+            "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}],
+                  "collisionShape": {"from": "place.outMesh"}}})";
+    };
+    std::string text;
+    CHECK(codes(with(R"("translate": [50, 0, 0])"), "s", "outBody", &text) == Codes{"FE239"});
+    CHECK(text.find("collisionShape") != std::string::npos);
+    CHECK(codes(scene + R"(, "nothing": {"type": "transform"},
+            "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}],
+                  "collisionShape": {"from": "nothing.outMesh"}}})", "s", "outBody", &text) == Codes{"FE201"});
+    CHECK(text.find("collisionShape") != std::string::npos);
+    Session wide(with(R"("scale": [4, 1, 1])"));
+    wide.pull("s", "outBody");
+    REQUIRE(wide.counter.warnings.size() == 1);
+    CHECK(wide.counter.warnings[0].code == "FE239");
+    CHECK(wide.counter.warnings[0].attribute == "collisionShape");
+    Session near(with(R"("scale": [1.1, 1.1, 1.1])"));
+    near.pull("s", "outBody");
+    CHECK(near.counter.warnings.empty());
 }

@@ -119,6 +119,41 @@ TEST_CASE("check --meshes lists the meshes of a graph and warns of features that
     CHECK(has(both.err, "--fast"));
 }
 
+TEST_CASE("check --meshes warns of each feature that a flaw switches off, and of nothing else", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string open = write(folder, "open.obj", cube(1)),
+                      // A second cube that reaches through a side of the first.
+        crossing = write(folder, "crossing.obj",
+                         cube(0) + "v 0.5 0.3 0.3\nv 1.5 0.3 0.3\nv 1.5 0.7 0.3\nv 0.5 0.7 0.3\nv 0.5 0.3 0.7\nv 1.5 0.3 0.7\n"
+                                   "v 1.5 0.7 0.7\nv 0.5 0.7 0.7\nf 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\n"
+                                   "f 11 12 16 15\nf 12 9 13 16\n"),
+        whole = write(folder, "whole.obj", cube(0));
+    const auto warned = [&](const std::string& file, const std::string& type, const std::string& input, json more) {
+        json graph = small_graph();
+        graph["nodes"]["file"] = {{"type", "meshFile"}, {"inputs", {{"file", file}}}};
+        if (type == "zTissue")
+            graph["nodes"]["block"]["inputs"][input] = {{"from", "file.outMesh"}};
+        else {
+            more[input] = {{"from", "file.outMesh"}};
+            graph["nodes"]["x"] = {{"type", type}, {"inputs", more}};
+        }
+        int found = 0;
+        for (const json& line : run_program({"check", write_graph(folder, graph), "--meshes", "--json"}).lines())
+            found += line.at("event") == "diagnostic" && line.at("code") == "FE238" && line.at("attribute") == input;
+        return found;
+    };
+    const json cavities = {{"fillInterior", "EmptyCavities"}}, near = {{"mode", "near"}, {"mesh", {{"from", "blockMesh.outMesh"}}}};
+    CHECK(warned(crossing, "zTet", "mesh", cavities) == 1);
+    CHECK(warned(crossing, "zTet", "mesh", json::object()) == 0); // parts that cross are one
+    CHECK(warned(whole, "zTet", "mesh", cavities) == 0);
+    CHECK(warned(open, "zTet", "mesh", json::object()) == 1);
+    CHECK(warned(open, "zTissue", "mesh", {}) == 1);
+    CHECK(warned(open, "zTissue", "collisionShape", {}) == 1);
+    CHECK(warned(whole, "zTissue", "collisionShape", {}) == 0);
+    CHECK(warned(open, "weights", "otherMesh", near) == 1);
+    CHECK(warned(whole, "weights", "otherMesh", near) == 0);
+}
+
 TEST_CASE("check names parts that are inside out, tets that repeat and tets that are flat", "[tools]") {
     const TemporaryFolder folder;
     const auto flaws = [&](const std::string& name, const std::string& text) {

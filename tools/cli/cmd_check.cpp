@@ -45,7 +45,7 @@ ExitCode check(const Invocation& in) {
     OpenGraph open = open_graph(in.arguments);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings;
-    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &warnings);
     const auto failures = engine::remember_failures();
     if (!fast)
         for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop, failures))
@@ -88,6 +88,8 @@ Command check_command() {
          {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
          {"--set", "NODE.ATTR=JSON", "give an input another value", true},
          {"--threads", "N", "default: all cores", false, 'j'},
+         cache_flag,
+         no_cache_flag,
          {"--json", "", "one JSON object a line instead of text"}},
         "sinew check graphs/scenes/arm.json\n"
         "sinew check graphs/scenes/arm.json --meshes",

@@ -29,7 +29,7 @@ ExitCode evaluate(const Invocation& in) {
     const engine::Plug plug = parse_plug(*open.graph, in.arguments.operand(1).value());
     const double frame = frame_of(in.arguments, open.graph->timing().start);
     WarningCollector warnings;
-    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &warnings);
     const engine::Value value = evaluator.pull({open.graph, plug, frame, in.stop});
     print_diagnostics(warnings.take(), json, in.out, in.err);
 
@@ -63,6 +63,8 @@ Command eval_command() {
             {{"--frame", "N", "default: the graph's first frame"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--threads", "N", "default: all cores", false, 'j'},
+             cache_flag,
+             no_cache_flag,
              {"--json", "", "one JSON object instead of text"}},
             "sinew eval graphs/scenes/arm.json solver.outMeshes --frame 24",
             evaluate};

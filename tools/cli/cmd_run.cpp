@@ -102,7 +102,7 @@ class Run {
         , plan_(std::move(plan))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), static_cast<int>(plan_.frames.size()), in.out, in.err)
-        , evaluator_({}, in.arguments.whole_number("--threads", 0, 1), &progress_)
+        , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(),
                   plan_.graph->timing().fps, scene_axes(*plan_.graph, plan_.needed)) {
         report_.graph = in.arguments.operand(0).value();
@@ -305,6 +305,8 @@ Command run_command() {
              {"--format", "glb,obj,ply",
               "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
+             cache_flag,
+             no_cache_flag,
              {"--report", "FILE", "write times, convergence and sizes of every frame as JSON"},
              {"--open", "", "also write DIR/view.html, a page that plays the run, and say where it is"},
              {"--json", "", "one JSON object a line instead of text"},

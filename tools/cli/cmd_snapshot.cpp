@@ -82,7 +82,7 @@ Album album_of_graph(const Invocation& in) {
         all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
     WarningCollector warnings;
-    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &warnings);
     viewer::Evaluation e;
     e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
     e.shown = {plug};
@@ -239,7 +239,9 @@ Command snapshot_command() {
          {"--smooth", "N", "samples along each side of a pixel; default: 3"},
          {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
-         {"--threads", "N", "graphs: default: all cores", false, 'j'}},
+         {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         cache_flag,
+         no_cache_flag},
         "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
         "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",
         snapshot};

@@ -70,7 +70,7 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
     Progress progress(style, static_cast<int>(e.frames.size()), in.out, in.err);
-    engine::Evaluator evaluator({}, in.arguments.whole_number("--threads", 0, 1), &progress);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &progress);
     const auto needed = upstream_of(*open.graph, shown);
     if (auto problems = find_problems(open.graph, evaluator, needed, in.stop); has_error(problems))
         throw engine::Failure(std::move(problems));
@@ -151,6 +151,8 @@ Command view_command() {
               "above this size of positions, before compression, frames are thinned out; default: 256"},
              {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
              {"--threads", "N", "graphs: default: all cores", false, 'j'},
+             cache_flag,
+             no_cache_flag,
              {"--quiet", "", "print warnings and errors only", false, 'q'}},
             "sinew view graphs/scenes/arm.json -o out/arm.html\n"
             "sinew view out/arm",

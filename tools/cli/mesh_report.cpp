@@ -121,11 +121,23 @@ bool has_tets(const engine::NodeType& type) {
     });
 }
 
+bool keeps_cavities(const engine::Graph& graph, const std::string& tets) {
+    const auto& inputs = graph.find(tets)->inputs;
+    const auto fill = inputs.find("fillInterior");
+    const auto* word = fill == inputs.end() ? nullptr : std::get_if<engine::Value>(&fill->second);
+    return word && word->is<std::string>() && word->as<std::string>() == "EmptyCavities";
+}
+
 /// What the mesh at this input cannot do; empty if nothing.
 std::string what_is_off(const engine::Graph& graph, const std::string& node, const std::string& attribute,
                         const MeshCheck& check) {
-    if (check.is_closed()) return {};
     const std::string& type = graph.find(node)->type_name;
+    if (type == "zTet" && attribute == "mesh" && check.is_closed() && check.crossing_triangles && keeps_cavities(graph, node))
+        return "fillInterior EmptyCavities cannot tell a cavity there: surfaces that cross do not lie in each other, and "
+               "what they enclose is filled";
+    if (check.is_closed()) return {};
+    if (type == "zTissue" && attribute == "collisionShape")
+        return "it has no inside: it can stand for the tissue's surface as a sheet alone, not as a solid";
     if ((type == "zTissue" || type == "zTet") && attribute == "mesh")
         return "what is inside can only be guessed: small holes get lids, at large ones the border of the "
                "solid "
@@ -225,8 +237,10 @@ std::vector<engine::Diagnostic> features_off(const engine::Graph& graph,
                 const std::string off = what_is_off(graph, name, attribute, r.check);
                 if (off.empty()) continue;
                 engine::Diagnostic d = warning_at(graph, name, attribute);
-                d.message = r.name + " is not closed (" + flaws_as_text(r.check) + "), so " + off;
-                d.hint = "Close the mesh, or wrap it by zIsoMesh with isoValue > 0.";
+                const bool closed = r.check.is_closed();
+                d.message = r.name + (closed ? " crosses itself (" : " is not closed (") + flaws_as_text(r.check) + "), so " + off;
+                d.hint = closed ? "Take the crossing parts apart, or wrap them by zIsoMesh."
+                                : "Close the mesh, or wrap it by zIsoMesh with isoValue > 0.";
                 out.push_back(std::move(d));
             }
         }

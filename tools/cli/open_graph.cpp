@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -129,6 +130,16 @@ std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::
     return out;
 }
 
+engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph) {
+    if (arguments.has("--cache") && arguments.has("--no-cache"))
+        throw UsageError("--cache and --no-cache contradict each other.");
+    engine::StorePolicy policy;
+    if (arguments.has("--no-cache")) return policy;
+    const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
+    policy.disk_folder = arguments.value("--cache").value_or(beside.string());
+    return policy;
+}
+
 std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {
     std::vector<std::string> out;
     for (const std::string& name : nodes) {
@@ -164,7 +175,12 @@ SceneAxes scene_axes(const Graph& graph, const std::vector<std::string>& nodes) 
 std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::size_t count) {
     const Node* node = graph.find(plug.node);
     std::vector<BodyLabel> labels;
-    if (node && node->type)
+    const bool is_collision = plug.attribute == "outCollisionMeshes"; // of the body, not of the meshes that ride on it
+    if (node && is_collision && count == 1)
+        if (const auto body = node->inputs.find("body"); body != node->inputs.end())
+            for (const Plug& source : sources(body->second))
+                labels.push_back({file_name(source.node) + "_collision", kind_of_node(graph, source.node)});
+    if (node && node->type && !is_collision)
         for (const engine::AttributeInfo& input : node->type->inputs) {
             const auto it = node->inputs.find(input.name);
             if (input.kind != engine::AttributeKind::wire_list || it == node->inputs.end()) continue;

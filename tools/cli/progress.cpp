@@ -95,6 +95,8 @@ void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
+    // What is wrong with a mesh is said again by every frame that evaluates its node.
+    if (d.code.starts_with("FE2") && !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) return;
     if (bar_is_shown_) err_ << "\r\x1b[K";
     bar_is_shown_ = false;
     print_diagnostics({&d, 1}, style_ == ProgressStyle::json, out_, err_);

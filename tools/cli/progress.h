@@ -45,6 +45,7 @@ class Progress : public engine::Observer {
     mutable std::mutex mutex_;
     int frames_done_ = 0, current_ = 0, steps_ = 0, unconverged_ = 0;
     std::set<double> stepped_frames_;
+    std::set<std::string> told_; ///< warnings about meshes
     double seconds_done_ = 0;
     std::string last_step_;
     bool bar_is_shown_ = false;

@@ -119,6 +119,20 @@ TEST_CASE("a point outside goes to the nearest tet and keeps its place", "[mesh]
     REQUIRE(smallest(e.barycentric[2]) == Approx(-1));
 }
 
+TEST_CASE("points outside know how many widths of their tet they are away", "[mesh][embedding]") {
+    TetMesh mesh;
+    mesh.vertices = {{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}};
+    mesh.tets = {{0, 1, 2, 3}};
+    const double width = std::sqrt(8.0);
+    const std::vector<double> widths =
+        widths_outside(mesh, embed(mesh, {{0.5, 0.5, 0.5}, {0, 0, 0}, {0.5, 0.5, -3}, {-7, 0.1, 0.1}, {5, 5, 5}}));
+    REQUIRE(widths[0] == 0);
+    REQUIRE(widths[1] == 0);
+    REQUIRE(widths[2] == Approx(3 / width));
+    REQUIRE(widths[3] == Approx(7 / width));
+    REQUIRE(widths[4] == Approx(13 / std::sqrt(3.0) / width)); // to the slanted face, x + y + z = 2
+}
+
 TEST_CASE("embedding refuses meshes without tets and points that are not finite", "[mesh][embedding]") {
     TetMesh mesh;
     REQUIRE(embed(mesh, {}).size() == 0);

@@ -183,6 +183,25 @@ TEST_CASE("one painted point or one value makes a constant, exactly", "[mesh][ha
     for (double f : sphere.extend()) REQUIRE(f == 1.0 / 3);
 }
 
+TEST_CASE("vertices that only one point in a tet of no coverage holds leave the rest of the map as it is",
+          "[mesh][harmonic]") {
+    // Two tets that share an edge. The second has no stiffness, and one painted point cannot hold its two far vertices:
+    // but for rounding their part of the matrix is singular.
+    TetMesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 1, -1}};
+    mesh.tets = {{0, 1, 2, 3}, {1, 2, 4, 5}};
+    mesh.coverage = {1, 0};
+    for (int k = 1; k < 100; ++k) {
+        const double a = 0.001 * k, b = 0.37 - 0.002 * k;
+        const Embedding e{{0, 0, 0, 1}, {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0.2, a, b, 0.8 - a - b}}};
+        const std::vector<double> field = harmonic_extension(mesh, e, {1, 1, 1, 1}, {0, 1, 1, 0.5}, {1, 1, 1, 1});
+        CAPTURE(k);
+        REQUIRE(field[0] == Approx(0).margin(1e-6));
+        REQUIRE(field[1] == Approx(1).margin(1e-6));
+        for (const double f : field) REQUIRE((f >= 0 && f <= 1));
+    }
+}
+
 TEST_CASE("a part without paint takes the nearest painted value", "[mesh][harmonic]") {
     TetMesh mesh;
     mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3, 0, 0},

@@ -105,7 +105,7 @@ TEST_CASE("Gmsh: faces and lines are left out, other solids and broken files are
     CHECK(says(problem(elements2("1 11 2 0 0 1 2 3 4 1 2 3 4 1 2\n"), "a.msh"),
                "a.msh:13: elements of type 11 cannot be used"));
     CHECK(says(problem(elements2("1 77 0\n"), "a.msh"), "type 77 are not known"));
-    CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 9\n"), "a.msh", "FE203"), "node 9"));
+    CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 9\n"), "a.msh", "FE203"), "a.msh:13: tet 0 uses node 9"));
     CHECK(
         says(problem(elements2("1 4 2 0 0 1 2 3 4\n", 2), "a.msh"), "'$EndElements' is not a whole number"));
     CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 4\n2 4 2 0 0 1 2 3 4\n", 1), "a.msh"),

@@ -136,3 +136,18 @@ TEST_CASE("doubled faces have no inside: refused alone, without effect within ot
     CHECK(check_mesh(mesh.points, mesh.triangles).components == 1);
     CHECK(enclosed_volume(mesh.points, mesh.triangles) == Approx(1).epsilon(0.01));
 }
+
+TEST_CASE("a plate thinner than its triangles is meshed whole or refused, never left as crumbs", "[iso][limits]") {
+    const auto plate = [](double thickness) { return shape("plate", make_cube(1, thickness, 1, 1, 1, 1)); };
+    IsoMeshOptions o;
+    const IsoMesh thin = make_iso_mesh(plate(0.01).points, plate(0.01).triangles, o); // the triangles are 0.035 wide
+    double area = 0;
+    for (const Triangle& t : thin.triangles) {
+        const Vec3& a = thin.points[static_cast<std::size_t>(t[0])];
+        area += 0.5 * (thin.points[static_cast<std::size_t>(t[1])] - a).cross(thin.points[static_cast<std::size_t>(t[2])] - a).norm();
+    }
+    CHECK(area == Approx(2.04).epsilon(0.05));
+    CHECK(check_mesh(thin.points, thin.triangles).is_closed());
+    CHECK(refusal(plate(1e-6), 0, 0).code == "FE231");
+    CHECK(mesh_of(plate(1e-6), 0.02, 0).components == 1); // the way out that the message names
+}

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tools/cli/atomic_file.h"
+#include "engine/atomic_file.h"
 
 #include "engine/diagnostics.h"
 
@@ -11,18 +11,18 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace sinew::cli {
+namespace sinew::engine {
 
 namespace fs = std::filesystem;
 
 namespace {
 
 [[noreturn]] void fail(const fs::path& path, const std::string& reason) {
-    engine::Diagnostic d;
+    Diagnostic d;
     d.code = "IO405";
     d.message = "cannot write '" + path.string() + "': " + reason;
     d.hint = "check the folder's permissions and the free space";
-    throw engine::Failure(d);
+    throw Failure(d);
 }
 
 /// A file that is not yet in place. Closed, and removed where it has a name, unless it was moved into place.
@@ -121,4 +121,4 @@ void write_file(const fs::path& path_or_link, std::string_view bytes) {
     file.move_into_place();
 }
 
-} // namespace sinew::cli
+} // namespace sinew::engine

@@ -1,0 +1,36 @@
+// Bytes on disk under their keys: one file each, whole or not there, so that several processes may share a folder. Knows
+// neither nodes nor values; what is kept (outputs today) gives it a key and bytes.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/digest.h"
+
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace sinew::engine {
+
+/// Thread-safe. The folder is made when the first file is written.
+class DiskStore {
+  public:
+    explicit DiskStore(std::filesystem::path folder)
+        : folder_(std::move(folder)) {}
+    const std::filesystem::path& folder() const { return folder_; }
+    std::filesystem::path file_of(const Digest& key) const;
+
+    struct Found {
+        std::optional<std::vector<std::byte>> payload;
+        std::string fault; ///< a file is there and cannot be used: why. Without payload and fault there is none.
+    };
+    /// Checks mark, key, length and checksum.
+    Found read(const Digest& key) const;
+    /// Replaces what is there. Throws Failure IO405, and then what was there is untouched.
+    void write(const Digest& key, std::span<const std::byte> payload) const;
+
+  private:
+    std::filesystem::path folder_;
+};
+
+} // namespace sinew::engine

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/cholmod_threads.h"
+
+#include <omp.h>
+
+extern "C" void openblas_set_num_threads(int);
+
+namespace sinew::solver {
+
+std::mutex& analysis_mutex() {
+    static std::mutex mutex;
+    return mutex;
+}
+
+void use_one_blas_thread() { openblas_set_num_threads(1); }
+
+OneOpenMpThread::OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+
+OneOpenMpThread::~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
+
+} // namespace sinew::solver

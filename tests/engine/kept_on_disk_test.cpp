@@ -1,0 +1,119 @@
+// Outputs on disk: what a later process finds, what it is told, and which declarations are refused.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/registry.h"
+#include "tests/support/engine_toys.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <unistd.h>
+
+using namespace toys;
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Folder {
+    fs::path path = fs::temp_directory_path() / ("sinew-kept-" + std::to_string(getpid()));
+    Folder() { fs::remove_all(path); }
+    ~Folder() { fs::remove_all(path); }
+};
+
+const Input<bool> keep{.name = "keep", .def = false, .doc = "On disk.", .keyable = false, .affects = Affects::nothing};
+const Input<double> value{.name = "value", .def = 1, .doc = "A number."};
+const Output<double> out{.name = "out", .doc = "The number."};
+
+void write(const double& v, ByteWriter& w) { w.put(v); }
+double read(ByteReader& r) { return r.get<double>(); }
+double read_wrongly(ByteReader& r) { return r.get<double>() + 1; }
+
+NodeType keeper(int* computes) {
+    return {.name = "keeper",
+            .doc = "Passes on, and warns.",
+            .inputs = {describe(keep), describe(value)},
+            .outputs = {describe(out)},
+            .kept_when = keep.name,
+            .compute = [computes](const Reads& in, Writes& w) {
+                ++*computes;
+                in.warn(value.name, "FE208", "look at this", "or not");
+                w.set(out, in[value]);
+            }};
+}
+
+struct Visit {
+    int computes = 0;
+    double result = 0;
+    Watcher watcher;
+    Visit(const fs::path& folder, const std::string& name, double given, Codec codec = make_codec<double>(1, write, read),
+          bool kept = true) {
+        auto r = std::make_shared<Registry>();
+        r->add(std::move(codec));
+        r->add(keeper(&computes));
+        const auto g = graph(r, "\"" + name + R"(": {"type": "keeper", "inputs": {"keep": )" + (kept ? "true" : "false") +
+                                    R"(, "value": )" + std::to_string(given) + "}}");
+        StorePolicy policy;
+        policy.disk_folder = folder.string();
+        Evaluator e(policy, 1, &watcher);
+        result = number(e, g, {name, "out"}, 1);
+    }
+    std::string codes() const {
+        std::string all;
+        for (const Diagnostic& d : watcher.warnings) all += (all.empty() ? "" : " ") + d.code + "@" + d.node;
+        return all;
+    }
+};
+
+} // namespace
+
+TEST_CASE("what was kept is found under its key alone, with its warnings, under today's name") {
+    const Folder folder;
+    const Visit first(folder.path, "a", 2.5);
+    CHECK((first.computes == 1 && first.codes() == "FE208@a"));
+    const Visit second(folder.path, "b", 2.5);
+    CHECK((second.computes == 0 && second.result == 2.5));
+    CHECK(second.codes() == "FE208@b");
+    CHECK(second.watcher.warnings[0].hint == "or not");
+    CHECK(second.watcher.reused_count == 1);
+    CHECK(Visit(folder.path, "a", 3).computes == 1);
+    CHECK(Visit(folder.path, "a", 2.5, make_codec<double>(1, write, read), false).computes == 1); // off looks at nothing
+}
+
+TEST_CASE("values of another codec version, or that come back different, are made anew") {
+    const Folder folder;
+    CHECK(Visit(folder.path, "a", 2.5).computes == 1);
+    const Visit newer(folder.path, "a", 2.5, make_codec<double>(2, write, read));
+    CHECK((newer.computes == 1 && newer.codes() == "IO406@a FE208@a"));
+    const Visit wrong(folder.path, "a", 2.5, make_codec<double>(2, write, read_wrongly));
+    CHECK((wrong.computes == 1 && wrong.result == 2.5 && wrong.codes() == "IO406@a FE208@a"));
+}
+
+TEST_CASE("declarations of kept outputs that cannot work are refused") {
+    int computes = 0;
+    const auto refused = [&](NodeType type, bool with_codec, const std::string& why) {
+        Registry r;
+        if (with_codec) r.add(make_codec<double>(1, write, read));
+        CHECK_THROWS_WITH(r.add(std::move(type)), Catch::Contains(why));
+    };
+    refused(keeper(&computes), false, "no codec");
+    NodeType nameless = keeper(&computes);
+    nameless.kept_when = "nothing";
+    refused(nameless, true, "Input<bool>");
+    NodeType in_key = keeper(&computes);
+    in_key.inputs[0].affects = Affects::result;
+    refused(in_key, true, "affects nothing");
+    Registry r;
+    r.add(make_codec<double>(1, write, read));
+    CHECK_THROWS_WITH(r.add(make_codec<double>(1, write, read)), Catch::Contains("second codec"));
+}
+
+TEST_CASE("the switch that keeps outputs takes a plain value alone") {
+    int computes = 0;
+    auto r = std::make_shared<Registry>();
+    r->add(make_codec<double>(1, write, read));
+    r->add(keeper(&computes));
+    static const Output<bool> yes{.name = "yes", .doc = "True."};
+    r->add({.name = "truth", .doc = "True.", .outputs = {describe(yes)}, .compute = [](const Reads&, Writes& w) { w.set(yes, true); }});
+    CHECK(codes_of([&] {
+              graph(r, R"("t": {"type": "truth"}, "k": {"type": "keeper", "inputs": {"keep": {"from": "t.yes"}}})");
+          }) == "DG029");
+}
