@@ -3,6 +3,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/values.h"
 
+#include "nodes/simulation_state.h"
+
 #include <algorithm>
 
 namespace sinew::nodes {
@@ -52,11 +54,6 @@ void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_dige
 void add(Hasher& h, const solver::StepRecord& r) {
     h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps).add(r.halvings);
     h.add(r.energy).add(r.min_j).add(r.inverted).add(r.max_stretch);
-}
-
-void add(Hasher& h, const solver::Anchor& a) {
-    h.add(a.source_vertex).add(a.target_triangle).add(a.target_tet);
-    h.add_doubles(a.coordinates).add_doubles(a.offset).add(a.area_weight);
 }
 
 void add(Hasher& h, const SceneKey& k) {
@@ -249,23 +246,15 @@ void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& 
 std::size_t ValueTraits<nodes::FileContent>::bytes(const nodes::FileContent& v) { return v.bytes.size(); }
 
 void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::SimulationState& v) {
-    add(h, v.scene);
-    const solver::State& s = v.state;
-    h.add_doubles(s.x).add_doubles(s.v).add(static_cast<std::int64_t>(s.steps));
-    h.add(static_cast<std::uint64_t>(s.anchors.size()));
-    for (const auto& anchors : s.anchors) {
-        h.add(static_cast<std::uint64_t>(anchors.size()));
-        for (const solver::Anchor& a : anchors) add(h, a);
-    }
-    h.add(static_cast<std::uint64_t>(s.bones.size()));
-    for (const solver::Points& bone : s.bones) h.add_doubles(numbers(bone));
-    add(h, s.record);
+    h.add_bytes(nodes::save(v)); // all that the next frame reads, so that nothing can be forgotten here
 }
 std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
     const solver::State& s = v.state;
-    std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments);
+    std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
+                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
+    for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     return n;
 }
 

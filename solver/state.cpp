@@ -140,7 +140,7 @@ std::vector<std::byte> save(const State& s) {
     for (const auto& list : s.anchors) {
         w.put(static_cast<std::uint64_t>(list.size()));
         for (const Anchor& a : list) {
-            w.put(a.source_vertex), w.put(a.target_triangle), w.put(a.target_tet);
+            w.put(a.source_vertex), w.put(a.source_tet), w.put(a.source_coordinates), w.put(a.target_triangle), w.put(a.target_tet);
             w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
         }
     }
@@ -169,7 +169,7 @@ State load(std::span<const std::byte> bytes) {
     for (auto& list : s.anchors) {
         list.resize(r.get_count(sizeof(double)));
         for (Anchor& a : list) {
-            r.get(a.source_vertex), r.get(a.target_triangle), r.get(a.target_tet);
+            r.get(a.source_vertex), r.get(a.source_tet), r.get(a.source_coordinates), r.get(a.target_triangle), r.get(a.target_tet);
             r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
         }
     }

@@ -15,7 +15,9 @@ namespace sinew::solver {
 
 /// Where a source vertex holds on to its target, fixed at the start frame.
 struct Anchor {
-    int source_vertex = -1;
+    int source_vertex = -1;   ///< of the source's surface
+    int source_tet = -1;      ///< where the anchor holds the middle of a surface edge from that vertex: the tet it rides on
+    std::array<double, 4> source_coordinates{}; ///< barycentric in that tet
     int target_triangle = -1; ///< bones: the triangle that carries the anchor
     int target_tet = -1;      ///< tissues: the tet of the target body that carries the anchor
     std::array<double, 4> coordinates{}; ///< tissue: barycentric in the tet; bone: barycentric in the triangle, then 0

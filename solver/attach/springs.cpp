@@ -39,7 +39,9 @@ Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anc
             if (target) s.body[1] = attachments[a].target;
             if (source) {
                 const std::size_t v = static_cast<std::size_t>(anchor.source_vertex);
-                add_point(s, scene.embedded(attachments[a].source, source->embedding.tet[v], source->embedding.barycentric[v]), 1);
+                const bool on_edge = anchor.source_tet >= 0;
+                add_point(s, scene.embedded(attachments[a].source, on_edge ? anchor.source_tet : source->embedding.tet[v],
+                                            on_edge ? anchor.source_coordinates : source->embedding.barycentric[v]), 1);
             }
             if (target) add_point(s, scene.embedded(attachments[a].target, anchor.target_tet, anchor.coordinates), source ? -1 : 1);
             springs_.push_back(s);

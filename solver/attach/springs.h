@@ -15,7 +15,7 @@ namespace sinew::solver {
 struct Spring {
     int attachment = -1, anchor_index = -1;
     int count = 0;
-    int vertex[20];
+    int vertex[20]; ///< of two quadratic tets at most
     double coefficient[20];
     double area_weight = 0; ///< [m^2]
     int body[2] = {-1, -1}; ///< tissues at its ends

@@ -47,6 +47,8 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.x[2] = 4; }));
     CHECK(changed([](auto& s) { s.state.v[0] = 1e-300; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].source_vertex = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].source_tet = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].source_coordinates[1] = 1; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].target_triangle = 8; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].target_tet = 8; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].coordinates[3] = 1; }));
@@ -55,6 +57,14 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.anchors.emplace_back(); }));
     CHECK(changed([](auto& s) { s.state.bones[0][0].x() = 2; }));
     CHECK(changed([](auto& s) { s.state.steps = 5; }));
+    CHECK(changed([](auto& s) { s.state.linear.factor_steps_left = 5; }));
+    CHECK(changed([](auto& s) { s.state.history.step_size = 5; }));
+    CHECK(changed([](auto& s) { s.state.history.x = {1}; }));
+    CHECK(changed([](auto& s) { s.state.history.v = {1}; }));
+    CHECK(changed([](auto& s) { s.state.history.acceleration = {1}; }));
+    CHECK(changed([](auto& s) { s.state.history.bones = {{}}; }));
+    CHECK(changed([](auto& s) { s.state.history.values.emplace(); }));
+    CHECK(changed([](auto& s) { s.state.record.halvings = 1; }));
     CHECK(changed([](auto& s) { s.state.record.residual = 1; }));
     CHECK(changed([](auto& s) { s.state.record.converged = false; }));
     CHECK(changed([](auto& s) { s.state.record.newton_iterations = 1; }));

@@ -283,3 +283,57 @@ TEST_CASE("scrambled and mirrored free bodies come back to their rest shape") {
             CHECK(s.record.min_j > 0.999);
         }
 }
+
+TEST_CASE("quadratic tets glued to a bone are as stiff as clamped ones") {
+    const TetMesh mesh = box_mesh({0.3, 0.1, 0.1}, 3, 1, 1);
+    const auto at_end = [](const Vec3& p) { return p.x() < 1e-9; };
+    const auto sag = [&](bool glued) {
+        auto t = tissue(mesh, ElasticLaw::neo_hookean);
+        t->element = ElementKind::quadratic;
+        SceneDescription d;
+        d.bodies = {t};
+        StepInputs in = still_inputs();
+        in.integrator = Integrator::quasi_static;
+        in.gravity = Vec3(0, 0, -9.8);
+        in.max_newton_iterations = 40;
+        in.tolerance_factor = 1;
+        in.bodies = {material(1e5, 0.4)};
+        double area = 0;
+        if (glued) {
+            const Points wall{{0, -1, -1}, {0, 2, -1}, {0, 2, 2}, {0, -1, 2}};
+            d.bodies.push_back(bone(wall, {{0, 2, 1}, {0, 3, 2}}));
+            in.bodies.push_back(BoneInputs{wall});
+            AttachmentRest a;
+            a.source = 0, a.target = 1;
+            a.source_weights.assign(t->surface.size(), 0.0);
+            for (const int v : vertices_where(t->surface, at_end)) a.source_weights[static_cast<std::size_t>(v)] = 1;
+            d.attachments = {a};
+            in.attachments = {{1e10, 1, 0}};
+        } else {
+            Points nodes = mesh.vertices;
+            for (const auto& [a, b] : edges_of(mesh.tets))
+                nodes.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+            t->fixed_vertices = vertices_where(nodes, at_end);
+        }
+        const auto scene = std::make_shared<const Scene>(d);
+        State s = initial_state(*scene, in);
+        for (const auto& list : s.anchors)
+            for (const Anchor& a : list) area += a.area_weight;
+        if (glued) {
+            // A third of every triangle goes to each of its painted corners: the face, and a third or two of its neighbours.
+            double painted = 0;
+            for (const Triangle& tri : t->triangles) {
+                const auto corner = [&](int i) { return t->surface[static_cast<std::size_t>(tri[static_cast<std::size_t>(i)])]; };
+                const double size = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
+                for (int i = 0; i < 3; ++i) painted += at_end(corner(i)) ? size / 3 : 0;
+            }
+            CHECK(area == Approx(painted));
+        }
+        Workspace w(scene);
+        s = settle(w, s, in);
+        return position(s, static_cast<int>(mesh.vertices.size()) - 1).z() - 0.1;
+    };
+    const double clamped = sag(false);
+    CHECK(clamped < -0.02);
+    CHECK(sag(true) == Approx(clamped).epsilon(2e-3)); // with the vertices alone 37 % too much
+}

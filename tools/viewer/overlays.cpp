@@ -96,6 +96,7 @@ ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const n
     ViewAttachment out;
     const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&target.data);
     for (const solver::Anchor& anchor : anchors) {
+        if (anchor.source_tet >= 0) continue; // the middle of an edge: the ends are drawn
         ViewAnchor view;
         view.source_vertex = anchor.source_vertex;
         if (tissue && anchor.target_tet >= 0) {
