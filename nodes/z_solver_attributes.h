@@ -70,8 +70,9 @@ inline const Input<std::int64_t> max_newton_iterations{
     .def = 10,
     .limits = {.min = 1, .max = 100000},
     .doc =
-        "Upper bound of Newton iterations per step; a step stops earlier when it has converged, and one that "
-        "has not is reported.",
+        "Upper bound of Newton iterations per solve; a step stops earlier when it has converged, and one that has not is "
+        "reported. A step is one solve, two with TR-BDF2, and one more for each tenfold tightening where volumeConservation "
+        "holds it up.",
 };
 inline const Input<std::int64_t> step_halvings{
     .name = "stepHalvings",

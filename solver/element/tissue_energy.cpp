@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <limits>
 #include <string>
 
 namespace sinew::solver {
@@ -78,6 +79,9 @@ struct TissueEnergy::Patches {
 };
 
 TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.system()) {
+    if (system_.hessian_size > static_cast<std::size_t>(std::numeric_limits<int>::max() / 2))
+        throw Error("FE302", "the tets have more stiffness entries than can be numbered, " + std::to_string(system_.hessian_size),
+                    "stay below 2.1 million quadratic or 11 million linear tets");
     const std::size_t n = system_.tissues.size();
     inputs_.resize(n);
     has_means_.assign(n, 0);
