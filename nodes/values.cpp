@@ -251,7 +251,7 @@ void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::Simulatio
 std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
     const solver::State& s = v.state;
     std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
-                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
+                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration) + size_of(s.history.strain_rate);
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);

@@ -119,8 +119,10 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         if (t->law == ElasticLaw::anisotropic) batches.anisotropy = make_anisotropy(*t, corners.size());
         batches.first_gradient = system->gradient_size;
         batches.first_hessian = system->hessian_size;
+        batches.first_strain = system->strain_size;
         system->gradient_size = batches.gradient_at(batches.batch_count);
         system->hessian_size = batches.hessian_at(batches.batch_count);
+        system->strain_size = batches.strain_at(batches.batch_count);
         if (system->hessian_size > most_entries)
             refuse(body, "FE210", "the tets up to this body take " + std::to_string(system->hessian_size) +
                                       " stiffness entries; " + std::to_string(most_entries) + " can be numbered",

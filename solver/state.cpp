@@ -133,7 +133,7 @@ std::vector<std::byte> save(const State& s) {
     w.put_all(s.x);
     w.put_all(s.v);
     w.put(s.history.step_size);
-    w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
+    w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration), w.put_all(s.history.strain_rate);
     put_bones(w, s.history.bones);
     put_values(w, s.history.values);
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
@@ -162,7 +162,7 @@ State load(std::span<const std::byte> bytes) {
     r.get_all(s.x);
     r.get_all(s.v);
     r.get(s.history.step_size);
-    r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
+    r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration), r.get_all(s.history.strain_rate);
     get_bones(r, s.history.bones);
     get_values(r, s.history.values);
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));

@@ -46,6 +46,7 @@ struct History {
     std::vector<double> x, v;  ///< at the start of the last step
     std::vector<Points> bones; ///< likewise, per body
     std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
+    std::vector<double> strain_rate;  ///< likewise of all points, in the order of the elements [1/s]; empty = not known
     std::optional<StepInputs> values; ///< that the last step ended with, as copy_values leaves them
 };
 

@@ -19,7 +19,7 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    std::vector<double> x, v, x_gamma, v_gamma, acceleration;
+    std::vector<double> x, v, x_gamma, v_gamma, acceleration, strain_rate;
     std::vector<Points> bones; ///< at the end of the step
     StepInputs between;        ///< values within it
     explicit Impl(const Scene& scene) : potential(scene) {}
@@ -131,7 +131,11 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     update_velocity(impl.form, impl.x, impl.v);
     // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
     impl.acceleration.clear();
-    if (in.integrator == Integrator::tr_bdf2 && record.converged) implied_acceleration(impl.form, impl.x, impl.acceleration);
+    impl.strain_rate.clear();
+    if (in.integrator == Integrator::tr_bdf2 && record.converged) {
+        implied_acceleration(impl.form, impl.x, impl.acceleration);
+        impl.potential.strain_rates(impl.x, impl.strain_rate);
+    }
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep) {
         s.history.step_size = h;
@@ -139,6 +143,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         s.history.v.swap(s.v);
         s.history.bones.swap(s.bones);
         s.history.acceleration.swap(impl.acceleration);
+        s.history.strain_rate.swap(impl.strain_rate);
         if (in.integrator == Integrator::tr_bdf2) {
             if (!s.history.values) s.history.values.emplace();
             copy_values(in, *s.history.values);

@@ -20,10 +20,12 @@ struct TissueBatches {
     std::vector<Anisotropy> anisotropy;          ///< per batch for that law: directions, root 1
 
     int nodes() const { return kind == ElementKind::linear ? 4 : quadratic_nodes; }
+    int points() const { return kind == ElementKind::linear ? 1 : quadratic_points; }
     int pairs() const { return kind == ElementKind::linear ? 10 : quadratic_pairs; }
     /// Where the entries of batch i of this tissue start, in doubles, among those of all elements.
-    std::size_t first_gradient = 0, first_hessian = 0;
+    std::size_t first_gradient = 0, first_hessian = 0, first_strain = 0;
     std::size_t gradient_at(std::size_t i) const { return first_gradient + i * static_cast<std::size_t>(nodes() * 3 * lanes); }
+    std::size_t strain_at(std::size_t i) const { return first_strain + i * static_cast<std::size_t>(points() * solver::strain_size); }
     std::size_t hessian_at(std::size_t i) const { return first_hessian + i * static_cast<std::size_t>(pairs() * 9 * lanes); }
 };
 
@@ -31,7 +33,7 @@ struct Scene::System {
     std::vector<TetBatch> batches;
     std::vector<EdgeBatch> edge_batches;
     std::vector<TissueBatches> tissues;
-    std::size_t gradient_size = 0, hessian_size = 0; ///< doubles that all elements' entries take
+    std::size_t gradient_size = 0, hessian_size = 0, strain_size = 0; ///< doubles that all elements' entries take
     std::vector<int> unknown;           ///< per vertex: its row among the unknowns; -1 if it is held fixed
     std::vector<int> vertex_of_unknown; ///< the inverse
     std::vector<double> rest;           ///< rest positions, 3 a vertex [m]

@@ -7,7 +7,6 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr int point_count = 4;
 /// Barycentric coordinates of the integration points of degree 2: near at one corner, far at the others.
 constexpr double near_corner = 0.58541019662496852, far_corner = 0.13819660112501051;
 
@@ -77,7 +76,7 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
         for (int n = 0; n < quadratic_nodes; ++n)
             for (int c = 0; c < 3; ++c) out.d_measure[n][c] = out.d_j[n][c] = Pack(0.0);
     const bool with_measure = in.law != ElasticLaw::anisotropic;
-    for (int point = 0; point < point_count; ++point) {
+    for (int point = 0; point < quadratic_points; ++point) {
         PointMeasures m;
         m.measure = Pack(0.0);
         point_measures(in.law, in.batch, corners_at(integration_point(point), nodes), with_measure, m);
@@ -120,7 +119,7 @@ void quadratic_shape(const double* b, double* values) {
 void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference, double* out) {
     const auto nodes = [&](const std::vector<double>* x) { return x ? nodes_of(batch, edges, x->data()) : Nodes{}; };
     const Nodes x = nodes(reference.x), between = nodes(reference.x_between), v = nodes(reference.v);
-    for (int point = 0; point < point_count; ++point) {
+    for (int point = 0; point < quadratic_points; ++point) {
         const Place place = integration_point(point);
         reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v), out + point * strain_size);
     }
@@ -142,7 +141,7 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
     Pack sum[quadratic_nodes][3];
     for (auto& node : sum)
         for (Pack& c : node) c = Pack(0.0);
-    for (int point = 0; point < point_count; ++point) {
+    for (int point = 0; point < quadratic_points; ++point) {
         double force[4 * 3 * lanes];
         if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
         ElementSummary s;
@@ -186,7 +185,7 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
                         sum[pair][3 * r + c] += by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
     }
     constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    for (int point = 0; point < point_count; ++point) {
+    for (int point = 0; point < quadratic_points; ++point) {
         alignas(64) double blocks[10 * 9 * lanes];
         if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
         point_hessian(at_point, corners_at(integration_point(point), nodes), project, blocks);

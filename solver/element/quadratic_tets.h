@@ -8,7 +8,7 @@
 
 namespace sinew::solver {
 
-inline constexpr int quadratic_nodes = 10, quadratic_pairs = 55;
+inline constexpr int quadratic_nodes = 10, quadratic_pairs = 55, quadratic_points = 4;
 /// Corners that each edge joins; node 4 + e lies in its middle.
 inline constexpr int tet_edge_corners[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
 

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
-#include <limits>
+#include <stdexcept>
 #include <string>
 
 namespace sinew::solver {
@@ -79,9 +79,6 @@ struct TissueEnergy::Patches {
 };
 
 TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.system()) {
-    if (system_.hessian_size > static_cast<std::size_t>(std::numeric_limits<int>::max() / 2))
-        throw Error("FE302", "the tets have more stiffness entries than can be numbered, " + std::to_string(system_.hessian_size),
-                    "stay below 2.1 million quadratic or 11 million linear tets");
     const std::size_t n = system_.tissues.size();
     inputs_.resize(n);
     has_means_.assign(n, 0);
@@ -300,7 +297,7 @@ PointInputs TissueEnergy::point_inputs(std::size_t t, std::size_t i) const {
     if (!anisotropy_[t].empty()) in.anisotropy = &anisotropy_[t][i];
     if (damping_share_ > 0) {
         in.viscosity = damping_share_;
-        in.reference_strain = reference_strains_.data() + batches.gradient_at(i);
+        in.reference_strain = reference_strains_.data() + batches.strain_at(i);
     }
     if (active_count_[t]) in.fibers = std::span(fibers_[t]).subspan(i * active_count_[t], active_count_[t]);
     return in;
@@ -308,17 +305,30 @@ PointInputs TissueEnergy::point_inputs(std::size_t t, std::size_t i) const {
 
 void TissueEnergy::set_damping(double share, const StrainReference& reference) {
     damping_share_ = share;
-    if (!(share > 0)) return;
-    static_assert(strain_size <= 4 * 3 * lanes && 4 * strain_size <= quadratic_nodes * 3 * lanes);
-    reference_strains_.resize(system_.gradient_size);
+    if (share > 0) set_strains_of(reference, reference_strains_);
+}
+
+void TissueEnergy::strain_rates(const std::vector<double>& x, double velocity_factor, std::vector<double>& out) const {
+    set_strains_of({.x = &x}, out);
+    parallel_for(out.size(), 8192, [&](std::size_t i) { out[i] = velocity_factor * (out[i] - reference_strains_[i]); });
+}
+
+void TissueEnergy::set_strains_of(const StrainReference& reference, std::vector<double>& strains) const {
+    strains.resize(system_.strain_size);
+    if (reference.known_rate && reference.known_rate->size() != system_.strain_size)
+        throw std::logic_error("rates of strain of another scene");
     for (const TissueBatches& batches : system_.tissues)
         parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
             const TetBatch& batch = system_.batches[batches.first_batch + i];
-            double* out = reference_strains_.data() + batches.gradient_at(i);
-            if (batches.kind == ElementKind::quadratic)
-                return quadratic_reference_strain(batch, system_.edge_batches[batches.first_edge_batch + i], reference, out);
+            double* out = strains.data() + batches.strain_at(i);
             const auto corners = [&](const std::vector<double>* x) { return x ? corners_of(batch, x->data()) : Corners{}; };
-            reference_strain(batch, reference, corners(reference.x), corners(reference.x_between), corners(reference.v), out);
+            if (batches.kind == ElementKind::quadratic)
+                quadratic_reference_strain(batch, system_.edge_batches[batches.first_edge_batch + i], reference, out);
+            else
+                reference_strain(batch, reference, corners(reference.x), corners(reference.x_between), corners(reference.v), out);
+            if (!reference.known_rate) return;
+            const double* rate = reference.known_rate->data() + batches.strain_at(i);
+            for (int k = 0; k < batches.points() * strain_size; ++k) out[k] += reference.rate * rate[k];
         });
 }
 

@@ -34,6 +34,8 @@ class TissueEnergy {
     /// Damping of the coming stage: `share` times the laws' small-strain stiffness acts on E - E_ref; 0 = none. What acts on
     /// means and patches is left out.
     void set_damping(double share, const StrainReference& reference);
+    /// The rates of strain at the end of the stage, at x: velocity_factor (E(x) - E_ref), by points, with set_damping's E_ref.
+    void strain_rates(const std::vector<double>& x, double velocity_factor, std::vector<double>& out) const;
     /// Energy at x (3 a vertex) [J], damping included; keeps the gradient for the functions below.
     double evaluate(const std::vector<double>& x);
     /// Adds the gradient of the last evaluation at one unknown to g[3] [N].
@@ -64,6 +66,7 @@ class TissueEnergy {
     struct Patches; // of one tissue
     void set_materials(std::size_t tissue, const TissueInputs& in);
     void set_scales();
+    void set_strains_of(const StrainReference& reference, std::vector<double>& strains) const;
     PointInputs point_inputs(std::size_t tissue, std::size_t i) const;
     double set_patch_pressures(std::size_t tissue, const std::vector<double>& x);
     void set_patch_gradients(std::size_t tissue, const std::vector<double>& x);
@@ -81,7 +84,7 @@ class TissueEnergy {
     std::vector<double> tet_mass_; ///< per slot of all batches [kg]
     MassMatrix mass_;
     double damping_share_ = 0;
-    std::vector<double> reference_strains_; ///< where a batch's gradient stands, from there; empty without damping
+    std::vector<double> reference_strains_; ///< of every point; empty without damping
     int volume_levels_ = 0;
     double volume_share_ = 1;
     double elastic_scale_ = 0;

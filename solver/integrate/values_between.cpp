@@ -57,6 +57,8 @@ void values_between(const StepInputs& before, const StepInputs& after, double sh
     for (std::size_t k = 0; k < out.attachments.size(); ++k) {
         const AttachmentInputs& a = before.attachments[k];
         AttachmentInputs& m = out.attachments[k];
+        // A coupling made or released within the step: half of it would throw bodies back that it no longer brakes.
+        if ((a.stiffness * a.envelope == 0) != (m.stiffness * m.envelope == 0)) continue;
         mix(a.stiffness, m.stiffness), mix(a.envelope, m.envelope), mix(a.damping, m.damping);
     }
 }

@@ -79,6 +79,13 @@ void Potential::begin_stage(const State& before, const ImplicitForm& form, const
     springs_->begin_stage(*inputs_, before, bones_after, form);
 }
 
+void Potential::strain_rates(const std::vector<double>& x, std::vector<double>& out) const {
+    if (inputs_->stiffness_damping > 0 && form_->velocity_factor > 0)
+        tissues_.strain_rates(x, form_->velocity_factor, out);
+    else
+        out.clear();
+}
+
 void Potential::accelerations(const State& before, std::vector<double>& out) {
     // A stage without inertia that ends where it starts, with the velocities of `before`: its gradient is the force.
     ImplicitForm now;

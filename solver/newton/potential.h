@@ -40,6 +40,8 @@ class Potential {
     void set_values(const StepInputs& inputs);
     /// Fixes what is constant over one stage of it. `form` must outlive the stage.
     void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
+    /// Rates of strain at the end of the stage, at x; empty where nothing is damped. Call before describe.
+    void strain_rates(const std::vector<double>& x, std::vector<double>& out) const;
     /// Acceleration of every vertex at `before` under the values of begin_step, 3 a vertex [m/s^2]; 0 where held.
     void accelerations(const State& before, std::vector<double>& out);
 

@@ -62,6 +62,7 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.history.x = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.v = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.acceleration = {1}; }));
+    CHECK(changed([](auto& s) { s.state.history.strain_rate = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.bones = {{}}; }));
     CHECK(changed([](auto& s) { s.state.history.values.emplace(); }));
     CHECK(changed([](auto& s) { s.state.record.halvings = 1; }));
