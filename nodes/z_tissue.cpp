@@ -62,7 +62,8 @@ const Input<double> transverse_anisotropy{
 const Wire<Mesh> collision_shape{
     .name = "collisionShape",
     .doc = "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
-           "scene units; coarser, or closed where the mesh is not. It rides on the tets: zEmbedder.outCollisionMeshes gives "
+           "scene units; coarser, or closed where the mesh is not. Like the mesh it should not move by itself: one that does is "
+           "bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives "
            "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
            "change it simulates nothing again.",
     .required = false,
