@@ -50,7 +50,7 @@ std::size_t find(const Reads& in, const Solved& s) {
             "Connect a tissue that is among zSolver.bodies and enabled there.");
 }
 
-/// \param whose  whose mesh it is; none for the tissue's own, which stands where its tets are or is answered for there
+/// \param whose  whose mesh it is; none for the tissue's own, which is not checked here
 solver::Points carried_by(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue, const Mesh& mesh,
                           const std::optional<std::string>& whose, const solver::Points& corners, const solver::Points& midpoints) {
     struct Kept {
