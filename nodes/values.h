@@ -81,7 +81,6 @@ using CarriedPoints = std::vector<solver::PointWeights>;
 struct CollisionSurface {
     Mesh mesh; ///< at rest, scene units
     CarriedPoints carriers;
-    std::size_t far_vertices = 0; ///< more than a tet's width outside of the tets
 };
 
 /// … and its values at one time.

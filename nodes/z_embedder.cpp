@@ -4,6 +4,8 @@
 #include "nodes/adapters.h"
 #include "nodes/carriers.h"
 
+#include <optional>
+
 namespace sinew::nodes {
 
 using namespace engine;
@@ -17,7 +19,8 @@ const Wire<Body> body{
 };
 const WireList<Mesh> meshes{
     .name = "meshes",
-    .doc = "Meshes at rest beside the tissue as modelled, in scene units. None: the tissue's own mesh.",
+    .doc = "Meshes at rest beside the tissue as modelled, in scene units. None: the tissue's own mesh. A mesh with vertices "
+           "more than a tet's width outside of the tissue's tets is warned of; one that is there wholly is refused.",
 };
 const Input<double> envelope{
     .name = "envelope",
@@ -47,16 +50,22 @@ std::size_t find(const Reads& in, const Solved& s) {
             "Connect a tissue that is among zSolver.bodies and enabled there.");
 }
 
+/// \param whose  whose mesh it is; none for the tissue's own, which is not checked here
 solver::Points carried_by(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue, const Mesh& mesh,
-                          const solver::Points& corners, const solver::Points& midpoints) {
+                          const std::optional<std::string>& whose, const solver::Points& corners, const solver::Points& midpoints) {
     struct Kept {
-        CarriedPoints points;
+        PlacedPoints placed;
     };
-    const Digest key = Hasher().add("zEmbedder").add(rest.digest).add(mesh.points_digest).finish();
+    const Digest key =
+        Hasher().add("zEmbedder").add(rest.digest).add(mesh.points_digest).add(whose.has_value()).finish();
     auto kept = in.lease<Kept>(key, [&] {
-        return guarded(in, meshes.name, [&] { return std::make_shared<Kept>(Kept{find_carriers(tissue, *mesh.points)}); });
+        return guarded(in, meshes.name, [&] {
+            return std::make_shared<Kept>(
+                Kept{whose ? place(tissue, mesh, *whose) : PlacedPoints{find_carriers(tissue, *mesh.points)}});
+        });
     });
-    return carried(kept->points, corners, midpoints);
+    if (whose) warn_of_far_vertices(in, meshes.name, kept->placed, *whose);
+    return carried(kept->placed.carriers, corners, midpoints);
 }
 
 Mesh blended(const Mesh& from, solver::Points to, double share) {
@@ -73,11 +82,14 @@ void compute(const Reads& in, Writes& out) {
     if (!tissue)
         in.fail(body.name, "FE218", in.source_name(body.name) + " is a bone and carries no meshes",
                 "Move the meshes of a bone by a transform.");
-    std::vector<std::reference_wrapper<const Mesh>> all = in[meshes];
-    if (all.empty()) all.emplace_back(rest.mesh);
     MeshList list;
-    for (const Mesh& m : all)
-        list.meshes.push_back(blended(m, carried_by(in, rest, **tissue, m, s.positions[at], s.midpoints[at]), in[envelope]));
+    const auto carry = [&](const Mesh& m, const std::optional<std::string>& whose) {
+        solver::Points to = carried_by(in, rest, **tissue, m, whose, s.positions[at], s.midpoints[at]);
+        list.meshes.push_back(blended(m, std::move(to), in[envelope]));
+    };
+    const auto given = in[meshes];
+    for (std::size_t i = 0; i < given.size(); ++i) carry(given[i], in.source_name(meshes.name, i));
+    if (given.empty()) carry(rest.mesh, std::nullopt);
     out.set(out_meshes, std::move(list));
     // From the body as connected here, not from the solver's: its frames are the same with and without.
     MeshList collision;

@@ -21,7 +21,8 @@ const Input<double> iso_value{
     .doc =
         "Distance of the new surface from the polygons, in scene units: above 0 grows, 0 remeshes, below 0 "
         "shrinks. Polygons that are not closed have no inside and need a value above 0; holes smaller than "
-        "twice the value are then closed.",
+        "twice the value are then closed. Around polygons that are not closed it should be half a grid cell (see "
+        "resolution) or more; a thinner sheet may be lost between cells (FE231).",
     .keyable = false,
 };
 const Input<double> triangle_size{
@@ -31,7 +32,8 @@ const Input<double> triangle_size{
     .limits = {.min = 0, .open_min = true},
     .doc = "Size of the triangles: 1 makes their edges about a fortieth of the diagonal of the polygons' "
            "bounding "
-           "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller.",
+           "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller. Edges shorter than half a grid cell (see resolution) follow the grid and "
+           "may never end (FE234).",
     .keyable = false,
 };
 const Input<std::int64_t> resolution{

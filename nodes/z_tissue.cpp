@@ -62,7 +62,8 @@ const Input<double> transverse_anisotropy{
 const Wire<Mesh> collision_shape{
     .name = "collisionShape",
     .doc = "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
-           "scene units; coarser, or closed where the mesh is not. It rides on the tets: zEmbedder.outCollisionMeshes gives "
+           "scene units; coarser, or closed where the mesh is not. Like the mesh it should not move by itself: one that does is "
+           "bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives "
            "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
            "change it simulates nothing again.",
     .required = false,
@@ -118,23 +119,22 @@ void check_law(const Reads& in, const TissueParts& parts) {
 std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const BodyRest& rest) {
     const Mesh* shape = in.find(collision_shape);
     if (!shape) return nullptr;
+    const std::string whose = in.source_name(collision_shape.name);
     struct Kept {
+        PlacedPoints placed;
         std::shared_ptr<const CollisionSurface> surface;
     };
     const Digest key = Hasher().add("zTissue.collision").add(rest.digest).add(shape->topology->digest).add(shape->points_digest).finish();
     auto kept = in.lease<Kept>(key, [&] {
         return guarded(in, collision_shape.name, [&] {
             const auto& tissue = *std::get<std::shared_ptr<const solver::TissueRest>>(rest.data);
-            return std::make_shared<Kept>(
-                Kept{std::make_shared<const CollisionSurface>(place_collision_surface(tissue, *shape))});
+            solver::check_usable(shape->surface());
+            PlacedPoints placed = place(tissue, *shape, whose);
+            auto surface = std::make_shared<const CollisionSurface>(CollisionSurface{*shape, placed.carriers});
+            return std::make_shared<Kept>(Kept{std::move(placed), std::move(surface)});
         });
     });
-    if (kept->surface->far_vertices > 0)
-        in.warn(collision_shape.name, "FE239",
-                std::to_string(kept->surface->far_vertices) + " of " + std::to_string(shape->points->size()) +
-                    " vertices lie more than a tet's width outside of the tissue's tets and will swing about with the "
-                    "nearest",
-                "Keep the mesh near the tissue, or make the tets larger.");
+    warn_of_far_vertices(in, collision_shape.name, kept->placed, whose);
     return kept->surface;
 }
 

@@ -22,9 +22,10 @@ Digest checksum(std::span<const std::byte> payload) { return Hasher().add_bytes(
 std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ".kept"); }
 
 DiskStore::Found DiskStore::read(const Digest& key) const {
+    std::error_code error;
+    if (std::filesystem::is_directory(file_of(key), error)) return {{}, "a folder is in its place"};
     std::ifstream file(file_of(key), std::ios::binary);
     if (!file) {
-        std::error_code error;
         return {{}, std::filesystem::exists(file_of(key), error) ? "it cannot be opened" : ""};
     }
     std::vector<std::byte> bytes;

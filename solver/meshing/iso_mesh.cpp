@@ -28,13 +28,16 @@ std::string short_number(double x) {
     return text;
 }
 
+constexpr int most_resolution = 1024;
+
 void check(const IsoMeshOptions& o) {
     const auto refuse = [](const std::string& what) { throw Error("FE206", what); };
     if (!std::isfinite(o.iso_value)) refuse("the iso value is not finite");
     if (!(o.triangle_size >= 0) || !std::isfinite(o.triangle_size))
         refuse("triangle size " + short_number(o.triangle_size) + " is not a length");
-    if (o.resolution < 16 || o.resolution > 1024)
-        refuse("resolution " + std::to_string(o.resolution) + " is not between 16 and 1024");
+    if (o.resolution < 16 || o.resolution > most_resolution)
+        refuse("resolution " + std::to_string(o.resolution) + " is not between 16 and " +
+               std::to_string(most_resolution));
     if (!(o.most_seconds >= 0)) refuse("a time limit of " + short_number(o.most_seconds) + " s");
 }
 
@@ -141,25 +144,50 @@ void drop_opposite(Soup& soup) {
 /// The share of the whole that the grid takes.
 constexpr double grid_share = 0.4;
 
-[[noreturn]] void refuse_endless(const Vec3& place, bool is_manifold) {
-    const std::string where = "(" + short_number(place.x()) + ", " + short_number(place.y()) + ", " +
-                              short_number(place.z()) + ")";
-    throw Error("FE234",
-                "the level set cannot be meshed: triangles become smaller and smaller near " + where +
-                    ", where it meets itself in an edge or a point, or bends too sharply",
-                is_manifold ? "Give a slightly larger or smaller isoValue, so that parts overlap or come apart "
-                              "there, or switch produceManifoldMesh off."
-                            : "Give a slightly larger or smaller isoValue.");
+std::string place_text(const Vec3& p) {
+    return "(" + short_number(p.x()) + ", " + short_number(p.y()) + ", " + short_number(p.z()) + ")";
 }
 
-SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, double size, bool is_manifold,
+/// What is meshed, as messages need it: in the caller's coordinates.
+struct Scales {
+    double iso, triangle, cell;
+    int resolution;
+    bool is_manifold;
+    /// Triangles finer than this follow the kinks of the distance between the grid's samples, not the surface.
+    double least_triangle() const { return 0.5 * cell; }
+    /// Sheets wrapped at less than this may fall between the grid's samples.
+    double least_iso() const { return 0.5 * cell; }
+    /// The resolution at which `small`, half a cell or more, would be one.
+    int resolution_for(double small) const { return static_cast<int>(std::ceil(std::min(1e6, resolution * 0.5 * cell / small))); }
+};
+
+[[noreturn]] void refuse_endless(const Vec3& place, const Scales& scales) {
+    if (scales.triangle < scales.least_triangle()) {
+        const int finer = scales.resolution_for(scales.triangle);
+        const double factor = std::ceil(10 * scales.least_triangle() / scales.triangle) / 10;
+        throw Error("FE234",
+                    "the level set cannot be meshed: triangles of " + short_number(scales.triangle) +
+                        " are finer than the grid's cells of " + short_number(scales.cell) +
+                        ", at whose sides the distance has kinks; they become smaller and smaller near " + place_text(place),
+                    (finer <= most_resolution ? "Raise resolution to " + std::to_string(finer) + " or more, or" : std::string("Raise")) +
+                        " triangleSize to " + short_number(factor) + " times its value.");
+    }
+    throw Error("FE234",
+                "the level set cannot be meshed: triangles become smaller and smaller near " + place_text(place) +
+                    ", where it meets itself in an edge or a point, or bends too sharply",
+                scales.is_manifold ? "Give a slightly larger or smaller isoValue, so that parts overlap or come apart "
+                                     "there, or switch produceManifoldMesh off."
+                                   : "Give a slightly larger or smaller isoValue.");
+}
+
+SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, double size, const Scales& scales,
                                const Frame& frame, Watch& watch) {
     SurfaceMesherInput in;
     in.seeds = seeds.points;
     in.inside = seeds.inside;
     in.reach =
         2 * grid.step * DistanceGrid::cells * Vec3(grid.blocks[0], grid.blocks[1], grid.blocks[2]).norm();
-    in.is_manifold = is_manifold;
+    in.is_manifold = scales.is_manifold;
     // The mean edge comes out at about 1.1 radii.
     in.radius = 0.9 * size;
     in.distance = 0.1 * size;
@@ -170,7 +198,7 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
     // Far beyond that, triangles become smaller and smaller at one place.
     const double most = 1e6 + 10 * expected;
     in.field = [&](const Vec3& p) {
-        if (static_cast<double>(evaluations) > most) refuse_endless(frame.out(p), is_manifold);
+        if (static_cast<double>(evaluations) > most) throw Endless();
         if (++evaluations % 4096 == 0) {
             watch.check();
             const double share = static_cast<double>(evaluations) / expected;
@@ -178,7 +206,11 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
         }
         return grid.value(p);
     };
-    return mesh_level_set(in);
+    try {
+        return mesh_level_set(in);
+    } catch (const Endless& endless) {
+        refuse_endless(frame.out(endless.newest), scales);
+    }
 }
 
 /// Components none of whose seeds became a corner.
@@ -224,14 +256,23 @@ std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
     return torn;
 }
 
-[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame) {
+[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame, const Scales& scales) {
     std::size_t first = 0;
     while (seeds.component[first] != torn.front()) ++first;
-    const Vec3 place = frame.out(seeds.points[first]);
+    const std::string where = "the surface near " + place_text(frame.out(seeds.points[first]));
+    if (!(scales.iso > 0))
+        throw Error("FE231", where + " is a sheet too thin for the triangles: crumbs of it would be left",
+                    "Give an isoValue above 0 so that it gets a thickness, a smaller triangleSize, or a higher resolution.");
+    std::string hint = "Give a larger isoValue, a higher resolution, or a smaller triangleSize.";
+    if (scales.iso < scales.least_iso()) { // smaller triangles would follow the crumbs
+        const int finer = scales.resolution_for(scales.iso);
+        hint = "Give an isoValue of " + short_number(scales.least_iso()) + " (half a grid cell) or more" +
+               (finer <= most_resolution ? ", or a resolution of " + std::to_string(finer) + " or more." : ".");
+    }
     throw Error("FE231",
-                "the surface near (" + short_number(place.x()) + ", " + short_number(place.y()) + ", " +
-                    short_number(place.z()) + ") is a sheet too thin for the triangles: crumbs of it would be left",
-                "Give an isoValue above 0 so that it gets a thickness, a smaller triangleSize, or a higher resolution.");
+                where + " is a sheet of thickness " + short_number(2 * scales.iso) + " (twice the isoValue), too thin for grid cells of " +
+                    short_number(scales.cell) + " and triangles of " + short_number(scales.triangle) + ": crumbs of it would be left",
+                hint);
 }
 
 void check_count(double area, double size) {
@@ -303,11 +344,12 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
     IsoMesh mesh;
     mesh.components = seeds.areas.size();
     std::vector<int> finer(seeds.areas.size(), 0);
+    const Scales scales{options.iso_value, frame.out(size), frame.out(grid.step), options.resolution, options.is_manifold};
     constexpr int attempts = 3;
     for (int attempt = 0; attempt < attempts; ++attempt) {
         seeds = make_iso_seeds(grid, size, finer, watch.part(0, 1));
         watch.check();
-        SurfaceMesherOutput out = run_mesher(grid, seeds, size, options.is_manifold, frame, watch);
+        SurfaceMesherOutput out = run_mesher(grid, seeds, size, scales, frame, watch);
         const std::vector<int> lost = lost_components(seeds, out), torn = torn_components(seeds, out, size);
         mesh.points = std::move(out.points);
         mesh.triangles = std::move(out.triangles);
@@ -315,7 +357,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
         if (lost.empty() && torn.empty()) break;
         for (const int c : lost) ++finer[static_cast<std::size_t>(c)];
         for (const int c : torn) ++finer[static_cast<std::size_t>(c)];
-        if (attempt + 1 == attempts && !torn.empty()) refuse_torn(seeds, torn, frame);
+        if (attempt + 1 == attempts && !torn.empty()) refuse_torn(seeds, torn, frame, scales);
     }
     if (mesh.triangles.empty())
         throw Error("FE231",

@@ -101,17 +101,22 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
     return {finest, std::move(refined.pieces)};
 }
 
-/// Says what is wrong and, where it can be found quickly, a size that would do.
-[[noreturn]] void refuse_coarse(const Solid& solid, const Paint& paint, double side, const Lattice& lattice,
-                                const LatticeOptions& options, const MeshingControl& control) {
-    const auto number = [](double x) {
-        char text[32];
-        std::snprintf(text, sizeof text, "%.4g", x);
-        return std::string(text);
-    };
+/// Finest cubes may be this many times as long as the solid. Beyond, the least coverage alone is far too heavy, shares
+/// are lost in rounding, and at last volumes overflow.
+constexpr double most_lengths = 1000;
+
+std::string number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", x);
+    return text;
+}
+
+/// A size below `side` that would do, where one can be found quickly.
+std::string finer_advice(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
+                         const MeshingControl& control) {
     const Vec3 size = solid.box.size();
-    std::string hint = "choose a smaller tet size, and a higher maximum resolution if that is refused";
-    for (double smaller = side / 2;; smaller /= 2) {
+    const double sensible = 4 * size.maxCoeff() * std::exp2(paint.highest());
+    for (double smaller = std::min(side / 2, sensible);; smaller /= 2) {
         // A number to be typed, rounded down.
         const double unit = std::pow(10.0, std::floor(std::log10(smaller)) - 1);
         const double typed = std::floor(smaller / unit) * unit;
@@ -121,12 +126,22 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
         constexpr std::size_t most_pieces = 6000;
         if (along > options.max_resolution || ((size / typed).array() + 5).prod() > most_cubes) break;
         const Lattice tried = lattice_of_side(solid, paint, typed, options, {control.stop, {}});
-        if (tried.is_sound(options.least_coverage)) {
-            hint = "choose a tet size of " + number(typed) + " or less";
-            break;
-        }
+        if (tried.is_sound(options.least_coverage)) return "choose a tet size of " + number(typed) + " or less";
         if (tried.pieces.size() > most_pieces) break;
     }
+    return "choose a smaller tet size, and a higher maximum resolution if that is refused";
+}
+
+[[noreturn]] void refuse_huge(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
+                              const MeshingControl& control) {
+    throw Error("FE210",
+                "the tet size of " + number(side) + " is too large for this mesh: its longest side is " +
+                    number(solid.box.size().maxCoeff()),
+                finer_advice(solid, paint, side, options, control));
+}
+
+[[noreturn]] void refuse_coarse(const Solid& solid, const Paint& paint, double side, const Lattice& lattice,
+                                const LatticeOptions& options, const MeshingControl& control) {
     const double heavier = excess(lattice.finest, lattice.pieces, options.least_coverage);
     throw Error("FE210",
                 "the tet size of " + number(side) + " is too large for this mesh: " +
@@ -135,7 +150,7 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
                                " that every tet counts as solid, its volume would come out " +
                                number(1 + heavier) + " times as large"
                          : "no tet would hold a share of it"),
-                hint);
+                finer_advice(solid, paint, side, options, control));
 }
 
 } // namespace
@@ -153,6 +168,8 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
                     "the lattice would have about " + std::to_string(static_cast<long long>(cubes.prod())) +
                         " cubes, more than can be numbered",
                     "raise the tet size");
+    if (side > most_lengths * size.maxCoeff() * std::exp2(paint.highest()))
+        refuse_huge(solid, paint, side, options, control);
     const Lattice lattice = lattice_of_side(solid, paint, side, options, control);
     if (!lattice.is_sound(options.least_coverage)) refuse_coarse(solid, paint, side, lattice, options, control);
     return assemble(lattice.finest, lattice.pieces, options.least_coverage);

@@ -126,6 +126,14 @@ SurfaceMesherOutput extract(const Complex& complex, const SurfaceMesherInput& in
     return out;
 }
 
+Vec3 newest_vertex(const Triangulation& triangulation) {
+    auto newest = triangulation.finite_vertices_begin();
+    for (auto v = newest; v != triangulation.finite_vertices_end(); ++v)
+        if (v->time_stamp() > newest->time_stamp()) newest = v;
+    if (newest == triangulation.finite_vertices_end()) return Vec3::Zero();
+    return {newest->point().x(), newest->point().y(), newest->point().z()};
+}
+
 } // namespace
 
 SurfaceMesherOutput mesh_level_set(const SurfaceMesherInput& in) {
@@ -143,11 +151,16 @@ SurfaceMesherOutput mesh_level_set(const SurfaceMesherInput& in) {
                           1e-3 * in.radius / in.reach);
     const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(in.least_angle, in.radius,
                                                                         in.distance);
-    if (in.is_manifold)
-        CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag(), 0);
-    else
-        CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Non_manifold_tag(), 0);
-    return extract(complex, in, seeds);
+    try {
+        if (in.is_manifold)
+            CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag(), 0);
+        else
+            CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Non_manifold_tag(), 0);
+        return extract(complex, in, seeds);
+    } catch (Endless& endless) {
+        endless.newest = newest_vertex(triangulation);
+        throw;
+    }
 }
 
 } // namespace sinew::solver

@@ -7,6 +7,11 @@
 
 namespace sinew::solver {
 
+/// What `field` throws to end a refinement that has no end; comes out of mesh_level_set with the vertex made last.
+struct Endless {
+    Vec3 newest = Vec3::Zero();
+};
+
 struct SurfaceMesherInput {
     std::function<double(const Vec3&)> field; ///< negative inside; may throw, which ends the meshing
     std::function<void()> watch;              ///< called now and then while the field is not; may throw

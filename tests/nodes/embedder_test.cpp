@@ -165,3 +165,26 @@ TEST_CASE("collision surfaces that cannot ride are refused at their input, and f
     near.pull("s", "outBody");
     CHECK(near.counter.warnings.empty());
 }
+
+TEST_CASE("meshes that stand far from the tissue are not carried, and far vertices are warned of", "[nodes]") {
+    const auto with = [](const std::string& place) {
+        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + place + R"(}},
+            "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "t.outBody"}]}},
+            "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "t.outBody"},
+                  "meshes": [{"from": "ball.outMesh"}, {"from": "place.outMesh"}]}})";
+    };
+    std::string text;
+    CHECK(codes(with(R"("translate": [100, 0, 0])"), "e", "outMeshes", &text) == Codes{"FE239"});
+    CHECK(text.find("e.meshes") != std::string::npos);
+    CHECK(text.find("no vertex of place lies") != std::string::npos);
+    CHECK(codes(with(R"("scale": [100, 100, 100])"), "e", "outMeshes") == Codes{"FE239"});
+    Session wide(with(R"("scale": [4, 1, 1])"));
+    wide.pull("e", "outMeshes");
+    REQUIRE(wide.counter.warnings.size() == 1);
+    CHECK(wide.counter.warnings[0].code == "FE239");
+    CHECK(wide.counter.warnings[0].attribute == "meshes");
+    CHECK(wide.counter.warnings[0].message.find("vertices of place lie") != std::string::npos);
+    Session near(with(R"("scale": [1.1, 1.1, 1.1])"));
+    near.pull("e", "outMeshes");
+    CHECK(near.counter.warnings.empty());
+}

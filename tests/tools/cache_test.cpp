@@ -26,6 +26,8 @@ std::size_t files_in(const fs::path& folder) {
     return static_cast<std::size_t>(std::distance(fs::directory_iterator(folder), fs::directory_iterator()));
 }
 
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
 std::string digest_of(const Said& said) {
     REQUIRE(said.lines().size() == 1);
     return said.lines()[0].at("digest");
@@ -48,6 +50,9 @@ TEST_CASE("tets are kept beside the graph, or where --cache says, or nowhere", "
     CHECK(digest_of(eval({"--cache", (folder / "other/deep").string()})) == made);
     CHECK(files_in(folder / "other/deep") == 1);
     CHECK(eval({"--cache", "x", "--no-cache"}).code == 2);
+    const Said nameless = eval({"--cache", ""});
+    CHECK(nameless.code == 2);
+    CHECK(has(nameless.err, "--cache needs the name of a folder"));
 
     const fs::path file = fs::directory_iterator(folder / "small.sinew-cache")->path();
     std::ofstream(file, std::ios::trunc) << "something else";
@@ -56,6 +61,12 @@ TEST_CASE("tets are kept beside the graph, or where --cache says, or nowhere", "
     CHECK(told.err.find("IO406") != std::string::npos);
     CHECK(run_program({"run", graph, "--frames", "1-2"}).err.empty());
     CHECK(digest_of(eval({})) == made);
+
+    fs::remove(file);
+    fs::create_directory(file);
+    const Said blocked = eval({});
+    CHECK(blocked.code == 0);
+    CHECK(has(blocked.out + blocked.err, "a folder is in its place"));
 }
 
 TEST_CASE("processes that keep the same tets at once do each other no harm", "[tools]") {

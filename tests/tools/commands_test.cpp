@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <fstream>
+
 using namespace sinew::test;
 namespace fs = std::filesystem;
 using nlohmann::json;
@@ -248,6 +250,22 @@ TEST_CASE("bench says what each benchmark does, with an example, and refuses fla
         CHECK(said.code == 2);
         CHECK(has(said.err, "no such thing"));
     }
+}
+
+TEST_CASE("a bench that could not write its files says so before it measures", "[tools]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "file") << "in the way";
+    const std::string blocked = (folder / "file" / "out").string();
+    for (const std::string name : {"convergence", "work-precision", "scaling", "report"}) {
+        INFO(name);
+        const Said said = run_program({"bench", name, "--quick", "-o", blocked + (name == "report" ? "/page.md" : "")});
+        CHECK(said.code != 0);
+        CHECK(has(said.err, "IO405"));
+        CHECK(has(said.err, "--output"));
+        CHECK_FALSE(has(said.err, "measuring"));
+        CHECK(said.out.empty());
+    }
+    CHECK(has(run_program({"bench", "--help"}).out, "multiples of 4"));
 }
 
 TEST_CASE("the graphs to learn from are right and run", "[tools]") {

@@ -60,7 +60,7 @@ ExitCode bench_cantilever(const Invocation& in) {
     const std::vector<double> sizes = arguments.numbers("--n", quick ? std::vector<double>{8} : std::vector<double>{24, 40});
     const std::vector<double> moduli = arguments.numbers("--E", {1e5, 1e6});
     for (const double n : sizes)
-        if (n < 4 || n > 400 || std::fmod(n, 4) != 0) throw UsageError("--n needs multiples of 4 between 4 and 400.");
+        if (n < 4 || n > 400 || std::fmod(n, 4) != 0) throw UsageError("--n needs multiples of 4 from 4 to 400.");
     for (const double e : moduli)
         if (!(e > 0)) throw UsageError("--E needs values above 0.");
     const bench::RunOptions told = run_options(in);

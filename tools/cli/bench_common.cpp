@@ -2,6 +2,7 @@
 #include "tools/cli/bench_common.h"
 
 #include "tools/cli/machine.h"
+#include "tools/cli/writable_folder.h"
 
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -16,6 +17,13 @@ bench::RunOptions run_options(const Invocation& in) {
     o.stop = in.stop;
     o.say = [&err = in.err](const std::string& text) { err << "measuring " << text << "\n"; };
     return o;
+}
+
+std::optional<std::filesystem::path> output_folder(const Invocation& in) {
+    const auto name = in.arguments.value("--output");
+    if (!name) return {};
+    check_writable(*name, "--output");
+    return *name;
 }
 
 int thread_count(const Invocation& in) {

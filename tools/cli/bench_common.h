@@ -6,12 +6,16 @@
 #include "tools/bench/table.h"
 #include "tools/cli/arguments.h"
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 
 namespace sinew::cli {
 
 /// --quick, --only and the request to stop; what is being measured goes to `err`.
 bench::RunOptions run_options(const Invocation& in);
+/// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws Failure IO405.
+std::optional<std::filesystem::path> output_folder(const Invocation& in);
 /// --threads, or all cores.
 int thread_count(const Invocation& in);
 /// {"bench": name, "date", "machine", "load", "version"}: how a result says where it comes from.

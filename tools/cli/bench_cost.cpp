@@ -14,6 +14,7 @@ namespace sinew::cli {
 
 ExitCode bench_scaling(const Invocation& in) {
     const bench::RunOptions options = run_options(in);
+    const auto folder = output_folder(in);
     const bench::ScalingResult r = bench::run_scaling(options);
     if (r.limits.empty())
         throw UsageError("--only: scaling has no part with '" + options.filter + "' in its name; its parts are cantilever and factor.");
@@ -23,8 +24,8 @@ ExitCode bench_scaling(const Invocation& in) {
     }
     print_result(in, "scaling", bench::scaling_table(r), bench::scaling_json(r),
                  r.rows.empty() ? "medians of 5" : "memory per tet is the growth of the resident set while the scene is simulated");
-    if (const auto folder = in.arguments.value("--output"))
-        write_file(std::filesystem::path(*folder) / "scaling.svg", bench::draw(bench::scaling_plot(r)));
+    if (folder)
+        write_file(*folder / "scaling.svg", bench::draw(bench::scaling_plot(r)));
     return done;
 }
 

@@ -4,6 +4,7 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/bench_common.h"
 #include "tools/cli/machine.h"
+#include "tools/cli/writable_folder.h"
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -16,12 +17,13 @@ ExitCode bench_report(const Invocation& in) {
     if (!output) throw UsageError("report needs --output PAGE.md.");
     const std::filesystem::path page = *output;
     if (page.extension() != ".md") throw UsageError("--output of report needs a file that ends in .md, not '" + *output + "'.");
+    const std::filesystem::path images = page.parent_path() / "images";
+    check_writable(images, "--output");
     const double load = load_average();
     bench::Report report = bench::run_all(run_options(in));
     for (const std::string& file : in.arguments.operands_from(1)) report.scenes.push_back(measure_scene(in, file));
     report.date = today(), report.machine = machine_name(), report.version = SINEW_VERSION;
     report.load_before = load, report.load_after = load_average(), report.threads = thread_count(in);
-    const std::filesystem::path images = page.parent_path() / "images";
     for (const bench::Picture& p : bench::report_pictures(report)) write_file(images / p.file, p.svg);
     write_file(page, bench::report_page(report, "images"));
     if (in.arguments.has("--json")) {

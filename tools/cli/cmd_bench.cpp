@@ -86,7 +86,7 @@ Command bench_command() {
              {"--only", "LETTERS", "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name"},
              {"--output", "PATH", "convergence, work-precision, scaling: a folder to write plots to, of work-precision CSV and JSON too; "
                                   "report: the page to write", false, 'o'},
-             {"--n", "LIST", "cantilever: cubes along the box, 6 tets each; default: 24,40 (5,184 and 24,000 tets)"},
+             {"--n", "LIST", "cantilever: cubes along the box, 6 tets each, multiples of 4 from 4 to 400; default: 24,40 (5,184 and 24,000 tets)"},
              {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
              {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
              {"--steps", "N", "cantilever: steps; default: 20; scene, report: frames after the first; default: all"},

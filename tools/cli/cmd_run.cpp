@@ -8,10 +8,10 @@
 #include "tools/cli/progress.h"
 #include "tools/cli/run_output.h"
 #include "tools/cli/unfinished.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/viewer/run_page.h"
 
 #include <chrono>
-#include <cstring>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <numeric>
@@ -75,20 +75,6 @@ Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::G
     return plan;
 }
 
-/// Found now rather than after a long run.
-void check_writable(const fs::path& folder) {
-    if (folder.empty()) return;
-    std::error_code error;
-    fs::create_directories(folder, error);
-    if (!error && access(folder.c_str(), W_OK) == 0) return;
-    engine::Diagnostic d;
-    d.code = "IO405";
-    d.message =
-        "cannot write into '" + folder.string() + "': " + (error ? error.message() : std::strerror(errno));
-    d.hint = "choose another folder with --out";
-    throw engine::Failure(d);
-}
-
 ProgressStyle style_of(const Arguments& arguments) {
     if (arguments.has("--json")) return ProgressStyle::json;
     if (arguments.has("--quiet")) return ProgressStyle::quiet;
@@ -116,7 +102,7 @@ class Run {
             if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop);
                 has_error(problems))
                 throw engine::Failure(std::move(problems));
-            check_writable(plan_.out);
+            if (!plan_.out.empty()) check_writable(plan_.out, "--out");
             begin_output();
             report_.setup_s = seconds_since(start);
             for (const int frame : plan_.frames) evaluate(frame);

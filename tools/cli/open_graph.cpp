@@ -133,6 +133,8 @@ std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::
 engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph) {
     if (arguments.has("--cache") && arguments.has("--no-cache"))
         throw UsageError("--cache and --no-cache contradict each other.");
+    if (arguments.value("--cache") == "")
+        throw UsageError("--cache needs the name of a folder, not ''; --no-cache keeps nothing on disk.");
     engine::StorePolicy policy;
     if (arguments.has("--no-cache")) return policy;
     const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");

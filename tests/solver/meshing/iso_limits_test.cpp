@@ -151,3 +151,45 @@ TEST_CASE("a plate thinner than its triangles is meshed whole or refused, never 
     CHECK(refusal(plate(1e-6), 0, 0).code == "FE231");
     CHECK(mesh_of(plate(1e-6), 0.02, 0).components == 1); // the way out that the message names
 }
+
+TEST_CASE("triangles finer than the grid are refused with the place, the cell and a way out", "[iso][limits]") {
+    const Shape ball = shape("ball", make_sphere(1, 24, 16));
+    IsoMeshOptions o;
+    o.resolution = 16;
+    o.triangle_size = 0.02; // an eighth of a cell
+    try {
+        make_iso_mesh(ball.points, ball.triangles, o);
+        FAIL("made");
+    } catch (const Error& e) {
+        CHECK(e.code == "FE234");
+        const std::string message = e.what();
+        INFO(message << " " << e.hint);
+        CHECK(message.find("triangles of 0.02 are finer than the grid's cells of 0.166667") != std::string::npos);
+        double x = 0, y = 0, z = 0;
+        const std::size_t at = message.find("near (");
+        REQUIRE(at != std::string::npos);
+        REQUIRE(std::sscanf(message.c_str() + at, "near (%lf, %lf, %lf)", &x, &y, &z) == 3);
+        CHECK(Vec3(x, y, z).norm() == Approx(1).margin(0.05));
+        CHECK(e.hint == "Raise resolution to 67 or more, or triangleSize to 4.2 times its value.");
+    }
+    IsoMeshOptions finer = o, larger = o;
+    finer.resolution = 67;
+    CHECK(make_iso_mesh(ball.points, ball.triangles, finer).components == 1);
+    larger.triangle_size = 4.2 * o.triangle_size;
+    CHECK(make_iso_mesh(ball.points, ball.triangles, larger).components == 1);
+}
+
+TEST_CASE("a sheet wrapped too thinly is refused with its thickness and an isoValue that would do", "[iso][limits]") {
+    const Shape sheet = shape("sheet", make_plane(1, 1, 7, 7));
+    const Error e = refusal(sheet, 0.001, 0.03);
+    CHECK(e.code == "FE231");
+    const std::string message = e.what();
+    INFO(message << " " << e.hint);
+    CHECK(message.find("a sheet of thickness 0.002 (twice the isoValue)") != std::string::npos);
+    CHECK(message.find("and triangles of 0.03") != std::string::npos);
+    double enough = 0;
+    REQUIRE(std::sscanf(e.hint.c_str(), "Give an isoValue of %lf (half a grid cell) or more", &enough) == 1);
+    CHECK(enough == Approx(0.5 / 64).epsilon(0.1));
+    CHECK(e.hint.find("or a resolution of ") != std::string::npos);
+    CHECK(mesh_of(sheet, enough, 0.03).components == 1);
+}

@@ -11,6 +11,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -393,6 +394,27 @@ TEST_CASE("a lattice that would be too fine is refused with its count", "[lattic
         options.tet_size = tiny;
         REQUIRE(code_of(box, options, &message) == "FE210");
     }
+}
+
+TEST_CASE("a lattice of huge tets is refused at once with a size that would do", "[lattice]") {
+    const SurfaceMesh box = make_cube(3, 1, 1, 1, 1, 1);
+    const auto begin = std::chrono::steady_clock::now();
+    for (const double huge : {1e5, 1e100, 1e154, 1e300, std::numeric_limits<double>::max()})
+        for (const double levels : {0.0, 3.0}) {
+            INFO(huge << " refined " << levels);
+            LatticeOptions options;
+            options.tet_size = huge;
+            options.refinement = {levels};
+            try {
+                make_lattice(box.points, box.triangles, options);
+                FAIL("made");
+            } catch (const Error& e) {
+                CHECK(e.code == "FE210");
+                CHECK(std::string(e.what()).find("too large for this mesh: its longest side is 3") != std::string::npos);
+                CHECK(e.hint.find("choose a tet size of ") == 0);
+            }
+        }
+    CHECK(std::chrono::steady_clock::now() - begin < std::chrono::seconds(10));
 }
 
 TEST_CASE("a lattice has the same bits on one thread and on many", "[lattice]") {
