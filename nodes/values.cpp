@@ -255,6 +255,9 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
+    if (s.history.values)
+        for (const solver::BodyInputs& body : s.history.values->bodies)
+            if (const auto* t = std::get_if<solver::TissueInputs>(&body)) n += size_of(t->layers) + size_of(t->fibers) + size_of(t->forces);
     return n;
 }
 

@@ -22,7 +22,8 @@ template <class Body> void parallel_for(std::size_t count, std::size_t grain, co
                       });
 }
 
-/// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the chunks in order, so the bits do not
+/// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the chunks in
+/// order, so the bits do not
 /// depend on the number of threads.
 template <std::size_t n, class Add> std::array<double, n> ordered_sums(std::size_t count, const Add& add) {
     std::array<std::array<double, n>, 1024> parts;
