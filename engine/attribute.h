@@ -87,8 +87,7 @@ struct AttributeInfo {
     std::vector<Preset> presets;
     /// Values between two keys are that of the first; options are keyed by their number.
     bool is_stepped() const {
-        return kind == AttributeKind::literal &&
-               (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
+        return kind == AttributeKind::literal && (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
     }
 };
 
@@ -116,8 +115,7 @@ template <class T>
 AttributeInfo describe(const WireList<T>& a) {
     AttributeInfo i;
     i.kind = AttributeKind::wire_list;
-    i.name = a.name, i.doc = a.doc, i.min_count = a.min_count, i.required = a.min_count > 0,
-    i.affects = a.affects;
+    i.name = a.name, i.doc = a.doc, i.min_count = a.min_count, i.required = a.min_count > 0, i.affects = a.affects;
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     return i;
 }

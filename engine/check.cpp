@@ -54,15 +54,15 @@ class Checker {
     void number(const std::optional<Outside>& wrong, const std::string& below) {
         if (!wrong) return;
         if (!wrong->finite) return problem("DG027", "not a finite number", {}, below);
-        problem("DG013", number_text(wrong->value) + " is outside " + limits_text(input_.limits, input_.unit),
-                {}, below);
+        problem("DG013", number_text(wrong->value) + " is outside " + limits_text(input_.limits, input_.unit), {},
+                below);
     }
 
     void literal(const Value& v) {
         if (!takes_literal()) return;
         if (v.type() != input_.type)
-            return problem("DG012", "expected " + std::string(input_.type_name) + ", found " +
-                                        std::string(v.type_name()));
+            return problem("DG012",
+                           "expected " + std::string(input_.type_name) + ", found " + std::string(v.type_name()));
         const auto wrong = outside(input_.limits, v);
         number(wrong, wrong && wrong->index >= 0 ? "/" + std::to_string(wrong->index) : "");
         if (input_.options.empty() || !v.is<std::string>()) return;
@@ -85,8 +85,8 @@ class Checker {
         if (c.keys.empty()) return problem("DG017", "no keyframes", "write [frame, value] pairs", "/keys");
         const bool whole = input_.is_stepped();
         if (whole && c.interpolation != Interpolation::step)
-            problem("DG017", "keys of " + std::string(input_.type_name) + " are stepped",
-                    "write \"interp\": \"step\"", "/interp");
+            problem("DG017", "keys of " + std::string(input_.type_name) + " are stepped", "write \"interp\": \"step\"",
+                    "/interp");
         for (std::size_t i = 0; i < c.keys.size(); ++i) key(c, i, whole);
     }
 
@@ -98,14 +98,11 @@ class Checker {
         if (i > 0 && k.frame == c.keys[i - 1].frame)
             problem("DG017", "two keys at frame " + number_text(k.frame), "keep one of them", place);
         else if (i > 0 && !(k.frame > c.keys[i - 1].frame))
-            problem("DG017",
-                    "frame " + number_text(k.frame) + " comes after frame " +
-                        number_text(c.keys[i - 1].frame),
+            problem("DG017", "frame " + number_text(k.frame) + " comes after frame " + number_text(c.keys[i - 1].frame),
                     "sort the keys by frame", place);
         if (k.value.size() != width)
             problem("DG017",
-                    "a key has " + std::to_string(k.value.size()) + " numbers where " +
-                        std::to_string(width) + " fit",
+                    "a key has " + std::to_string(k.value.size()) + " numbers where " + std::to_string(width) + " fit",
                     {}, place);
         for (const auto* tangent : {&k.tangent_in, &k.tangent_out})
             if (!tangent->empty() && tangent->size() != width)
@@ -129,8 +126,7 @@ class Checker {
                            "write [ { \"from\": \"" + p.text() + "\" } ]");
         const SimulationFunctions* s = type_.simulation.get();
         if (s && (input_.name == s->start_frame_input || input_.name == s->substeps_input))
-            return problem("DG029", "cannot be connected",
-                           "write a plain value: it decides which frames there are");
+            return problem("DG029", "cannot be connected", "write a plain value: it decides which frames there are");
         if (!input_.name.empty() && input_.name == type_.kept_when)
             return problem("DG029", "cannot be connected",
                            "write a plain value: it decides where results are looked for before anything runs");
@@ -147,8 +143,8 @@ class Checker {
     void source(const Plug& p, const std::string& below) {
         const Node* n = graph_.find(p.node);
         if (!n)
-            return problem("DG022", "there is no node \"" + p.node + "\"",
-                           name_hint(p.node, graph_.node_names(), {}), below);
+            return problem("DG022", "there is no node \"" + p.node + "\"", name_hint(p.node, graph_.node_names(), {}),
+                           below);
         if (!n->type) return; // a type that this program does not know: nothing to compare with
         const AttributeInfo* out = n->type->find_output(p.attribute);
         if (!out)
@@ -179,8 +175,7 @@ std::vector<std::string> names_of(const std::vector<AttributeInfo>& all) {
 std::vector<std::string> input_names(const NodeType& type) { return names_of(type.inputs); }
 std::vector<std::string> output_names(const NodeType& type) { return names_of(type.outputs); }
 
-std::string name_hint(std::string_view word, std::span<const std::string> candidates,
-                      std::string_view known) {
+std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known) {
     const std::string near = nearest_name(word, candidates);
     if (!near.empty()) return "did you mean \"" + near + "\"?";
     if (known.empty() || candidates.empty() || candidates.size() > 12) return {};
@@ -209,14 +204,14 @@ std::vector<Problem> check_required(std::string_view node, const Node& n) {
         p.diagnostic.attribute = a.name;
         if (list && plugs) {
             p.diagnostic.code = "DG021";
-            p.diagnostic.message = "has " + std::to_string(plugs->size()) +
-                                   " connections and needs at least " + std::to_string(a.min_count);
+            p.diagnostic.message = "has " + std::to_string(plugs->size()) + " connections and needs at least " +
+                                   std::to_string(a.min_count);
         } else {
             p.diagnostic.code = "DG019";
             p.diagnostic.message = std::string(n.type->name) + " needs this " + std::string(a.type_name);
             p.diagnostic.hint = a.kind == AttributeKind::literal ? "give it a value"
-                                : list ? "connect it: [ { \"from\": \"node.output\" } ]"
-                                       : "connect it: { \"from\": \"node.output\" }";
+                                : list                           ? "connect it: [ { \"from\": \"node.output\" } ]"
+                                                                 : "connect it: { \"from\": \"node.output\" }";
         }
         out.push_back(std::move(p));
     }

@@ -55,8 +55,7 @@ std::string to_text(const Diagnostic& d) {
     std::string out;
     if (d.spot) {
         out += d.spot->file;
-        if (d.spot->line > 0)
-            out += ":" + std::to_string(d.spot->line) + ":" + std::to_string(d.spot->column);
+        if (d.spot->line > 0) out += ":" + std::to_string(d.spot->line) + ":" + std::to_string(d.spot->column);
         if (!out.empty()) out += ": ";
     }
     out += std::string(word(d.severity)) + " [" + d.code + "] ";
@@ -72,15 +71,13 @@ std::string to_text(const Diagnostic& d) {
 }
 
 std::string to_json(const Diagnostic& d) {
-    std::string out =
-        "{\"severity\": " + json_quoted(word(d.severity)) + ", \"code\": " + json_quoted(d.code);
+    std::string out = "{\"severity\": " + json_quoted(word(d.severity)) + ", \"code\": " + json_quoted(d.code);
     if (!d.node.empty()) out += ", \"node\": " + json_quoted(d.node);
     if (!d.attribute.empty()) out += ", \"attribute\": " + json_quoted(d.attribute);
     if (d.spot) {
         out += ", \"file\": " + json_quoted(d.spot->file) + ", \"pointer\": " + json_quoted(d.spot->pointer);
         if (d.spot->line > 0)
-            out += ", \"line\": " + std::to_string(d.spot->line) +
-                   ", \"column\": " + std::to_string(d.spot->column);
+            out += ", \"line\": " + std::to_string(d.spot->line) + ", \"column\": " + std::to_string(d.spot->column);
     }
     if (d.frame) out += ", \"frame\": " + number_text(*d.frame);
     out += ", \"message\": " + json_quoted(d.message);

@@ -20,8 +20,7 @@ enum class Severity { note, warning, error };
 
 struct Diagnostic {
     Severity severity = Severity::error;
-    std::string
-        code; ///< stable: DG0xx document, DG1xx evaluation, FE2xx mesh and set-up, FE3xx solve, IO4xx files
+    std::string code; ///< stable: DG0xx document, DG1xx evaluation, FE2xx mesh and set-up, FE3xx solve, IO4xx files
     std::string node, attribute;
     std::optional<SourceSpot> spot;
     std::optional<double> frame;

@@ -59,8 +59,7 @@ std::string with_renamed_sources(const std::string& raw, const std::string& from
     std::sort(changes.begin(), changes.end(),
               [](const auto& a, const auto& b) { return a.first->begin > b.first->begin; });
     std::string out = raw;
-    for (const auto& [where, text] : changes)
-        out.replace(where->begin, where->end - where->begin, json_quoted(text));
+    for (const auto& [where, text] : changes) out.replace(where->begin, where->end - where->begin, json_quoted(text));
     return out;
 }
 
@@ -108,8 +107,7 @@ class Edit::Draft {
         }
         if (problems_.empty() && rewired_)
             if (const std::string cycle = find_cycle(graph_); !cycle.empty())
-                problem("DG030", {cycle.substr(0, cycle.find('.')), ""},
-                        "connections form a cycle: " + cycle);
+                problem("DG030", {cycle.substr(0, cycle.find('.')), ""}, "connections form a cycle: " + cycle);
         if (!problems_.empty()) throw Failure(std::move(problems_));
         std::reverse(undo_.begin(), undo_.end());
         Edit::Done out;
@@ -134,9 +132,7 @@ class Edit::Draft {
 
     const Node* node(const Plug& at) {
         const Node* n = graph_.find(at.node);
-        if (!n)
-            problem("DG040", at, "there is no node \"" + at.node + "\"",
-                    name_hint(at.node, graph_.order_, {}));
+        if (!n) problem("DG040", at, "there is no node \"" + at.node + "\"", name_hint(at.node, graph_.order_, {}));
         return n;
     }
 
@@ -280,8 +276,8 @@ class Edit::Draft {
         if (v && v->is<std::int64_t>() && info->def.is<double>()) // 5 is a number too
             binding = Value::of<double>(static_cast<double>(v->as<std::int64_t>()));
         undo_binding(at);
-        rewired_ = rewired_ || std::holds_alternative<Plug>(binding) ||
-                   std::holds_alternative<std::vector<Plug>>(binding);
+        rewired_ =
+            rewired_ || std::holds_alternative<Plug>(binding) || std::holds_alternative<std::vector<Plug>>(binding);
         auto n = own(at.node);
         n->inputs[at.attribute] = std::move(binding);
         if (std::find(n->input_order.begin(), n->input_order.end(), at.attribute) == n->input_order.end())
@@ -380,8 +376,7 @@ Edit& Edit::rename_node(std::string from, std::string to) {
     return push({.kind = Operation::Kind::rename, .plug = {std::move(from), ""}, .text = std::move(to)});
 }
 Edit& Edit::set(Plug input, Binding binding) {
-    return push(
-        {.kind = Operation::Kind::bind, .plug = std::move(input), .text = {}, .binding = std::move(binding)});
+    return push({.kind = Operation::Kind::bind, .plug = std::move(input), .text = {}, .binding = std::move(binding)});
 }
 Edit& Edit::set_json(Plug input, std::string json) {
     return push({.kind = Operation::Kind::bind_json, .plug = std::move(input), .text = std::move(json)});
@@ -394,9 +389,7 @@ Edit& Edit::set_key(Plug input, double frame, double value) {
                  .frame = frame,
                  .value = value});
 }
-Edit& Edit::reset(Plug input) {
-    return push({.kind = Operation::Kind::reset, .plug = std::move(input), .text = {}});
-}
+Edit& Edit::reset(Plug input) { return push({.kind = Operation::Kind::reset, .plug = std::move(input), .text = {}}); }
 Edit& Edit::set_editor_json(std::string json) {
     return push({.kind = Operation::Kind::editor, .plug = {}, .text = std::move(json)});
 }

@@ -17,10 +17,10 @@ struct StorePolicy {
     std::size_t value_bytes = std::size_t{2} << 30;
     std::size_t state_bytes = std::size_t{4} << 30;
     std::size_t scratch_entries = 1024; ///< kept scratch objects: some per node (tracks, rest data), one solver each
-    int state_every = 1;                    ///< keep the state of each k-th frame, and the newest
-    /// Outputs of nodes that ask for it (NodeType::kept_when) are kept in files here, and found again by later processes.
-    /// Made when first written to. Empty: nothing is kept on disk. What cannot be read or written is warned about (IO406,
-    /// IO407) and computed.
+    int state_every = 1;                ///< keep the state of each k-th frame, and the newest
+    /// Outputs of nodes that ask for it (NodeType::kept_when) are kept in files here, and found again by later
+    /// processes. Made when first written to. Empty: nothing is kept on disk. What cannot be read or written is warned
+    /// about (IO406, IO407) and computed.
     std::string disk_folder = {};
 };
 
@@ -60,9 +60,8 @@ enum class Readiness { ready, would_run, undecided };
 
 struct Verdict {
     Readiness readiness = Readiness::would_run;
-    std::string because; ///< in words, for people
-    std::vector<std::string>
-        changed_plugs; ///< first plug that differs from the nearest known frame, and so on
+    std::string because;                    ///< in words, for people
+    std::vector<std::string> changed_plugs; ///< first plug that differs from the nearest known frame, and so on
     double first_frame = 0, last_frame = 0; ///< simulations: the frames that would be stepped
 };
 

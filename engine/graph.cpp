@@ -96,8 +96,7 @@ class CycleSearch {
                     for (std::size_t i = first; i < stack.size(); ++i) {
                         const Wiring& w = wires_[stack[i].node][stack[i].next - 1];
                         out += names_[stack[i].node] + "." + std::string(w.output) + " -> " +
-                               names_[static_cast<std::size_t>(w.target)] + "." + std::string(w.input) +
-                               " -> ";
+                               names_[static_cast<std::size_t>(w.target)] + "." + std::string(w.input) + " -> ";
                     }
                     return out + names_[target];
                 }

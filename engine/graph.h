@@ -27,12 +27,11 @@ struct NodeOrigin;
 
 struct Node {
     std::string type_name;
-    const NodeType* type =
-        nullptr; ///< nullptr: a type that this program does not know; fails only when pulled
+    const NodeType* type = nullptr; ///< nullptr: a type that this program does not know; fails only when pulled
     std::map<std::string, Binding, std::less<>> inputs; ///< only what the file or an edit set
     std::string raw_json;                               ///< unknown types: the node as it stood in the file
     std::vector<std::string> input_order;               ///< the order in which a file lists `inputs`
-    std::shared_ptr<const NodeOrigin> origin; ///< where it stood in a file; nullptr if it came from an edit
+    std::shared_ptr<const NodeOrigin> origin;           ///< where it stood in a file; nullptr if it came from an edit
 };
 
 struct Timing {

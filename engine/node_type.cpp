@@ -10,8 +10,7 @@ const Value& Reads::keep(Value v) const {
     return *kept_.back();
 }
 
-void Reads::warn(std::string_view attribute, std::string_view code, std::string message,
-                 std::string hint) const {
+void Reads::warn(std::string_view attribute, std::string_view code, std::string message, std::string hint) const {
     Diagnostic d;
     d.severity = Severity::warning;
     d.code = code;
@@ -21,8 +20,7 @@ void Reads::warn(std::string_view attribute, std::string_view code, std::string 
     source_->report(std::move(d));
 }
 
-void Reads::fail(std::string_view attribute, std::string_view code, std::string message,
-                 std::string hint) const {
+void Reads::fail(std::string_view attribute, std::string_view code, std::string message, std::string hint) const {
     Diagnostic d;
     d.code = code;
     d.attribute = attribute;
@@ -34,8 +32,7 @@ void Reads::fail(std::string_view attribute, std::string_view code, std::string 
 
 void Writes::put(std::string_view output, Value v) {
     for (auto& [name, value] : values_)
-        if (name == output)
-            throw std::logic_error("output \"" + std::string(output) + "\" was written twice");
+        if (name == output) throw std::logic_error("output \"" + std::string(output) + "\" was written twice");
     values_.emplace_back(output, std::move(v));
 }
 

@@ -21,8 +21,7 @@ class ReadSource {
     /// The value of a literal or wire attribute; an empty Value for an unconnected optional wire.
     virtual Value get(std::string_view attribute) = 0;
     virtual std::vector<Value> get_list(std::string_view attribute) = 0;
-    virtual double
-    frame() = 0; ///< throws std::logic_error unless the type says uses_time (or is a simulation)
+    virtual double frame() = 0; ///< throws std::logic_error unless the type says uses_time (or is a simulation)
     virtual double fps() = 0;
     virtual void checkpoint() = 0;
     virtual void progress(double done, std::string_view what) = 0;
@@ -92,11 +91,8 @@ class Reads {
     /// Throws Cancelled if the host asked to stop.
     void checkpoint() const { source_->checkpoint(); }
     bool stop_requested() const { return source_->stop_requested(); }
-    void progress(double done_0_to_1, std::string_view what = {}) const {
-        source_->progress(done_0_to_1, what);
-    }
-    void warn(std::string_view attribute, std::string_view code, std::string message,
-              std::string hint = {}) const;
+    void progress(double done_0_to_1, std::string_view what = {}) const { source_->progress(done_0_to_1, what); }
+    void warn(std::string_view attribute, std::string_view code, std::string message, std::string hint = {}) const;
     /// Throws Failure with node and place filled in; codes FE3xx throw SolveFailure.
     [[noreturn]] void fail(std::string_view attribute, std::string_view code, std::string message,
                            std::string hint = {}) const;
@@ -147,12 +143,11 @@ struct NodeType {
     std::string_view doc;
     std::vector<AttributeInfo> inputs = {}, outputs = {};
     bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it
-    /// An Input<bool> with Affects::nothing: where it is on, the outputs are kept on disk under the node's key, and a later
-    /// process reads them instead of computing. Every output's type needs a codec. Empty: never.
+    /// An Input<bool> with Affects::nothing: where it is on, the outputs are kept on disk under the node's key, and a
+    /// later process reads them instead of computing. Every output's type needs a codec. Empty: never.
     std::string_view kept_when = {};
-    std::function<void(const Reads&, Writes&)> compute = {}; ///< stateless
-    std::shared_ptr<const SimulationFunctions> simulation =
-        {}; ///< set for simulations, then compute is empty
+    std::function<void(const Reads&, Writes&)> compute = {};    ///< stateless
+    std::shared_ptr<const SimulationFunctions> simulation = {}; ///< set for simulations, then compute is empty
 
     const AttributeInfo* find_input(std::string_view attribute) const;
     const AttributeInfo* find_output(std::string_view attribute) const;

@@ -22,8 +22,8 @@ struct SourceText {
 
 struct NodeOrigin {
     std::shared_ptr<const SourceText> source;
-    std::string name;   ///< the node's name in the file, whatever it is called now
-    std::size_t at = 0; ///< of the node's key
+    std::string name;                                       ///< the node's name in the file, whatever it is called now
+    std::size_t at = 0;                                     ///< of the node's key
     std::map<std::string, std::size_t, std::less<>> inputs; ///< of each input's value, where the file set one
 };
 

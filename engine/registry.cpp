@@ -23,8 +23,7 @@ void check_literal(const NodeType& t, const AttributeInfo& a) {
     const bool numeric = !a.def.is<std::string>() && !a.def.is<File>() && !a.def.is<bool>();
     if (!(a.limits.min <= a.limits.max)) contradiction(t, a.name, "the limits are empty");
     if (numeric)
-        if (const auto wrong = outside(a.limits, a.def))
-            contradiction(t, a.name, "the default is outside the limits");
+        if (const auto wrong = outside(a.limits, a.def)) contradiction(t, a.name, "the default is outside the limits");
     if (!a.options.empty()) {
         if (!a.def.is<std::string>()) contradiction(t, a.name, "only text can have options");
         if (std::find(a.options.begin(), a.options.end(), a.def.as<std::string>()) == a.options.end())
@@ -43,8 +42,7 @@ void check_attribute(const NodeType& t, const AttributeInfo& a, std::set<std::st
         contradiction(t, a.name, "an attribute needs a name without a dot");
     if (!seen.insert(a.name).second) contradiction(t, a.name, "declared twice");
     if (a.doc.empty()) contradiction(t, a.name, "has no doc");
-    if (!a.unit.empty() && !parse_unit(a.unit))
-        contradiction(t, a.name, "\"" + std::string(a.unit) + "\" is no unit");
+    if (!a.unit.empty() && !parse_unit(a.unit)) contradiction(t, a.name, "\"" + std::string(a.unit) + "\" is no unit");
     if (a.affects == Affects::initial_state && !t.simulation)
         contradiction(t, a.name, "only a simulation has an initial state");
     if (a.kind == AttributeKind::literal) check_literal(t, a);
@@ -65,7 +63,8 @@ void check_time_inputs(const NodeType& t) {
 void check_kept(const NodeType& t, const std::map<std::type_index, Codec>& codecs) {
     const AttributeInfo* a = t.find_input(t.kept_when);
     if (!a || a->kind != AttributeKind::literal || !a->def.is<bool>() || a->keyable || a->affects != Affects::nothing)
-        contradiction(t, t.kept_when, "what keeps outputs on disk is an Input<bool> that is not keyable and affects nothing");
+        contradiction(t, t.kept_when,
+                      "what keeps outputs on disk is an Input<bool> that is not keyable and affects nothing");
     if (t.simulation) contradiction(t, t.kept_when, "frames of simulations are not kept on disk");
     for (const AttributeInfo& o : t.outputs)
         if (!codecs.contains(o.type)) contradiction(t, o.name, "is to be kept on disk and its type has no codec");

@@ -76,8 +76,7 @@ Unit power(const Unit& u, int exponent) {
 Unit product(const Unit& a, const Unit& b, bool divide) {
     Unit out;
     out.factor = divide ? a.factor / b.factor : a.factor * b.factor;
-    for (std::size_t i = 0; i < 5; ++i)
-        out.dimension[i] = a.dimension[i] + (divide ? -b.dimension[i] : b.dimension[i]);
+    for (std::size_t i = 0; i < 5; ++i) out.dimension[i] = a.dimension[i] + (divide ? -b.dimension[i] : b.dimension[i]);
     return out;
 }
 

@@ -93,12 +93,12 @@ const T& Value::as() const {
 }
 
 // ---- the types that a graph file can write as literals ----
-#define SINEW_VALUE_TRAITS(T, NAME)                                                                          \
-    template <>                                                                                              \
-    struct ValueTraits<T> {                                                                                  \
-        static constexpr std::string_view name = NAME;                                                       \
-        static void hash(Hasher& h, const T& v);                                                             \
-        static std::size_t bytes(const T& v);                                                                \
+#define SINEW_VALUE_TRAITS(T, NAME)                                                                                    \
+    template <>                                                                                                        \
+    struct ValueTraits<T> {                                                                                            \
+        static constexpr std::string_view name = NAME;                                                                 \
+        static void hash(Hasher& h, const T& v);                                                                       \
+        static std::size_t bytes(const T& v);                                                                          \
     };
 SINEW_VALUE_TRAITS(bool, "bool")
 SINEW_VALUE_TRAITS(std::int64_t, "integer")

@@ -42,8 +42,8 @@ inline void check_map(const engine::Reads& in, std::string_view attribute, const
                       std::size_t vertex_count, const std::string& whose) {
     if (map.size() <= 1 || map.size() == vertex_count) return;
     in.fail(attribute, "FE204",
-            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " +
-                std::to_string(vertex_count) + " vertices",
+            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " + std::to_string(vertex_count) +
+                " vertices",
             "Give one number per vertex, one number for all, or none for 1 everywhere; the map may have been "
             "made "
             "for another mesh.");

@@ -50,16 +50,19 @@ PlacedPoints place(const solver::TissueRest& tissue, const Mesh& mesh, const std
     for (const double widths : solver::widths_outside(tissue.tets, embedding))
         if (widths > 1) ++out.far_vertices;
     if (out.far_vertices > 0 && out.far_vertices == mesh.points->size())
-        throw solver::Error("FE239", "no vertex of " + whose + " lies in the tissue's tets or within a tet's width of them",
+        throw solver::Error("FE239",
+                            "no vertex of " + whose + " lies in the tissue's tets or within a tet's width of them",
                             "Model the mesh where the tissue is at rest, in the same units.");
     out.carriers = carriers_of(tissue, embedding);
     return out;
 }
 
-void warn_of_far_vertices(const engine::Reads& in, std::string_view attribute, const PlacedPoints& placed, const std::string& whose) {
+void warn_of_far_vertices(const engine::Reads& in, std::string_view attribute, const PlacedPoints& placed,
+                          const std::string& whose) {
     if (placed.far_vertices == 0) return;
     in.warn(attribute, "FE239",
-            std::to_string(placed.far_vertices) + " of " + std::to_string(placed.carriers.size()) + " vertices of " + whose +
+            std::to_string(placed.far_vertices) + " of " + std::to_string(placed.carriers.size()) + " vertices of " +
+                whose +
                 " lie more than a tet's width outside of the tissue's tets and will swing about with the nearest",
             "Keep the mesh near the tissue, or make the tets larger.");
 }

@@ -27,6 +27,7 @@ struct PlacedPoints {
 PlacedPoints place(const solver::TissueRest& tissue, const Mesh& mesh, const std::string& whose);
 
 /// Warns (FE239) at `attribute` if some of the `count` vertices are far.
-void warn_of_far_vertices(const engine::Reads& in, std::string_view attribute, const PlacedPoints& placed, const std::string& whose);
+void warn_of_far_vertices(const engine::Reads& in, std::string_view attribute, const PlacedPoints& placed,
+                          const std::string& whose);
 
 } // namespace sinew::nodes

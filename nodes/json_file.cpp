@@ -17,8 +17,7 @@ using solver::Error;
 std::string read_text(const std::string& path) {
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored))
-        throw Error("IO401", "there is no file '" + path + "'",
-                    "Relative paths count from the graph file's folder.");
+        throw Error("IO401", "there is no file '" + path + "'", "Relative paths count from the graph file's folder.");
     if (std::filesystem::is_directory(path, ignored))
         throw Error("IO402", "'" + path + "' is a folder", "Name a file in it.");
     std::ifstream in(path, std::ios::binary);
@@ -55,8 +54,7 @@ void collect(const Json& json, engine::NumberList& out, const std::string& what,
         } else if (entry.is_number() && std::isfinite(entry.get<double>())) {
             out.push_back(entry.get<double>());
         } else {
-            throw Error("IO403",
-                        "'" + path + "': " + what + " holds " + entry.dump() + ", which is not a number");
+            throw Error("IO403", "'" + path + "': " + what + " holds " + entry.dump() + ", which is not a number");
         }
     }
 }

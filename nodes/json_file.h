@@ -12,8 +12,7 @@ namespace sinew::nodes {
 /// Throws solver::Error IO401 (missing), IO402 (unreadable), IO403 (not JSON, with line and column).
 nlohmann::json read_json(const std::string& path);
 /// The part of `json` that an RFC 6901 pointer names; empty = all. Throws solver::Error IO403.
-const nlohmann::json& part_of(const nlohmann::json& json, const std::string& pointer,
-                              const std::string& path);
+const nlohmann::json& part_of(const nlohmann::json& json, const std::string& pointer, const std::string& path);
 /// A list of finite numbers; lists of lists are flattened. Throws solver::Error IO403 naming `what`.
 engine::NumberList numbers_of(const nlohmann::json& json, const std::string& what, const std::string& path);
 /// All bytes of a file. Throws solver::Error IO401, IO402.

@@ -47,8 +47,7 @@ Matrix4 multiply(const Matrix4& a, const Matrix4& b) {
 Matrix4 compose(const Vec3& translate, const Vec3& rotate, const Vec3& scale, std::string_view order,
                 const Vec3& rotate_pivot) {
     Matrix4 turned = identity_matrix;
-    for (char axis : order)
-        turned = multiply(rotation(axis, rotate[static_cast<std::size_t>(axis - 'x')]), turned);
+    for (char axis : order) turned = multiply(rotation(axis, rotate[static_cast<std::size_t>(axis - 'x')]), turned);
     const Vec3 back{-rotate_pivot[0], -rotate_pivot[1], -rotate_pivot[2]};
     turned = multiply(translation(rotate_pivot), multiply(turned, translation(back)));
     const Matrix4 scaled{scale[0], 0, 0, 0, 0, scale[1], 0, 0, 0, 0, scale[2], 0, 0, 0, 0, 1};

@@ -49,9 +49,7 @@ void compute(const Reads& in, Writes& out) {
     if (one) append(all, *one);
     if (many)
         for (const Mesh& m : many->meshes) append(all, m);
-    out.set(out_file, guarded(in, mesh.name, [&] {
-                return FileContent{in[format], written(all, in[format])};
-            }));
+    out.set(out_file, guarded(in, mesh.name, [&] { return FileContent{in[format], written(all, in[format])}; }));
 }
 
 } // namespace

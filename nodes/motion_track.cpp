@@ -64,8 +64,7 @@ Mat3 left_jacobian(const Vec3& w) {
     const Mat3 K = cross_matrix(w);
     const bool small = angle < 1e-4; // the series is exact to rounding there, the closed form is not
     const double a = small ? 0.5 - angle * angle / 24 : (1 - std::cos(angle)) / (angle * angle);
-    const double b =
-        small ? 1.0 / 6 - angle * angle / 120 : (angle - std::sin(angle)) / (angle * angle * angle);
+    const double b = small ? 1.0 / 6 - angle * angle / 120 : (angle - std::sin(angle)) / (angle * angle * angle);
     return Mat3::Identity() + a * K + b * (K * K);
 }
 
@@ -94,8 +93,8 @@ void for_frames(const Json& file, const std::string& path, Take take) {
             throw Error("IO403", "'" + path + "' has a frame without a number \"frame\"");
         const double number = f["frame"].get<double>();
         if (!(number > last))
-            throw Error("IO403", "'" + path + "': frame " + std::to_string(number) +
-                                     " does not come after frame " + std::to_string(last));
+            throw Error("IO403", "'" + path + "': frame " + std::to_string(number) + " does not come after frame " +
+                                     std::to_string(last));
         last = number;
         take(number, f);
     }
@@ -132,8 +131,7 @@ MatrixTrack read_matrix_track(const std::string& path, const std::string& bone) 
         const engine::NumberList m = numbers_of(bones[bone], "the matrix of '" + bone + "'", path);
         if (m.size() != 16)
             throw Error("IO403",
-                        "'" + path + "': the matrix of '" + bone + "' has " + std::to_string(m.size()) +
-                            " numbers",
+                        "'" + path + "': the matrix of '" + bone + "' has " + std::to_string(m.size()) + " numbers",
                         "Give 16, row by row.");
         track.frames.push_back(number);
         std::copy(m.begin(), m.end(), track.matrices.emplace_back().begin());
@@ -145,16 +143,13 @@ NumberTrack read_number_track(const std::string& path, const std::string& channe
     const Json file = read_json(path);
     NumberTrack track;
     for_frames(file, path, [&](double number, const Json& frame) {
-        if (!frame.contains(channel) || !frame[channel].is_number())
-            throw_unknown(path, "channel", channel, frame);
+        if (!frame.contains(channel) || !frame[channel].is_number()) throw_unknown(path, "channel", channel, frame);
         track.frames.push_back(number);
         track.values.push_back(frame[channel].get<double>());
     });
     return track;
 }
 
-double track_frame(double graph_frame, double offset, double rate) {
-    return (graph_frame - 1) * rate + 1 + offset;
-}
+double track_frame(double graph_frame, double offset, double rate) { return (graph_frame - 1) * rate + 1 + offset; }
 
 } // namespace sinew::nodes

@@ -50,8 +50,7 @@ NumberList near_map(const solver::Points& points, const Mesh& other, double inne
     return out;
 }
 
-NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius,
-                      double falloff) {
+NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius, double falloff) {
     const solver::Vec3 c(centre[0], centre[1], centre[2]);
     NumberList out;
     out.reserve(points.size());
@@ -67,8 +66,7 @@ NumberList vertex_map(std::size_t vertex_count, const NumberList& vertices) {
                                            ? std::to_string(static_cast<long long>(v))
                                            : std::to_string(v);
             throw Error("FE203",
-                        "there is no vertex " + number + " in a mesh of " + std::to_string(vertex_count) +
-                            " vertices",
+                        "there is no vertex " + number + " in a mesh of " + std::to_string(vertex_count) + " vertices",
                         "Vertices count from 0.");
         }
         out[static_cast<std::size_t>(v)] = 1;

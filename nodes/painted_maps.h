@@ -14,8 +14,7 @@ engine::NumberList ramp_map(const solver::Points& points, int axis, double start
 /// is 0.
 engine::NumberList near_map(const solver::Points& points, const Mesh& other, double inner, double outer);
 /// 1 in the sphere, 0 from `falloff` outside of it on, smooth between.
-engine::NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius,
-                              double falloff);
+engine::NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius, double falloff);
 /// 1 at the listed vertices, else 0. Throws solver::Error FE203 for an index that is none of the mesh's.
 engine::NumberList vertex_map(std::size_t vertex_count, const engine::NumberList& vertices);
 /// Numbers, or {"vertices": […]}, or a list of indices under a key that ends in /vertices.

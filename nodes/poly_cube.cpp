@@ -57,9 +57,8 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh,
-            Mesh::from(solver::make_cube(in[width], in[height], in[depth], count(in[subdivisions_width]),
-                                         count(in[subdivisions_height]), count(in[subdivisions_depth]))));
+    out.set(out_mesh, Mesh::from(solver::make_cube(in[width], in[height], in[depth], count(in[subdivisions_width]),
+                                                   count(in[subdivisions_height]), count(in[subdivisions_depth]))));
 }
 
 } // namespace

@@ -51,9 +51,8 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh,
-            Mesh::from(solver::make_cylinder(in[radius], in[height], count(in[subdivisions_axis]),
-                                             count(in[subdivisions_height]), count(in[subdivisions_caps]))));
+    out.set(out_mesh, Mesh::from(solver::make_cylinder(in[radius], in[height], count(in[subdivisions_axis]),
+                                                       count(in[subdivisions_height]), count(in[subdivisions_caps]))));
 }
 
 } // namespace
@@ -62,8 +61,8 @@ void add_poly_cylinder(Registry& registry) {
     NodeType type;
     type.name = "polyCylinder";
     type.doc = "Makes a closed cylinder along y.";
-    type.inputs = {describe(radius), describe(height), describe(subdivisions_axis),
-                   describe(subdivisions_height), describe(subdivisions_caps)};
+    type.inputs = {describe(radius), describe(height), describe(subdivisions_axis), describe(subdivisions_height),
+                   describe(subdivisions_caps)};
     type.outputs = {describe(out_mesh)};
     type.compute = compute;
     registry.add(std::move(type));

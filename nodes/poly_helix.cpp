@@ -56,9 +56,8 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh,
-            Mesh::from(solver::make_helix(in[width] / 2, in[radius], in[height], in[coils],
-                                          count(in[subdivisions_axis]), count(in[subdivisions_coil]))));
+    out.set(out_mesh, Mesh::from(solver::make_helix(in[width] / 2, in[radius], in[height], in[coils],
+                                                    count(in[subdivisions_axis]), count(in[subdivisions_coil]))));
 }
 
 } // namespace

@@ -54,8 +54,7 @@ void add_poly_plane(Registry& registry) {
     NodeType type;
     type.name = "polyPlane";
     type.doc = "Makes a flat sheet in the xz plane that faces up.";
-    type.inputs = {describe(width), describe(height), describe(subdivisions_width),
-                   describe(subdivisions_height)};
+    type.inputs = {describe(width), describe(height), describe(subdivisions_width), describe(subdivisions_height)};
     type.outputs = {describe(out_mesh)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -38,8 +38,8 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh, Mesh::from(solver::make_sphere(in[radius], count(in[subdivisions_axis]),
-                                                     count(in[subdivisions_height]))));
+    out.set(out_mesh,
+            Mesh::from(solver::make_sphere(in[radius], count(in[subdivisions_axis]), count(in[subdivisions_height]))));
 }
 
 } // namespace

@@ -41,20 +41,17 @@ void refuse_twins(const Reads& in, const Setup& setup) {
 }
 
 /// Position among the simulated bodies; -1 if the body is connected but disabled.
-int resolve(const Reads& in, const Setup& setup, std::size_t entry, const BodyId& wanted, int hint,
-            const char* end) {
+int resolve(const Reads& in, const Setup& setup, std::size_t entry, const BodyId& wanted, int hint, const char* end) {
     const std::string name = in.source_name(attachments.name, entry);
     const int found = find_body(setup.ids, wanted, hint);
     if (found == body_ambiguous)
         in.fail(attachments.name, "FE213",
-                "two bodies are exactly alike, so the " + std::string(end) + " of " + name +
-                    " could be either",
+                "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
     if (found != body_missing) return found;
     for (const Body& b : setup.bodies)
         if (!b.enable && b.rest->digest == wanted.rest) return -1;
-    in.fail(attachments.name, "FE209",
-            "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
+    in.fail(attachments.name, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
             "Connect that body to zSolver.bodies too.");
 }
 
@@ -64,8 +61,7 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         const Attachment& a = all[i];
         if (a.rest.mode == solver::AttachmentMode::none) continue;
         const std::size_t next = setup.key.links.size();
-        const std::array<int, 2> hint =
-            known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
+        const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
         const int from = resolve(in, setup, i, a.source_body, hint[0], "source");
         const int to = resolve(in, setup, i, a.target_body, hint[1], "target");
         if (from < 0 || to < 0) continue;
@@ -79,9 +75,8 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
 void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) {
     const SceneKey& now = setup.key;
     if (now == known) return;
-    const std::string hint =
-        "Meshes, tets and painted maps must not change over time; key stiffness, excitation or "
-        "bone motion instead.";
+    const std::string hint = "Meshes, tets and painted maps must not change over time; key stiffness, excitation or "
+                             "bone motion instead.";
     for (std::size_t i = 0; i < now.bodies.size() && now.bodies.size() == known.bodies.size(); ++i)
         if (now.bodies[i] != known.bodies[i])
             in.fail(bodies.name, "FE211",
@@ -89,15 +84,13 @@ void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) 
                         " is not that of the start "
                         "frame",
                     hint);
-    for (std::size_t i = 0; i < now.attachments.size() && now.attachments.size() == known.attachments.size();
-         ++i)
+    for (std::size_t i = 0; i < now.attachments.size() && now.attachments.size() == known.attachments.size(); ++i)
         if (now.attachments[i] != known.attachments[i] || now.links[i] != known.links[i])
-            in.fail(
-                attachments.name, "FE211",
-                "the painted weights of " +
-                    in.source_name(attachments.name, static_cast<std::size_t>(setup.attachment_entries[i])) +
-                    " are not those of the start frame",
-                hint);
+            in.fail(attachments.name, "FE211",
+                    "the painted weights of " +
+                        in.source_name(attachments.name, static_cast<std::size_t>(setup.attachment_entries[i])) +
+                        " are not those of the start frame",
+                    hint);
     in.fail(bodies.name, "FE211", "other bodies or attachments take part than at the start frame", hint);
 }
 
@@ -110,11 +103,16 @@ std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& re
 
 std::string law_name(solver::ElasticLaw law) {
     switch (law) {
-    case solver::ElasticLaw::stvk: return "StVK";
-    case solver::ElasticLaw::neo_hookean: return "NeoHookean";
-    case solver::ElasticLaw::log_neo_hookean: return "LogNeoHookean";
-    case solver::ElasticLaw::corotational: return "Corotational";
-    case solver::ElasticLaw::anisotropic: return "Anisotropic";
+    case solver::ElasticLaw::stvk:
+        return "StVK";
+    case solver::ElasticLaw::neo_hookean:
+        return "NeoHookean";
+    case solver::ElasticLaw::log_neo_hookean:
+        return "LogNeoHookean";
+    case solver::ElasticLaw::corotational:
+        return "Corotational";
+    case solver::ElasticLaw::anisotropic:
+        return "Anisotropic";
     }
     return "";
 }
@@ -188,8 +186,7 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
         const Body& b = setup.body(i);
         if (b.is_bone())
-            s.bodies.emplace_back(
-                solver::BoneInputs{to_metres(*std::get<Mesh>(b.values).points, setup.key.scale)});
+            s.bodies.emplace_back(solver::BoneInputs{to_metres(*std::get<Mesh>(b.values).points, setup.key.scale)});
         else
             s.bodies.emplace_back(std::get<solver::TissueInputs>(b.values));
     }
@@ -233,12 +230,10 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
         if (!t) continue;
         r.tets += static_cast<std::int64_t>(t->tets.tets.size());
-        if (std::find(laws.begin(), laws.end(), law_name(t->law)) == laws.end())
-            laws.push_back(law_name(t->law));
+        if (std::find(laws.begin(), laws.end(), law_name(t->law)) == laws.end()) laws.push_back(law_name(t->law));
         fibers = fibers || !t->fibers.empty();
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
-        const bool law_resists =
-            t->law == solver::ElasticLaw::stvk || t->law == solver::ElasticLaw::neo_hookean;
+        const bool law_resists = t->law == solver::ElasticLaw::stvk || t->law == solver::ElasticLaw::neo_hookean;
         resists = resists || (law_resists && values.compression_resistance > 0);
         for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
     }

@@ -19,7 +19,7 @@ struct Setup {
     std::vector<int> simulated;                             ///< positions in `bodies` of those that take part
     std::vector<BodyId> ids;                                ///< of those that take part
     std::vector<std::reference_wrapper<const Attachment>> attachments; ///< those that act
-    std::vector<int> attachment_entries; ///< their positions in zSolver.attachments
+    std::vector<int> attachment_entries;                               ///< their positions in zSolver.attachments
     SceneKey key;
     const Body& body(std::size_t simulated_index) const {
         return bodies[static_cast<std::size_t>(simulated[simulated_index])];

@@ -41,8 +41,7 @@ void compute(const Reads& in, Writes& out) {
     const std::string &path = in[file].path, &more = in[elements].path;
     if (ends_with_node(path) != !more.empty())
         in.fail(elements.name, "DG110",
-                more.empty() ? "a .node file has no tets of its own"
-                             : "elementFile goes with a .node file only",
+                more.empty() ? "a .node file has no tets of its own" : "elementFile goes with a .node file only",
                 "Name TetGen's .node file at file and its .ele file at elementFile.");
     solver::TetMesh tets = guarded(in, more.empty() ? file.name : elements.name, [&] {
         solver::TetMesh t = more.empty() ? solver::read_tets(path) : solver::read_tets(path, more);

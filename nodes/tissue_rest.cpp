@@ -20,8 +20,7 @@ bool is_constant(const NumberList& map) {
 
 /// Surface maps in the volume: extended harmonically, then the mean of each tet. One factorisation serves
 /// all; constant maps need none and stay exact.
-std::vector<std::vector<double>> per_tet(const solver::TissueRest& t,
-                                         const std::vector<const NumberList*>& maps) {
+std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std::vector<const NumberList*>& maps) {
     std::vector<NumberList> varying;
     for (const NumberList* map : maps)
         if (!is_constant(*map)) varying.push_back(*map);
@@ -32,9 +31,8 @@ std::vector<std::vector<double>> per_tet(const solver::TissueRest& t,
     std::vector<std::vector<double>> out;
     auto next = fields.begin();
     for (const NumberList* map : maps)
-        out.push_back(is_constant(*map)
-                          ? std::vector<double>(t.tets.tets.size(), map->empty() ? 1.0 : map->front())
-                          : solver::tet_means(t.tets, *next++));
+        out.push_back(is_constant(*map) ? std::vector<double>(t.tets.tets.size(), map->empty() ? 1.0 : map->front())
+                                        : solver::tet_means(t.tets, *next++));
     return out;
 }
 
@@ -65,8 +63,7 @@ engine::Digest static_digest(const TissueParts& parts) {
     return h.finish();
 }
 
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
-                                                 const solver::MeshingControl& control) {
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control) {
     solver::check_usable(parts.mesh->surface());
     auto t = std::make_shared<solver::TissueRest>();
     t->triangles = parts.mesh->topology->triangles;
@@ -81,8 +78,7 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
     for (const Fiber& f : parts.fibers) maps.push_back(&f.weights);
     t->layer_weights = per_tet(*t, maps);
     for (std::size_t i = 0; i < parts.fibers.size(); ++i)
-        t->fibers.push_back({directions(*t, parts.fibers[i]),
-                             std::move(t->layer_weights[parts.materials.size() + i])});
+        t->fibers.push_back({directions(*t, parts.fibers[i]), std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
     if (t->law == solver::ElasticLaw::anisotropic) t->stiff_directions = t->fibers.front().directions;
     auto rest = std::make_shared<BodyRest>();

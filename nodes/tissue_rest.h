@@ -31,7 +31,6 @@ bool is_sink(double end_point);
 
 engine::Digest static_digest(const TissueParts& parts);
 /// `control` watches the making of the default lattice. Throws solver::Error FE2xx, solver::Stopped.
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts,
-                                                 const solver::MeshingControl& control = {});
+std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control = {});
 
 } // namespace sinew::nodes

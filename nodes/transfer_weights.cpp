@@ -48,8 +48,8 @@ void compute(const Reads& in, Writes& out) {
                 "Give one number per vertex of oldMesh.");
     check_map(in, old_weights.name, map, from.points->size(), "the weights");
     out.set(out_weights, guarded(in, new_mesh.name, [&]() -> NumberList {
-                const solver::MapTransfer places = solver::find_places(*from.points, from.topology->triangles,
-                                                                       *to.points, to.topology->triangles);
+                const solver::MapTransfer places =
+                    solver::find_places(*from.points, from.topology->triangles, *to.points, to.topology->triangles);
                 const NumberList values = per_vertex(map, from.points->size());
                 if (in[mode] == "endPoints") return solver::transfer_ends(places, values);
                 NumberList out_map = solver::transfer_map(places, values);

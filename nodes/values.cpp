@@ -68,11 +68,8 @@ void add(Hasher& h, const SceneKey& k) {
 
 Mesh Mesh::from(solver::SurfaceMesh mesh) {
     auto topology = std::make_shared<MeshTopology>();
-    topology->digest = Hasher()
-                           .add_ints(mesh.face_sizes)
-                           .add_ints(mesh.face_vertices)
-                           .add_ints(numbers(mesh.triangles))
-                           .finish();
+    topology->digest =
+        Hasher().add_ints(mesh.face_sizes).add_ints(mesh.face_vertices).add_ints(numbers(mesh.triangles)).finish();
     topology->face_sizes = std::move(mesh.face_sizes);
     topology->face_vertices = std::move(mesh.face_vertices);
     topology->triangles = std::move(mesh.triangles);
@@ -97,11 +94,8 @@ solver::SurfaceMesh Mesh::surface() const {
 
 TetMeshValue TetMeshValue::from(solver::TetMesh tets) {
     TetMeshValue out;
-    out.digest = Hasher()
-                     .add_doubles(numbers(tets.vertices))
-                     .add_ints(numbers(tets.tets))
-                     .add_doubles(tets.coverage)
-                     .finish();
+    out.digest =
+        Hasher().add_doubles(numbers(tets.vertices)).add_ints(numbers(tets.tets)).add_doubles(tets.coverage).finish();
     out.mesh = std::make_shared<const solver::TetMesh>(std::move(tets));
     return out;
 }
@@ -131,8 +125,8 @@ int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint) {
     }
     if (same_rest <= 1) return last_rest;
     if (same_all == 1) return last_all;
-    const bool hint_fits = hint >= 0 && hint < static_cast<int>(bodies.size()) &&
-                           bodies[static_cast<std::size_t>(hint)] == wanted;
+    const bool hint_fits =
+        hint >= 0 && hint < static_cast<int>(bodies.size()) && bodies[static_cast<std::size_t>(hint)] == wanted;
     return hint_fits ? hint : body_ambiguous;
 }
 
@@ -183,9 +177,7 @@ std::size_t ValueTraits<nodes::TetMeshValue>::bytes(const nodes::TetMeshValue& v
     return size_of(v.mesh->vertices) + size_of(v.mesh->tets) + size_of(v.mesh->coverage);
 }
 
-void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) {
-    h.add_doubles(numbers(v.points));
-}
+void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) { h.add_doubles(numbers(v.points)); }
 std::size_t ValueTraits<nodes::CurvePoints>::bytes(const nodes::CurvePoints& v) { return size_of(v.points); }
 
 void ValueTraits<nodes::Material>::hash(Hasher& h, const nodes::Material& v) {
@@ -240,9 +232,7 @@ std::size_t ValueTraits<nodes::Solved>::bytes(const nodes::Solved& v) {
     return n;
 }
 
-void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& v) {
-    h.add(v.ending).add(v.bytes);
-}
+void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& v) { h.add(v.ending).add(v.bytes); }
 std::size_t ValueTraits<nodes::FileContent>::bytes(const nodes::FileContent& v) { return v.bytes.size(); }
 
 void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::SimulationState& v) {
@@ -251,13 +241,15 @@ void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::Simulatio
 std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
     const solver::State& s = v.state;
     std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
-                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration) + size_of(s.history.strain_rate);
+                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration) +
+                    size_of(s.history.strain_rate);
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     if (s.history.values)
         for (const solver::BodyInputs& body : s.history.values->bodies)
-            if (const auto* t = std::get_if<solver::TissueInputs>(&body)) n += size_of(t->layers) + size_of(t->fibers) + size_of(t->forces);
+            if (const auto* t = std::get_if<solver::TissueInputs>(&body))
+                n += size_of(t->layers) + size_of(t->fibers) + size_of(t->forces);
     return n;
 }
 

@@ -77,7 +77,8 @@ struct BodyRest {
 /// Points that ride on tets: the vertices that carry each.
 using CarriedPoints = std::vector<solver::PointWeights>;
 
-/// A mesh of the user's that shall stand in for a tissue's own surface in contacts, placed in the tissue's tets at rest.
+/// A mesh of the user's that shall stand in for a tissue's own surface in contacts, placed in the tissue's tets at
+/// rest.
 struct CollisionSurface {
     Mesh mesh; ///< at rest, scene units
     CarriedPoints carriers;
@@ -88,9 +89,9 @@ struct Body {
     std::shared_ptr<const BodyRest> rest;
     bool enable = true;
     std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
-    /// Tissues with a collisionShape, else null. Not part of the digest: zSolver's frames are keyed by the digests of its
-    /// bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact term
-    /// that reads it must bring it into BodyRest::digest.
+    /// Tissues with a collisionShape, else null. Not part of the digest: zSolver's frames are keyed by the digests of
+    /// its bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact
+    /// term that reads it must bring it into BodyRest::digest.
     std::shared_ptr<const CollisionSurface> collision = nullptr;
     bool is_bone() const { return values.index() == 1; }
 };
@@ -122,7 +123,7 @@ engine::Digest static_digest(const solver::AttachmentRest& rest);
 struct SceneKey {
     double scale = 100;                              ///< scene units per metre
     std::vector<engine::Digest> bodies, attachments; ///< of those that take part
-    std::vector<std::array<int, 2>> links; ///< source and target of each attachment, positions in `bodies`
+    std::vector<std::array<int, 2>> links;           ///< source and target of each attachment, positions in `bodies`
     engine::Digest digest() const;
     friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
@@ -145,7 +146,8 @@ struct Solved {
     std::vector<BodyId> bodies;
     std::vector<std::shared_ptr<const BodyRest>> rests; ///< same order
     std::vector<solver::Points> positions;              ///< tissues: tet vertices; bones: surface vertices
-    /// Of tissues of quadratic tets: vertices at the middles of the edges, in the order of solver::edges_of. Else empty.
+    /// Of tissues of quadratic tets: vertices at the middles of the edges, in the order of solver::edges_of. Else
+    /// empty.
     std::vector<solver::Points> midpoints;
 };
 
@@ -158,12 +160,12 @@ struct FileContent {
 } // namespace sinew::nodes
 
 namespace sinew::engine {
-#define SINEW_NODE_VALUE(T, NAME)                                                                            \
-    template <>                                                                                              \
-    struct ValueTraits<T> {                                                                                  \
-        static constexpr std::string_view name = NAME;                                                       \
-        static void hash(Hasher& h, const T& v);                                                             \
-        static std::size_t bytes(const T& v);                                                                \
+#define SINEW_NODE_VALUE(T, NAME)                                                                                      \
+    template <>                                                                                                        \
+    struct ValueTraits<T> {                                                                                            \
+        static constexpr std::string_view name = NAME;                                                                 \
+        static void hash(Hasher& h, const T& v);                                                                       \
+        static std::size_t bytes(const T& v);                                                                          \
     };
 SINEW_NODE_VALUE(nodes::Mesh, "mesh")
 SINEW_NODE_VALUE(nodes::MeshList, "meshes")

@@ -139,8 +139,7 @@ NumberList near_weights(const Reads& in) {
     if (!m) in.fail(other.name, "DG110", "mode near needs a mesh to measure to", "Connect otherMesh.");
     if (in[outer] < in[inner])
         in.fail(outer.name, "DG110",
-                "outerDistance " + std::to_string(in[outer]) + " is below innerDistance " +
-                    std::to_string(in[inner]),
+                "outerDistance " + std::to_string(in[outer]) + " is below innerDistance " + std::to_string(in[inner]),
                 "Make it equal or larger.");
     return near_map(*in[mesh].points, *m, in[inner], in[outer]);
 }
@@ -151,20 +150,17 @@ NumberList by_rule(const Reads& in) {
     if (rule == "constant") return NumberList(points.size(), in[value]);
     if (rule == "near") return near_weights(in);
     if (rule == "sphere") return sphere_map(points, in[centre], in[radius], in[falloff]);
-    if (rule == "vertices")
-        return guarded(in, vertices.name, [&] { return vertex_map(points.size(), in[vertices]); });
+    if (rule == "vertices") return guarded(in, vertices.name, [&] { return vertex_map(points.size(), in[vertices]); });
     if (rule == "ramp") {
         if (in[start] == in[end])
-            in.fail(end.name, "DG110", "start and end are both " + std::to_string(in[start]),
-                    "Give two coordinates.");
+            in.fail(end.name, "DG110", "start and end are both " + std::to_string(in[start]), "Give two coordinates.");
         return ramp_map(points, in[axis][0] - 'x', in[start], in[end], in[smooth]);
     }
     const bool by_file = rule == "file";
     if (by_file && in[file].path.empty())
         in.fail(file.name, "DG110", "mode file needs a file", "Name a JSON file with numbers or vertices.");
     NumberList map =
-        by_file ? guarded(in, file.name, [&] { return file_map(points.size(), in[file].path, in[key]); })
-                : in[values];
+        by_file ? guarded(in, file.name, [&] { return file_map(points.size(), in[file].path, in[key]); }) : in[values];
     if (map.empty() && !points.empty())
         in.fail(by_file ? file.name : values.name, "FE204",
                 "no numbers for a mesh of " + std::to_string(points.size()) + " vertices",
@@ -185,11 +181,10 @@ void add_weights(Registry& registry) {
     NodeType type;
     type.name = "weights";
     type.doc = "Paints a mesh: one number per vertex, for materials, fibres and attachments.";
-    type.inputs = {describe(mesh),     describe(mode),    describe(value), describe(values),
-                   describe(axis),     describe(start),   describe(end),   describe(smooth),
-                   describe(other),    describe(inner),   describe(outer), describe(centre),
-                   describe(radius),   describe(falloff), describe(file),  describe(key),
-                   describe(vertices), describe(invert),  describe(scale), describe(offset)};
+    type.inputs = {describe(mesh),  describe(mode),     describe(value),  describe(values),  describe(axis),
+                   describe(start), describe(end),      describe(smooth), describe(other),   describe(inner),
+                   describe(outer), describe(centre),   describe(radius), describe(falloff), describe(file),
+                   describe(key),   describe(vertices), describe(invert), describe(scale),   describe(offset)};
     type.outputs = {describe(out_weights)};
     type.compute = compute;
     registry.add(std::move(type));

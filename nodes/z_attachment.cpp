@@ -93,13 +93,11 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
                 in.source_name(source.name) + " and " + in.source_name(target.name) +
                     " are both bones, so the attachment has no effect",
                 "Attach a tissue to a bone.");
-    rest.mode =
-        in[mode] == "none" || both_bones ? solver::AttachmentMode::none : solver::AttachmentMode::fixed;
-    rest.correspondence = in[correspondence] == "vertexID" ? solver::Correspondence::vertex_id
-                                                           : solver::Correspondence::closest_point;
+    rest.mode = in[mode] == "none" || both_bones ? solver::AttachmentMode::none : solver::AttachmentMode::fixed;
+    rest.correspondence =
+        in[correspondence] == "vertexID" ? solver::Correspondence::vertex_id : solver::Correspondence::closest_point;
     rest.maintain_offset = in[maintain_offset];
-    check_map(in, weights.name, in[weights], vertex_count(from),
-              "weights for " + in.source_name(source.name));
+    check_map(in, weights.name, in[weights], vertex_count(from), "weights for " + in.source_name(source.name));
     check_map(in, target_weights.name, in[target_weights], vertex_count(to),
               "targetWeights for " + in.source_name(target.name));
     rest.source_weights = per_vertex(in[weights], vertex_count(from));
@@ -110,18 +108,16 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
 void check_reach(const Reads& in, const solver::AttachmentRest& rest, const Body& from, const Body& to) {
     if (rest.mode == solver::AttachmentMode::none) return;
     if (is_blank(rest.source_weights))
-        in.fail(weights.name, "FE212",
-                "no vertex of " + in.source_name(source.name) + " has a weight above 0",
+        in.fail(weights.name, "FE212", "no vertex of " + in.source_name(source.name) + " has a weight above 0",
                 "Paint the vertices that are to be attached.");
     if (is_blank(rest.target_weights))
-        in.fail(target_weights.name, "FE212",
-                "no vertex of " + in.source_name(target.name) + " has a weight above 0",
+        in.fail(target_weights.name, "FE212", "no vertex of " + in.source_name(target.name) + " has a weight above 0",
                 "Paint where the source may hold on.");
     if (rest.correspondence == solver::Correspondence::vertex_id && vertex_count(from) != vertex_count(to))
         in.fail(correspondence.name, "FE217",
                 "vertexID needs equal meshes, but " + in.source_name(source.name) + " has " +
-                    std::to_string(vertex_count(from)) + " vertices and " + in.source_name(target.name) +
-                    " has " + std::to_string(vertex_count(to)),
+                    std::to_string(vertex_count(from)) + " vertices and " + in.source_name(target.name) + " has " +
+                    std::to_string(vertex_count(to)),
                 "Use a target with the same vertices, or worldSpace.");
 }
 
@@ -145,10 +141,9 @@ void add_z_attachment(Registry& registry) {
     NodeType type;
     type.name = "zAttachment";
     type.doc = "Ties a tissue to a bone or to another tissue; forces act on both.";
-    type.inputs = {
-        describe(envelope),  describe(source),        describe(target),          describe(mode),
-        describe(stiffness), describe(damping),       describe(maintain_offset), describe(correspondence),
-        describe(weights),   describe(target_weights)};
+    type.inputs = {describe(envelope),  describe(source),        describe(target),          describe(mode),
+                   describe(stiffness), describe(damping),       describe(maintain_offset), describe(correspondence),
+                   describe(weights),   describe(target_weights)};
     type.outputs = {describe(out_attachment)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -54,11 +54,9 @@ void compute(const Reads& in, Writes& out) {
     struct Kept {
         std::shared_ptr<const BodyRest> rest;
     };
-    const Digest key =
-        Hasher().add("zBone.rest").add(modelled.topology->digest).add(modelled.points_digest).finish();
-    auto kept = in.lease<Kept>(key, [&] {
-        return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); });
-    });
+    const Digest key = Hasher().add("zBone.rest").add(modelled.topology->digest).add(modelled.points_digest).finish();
+    auto kept = in.lease<Kept>(
+        key, [&] { return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); }); });
     out.set(out_body, Body{kept->rest, in[enable], moved(modelled, in[matrix])});
 }
 

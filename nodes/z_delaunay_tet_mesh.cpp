@@ -44,8 +44,8 @@ void compute(const Reads& in, Writes& out) {
         return std::make_shared<TetMeshValue>(
             guarded(in, mesh.name,
                     [&] {
-                        return TetMeshValue::from(solver::make_delaunay_tets(*m.points, m.topology->triangles,
-                                                                             options, meshing_control(in)));
+                        return TetMeshValue::from(
+                            solver::make_delaunay_tets(*m.points, m.topology->triangles, options, meshing_control(in)));
                     },
                     {{"FE232", refinement_quality.name}}));
     });

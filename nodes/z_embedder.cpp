@@ -19,7 +19,8 @@ const Wire<Body> body{
 };
 const WireList<Mesh> meshes{
     .name = "meshes",
-    .doc = "Meshes at rest beside the tissue as modelled, in scene units. None: the tissue's own mesh. A mesh with vertices "
+    .doc = "Meshes at rest beside the tissue as modelled, in scene units. None: the tissue's own mesh. A mesh with "
+           "vertices "
            "more than a tet's width outside of the tissue's tets is warned of; one that is there wholly is refused.",
 };
 const Input<double> envelope{
@@ -36,7 +37,8 @@ const Output<MeshList> out_meshes{
 
 const Output<MeshList> out_collision_meshes{
     .name = "outCollisionMeshes",
-    .doc = "The tissue's collision surface at this frame: its collisionShape, carried. No mesh where it has none. No contact "
+    .doc = "The tissue's collision surface at this frame: its collisionShape, carried. No mesh where it has none. No "
+           "contact "
            "reads it yet: Sinew has no contacts.",
 };
 
@@ -44,15 +46,15 @@ std::size_t find(const Reads& in, const Solved& s) {
     const int found = find_body(s.bodies, id_of(in[body]));
     if (found >= 0) return static_cast<std::size_t>(found);
     in.fail(body.name, found == body_ambiguous ? "FE213" : "FE209",
-            in.source_name(body.name) + (found == body_ambiguous
-                                             ? " cannot be told from another body of the solver"
-                                             : " is not simulated by that solver"),
+            in.source_name(body.name) + (found == body_ambiguous ? " cannot be told from another body of the solver"
+                                                                 : " is not simulated by that solver"),
             "Connect a tissue that is among zSolver.bodies and enabled there.");
 }
 
 /// \param whose  whose mesh it is; none for the tissue's own, which is not checked here
 solver::Points carried_by(const Reads& in, const BodyRest& rest, const solver::TissueRest& tissue, const Mesh& mesh,
-                          const std::optional<std::string>& whose, const solver::Points& corners, const solver::Points& midpoints) {
+                          const std::optional<std::string>& whose, const solver::Points& corners,
+                          const solver::Points& midpoints) {
     struct Kept {
         PlacedPoints placed;
     };
@@ -104,7 +106,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_embedder(Registry& registry) {
     NodeType type;
     type.name = "zEmbedder";
-    type.doc = "Carries extra meshes, for example a fine skin, and the tissue's collision surface along with a simulated tissue.";
+    type.doc = "Carries extra meshes, for example a fine skin, and the tissue's collision surface along with a "
+               "simulated tissue.";
     type.inputs = {describe(solved), describe(body), describe(meshes), describe(envelope)};
     type.outputs = {describe(out_meshes), describe(out_collision_meshes)};
     type.compute = compute;

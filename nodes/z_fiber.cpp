@@ -20,8 +20,7 @@ const Input<NumberList> weights{
     .name = "weights",
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc =
-        "Local strength: one number per vertex of the tissue's mesh, one for all, or none for full strength.",
+    .doc = "Local strength: one number per vertex of the tissue's mesh, one for all, or none for full strength.",
 };
 const Input<NumberList> end_points{
     .name = "endPoints",
@@ -43,9 +42,8 @@ const Input<double> contraction_limit{
     .def = 0,
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc =
-        "The share of its length that a fibre pulls towards: 0 to nothing, 0.5 to half, 1 stiffens without "
-        "shortening.",
+    .doc = "The share of its length that a fibre pulls towards: 0 to nothing, 0.5 to half, 1 stiffens without "
+           "shortening.",
 };
 const Input<double> excitation{
     .name = "excitation",

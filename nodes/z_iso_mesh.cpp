@@ -18,11 +18,10 @@ const WireList<Mesh> meshes{
 const Input<double> iso_value{
     .name = "isoValue",
     .def = 0,
-    .doc =
-        "Distance of the new surface from the polygons, in scene units: above 0 grows, 0 remeshes, below 0 "
-        "shrinks. Polygons that are not closed have no inside and need a value above 0; holes smaller than "
-        "twice the value are then closed. Around polygons that are not closed it should be half a grid cell (see "
-        "resolution) or more; a thinner sheet may be lost between cells (FE231).",
+    .doc = "Distance of the new surface from the polygons, in scene units: above 0 grows, 0 remeshes, below 0 "
+           "shrinks. Polygons that are not closed have no inside and need a value above 0; holes smaller than "
+           "twice the value are then closed. Around polygons that are not closed it should be half a grid cell (see "
+           "resolution) or more; a thinner sheet may be lost between cells (FE231).",
     .keyable = false,
 };
 const Input<double> triangle_size{
@@ -32,7 +31,8 @@ const Input<double> triangle_size{
     .limits = {.min = 0, .open_min = true},
     .doc = "Size of the triangles: 1 makes their edges about a fortieth of the diagonal of the polygons' "
            "bounding "
-           "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller. Edges shorter than half a grid cell (see resolution) follow the grid and "
+           "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller. Edges shorter than "
+           "half a grid cell (see resolution) follow the grid and "
            "may never end (FE234).",
     .keyable = false,
 };
@@ -56,11 +56,10 @@ const Input<double> max_time{
 const Input<bool> produce_manifold_mesh{
     .name = "produceManifoldMesh",
     .def = true,
-    .doc =
-        "Refines until the mesh is a closed 2-manifold, as zDelaunayTetMesh and collisions want it. Off "
-        "saves "
-        "about a quarter of the time and may leave edges with one triangle or more than two. Angles are at "
-        "least 30 degrees either way.",
+    .doc = "Refines until the mesh is a closed 2-manifold, as zDelaunayTetMesh and collisions want it. Off "
+           "saves "
+           "about a quarter of the time and may leave edges with one triangle or more than two. Angles are at "
+           "least 30 degrees either way.",
     .keyable = false,
 };
 const Output<Mesh> out_mesh{
@@ -92,29 +91,26 @@ Made make(const Reads& in) {
     for (const Mesh& m : in[meshes]) {
         const int first = static_cast<int>(points.size());
         points.insert(points.end(), m.points->begin(), m.points->end());
-        for (const auto& [a, b, c] : m.topology->triangles)
-            triangles.push_back({first + a, first + b, first + c});
+        for (const auto& [a, b, c] : m.topology->triangles) triangles.push_back({first + a, first + b, first + c});
     }
     solver::IsoMeshOptions options;
     options.iso_value = in[iso_value];
     options.resolution = static_cast<int>(in[resolution]);
     options.is_manifold = in[produce_manifold_mesh];
     options.most_seconds = in[max_time];
-    solver::IsoMesh mesh =
-        guarded(in, meshes.name,
-                [&] {
-                    options.triangle_size =
-                        in[triangle_size] * solver::default_triangle_size(points, triangles);
-                    return solver::make_iso_mesh(points, triangles, options, meshing_control(in));
-                },
-                {{"FE230", iso_value.name},
-                 {"FE231", iso_value.name},
-                 {"FE232", triangle_size.name},
-                 {"FE233", max_time.name},
-                 {"FE234", iso_value.name}});
-    return {
-        Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
-        mesh.components, mesh.lost};
+    solver::IsoMesh mesh = guarded(in, meshes.name,
+                                   [&] {
+                                       options.triangle_size =
+                                           in[triangle_size] * solver::default_triangle_size(points, triangles);
+                                       return solver::make_iso_mesh(points, triangles, options, meshing_control(in));
+                                   },
+                                   {{"FE230", iso_value.name},
+                                    {"FE231", iso_value.name},
+                                    {"FE232", triangle_size.name},
+                                    {"FE233", max_time.name},
+                                    {"FE234", iso_value.name}});
+    return {Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
+            mesh.components, mesh.lost};
 }
 
 void compute(const Reads& in, Writes& out) {
@@ -134,8 +130,7 @@ void add_z_iso_mesh(Registry& registry) {
     type.name = "zIsoMesh";
     // 2: doubled faces do not count for isoValue <= 0; made near the origin
     type.numerics = 3; // sheets thinner than triangles are followed, or refused, in place of crumbs
-    type.doc =
-        "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
+    type.doc = "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
     type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),
                    describe(resolution), describe(max_time),  describe(produce_manifold_mesh)};
     type.outputs = {describe(out_mesh)};

@@ -87,8 +87,8 @@ void add_z_material(Registry& registry) {
     NodeType type;
     type.name = "zMaterial";
     type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
-    type.inputs = {describe(envelope), describe(weights), describe(youngs_modulus), describe(poissons_ratio),
-                   describe(mass_density),  describe(volume_conservation)};
+    type.inputs = {describe(envelope),       describe(weights),      describe(youngs_modulus),
+                   describe(poissons_ratio), describe(mass_density), describe(volume_conservation)};
     type.outputs = {describe(out_material)};
     type.compute = compute;
     registry.add(std::move(type));

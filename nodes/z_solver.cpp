@@ -45,10 +45,9 @@ auto solving(const Reads& in, const Setup& setup, Call&& call) {
     } catch (const solver::Error& e) {
         std::string message = e.what();
         if (e.body >= 0)
-            message =
-                in.source_name(bodies.name,
-                               static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
-                ": " + message;
+            message = in.source_name(bodies.name,
+                                     static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
+                      ": " + message;
         in.fail(bodies.name, e.code, std::move(message), e.hint);
     }
 }
@@ -71,8 +70,8 @@ solver::StepControl control_of(const Reads& in) {
 void warn_if_unconverged(const Reads& in, const solver::StepRecord& record) {
     if (record.converged) return;
     char text[160];
-    std::snprintf(text, sizeof text, "frame %g has not converged: residual %.3g after %d Newton iterations",
-                  in.frame(), record.residual, record.newton_iterations);
+    std::snprintf(text, sizeof text, "frame %g has not converged: residual %.3g after %d Newton iterations", in.frame(),
+                  record.residual, record.newton_iterations);
     in.warn(max_newton_iterations.name, "FE301", text,
             "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
 }
@@ -108,13 +107,12 @@ SimulationState advance(const SimulationState& before, std::span<const Reads> ti
 /// All bodies as they stand without simulation: bones where they are, tissues as modelled.
 MeshList unsolved_meshes(const Setup& setup) {
     MeshList out;
-    for (const Body& b : setup.bodies)
-        out.meshes.push_back(b.is_bone() ? std::get<Mesh>(b.values) : b.rest->mesh);
+    for (const Body& b : setup.bodies) out.meshes.push_back(b.is_bone() ? std::get<Mesh>(b.values) : b.rest->mesh);
     return out;
 }
 
-void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, double units,
-                    Mesh& mesh, solver::Points& tets, solver::Points& midpoints) {
+void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, double units, Mesh& mesh,
+                    solver::Points& tets, solver::Points& midpoints) {
     mesh = mesh.with_points(to_scene_units(solver::surface_positions(scene, state, body), units));
     const double* x = state.x.data() + 3 * scene.first_vertex(body);
     const std::size_t corners = scene.tissue(body)->tets.vertices.size();
@@ -142,7 +140,8 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             if (b.is_bone())
                 positions = *mesh.points;
             else
-                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions, midpoints);
+                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions,
+                               midpoints);
             solved.bodies.push_back(setup.ids[i]);
             solved.rests.push_back(b.rest);
         }

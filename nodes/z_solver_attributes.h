@@ -47,8 +47,10 @@ inline const Input<std::string> integrator{
 inline const Input<std::string> linear_solver{
     .name = "solver",
     .def = "Auto",
-    .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients with multigrid; Auto "
-           "iterates and goes to the factorisation for a while where counted cost says that it is cheaper. Plain factorises all "
+    .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients with "
+           "multigrid; Auto "
+           "iterates and goes to the factorisation for a while where counted cost says that it is cheaper. Plain "
+           "factorises all "
            "bodies together, as the library comes: the yardstick of `sinew bench scene`, never the faster choice.",
     .options = {"Auto", "Direct", "Iterative", "Plain"},
 };
@@ -69,10 +71,11 @@ inline const Input<std::int64_t> max_newton_iterations{
     .name = "maxNewtonIterations",
     .def = 10,
     .limits = {.min = 1, .max = 100000},
-    .doc =
-        "Upper bound of Newton iterations per solve; a step stops earlier when it has converged, and one that has not is "
-        "reported. A step is one solve, two with TR-BDF2, and one more for each tenfold tightening where volumeConservation "
-        "holds it up.",
+    .doc = "Upper bound of Newton iterations per solve; a step stops earlier when it has converged, and one that has "
+           "not is "
+           "reported. A step is one solve, two with TR-BDF2, and one more for each tenfold tightening where "
+           "volumeConservation "
+           "holds it up.",
 };
 inline const Input<std::int64_t> step_halvings{
     .name = "stepHalvings",

@@ -17,9 +17,10 @@ const Input<double> tet_size{
     .name = "tetSize",
     .def = 0,
     .limits = {.min = 0},
-    .doc = "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
-           "the longest side of the mesh's bounding box / 3.5. Every tet counts as at least a thousandth solid; tets so "
-           "large that this adds more than a tenth to the mesh's volume are refused.",
+    .doc =
+        "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
+        "the longest side of the mesh's bounding box / 3.5. Every tet counts as at least a thousandth solid; tets so "
+        "large that this adds more than a tenth to the mesh's volume are refused.",
     .keyable = false,
 };
 const Input<NumberList> weights{
@@ -36,10 +37,9 @@ const Input<double> surface_refinement{
     .def = 1,
     .unit = "1",
     .limits = {.min = 0, .max = 20},
-    .doc =
-        "How often the tet size is halved at the surface where weights are 1. At a point of the surface it "
-        "is tetSize / 2^n, n = envelope * weight * surfaceRefinement rounded up; so with 1, any weight "
-        "above 0 halves it once. A tet takes the finest size that its piece of the surface asks for.",
+    .doc = "How often the tet size is halved at the surface where weights are 1. At a point of the surface it "
+           "is tetSize / 2^n, n = envelope * weight * surfaceRefinement rounded up; so with 1, any weight "
+           "above 0 halves it once. A tet takes the finest size that its piece of the surface asks for.",
     .keyable = false,
 };
 const Input<double> refinement_propagation{
@@ -90,9 +90,11 @@ const Input<std::string> element{
 const Input<bool> cache_tet_mesh{
     .name = "cacheTetMesh",
     .def = false,
-    .doc = "Keeps the tets on disk, so that a later run reads them instead of meshing. What is read is what was made, to the "
-           "last bit; when an input has changed, tets are made and kept anew. The folder: `--cache` on the command line, "
-           "StorePolicy::disk_folder in a program.",
+    .doc =
+        "Keeps the tets on disk, so that a later run reads them instead of meshing. What is read is what was made, to "
+        "the "
+        "last bit; when an input has changed, tets are made and kept anew. The folder: `--cache` on the command line, "
+        "StorePolicy::disk_folder in a program.",
     .keyable = false,
     .affects = Affects::nothing,
 };
@@ -129,12 +131,12 @@ TetMeshValue make_tets(const Reads& in) {
     options.propagation = in[refinement_propagation];
     options.refinement = painted.empty() ? NumberList{1} : painted;
     for (double& w : options.refinement) w *= in[envelope] * in[surface_refinement];
-    const bool is_refined = std::any_of(options.refinement.begin(), options.refinement.end(),
-                                        [](double levels) { return levels > 0; });
+    const bool is_refined =
+        std::any_of(options.refinement.begin(), options.refinement.end(), [](double levels) { return levels > 0; });
     return guarded(in, mesh.name,
                    [&] {
-                       return TetMeshValue::from(solver::make_lattice(*m->points, m->topology->triangles, options,
-                                                                      meshing_control(in)));
+                       return TetMeshValue::from(
+                           solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
                    },
                    {{"FE206", tet_size.name},
                     {"FE210", is_refined ? surface_refinement.name : tet_size.name},
@@ -143,11 +145,11 @@ TetMeshValue make_tets(const Reads& in) {
 
 void compute(const Reads& in, Writes& out) {
     const TetMeshValue* own = in.find(tets);
-    TetMeshValue result = (own ? *own : make_tets(in))
-                              .with_element(in[element] == "quadratic" ? solver::ElementKind::quadratic
-                                                                       : solver::ElementKind::linear);
-    out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(
-                          result.mesh->vertices, solver::boundary_triangles(result.mesh->tets))));
+    TetMeshValue result =
+        (own ? *own : make_tets(in))
+            .with_element(in[element] == "quadratic" ? solver::ElementKind::quadratic : solver::ElementKind::linear);
+    out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(result.mesh->vertices,
+                                                                     solver::boundary_triangles(result.mesh->tets))));
     out.set(out_tets, std::move(result));
 }
 
@@ -158,11 +160,10 @@ void add_z_tet(Registry& registry) {
     type.name = "zTet";
     // 2: closed surfaces inside others are filled unless fillInterior says otherwise
     type.numerics = 3; // triangles and parts that face the wrong way are turned; too large tets refused
-    type.doc =
-        "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
-        "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
-        "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "
-        "anew only when an input changes.";
+    type.doc = "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
+               "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
+               "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "
+               "anew only when an input changes.";
     type.inputs = {describe(mesh),
                    describe(tet_size),
                    describe(weights),

@@ -61,11 +61,13 @@ const Input<double> transverse_anisotropy{
 };
 const Wire<Mesh> collision_shape{
     .name = "collisionShape",
-    .doc = "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
-           "scene units; coarser, or closed where the mesh is not. Like the mesh it should not move by itself: one that does is "
-           "bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives "
-           "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
-           "change it simulates nothing again.",
+    .doc =
+        "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
+        "scene units; coarser, or closed where the mesh is not. Like the mesh it should not move by itself: one that "
+        "does is "
+        "bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives "
+        "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
+        "change it simulates nothing again.",
     .required = false,
 };
 const Output<Body> out_body{
@@ -124,7 +126,12 @@ std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const
         PlacedPoints placed;
         std::shared_ptr<const CollisionSurface> surface;
     };
-    const Digest key = Hasher().add("zTissue.collision").add(rest.digest).add(shape->topology->digest).add(shape->points_digest).finish();
+    const Digest key = Hasher()
+                           .add("zTissue.collision")
+                           .add(rest.digest)
+                           .add(shape->topology->digest)
+                           .add(shape->points_digest)
+                           .finish();
     auto kept = in.lease<Kept>(key, [&] {
         return guarded(in, collision_shape.name, [&] {
             const auto& tissue = *std::get<std::shared_ptr<const solver::TissueRest>>(rest.data);
@@ -149,9 +156,8 @@ void compute(const Reads& in, Writes& out) {
     };
     auto kept = in.lease<Kept>(static_digest(parts), [&] {
         in.progress(0, "meshing");
-        return guarded(in, mesh.name, [&] {
-            return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))});
-        });
+        return guarded(in, mesh.name,
+                       [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))}); });
     });
     const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;

@@ -10,7 +10,9 @@ namespace sinew::solver {
 class Error : public std::runtime_error {
   public:
     Error(std::string code, std::string message, std::string hint = {})
-        : std::runtime_error(message), code(std::move(code)), hint(std::move(hint)) {}
+        : std::runtime_error(message)
+        , code(std::move(code))
+        , hint(std::move(hint)) {}
     std::string code, hint;
     int body = -1; ///< index of the body in the scene, if one is to blame
 };
@@ -18,7 +20,8 @@ class Error : public std::runtime_error {
 /// The host asked to stop.
 class Stopped : public std::runtime_error {
   public:
-    Stopped() : std::runtime_error("stopped") {}
+    Stopped()
+        : std::runtime_error("stopped") {}
 };
 
 } // namespace sinew::solver

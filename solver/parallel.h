@@ -11,21 +11,21 @@
 namespace sinew::solver {
 
 /// body(i) for i in [0, count); at least `grain` pieces go to one thread.
-template <class Body> void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
+template <class Body>
+void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
     if (count <= grain) {
         for (std::size_t i = 0; i < count; ++i) body(i);
         return;
     }
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain),
-                      [&](const tbb::blocked_range<std::size_t>& r) {
-                          for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
-                      });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
+        for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
+    });
 }
 
-/// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the chunks in
-/// order, so the bits do not
-/// depend on the number of threads.
-template <std::size_t n, class Add> std::array<double, n> ordered_sums(std::size_t count, const Add& add) {
+/// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the
+/// chunks in order, so the bits do not depend on the number of threads.
+template <std::size_t n, class Add>
+std::array<double, n> ordered_sums(std::size_t count, const Add& add) {
     std::array<std::array<double, n>, 1024> parts;
     const std::size_t chunk = std::max<std::size_t>(2048, (count + parts.size() - 1) / parts.size());
     const auto sum_chunk = [&](std::size_t first) {
@@ -42,7 +42,8 @@ template <std::size_t n, class Add> std::array<double, n> ordered_sums(std::size
     return sums;
 }
 /// Sum of term(i) over [0, count), likewise.
-template <class Term> double ordered_sum(std::size_t count, const Term& term) {
+template <class Term>
+double ordered_sum(std::size_t count, const Term& term) {
     return ordered_sums<1>(count, [&](std::size_t i, std::array<double, 1>& sum) { sum[0] += term(i); })[0];
 }
 

@@ -26,35 +26,43 @@ void check_tissue(const TissueRest& t, int body) {
     if (n == 0) refuse(body, "FE201", "the tissue has no tets", "its mesh or lattice must not be empty");
     for (std::size_t v = 0; v < t.tets.vertices.size(); ++v)
         if (!t.tets.vertices[v].allFinite())
-            refuse(body, "FE202", "vertex " + std::to_string(v) + " of the tet mesh is not a finite number", "repair the mesh");
+            refuse(body, "FE202", "vertex " + std::to_string(v) + " of the tet mesh is not a finite number",
+                   "repair the mesh");
     for (const Tet& tet : t.tets.tets)
         for (const int v : tet)
             if (v < 0 || static_cast<std::size_t>(v) >= t.tets.vertices.size())
-                refuse(body, "FE203", "a tet names vertex " + std::to_string(v) + " of " +
-                                          std::to_string(t.tets.vertices.size()), "vertex numbers count from 0");
+                refuse(body, "FE203",
+                       "a tet names vertex " + std::to_string(v) + " of " + std::to_string(t.tets.vertices.size()),
+                       "vertex numbers count from 0");
     for (const auto& w : t.layer_weights)
         if (w.size() != n)
-            refuse(body, "FE204", "a material layer has " + std::to_string(w.size()) + " weights for " +
-                                      std::to_string(n) + " tets", "one weight per tet");
+            refuse(body, "FE204",
+                   "a material layer has " + std::to_string(w.size()) + " weights for " + std::to_string(n) + " tets",
+                   "one weight per tet");
     if (t.law == ElasticLaw::anisotropic && t.stiff_directions.size() != n)
-        refuse(body, "FE205", "the anisotropic law has " + std::to_string(t.stiff_directions.size()) + " directions for " +
-                                  std::to_string(n) + " tets", "connect a fibre: it gives the stiff direction");
-    if (t.layer_weights.empty())
-        refuse(body, "FE206", "the tissue has no material", "connect at least one zMaterial");
+        refuse(body, "FE205",
+               "the anisotropic law has " + std::to_string(t.stiff_directions.size()) + " directions for " +
+                   std::to_string(n) + " tets",
+               "connect a fibre: it gives the stiff direction");
+    if (t.layer_weights.empty()) refuse(body, "FE206", "the tissue has no material", "connect at least one zMaterial");
     for (const auto& f : t.fibers)
         if (f.directions.size() != n || f.weights.size() != n)
-            refuse(body, "FE204", "a fibre field has " + std::to_string(f.directions.size()) + " directions and " +
-                                      std::to_string(f.weights.size()) + " weights for " + std::to_string(n) + " tets",
+            refuse(body, "FE204",
+                   "a fibre field has " + std::to_string(f.directions.size()) + " directions and " +
+                       std::to_string(f.weights.size()) + " weights for " + std::to_string(n) + " tets",
                    "one of each per tet");
     // A weight that is not a number would pass every comparison below and come out as an energy that is none.
     const auto all_finite = [](const std::vector<double>& values) {
         return std::all_of(values.begin(), values.end(), [](double w) { return std::isfinite(w); });
     };
     for (const auto& w : t.layer_weights)
-        if (!all_finite(w)) refuse(body, "FE204", "a weight of a material layer is not a finite number", "check the painted map");
+        if (!all_finite(w))
+            refuse(body, "FE204", "a weight of a material layer is not a finite number", "check the painted map");
     for (const auto& f : t.fibers)
-        if (!all_finite(f.weights) || !std::all_of(f.directions.begin(), f.directions.end(), [](const Vec3& d) { return d.allFinite(); }))
-            refuse(body, "FE204", "a weight or direction of a fibre field is not a finite number", "check the painted map");
+        if (!all_finite(f.weights) ||
+            !std::all_of(f.directions.begin(), f.directions.end(), [](const Vec3& d) { return d.allFinite(); }))
+            refuse(body, "FE204", "a weight or direction of a fibre field is not a finite number",
+                   "check the painted map");
     if (!all_finite(t.tets.coverage))
         refuse(body, "FE202", "the coverage of a tet is not a finite number", "it lies between 0 and 1");
 }
@@ -81,10 +89,12 @@ std::vector<Anisotropy> make_anisotropy(const TissueRest& t, std::size_t batch_c
 }
 
 /// Numbers the middles of the edges after the corners and puts them into batches like those of the corners.
-void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch>& corners, Points& nodes, Scene::System& system) {
+void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch>& corners, Points& nodes,
+               Scene::System& system) {
     const std::vector<std::array<int, 2>> edges = edges_of(t.tets.tets);
     for (const auto& [a, b] : edges)
-        nodes.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(a)] + t.tets.vertices[static_cast<std::size_t>(b)]));
+        nodes.push_back(0.5 *
+                        (t.tets.vertices[static_cast<std::size_t>(a)] + t.tets.vertices[static_cast<std::size_t>(b)]));
     const std::size_t first_batch = system.edge_batches.size();
     system.edge_batches.resize(first_batch + corners.size());
     auto& of_tets = system.edge_vertices.back();
@@ -97,7 +107,8 @@ void add_edges(const TissueRest& t, int first_vertex, const std::vector<TetBatch
 
 } // namespace
 
-Scene::Scene(SceneDescription description) : description_(std::move(description)) {
+Scene::Scene(SceneDescription description)
+    : description_(std::move(description)) {
     auto system = std::make_unique<System>();
     for (int body = 0; body < body_count(); ++body) {
         first_vertex_.push_back(vertex_count_);
@@ -124,8 +135,9 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
         system->hessian_size = batches.hessian_at(batches.batch_count);
         system->strain_size = batches.strain_at(batches.batch_count);
         if (system->hessian_size > most_entries)
-            refuse(body, "FE210", "the tets up to this body take " + std::to_string(system->hessian_size) +
-                                      " stiffness entries; " + std::to_string(most_entries) + " can be numbered",
+            refuse(body, "FE210",
+                   "the tets up to this body take " + std::to_string(system->hessian_size) + " stiffness entries; " +
+                       std::to_string(most_entries) + " can be numbered",
                    "choose larger tets, or linear ones");
         Points nodes = t->tets.vertices;
         system->edge_vertices.resize(static_cast<std::size_t>(body) + 1); // bones before this one have none
@@ -154,7 +166,9 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
                 for (int n = 0; n < t.nodes(); ++n)
                     for (std::size_t lane = 0; lane < lanes && i * lanes + lane < t.tet_count; ++lane) {
                         const int u = system->unknown[static_cast<std::size_t>(system->node(t, i, n)[lane])];
-                        if (u >= 0) visit(u, static_cast<int>(t.gradient_at(i) + static_cast<std::size_t>(3 * n) * lanes + lane));
+                        if (u >= 0)
+                            visit(u,
+                                  static_cast<int>(t.gradient_at(i) + static_cast<std::size_t>(3 * n) * lanes + lane));
                     }
     };
     system->node_start.assign(system->vertex_of_unknown.size() + 1, 0);
@@ -164,23 +178,24 @@ Scene::Scene(SceneDescription description) : description_(std::move(description)
             const int vertex = system->vertex_of_unknown[u];
             int body = 0;
             while (body + 1 < body_count() && first_vertex_[static_cast<std::size_t>(body) + 1] <= vertex) ++body;
-            refuse(body, "FE208", "vertex " + std::to_string(vertex - first_vertex(body)) + " of the tet mesh belongs to no tet",
+            refuse(body, "FE208",
+                   "vertex " + std::to_string(vertex - first_vertex(body)) + " of the tet mesh belongs to no tet",
                    "remove unused vertices from the tet mesh");
         }
         system->node_start[u + 1] += system->node_start[u];
     }
     system->nodes.resize(static_cast<std::size_t>(system->node_start.back()));
     std::vector<int> next(system->node_start.begin(), system->node_start.end() - 1);
-    for_each_node([&](int u, int at) {
-        system->nodes[static_cast<std::size_t>(next[static_cast<std::size_t>(u)]++)] = at;
-    });
+    for_each_node(
+        [&](int u, int at) { system->nodes[static_cast<std::size_t>(next[static_cast<std::size_t>(u)]++)] = at; });
     system_ = std::move(system);
 }
 
 Scene::~Scene() = default;
 
 const TissueRest* Scene::tissue(int body) const {
-    const auto* p = std::get_if<std::shared_ptr<const TissueRest>>(&description_.bodies[static_cast<std::size_t>(body)]);
+    const auto* p =
+        std::get_if<std::shared_ptr<const TissueRest>>(&description_.bodies[static_cast<std::size_t>(body)]);
     return p ? p->get() : nullptr;
 }
 
@@ -189,7 +204,9 @@ PointWeights Scene::embedded(int body, int tet, const std::array<double, 4>& bar
     for (int& v : corners) v += first_vertex(body);
     const bool quadratic = tissue(body)->element == ElementKind::quadratic;
     return embedded_point(
-        corners, quadratic ? &system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)] : nullptr, barycentric);
+        corners,
+        quadratic ? &system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)] : nullptr,
+        barycentric);
 }
 
 const BoneRest* Scene::bone(int body) const {

@@ -15,8 +15,8 @@ namespace sinew::solver {
 
 enum class ElasticLaw { stvk, neo_hookean, log_neo_hookean, corotational, anisotropic };
 
-/// Shape functions of the tets. Linear: a vertex each corner, constant strain. Quadratic: also one at the middle of each
-/// edge, linear strain; their numbers follow those of the mesh's vertices, in the order of edges_of(mesh.tets).
+/// Shape functions of the tets. Linear: a vertex each corner, constant strain. Quadratic: also one at the middle of
+/// each edge, linear strain; their numbers follow those of the mesh's vertices, in the order of edges_of(mesh.tets).
 enum class ElementKind { linear, quadratic };
 
 /// One fibre field of a tissue.
@@ -36,7 +36,8 @@ struct TissueRest {
     Points stiff_directions; ///< law anisotropic: unit vector per tet along the fibre; zero = isotropic there
     std::vector<std::vector<double>> layer_weights; ///< [material layer][tet]; layer 0 is 1 everywhere
     std::vector<FiberRest> fibers;
-    std::vector<int> fixed_vertices; ///< vertices (of quadratic tets also edge midpoints) held at their rest positions (no unknowns); sorted, may be empty
+    std::vector<int> fixed_vertices; ///< vertices (of quadratic tets also edge midpoints) held at their rest positions
+                                     ///< (no unknowns); sorted, may be empty
 };
 
 /// A bone: vertices are prescribed at every step, so only connectivity is kept here.
@@ -80,11 +81,12 @@ class Scene {
     /// Vertices of one tissue in the state's arrays; 0 for bones.
     std::size_t vertex_count(int body) const {
         const std::size_t next = static_cast<std::size_t>(body) + 1;
-        return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) - first_vertex(body));
+        return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) -
+                                        first_vertex(body));
     }
     /// What carries a point with these barycentric coordinates in a tet of a tissue.
     PointWeights embedded(int body, int tet, const std::array<double, 4>& barycentric) const;
-    struct System;                                     ///< element batches and pattern; solver-internal
+    struct System; ///< element batches and pattern; solver-internal
     const System& system() const { return *system_; }
 
   private:

@@ -14,8 +14,10 @@ struct Pack {
     typedef long long Mask __attribute__((vector_size(lanes * sizeof(long long))));
     Vector v;
     Pack() = default;
-    Pack(double s) : v(Vector{} + s) {}
-    Pack(Vector x) : v(x) {}
+    Pack(double s)
+        : v(Vector{} + s) {}
+    Pack(Vector x)
+        : v(x) {}
     static Pack load(const double* p) {
         Pack r;
         for (int i = 0; i < lanes; ++i) r.v[i] = p[i];

@@ -16,13 +16,16 @@ constexpr std::string_view magic = "sinew state 5\n";
 /// Appends plain values; vectors with their length first.
 class Writer {
   public:
-    explicit Writer(std::vector<std::byte>& out) : out_(out) {}
-    template <class T> void put(const T& v) {
+    explicit Writer(std::vector<std::byte>& out)
+        : out_(out) {}
+    template <class T>
+    void put(const T& v) {
         static_assert(std::is_trivially_copyable_v<T>);
         const auto* p = reinterpret_cast<const std::byte*>(&v);
         out_.insert(out_.end(), p, p + sizeof(T));
     }
-    template <class T> void put_all(const std::vector<T>& v) {
+    template <class T>
+    void put_all(const std::vector<T>& v) {
         put(static_cast<std::uint64_t>(v.size()));
         for (const T& x : v) put(x);
     }
@@ -33,8 +36,10 @@ class Writer {
 
 class Reader {
   public:
-    explicit Reader(std::span<const std::byte> in) : in_(in) {}
-    template <class T> void get(T& v) {
+    explicit Reader(std::span<const std::byte> in)
+        : in_(in) {}
+    template <class T>
+    void get(T& v) {
         if (in_.size() < sizeof(T)) throw Error("IO403", "a saved simulation state ends too early");
         std::memcpy(&v, in_.data(), sizeof(T));
         in_ = in_.subspan(sizeof(T));
@@ -45,7 +50,8 @@ class Reader {
         if (n > in_.size() / item_size) throw Error("IO403", "a saved simulation state ends too early");
         return static_cast<std::size_t>(n);
     }
-    template <class T> void get_all(std::vector<T>& v) {
+    template <class T>
+    void get_all(std::vector<T>& v) {
         v.resize(get_count(sizeof(T)));
         for (T& x : v) get(x);
     }
@@ -119,8 +125,10 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
 }
 
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
-template <class Record, class Visit> void visit_record(Record& r, const Visit& visit) {
-    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.halvings), visit(r.linear_iterations), visit(r.energy);
+template <class Record, class Visit>
+void visit_record(Record& r, const Visit& visit) {
+    visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.halvings),
+        visit(r.linear_iterations), visit(r.energy);
     visit(r.min_j), visit(r.inverted), visit(r.max_stretch);
 }
 
@@ -140,7 +148,8 @@ std::vector<std::byte> save(const State& s) {
     for (const auto& list : s.anchors) {
         w.put(static_cast<std::uint64_t>(list.size()));
         for (const Anchor& a : list) {
-            w.put(a.source_vertex), w.put(a.source_tet), w.put(a.source_coordinates), w.put(a.target_triangle), w.put(a.target_tet);
+            w.put(a.source_vertex), w.put(a.source_tet), w.put(a.source_coordinates), w.put(a.target_triangle),
+                w.put(a.target_tet);
             w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
         }
     }
@@ -169,7 +178,8 @@ State load(std::span<const std::byte> bytes) {
     for (auto& list : s.anchors) {
         list.resize(r.get_count(sizeof(double)));
         for (Anchor& a : list) {
-            r.get(a.source_vertex), r.get(a.source_tet), r.get(a.source_coordinates), r.get(a.target_triangle), r.get(a.target_tet);
+            r.get(a.source_vertex), r.get(a.source_tet), r.get(a.source_coordinates), r.get(a.target_triangle),
+                r.get(a.target_tet);
             r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
         }
     }

@@ -1,9 +1,9 @@
 // The complete state of a simulation: all that the next step reads. Plain values; load(save(s)) equals s bit for bit.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/types.h"
 #include "solver/linear/linear_solver.h"
 #include "solver/step_inputs.h"
+#include "solver/types.h"
 
 #include <array>
 #include <cstddef>
@@ -15,11 +15,11 @@ namespace sinew::solver {
 
 /// Where a source vertex holds on to its target, fixed at the start frame.
 struct Anchor {
-    int source_vertex = -1;   ///< of the source's surface
-    int source_tet = -1;      ///< where the anchor holds the middle of a surface edge from that vertex: the tet it rides on
+    int source_vertex = -1; ///< of the source's surface
+    int source_tet = -1; ///< where the anchor holds the middle of a surface edge from that vertex: the tet it rides on
     std::array<double, 4> source_coordinates{}; ///< barycentric in that tet
-    int target_triangle = -1; ///< bones: the triangle that carries the anchor
-    int target_tet = -1;      ///< tissues: the tet of the target body that carries the anchor
+    int target_triangle = -1;                   ///< bones: the triangle that carries the anchor
+    int target_tet = -1;                        ///< tissues: the tet of the target body that carries the anchor
     std::array<double, 4> coordinates{}; ///< tissue: barycentric in the tet; bone: barycentric in the triangle, then 0
     std::array<double, 3> offset{};      ///< bone: offset in the triangle's own frame [m]
     double area_weight = 0;              ///< vertex area x painted weight [m^2]
@@ -33,18 +33,18 @@ struct StepRecord {
     int newton_iterations = 0, substeps = 0;
     int halvings = 0;          ///< steps that failed and were taken again in two halves
     int linear_iterations = 0; ///< of conjugate gradients; 0 where every solve was direct
-    double energy = 0; ///< elastic + fibre + attachment [J]
-    double min_j = 1;  ///< least det F over all tets
-    int inverted = 0;  ///< tets with det F <= 0
-    double max_stretch = 0; ///< longest attachment [m]
+    double energy = 0;         ///< elastic + fibre + attachment [J]
+    double min_j = 1;          ///< least det F over all tets
+    int inverted = 0;          ///< tets with det F <= 0
+    double max_stretch = 0;    ///< longest attachment [m]
     double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_other = 0; ///< not digested
 };
 
 /// What multi-step schemes know of the step before the last one. Kept by the schemes that read it, empty otherwise.
 struct History {
-    double step_size = 0;      ///< of the last step [s]; 0 = nothing is known
-    std::vector<double> x, v;  ///< at the start of the last step
-    std::vector<Points> bones; ///< likewise, per body
+    double step_size = 0;             ///< of the last step [s]; 0 = nothing is known
+    std::vector<double> x, v;         ///< at the start of the last step
+    std::vector<Points> bones;        ///< likewise, per body
     std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
     std::vector<double> strain_rate;  ///< likewise of all points, in the order of the elements [1/s]; empty = not known
     std::optional<StepInputs> values; ///< that the last step ended with, as copy_values leaves them
@@ -54,8 +54,8 @@ struct State {
     std::vector<double> x, v; ///< 3 numbers per unknown vertex; order of the scene [m], [m/s]
     History history;
     std::vector<std::vector<Anchor>> anchors; ///< per attachment
-    std::vector<Points> bones;                ///< per body: bone vertex positions at the end of the step; empty for tissues
-    long long steps = 0;                      ///< since the start frame
+    std::vector<Points> bones; ///< per body: bone vertex positions at the end of the step; empty for tissues
+    long long steps = 0;       ///< since the start frame
     LinearMemory linear;
     StepRecord record;
 };

@@ -22,7 +22,8 @@ struct Workspace::Impl {
     std::vector<double> x, v, x_gamma, v_gamma, acceleration, strain_rate;
     std::vector<Points> bones; ///< at the end of the step
     StepInputs between;        ///< values within it
-    explicit Impl(const Scene& scene) : potential(scene) {}
+    explicit Impl(const Scene& scene)
+        : potential(scene) {}
 
     void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
         const bool new_pattern = potential.set_structure(anchors, in);
@@ -31,7 +32,9 @@ struct Workspace::Impl {
     }
 };
 
-Workspace::Workspace(std::shared_ptr<const Scene> scene) : scene_(std::move(scene)), impl_(std::make_unique<Impl>(*scene_)) {}
+Workspace::Workspace(std::shared_ptr<const Scene> scene)
+    : scene_(std::move(scene))
+    , impl_(std::make_unique<Impl>(*scene_)) {}
 Workspace::~Workspace() = default;
 int Workspace::symbolic_analyses() const { return impl_->newton ? impl_->newton->linear.symbolic_analyses() : 0; }
 
@@ -46,11 +49,13 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         throw std::logic_error("step inputs must name every body and attachment of the scene, in order");
     if (!(in.step_size > 0) || !std::isfinite(in.step_size))
         throw Error("FE302", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
-    if (!in.gravity.allFinite()) throw Error("FE302", "gravity is not a finite number", "check what it is connected to");
+    if (!in.gravity.allFinite())
+        throw Error("FE302", "gravity is not a finite number", "check what it is connected to");
     for (std::size_t k = 0; k < in.attachments.size(); ++k) {
         const AttachmentInputs& a = in.attachments[k];
         if (std::isfinite(a.stiffness) && std::isfinite(a.envelope) && std::isfinite(a.damping)) continue;
-        Error bad("FE302", "a value of attachment " + std::to_string(k) + ", which starts from it, is not a finite number",
+        Error bad("FE302",
+                  "a value of attachment " + std::to_string(k) + ", which starts from it, is not a finite number",
                   "stiffness, envelope and damping must be finite");
         bad.body = scene.description().attachments[k].source;
         throw bad;
@@ -60,8 +65,10 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         if (const BoneRest* bone = scene.bone(body)) {
             const Points& p = std::get<BoneInputs>(b).positions;
             if (p.size() != bone->surface.size()) {
-                Error changed("FE211", "the bone has " + std::to_string(p.size()) + " vertices; it started with " +
-                                           std::to_string(bone->surface.size()), "a body keeps its vertices");
+                Error changed("FE211",
+                              "the bone has " + std::to_string(p.size()) + " vertices; it started with " +
+                                  std::to_string(bone->surface.size()),
+                              "a body keeps its vertices");
                 changed.body = body;
                 throw changed;
             }
@@ -87,7 +94,8 @@ void set_bones(const Scene& scene, const StepInputs& in, std::vector<Points>& bo
     bones.resize(static_cast<std::size_t>(scene.body_count()));
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.bone(body))
-            bones[static_cast<std::size_t>(body)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(body)]).positions;
+            bones[static_cast<std::size_t>(body)] =
+                std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(body)]).positions;
 }
 
 /// Minimises the stage that impl.form describes, from x.
@@ -108,9 +116,15 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     impl.potential.begin_step(s, in);
     impl.x = s.x;
     switch (in.integrator) {
-    case Integrator::backward_euler: backward_euler_form(s, h, impl.form); break;
-    case Integrator::quasi_static: quasi_static_form(s, impl.form); break;
-    case Integrator::bdf2: bdf2_form(s, h, impl.form); break;
+    case Integrator::backward_euler:
+        backward_euler_form(s, h, impl.form);
+        break;
+    case Integrator::quasi_static:
+        quasi_static_form(s, impl.form);
+        break;
+    case Integrator::bdf2:
+        bdf2_form(s, h, impl.form);
+        break;
     case Integrator::tr_bdf2:
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
         tr_bdf2_trapezoid_form(s, h, impl.form);
@@ -219,11 +233,13 @@ State initial_state(const Scene& scene, const StepInputs& inputs) {
     std::vector<Points> surfaces(s.bones);
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
-    for (const AttachmentRest& a : scene.description().attachments) s.anchors.push_back(make_anchors(scene, a, surfaces));
+    for (const AttachmentRest& a : scene.description().attachments)
+        s.anchors.push_back(make_anchors(scene, a, surfaces));
     return s;
 }
 
-State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps, const StepControl& control) {
+State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
+              const StepControl& control) {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const Scene& scene = workspace.scene();
@@ -234,7 +250,8 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     StepControl inner = control;
     if (control.progress)
         inner.progress = [&](double done, int iteration, double residual) {
-            control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration, residual);
+            control.progress((static_cast<double>(k) + done) / static_cast<double>(substeps.size()), iteration,
+                             residual);
         };
     for (; k < substeps.size(); ++k) {
         const StepInputs& in = substeps[k];
@@ -249,7 +266,8 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         if (!std::isfinite(c)) throw Error("FE302", "the step gave positions that are not finite numbers");
     impl.potential.describe(s.x, record);
     const double total = std::chrono::duration<double>(Clock::now() - start).count();
-    record.seconds_other = std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
+    record.seconds_other =
+        std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
     s.record = record;
     return s;
 }
@@ -266,7 +284,8 @@ Points carried_positions(const Scene& scene, const std::vector<double>& x, int b
         const PointWeights w = scene.embedded(body, embedding.tet[i], embedding.barycentric[i]);
         Vec3 p = Vec3::Zero();
         for (int k = 0; k < w.count; ++k)
-            for (int c = 0; c < 3; ++c) p[c] += w.weight[k] * x[3 * static_cast<std::size_t>(w.vertex[k]) + static_cast<std::size_t>(c)];
+            for (int c = 0; c < 3; ++c)
+                p[c] += w.weight[k] * x[3 * static_cast<std::size_t>(w.vertex[k]) + static_cast<std::size_t>(c)];
         out[i] = p;
     });
     return out;

@@ -30,7 +30,7 @@ class Workspace {
 
 /// Called in every Newton iteration.
 struct StepControl {
-    std::function<bool()> stop;                                     ///< true = throw Stopped
+    std::function<bool()> stop; ///< true = throw Stopped
     std::function<void(double done, int iteration, double residual)> progress;
 };
 

@@ -22,14 +22,14 @@ struct MaterialValues {
 };
 
 struct FiberValues {
-    double strength = 12e3;        ///< [Pa]
-    double contraction_limit = 0;  ///< fibre stretch at which the pull ends
+    double strength = 12e3;       ///< [Pa]
+    double contraction_limit = 0; ///< fibre stretch at which the pull ends
     double excitation = 0, envelope = 1;
 };
 
 struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
-    double transverse_anisotropy = 1; ///< law anisotropic: stiffness across the fibre / along it
+    double transverse_anisotropy = 1;      ///< law anisotropic: stiffness across the fibre / along it
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
@@ -37,7 +37,8 @@ struct TissueInputs {
 
 /// Whether some layer does; on linear tets it couples more vertices.
 inline bool conserves_volume(const TissueInputs& in) {
-    return std::any_of(in.layers.begin(), in.layers.end(), [](const MaterialValues& m) { return m.volume_conservation > 0; });
+    return std::any_of(in.layers.begin(), in.layers.end(),
+                       [](const MaterialValues& m) { return m.volume_conservation > 0; });
 }
 
 struct BoneInputs {
@@ -55,14 +56,14 @@ struct AttachmentInputs {
 struct StepInputs {
     double step_size = 1.0 / 24; ///< [s]
     Integrator integrator = Integrator::backward_euler;
-    Vec3 gravity{0, -9.8, 0}; ///< [m/s^2]
-    double mass_damping = 0;       ///< Rayleigh [1/s]
-    double stiffness_damping = 0;  ///< Rayleigh [s]
+    Vec3 gravity{0, -9.8, 0};     ///< [m/s^2]
+    double mass_damping = 0;      ///< Rayleigh [1/s]
+    double stiffness_damping = 0; ///< Rayleigh [s]
     LinearMethod linear_method = LinearMethod::automatic;
     int max_newton_iterations = 10;
     double tolerance_factor = 1;
-    int max_halvings = 0; ///< how often a step that fails is taken again in two halves, and those again
-    std::vector<BodyInputs> bodies;           ///< one per body, same order as the scene's
+    int max_halvings = 0;           ///< how often a step that fails is taken again in two halves, and those again
+    std::vector<BodyInputs> bodies; ///< one per body, same order as the scene's
     std::vector<AttachmentInputs> attachments; ///< one per attachment
 };
 

@@ -7,7 +7,9 @@ namespace sinew::solver {
 
 class Stopwatch {
   public:
-    explicit Stopwatch(double& seconds) : seconds_(seconds), start_(std::chrono::steady_clock::now()) {}
+    explicit Stopwatch(double& seconds)
+        : seconds_(seconds)
+        , start_(std::chrono::steady_clock::now()) {}
     ~Stopwatch() { seconds_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
     Stopwatch(const Stopwatch&) = delete;
 

@@ -24,9 +24,15 @@ struct TissueBatches {
     int pairs() const { return kind == ElementKind::linear ? 10 : quadratic_pairs; }
     /// Where the entries of batch i of this tissue start, in doubles, among those of all elements.
     std::size_t first_gradient = 0, first_hessian = 0, first_strain = 0;
-    std::size_t gradient_at(std::size_t i) const { return first_gradient + i * static_cast<std::size_t>(nodes() * 3 * lanes); }
-    std::size_t strain_at(std::size_t i) const { return first_strain + i * static_cast<std::size_t>(points() * solver::strain_size); }
-    std::size_t hessian_at(std::size_t i) const { return first_hessian + i * static_cast<std::size_t>(pairs() * 9 * lanes); }
+    std::size_t gradient_at(std::size_t i) const {
+        return first_gradient + i * static_cast<std::size_t>(nodes() * 3 * lanes);
+    }
+    std::size_t strain_at(std::size_t i) const {
+        return first_strain + i * static_cast<std::size_t>(points() * solver::strain_size);
+    }
+    std::size_t hessian_at(std::size_t i) const {
+        return first_hessian + i * static_cast<std::size_t>(pairs() * 9 * lanes);
+    }
 };
 
 struct Scene::System {

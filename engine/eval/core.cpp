@@ -8,8 +8,7 @@
 namespace sinew::engine {
 
 namespace {
-constexpr std::size_t kept_programs =
-    8; // snapshots whose keys and chains are remembered: undo finds them again
+constexpr std::size_t kept_programs = 8; // snapshots whose keys and chains are remembered: undo finds them again
 }
 
 Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
@@ -21,8 +20,7 @@ Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     , observer_(watcher) {}
 
 std::shared_ptr<Program> Core::program_of(const std::shared_ptr<const Graph>& graph) {
-    const auto it =
-        std::find_if(programs.begin(), programs.end(), [&](const auto& p) { return p->graph() == graph; });
+    const auto it = std::find_if(programs.begin(), programs.end(), [&](const auto& p) { return p->graph() == graph; });
     if (it != programs.end()) {
         std::rotate(it, it + 1, programs.end());
         return programs.back();
@@ -48,8 +46,7 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
             throw Failure(std::move(d));
         }
         bool complete = true;
-        for (const std::string& path : program->file_paths(at))
-            complete = complete && contents.contains(path);
+        for (const std::string& path : program->file_paths(at)) complete = complete && contents.contains(path);
         if (complete) {
             if (program->set_files(at, contents)) return {program, at};
             std::erase(programs,

@@ -1,5 +1,5 @@
-// Bytes on disk under their keys: one file each, whole or not there, so that several processes may share a folder. Knows
-// neither nodes nor values; what is kept (outputs today) gives it a key and bytes.
+// Bytes on disk under their keys: one file each, whole or not there, so that several processes may share a folder.
+// Knows neither nodes nor values; what is kept (outputs today) gives it a key and bytes.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/digest.h"

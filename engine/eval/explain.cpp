@@ -57,8 +57,8 @@ int Explainer::first_difference(const Place& now, const Place& before) const {
 }
 
 // Walks both snapshots upstream side by side, into whatever differs, and names the inputs at which they part.
-std::vector<std::string> Explainer::changed_plugs(Program& before, Keys& old_keys, const Site& now,
-                                                  const Site& then, double time) {
+std::vector<std::string> Explainer::changed_plugs(Program& before, Keys& old_keys, const Site& now, const Site& then,
+                                                  double time) {
     std::vector<std::string> out;
     std::set<std::pair<int, int>> seen;
     std::vector<std::pair<Site, Site>> stack{{now, then}};
@@ -83,8 +83,7 @@ std::vector<std::string> Explainer::changed_plugs(Program& before, Keys& old_key
                 out.push_back(plug);
             } else {
                 for (std::size_t k = 0; k < s.sources.size(); ++k) {
-                    const Site up = program_->site(s.sources[k], time),
-                               old_up = before.site(t.sources[k], time);
+                    const Site up = program_->site(s.sources[k], time), old_up = before.site(t.sources[k], time);
                     Needs needs;
                     const auto key = keys_.of(up, needs), old_key = old_keys.of(old_up, needs);
                     if (s.sources[k].output != t.sources[k].output)
@@ -102,8 +101,7 @@ Verdict Explainer::of_frame(int simulation, int frame) {
     Place& p = program_->place(simulation);
     Verdict out;
     int nearest = frame;
-    while (nearest >= p.start_frame && !core_.states.contains(keys_.frame_key(simulation, nearest)))
-        --nearest;
+    while (nearest >= p.start_frame && !core_.states.contains(keys_.frame_key(simulation, nearest))) --nearest;
     out.first_frame = std::min(nearest + 1, frame);
     out.last_frame = frame;
     const auto before = earlier(p.name, p.type);
@@ -116,27 +114,24 @@ Verdict Explainer::of_frame(int simulation, int frame) {
             differs < q.start_frame + static_cast<int>(q.chain.size())) {
             Keys old_keys(*before, table_only(core_));
             for (double t : keys_.read_times(simulation, differs)) {
-                const auto plugs =
-                    changed_plugs(*before, old_keys, {simulation, static_cast<double>(differs)},
-                                  {there, static_cast<double>(differs)}, t);
+                const auto plugs = changed_plugs(*before, old_keys, {simulation, static_cast<double>(differs)},
+                                                 {there, static_cast<double>(differs)}, t);
                 for (const std::string& plug : plugs)
-                    if (std::find(out.changed_plugs.begin(), out.changed_plugs.end(), plug) ==
-                        out.changed_plugs.end())
+                    if (std::find(out.changed_plugs.begin(), out.changed_plugs.end(), plug) == out.changed_plugs.end())
                         out.changed_plugs.push_back(plug);
             }
-            change = "its inputs differ from frame " + std::to_string(differs) + " on (" +
-                     joined(out.changed_plugs) + "); ";
+            change =
+                "its inputs differ from frame " + std::to_string(differs) + " on (" + joined(out.changed_plugs) + "); ";
         }
     }
     if (nearest == frame) {
         out.because = change + "the state is there, only the outputs have to be published";
     } else {
-        out.because =
-            change +
-            (nearest < p.start_frame ? "no state is there to go on from"
-                                     : "the nearest state is that of frame " + std::to_string(nearest)) +
-            "; frames " + std::to_string(nearest + 1) + " to " + std::to_string(frame) +
-            " would be simulated";
+        out.because = change +
+                      (nearest < p.start_frame ? "no state is there to go on from"
+                                               : "the nearest state is that of frame " + std::to_string(nearest)) +
+                      "; frames " + std::to_string(nearest + 1) + " to " + std::to_string(frame) +
+                      " would be simulated";
     }
     return out;
 }

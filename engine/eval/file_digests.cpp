@@ -21,8 +21,7 @@ std::variant<Digest, FileFault> FileDigests::of(const std::string& path) {
     {
         const std::lock_guard lock(mutex_);
         const auto it = rows_.find(path);
-        if (it != rows_.end() && it->second.size == size && it->second.changed == changed)
-            return it->second.content;
+        if (it != rows_.end() && it->second.size == size && it->second.changed == changed) return it->second.content;
     }
     std::ifstream in(path, std::ios::binary);
     if (!in) return unreadable;

@@ -125,8 +125,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
         s.push_values(std::move(missing), this);
         return false;
     }
-    const Digest key = s.keys.frame_key(simulation_, next),
-                 root = s.keys.frame_key(simulation_, p.start_frame);
+    const Digest key = s.keys.frame_key(simulation_, next), root = s.keys.frame_key(simulation_, p.start_frame);
     if (const auto flight = s.core.flights.find(key); flight != s.core.flights.end()) {
         const FlightPtr theirs = flight->second; // one thread steps; the others wait, holding nothing
         if (!s.core.landed.wait(lock, s.stop, [&] { return theirs->done; })) throw Cancelled();
@@ -167,16 +166,14 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     return false;
 }
 
-StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources, CallContext& context,
-                                int next) {
+StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources, CallContext& context, int next) {
     const SimulationFunctions& f = *place().type->simulation;
     const auto begin = std::chrono::steady_clock::now();
     StoredState out;
     on_arena(session_.core, [&] {
         std::vector<Reads> reads;
         for (const auto& source : sources) reads.emplace_back(*source);
-        out.state =
-            context.phase == Phase::initial ? f.initial(reads.front()) : f.advance(state_.state, reads);
+        out.state = context.phase == Phase::initial ? f.initial(reads.front()) : f.advance(state_.state, reads);
     });
     out.warnings = std::move(context.warnings);
     const double seconds = seconds_since(begin);
@@ -201,8 +198,7 @@ EntryPtr FrameGoal::published(SlotValues values, const StoredState& state, int n
     EntryPtr entry = make_entry(p, writes, std::move(warnings));
     {
         const std::lock_guard lock(session_.core.mutex);
-        if (!entry->warnings.empty())
-            session_.program->delivered.insert(session_.keys.frame_key(simulation_, next));
+        if (!entry->warnings.empty()) session_.program->delivered.insert(session_.keys.frame_key(simulation_, next));
     }
     session_.core.observe([&](Observer& o) { o.computed(p.name, next, seconds_since(begin)); });
     return entry;

@@ -17,9 +17,7 @@ Hasher identity(const NodeType& t) {
     return h;
 }
 
-bool is_new(std::vector<Site>& all, const Site& s) {
-    return std::find(all.begin(), all.end(), s) == all.end();
-}
+bool is_new(std::vector<Site>& all, const Site& s) { return std::find(all.begin(), all.end(), s) == all.end(); }
 
 } // namespace
 
@@ -42,13 +40,11 @@ Digest Keys::combine(const Site& site) const {
     if (p.type->uses_time) h.add(site.frame).add(program_.graph()->timing().fps);
     for (const Slot& s : p.slots) {
         if (!s.read_by_compute()) continue;
-        h.add(s.info->name)
-            .add(static_cast<int>(s.kind == Slot::Kind::curve ? Slot::Kind::constant : s.kind));
+        h.add(s.info->name).add(static_cast<int>(s.kind == Slot::Kind::curve ? Slot::Kind::constant : s.kind));
         if (s.kind == Slot::Kind::constant || s.kind == Slot::Kind::curve) h.add(s.digest_at(site.frame));
         if (s.kind == Slot::Kind::list) h.add(std::uint64_t{s.sources.size()});
         for (const Source& source : s.sources) {
-            const auto& output =
-                program_.place(source.node).type->outputs[static_cast<std::size_t>(source.output)];
+            const auto& output = program_.place(source.node).type->outputs[static_cast<std::size_t>(source.output)];
             h.add(plug_key(*known(program_.site(source, site.frame)), output.name));
         }
     }
@@ -118,8 +114,7 @@ std::optional<Digest> Keys::content(const Slot& slot, double time, Needs& needs)
             complete = false;
             continue;
         }
-        const auto& output =
-            program_.place(source.node).type->outputs[static_cast<std::size_t>(source.output)];
+        const auto& output = program_.place(source.node).type->outputs[static_cast<std::size_t>(source.output)];
         const auto content = content_(plug_key(*key, output.name), *key, source.output);
         if (content) {
             h.add(*content);

@@ -16,14 +16,12 @@ namespace sinew::engine {
 /// What stands between the caller and a key.
 struct Needs {
     std::map<int, int> chains; ///< simulation -> frame up to which its chain must be known
-    std::vector<Site>
-        values; ///< nodes that must be evaluated, because only their values have a content digest
+    std::vector<Site> values;  ///< nodes that must be evaluated, because only their values have a content digest
     bool empty() const { return chains.empty() && values.empty(); }
 };
 
 /// The content digest behind a plug key, if it is known.
-using ContentOf =
-    std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
+using ContentOf = std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
 
 /// Keys of one program. Needs the core's mutex for every call.
 class Keys {

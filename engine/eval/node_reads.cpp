@@ -12,8 +12,7 @@ namespace sinew::engine {
 std::size_t NodeReads::slot(std::string_view attribute) const {
     const Place& p = *context_.place;
     const auto refuse = [&](const char* why) {
-        throw std::logic_error(std::string(p.type->name) + " read \"" + std::string(attribute) +
-                               "\", which " + why);
+        throw std::logic_error(std::string(p.type->name) + " read \"" + std::string(attribute) + "\", which " + why);
     };
     for (std::size_t i = 0; i < p.slots.size(); ++i) {
         const AttributeInfo& info = *p.slots[i].info;

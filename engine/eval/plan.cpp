@@ -110,7 +110,8 @@ EntryPtr Plan::read_kept(const Item& item) {
     EntryPtr entry;
     if (found.payload) {
         try {
-            entry = std::make_shared<Entry>(decode_entry(session_.program->graph()->registry(), *p.type, *found.payload));
+            entry =
+                std::make_shared<Entry>(decode_entry(session_.program->graph()->registry(), *p.type, *found.payload));
             warnings = entry->warnings;
         } catch (const BadBytes& bad) {
             found.fault = bad.what();
@@ -127,7 +128,8 @@ EntryPtr Plan::read_kept(const Item& item) {
         locate(d, *session_.program->graph(), p.name);
         session_.core.observe([&](Observer& o) { o.warning(d); });
     }
-    if (entry) session_.core.observe([&](Observer& o) { o.reused(p.name, p.dynamic ? item.site.frame : session_.frame); });
+    if (entry)
+        session_.core.observe([&](Observer& o) { o.reused(p.name, p.dynamic ? item.site.frame : session_.frame); });
     return entry;
 }
 
@@ -158,8 +160,7 @@ EntryPtr Plan::compute(const Item& item) {
     std::size_t next = 0;
     std::vector<Site> missing;
     SlotValues values = session_.gather(
-        p, item.site.frame, Phase::compute, [&](const Site&) { return at(item.sources[next++]).result; },
-        missing);
+        p, item.site.frame, Phase::compute, [&](const Site&) { return at(item.sources[next++]).result; }, missing);
     NodeReads source(context, std::move(values), item.site.frame);
     Writes writes;
     const auto begin = std::chrono::steady_clock::now();
@@ -212,8 +213,7 @@ void Plan::work(tbb::task_group& group, int i) {
         std::exception_ptr error;
         Item* item;
         {
-            const std::lock_guard lock(
-                mutex_); // what other threads wrote into the items is visible from here on
+            const std::lock_guard lock(mutex_); // what other threads wrote into the items is visible from here on
             item = &at(i);
         }
         try {
@@ -278,8 +278,7 @@ bool Plan::wait_for_others(std::vector<int>& ready) {
 bool Plan::run() {
     std::vector<int> ready;
     {
-        const std::lock_guard lock(
-            mutex_); // pairs with the lock in work(): the workers see all that was planned
+        const std::lock_guard lock(mutex_); // pairs with the lock in work(): the workers see all that was planned
         for (std::size_t i = 0; i < items_.size(); ++i)
             if (!items_[i].finished && !items_[i].foreign && items_[i].waiting == 0)
                 ready.push_back(static_cast<int>(i));

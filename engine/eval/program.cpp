@@ -55,8 +55,8 @@ int Program::find(std::string_view name) const {
     return it == index_.end() ? -1 : it->second;
 }
 
-Diagnostic Program::about(const Place& p, std::string_view attribute, std::string_view code,
-                          std::string message, std::string hint) const {
+Diagnostic Program::about(const Place& p, std::string_view attribute, std::string_view code, std::string message,
+                          std::string hint) const {
     Diagnostic d;
     d.code = code;
     d.attribute = attribute;
@@ -111,8 +111,7 @@ void Program::find_times(Place& p) {
         if (start == std::floor(start) && std::abs(start) < 1e9)
             p.start_frame = static_cast<int>(start);
         else
-            p.problems.push_back(
-                about(p, s.info->name, "DG107", number_text(start) + " is not a whole frame"));
+            p.problems.push_back(about(p, s.info->name, "DG107", number_text(start) + " is not a whole frame"));
     }
 }
 
@@ -120,8 +119,7 @@ Site Program::site(int node, double frame) const {
     const Place& p = place(node);
     if (!p.dynamic) return {node, 0};
     if (!p.is_simulation()) return {node, frame};
-    if (frame <= p.start_frame)
-        return {node, static_cast<double>(p.start_frame)}; // before the start: the start
+    if (frame <= p.start_frame) return {node, static_cast<double>(p.start_frame)}; // before the start: the start
     if (frame != std::floor(frame)) {
         Diagnostic d = about(p, {}, "DG103", "a simulation has whole frames only",
                              "ask for a whole frame, or set the sub-steps of the node that reads it to 1");
@@ -138,11 +136,10 @@ Site Program::site(int node, double frame) const {
 
 int Program::substeps(const Place& p, int frame) const {
     if (p.substeps_slot < 0) return 1;
-    const std::int64_t n =
-        p.slots[static_cast<std::size_t>(p.substeps_slot)].sample(frame).as<std::int64_t>();
+    const std::int64_t n = p.slots[static_cast<std::size_t>(p.substeps_slot)].sample(frame).as<std::int64_t>();
     if (n >= 1 && n <= 100000) return static_cast<int>(n);
-    Diagnostic d = about(p, p.type->simulation->substeps_input, "DG106",
-                         std::to_string(n) + " sub-steps are not possible");
+    Diagnostic d =
+        about(p, p.type->simulation->substeps_input, "DG106", std::to_string(n) + " sub-steps are not possible");
     d.frame = frame;
     throw Failure(std::move(d));
 }
@@ -179,8 +176,7 @@ Program::Cone Program::make_cone(int node) {
             for (const Source& source : s.sources) {
                 const char there = state[static_cast<std::size_t>(source.node)];
                 if (there == open)
-                    throw Failure(
-                        about(p, s.info->name, "DG030", "connections form a cycle: " + find_cycle(*graph_)));
+                    throw Failure(about(p, s.info->name, "DG030", "connections form a cycle: " + find_cycle(*graph_)));
                 if (there == fresh) stack.push_back(source.node);
             }
         }
@@ -194,12 +190,10 @@ Program::Cone Program::make_cone(int node) {
             if (!s.read_by_compute()) continue;
             dynamic = dynamic || s.kind == Slot::Kind::curve;
             for (const Source& source : s.sources) dynamic = dynamic || place(source.node).dynamic;
-            if (s.kind == Slot::Kind::constant && s.constant.is<File>() &&
-                !s.constant.as<File>().path.empty())
+            if (s.kind == Slot::Kind::constant && s.constant.is<File>() && !s.constant.as<File>().path.empty())
                 out.files.emplace_back(at, static_cast<int>(i));
         }
-        if (p.dynamic != dynamic)
-            p.dynamic = dynamic; // never written again: other threads may be reading it by then
+        if (p.dynamic != dynamic) p.dynamic = dynamic; // never written again: other threads may be reading it by then
     }
     return out;
 }

@@ -10,20 +10,20 @@ EntryPtr Goal::find(const Digest& key) {
     return it != pins_.end() ? it->second : session_.core.values.find(key);
 }
 
-Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f,
-                 std::shared_ptr<Failures> failures)
+Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f, std::shared_ptr<Failures> failures)
     : core(c)
     , program(std::move(p))
     , stop(std::move(s))
     , frame(f)
-    , keys(*program, [this](const Digest& plug, const Digest& node, int output) -> std::optional<Digest> {
-        if (!stack_.empty()) { // the goal on top is the one that asks
-            const auto it = stack_.back()->pins_.find(node);
-            if (it != stack_.back()->pins_.end())
-                return it->second->outputs[static_cast<std::size_t>(output)].digest();
-        }
-        return core.contents.find(plug);
-    })
+    , keys(*program,
+           [this](const Digest& plug, const Digest& node, int output) -> std::optional<Digest> {
+               if (!stack_.empty()) { // the goal on top is the one that asks
+                   const auto it = stack_.back()->pins_.find(node);
+                   if (it != stack_.back()->pins_.end())
+                       return it->second->outputs[static_cast<std::size_t>(output)].digest();
+               }
+               return core.contents.find(plug);
+           })
     , failures_(std::move(failures)) {}
 
 FlightPtr Session::failed(const Digest& key) const {
@@ -126,8 +126,7 @@ void Session::tell() {
 
 EntryPtr make_entry(const Place& p, const Writes& writes, std::vector<Diagnostic> warnings) {
     const auto bug = [&](std::string_view output, const char* what) {
-        throw std::logic_error(std::string(p.type->name) + " " + what + " output \"" + std::string(output) +
-                               "\"");
+        throw std::logic_error(std::string(p.type->name) + " " + what + " output \"" + std::string(output) + "\"");
     };
     auto out = std::make_shared<Entry>();
     out->warnings = std::move(warnings);

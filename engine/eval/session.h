@@ -134,8 +134,7 @@ class FrameGoal : public Goal {
 };
 
 template <class EntryOf>
-SlotValues Session::gather(const Place& p, double time, Phase phase, EntryOf entry_of,
-                           std::vector<Site>& missing) {
+SlotValues Session::gather(const Place& p, double time, Phase phase, EntryOf entry_of, std::vector<Site>& missing) {
     SlotValues out(p.slots.size());
     for (std::size_t i = 0; i < p.slots.size(); ++i) {
         const Slot& s = p.slots[i];

@@ -25,8 +25,7 @@ Digest payload_digest(std::span<const std::byte> payload) { return Hasher().add_
 
 } // namespace
 
-std::vector<std::byte> wrap_state(const NodeType& type, const Digest& key,
-                                  std::span<const std::byte> payload) {
+std::vector<std::byte> wrap_state(const NodeType& type, const Digest& key, std::span<const std::byte> payload) {
     std::vector<std::byte> out;
     out.reserve(header_size + payload.size());
     for (char c : magic) out.push_back(static_cast<std::byte>(c));
@@ -44,8 +43,7 @@ UnwrappedState unwrap_state(const NodeType& type, const Digest& key, std::span<c
         return Digest{number_at(bytes, at), number_at(bytes, at + 8)};
     };
     if (digest(0) != type_digest(type))
-        return {{},
-                "the state was saved by another type, or by another version of " + std::string(type.name)};
+        return {{}, "the state was saved by another type, or by another version of " + std::string(type.name)};
     if (digest(1) != key) return {{}, "the state belongs to another graph or another frame"};
     const auto payload = bytes.subspan(header_size);
     if (digest(2) != payload_digest(payload)) return {{}, "the bytes are damaged"};

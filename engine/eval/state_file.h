@@ -12,8 +12,7 @@ namespace sinew::engine {
 
 /// Header and payload. `key` is the chain's key of the frame: type, numerics and everything that went into
 /// the state.
-std::vector<std::byte> wrap_state(const NodeType& type, const Digest& key,
-                                  std::span<const std::byte> payload);
+std::vector<std::byte> wrap_state(const NodeType& type, const Digest& key, std::span<const std::byte> payload);
 
 struct UnwrappedState {
     std::span<const std::byte> payload;

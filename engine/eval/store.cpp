@@ -85,10 +85,8 @@ void StateStore::thin() {
         if (all[i].key == newest_) continue;
         const bool first = i == 0 || all[i - 1].root != all[i].root;
         const bool last = i + 1 == all.size() || all[i + 1].root != all[i].root;
-        const int before = first ? -1 : all[i - 1].offset,
-                  after = last ? all[i].offset + 1 : all[i + 1].offset;
-        const double cost =
-            static_cast<double>(after - before) / static_cast<double>(clock_ - all[i].used + 1);
+        const int before = first ? -1 : all[i - 1].offset, after = last ? all[i].offset + 1 : all[i + 1].offset;
+        const double cost = static_cast<double>(after - before) / static_cast<double>(clock_ - all[i].used + 1);
         if (cost < best) best = cost, victim = all[i].key;
     }
     erase(victim);
@@ -127,8 +125,6 @@ void ScratchPool::give(const Digest& key, std::shared_ptr<void> scratch) {
     if (kept_.size() > limit_) kept_.pop_back();
 }
 
-Digest plug_key(const Digest& node, std::string_view output) {
-    return Hasher().add(node).add(output).finish();
-}
+Digest plug_key(const Digest& node, std::string_view output) { return Hasher().add(node).add(output).finish(); }
 
 } // namespace sinew::engine

@@ -17,8 +17,7 @@ struct Loaded {
 
 /// Reads the text of a graph file. `file_name` stands in messages; relative paths in the graph resolve
 /// against its folder. Throws Failure with every problem found.
-Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text,
-                  const std::string& file_name);
+Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name);
 /// Reads a file from disk; IO4xx if it cannot.
 Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path);
 /// Only what is not default, keys in order, paths relative to the graph's folder; read_graph(write_graph(g))

@@ -20,8 +20,7 @@ class Parser {
 
     JsonDocument document() {
         try {
-            if (text_.substr(0, 3) == "\xEF\xBB\xBF")
-                at_ = 3; // a byte order mark is allowed, and nothing else is
+            if (text_.substr(0, 3) == "\xEF\xBB\xBF") at_ = 3; // a byte order mark is allowed, and nothing else is
             out_.root = value(0);
             space();
             if (at_ < text_.size()) stop("the document ends here, but more text follows");
@@ -39,9 +38,7 @@ class Parser {
     bool more() const { return at_ < text_.size(); }
 
     void space() {
-        while (more() &&
-               (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r'))
-            ++at_;
+        while (more() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r')) ++at_;
     }
 
     std::string found() const {
@@ -151,16 +148,14 @@ class Parser {
         }
         const char *first = text_.data() + begin, *last = text_.data() + at_;
         std::int64_t i = 0;
-        if (whole && text_.substr(begin, at_ - begin) != "-0" &&
-            std::from_chars(first, last, i).ec == std::errc()) {
+        if (whole && text_.substr(begin, at_ - begin) != "-0" && std::from_chars(first, last, i).ec == std::errc()) {
             out.data = i;
             return;
         }
         double d = 0;
         if (std::from_chars(first, last, d).ec == std::errc::result_out_of_range) {
             d = 0; // below the smallest double: zero
-            const bool zero =
-                text_.substr(begin, at_ - begin).find_first_of("123456789") == std::string_view::npos;
+            const bool zero = text_.substr(begin, at_ - begin).find_first_of("123456789") == std::string_view::npos;
             if (!tiny && !zero)
                 out_.problems.push_back(
                     {"DG027", begin, pointer_, std::string(first, last) + " is too large for a number"});
@@ -221,8 +216,7 @@ class Parser {
             if (!more()) stop("a string is not closed");
             const char c = text_[at_];
             if (c == '"') return ++at_, out;
-            if (static_cast<unsigned char>(c) < 0x20)
-                stop("a string holds a control character or a line break");
+            if (static_cast<unsigned char>(c) < 0x20) stop("a string holds a control character or a line break");
             if (c == '\\') {
                 ++at_;
                 escape(out);

@@ -44,8 +44,7 @@ struct JsonProblem {
 
 struct JsonDocument {
     Json root;
-    std::vector<JsonProblem>
-        problems; ///< duplicate keys and the first syntax error; empty = root is complete
+    std::vector<JsonProblem> problems; ///< duplicate keys and the first syntax error; empty = root is complete
 };
 
 constexpr int json_depth_limit = 64;

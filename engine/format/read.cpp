@@ -26,8 +26,7 @@ class GraphReader {
 
     Loaded read() {
         JsonDocument doc = parse_json(source_->text);
-        for (JsonProblem& p : doc.problems)
-            problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message));
+        for (JsonProblem& p : doc.problems) problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message));
         give_up_if_wrong();
         const int format = format_number(doc.root);
         give_up_if_wrong();
@@ -47,9 +46,8 @@ class GraphReader {
         std::size_t at;
     };
 
-    Diagnostic& problem(std::string_view code, std::size_t offset, const std::string& pointer,
-                        std::string_view node, std::string_view attribute, std::string message,
-                        std::string hint = {}) {
+    Diagnostic& problem(std::string_view code, std::size_t offset, const std::string& pointer, std::string_view node,
+                        std::string_view attribute, std::string message, std::string hint = {}) {
         Diagnostic d;
         d.code = code;
         d.node = node, d.attribute = attribute;
@@ -78,13 +76,11 @@ class GraphReader {
             problem("DG004", root.begin, "", {}, {}, "the key \"format\" is missing", wanted);
             return 0;
         }
-        const std::string_view digits =
-            text && text->rfind("sinew ", 0) == 0 ? std::string_view(*text).substr(6) : "";
+        const std::string_view digits = text && text->rfind("sinew ", 0) == 0 ? std::string_view(*text).substr(6) : "";
         const auto [end, ec] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
         if (digits.empty() || ec != std::errc() || end != digits.data() + digits.size())
             problem("DG004", format->begin, "/format", {}, {},
-                    (text ? json_quoted(*text) : std::string(format->kind())) + " is not a Sinew format",
-                    wanted);
+                    (text ? json_quoted(*text) : std::string(format->kind())) + " is not a Sinew format", wanted);
         else if (number > current_format)
             problem("DG005", format->begin, "/format", {}, {},
                     "the file has format " + std::to_string(number) + ", this program reads up to " +
@@ -92,8 +88,7 @@ class GraphReader {
                     "use a newer program");
         else if (number < current_format && !migration_from(number))
             problem("DG006", format->begin, "/format", {}, {},
-                    "there is no way from format " + std::to_string(number) + " to " +
-                        std::to_string(current_format),
+                    "there is no way from format " + std::to_string(number) + " to " + std::to_string(current_format),
                     wanted);
         return number;
     }
@@ -104,8 +99,8 @@ class GraphReader {
         return read_graph(graph_.registry_, text, source_->file);
     }
 
-    void unknown_keys(const Json::Object& object, const std::vector<std::string>& known,
-                      const std::string& pointer, std::string_view node) {
+    void unknown_keys(const Json::Object& object, const std::vector<std::string>& known, const std::string& pointer,
+                      std::string_view node) {
         for (const JsonMember& m : object)
             if (std::find(known.begin(), known.end(), m.key) == known.end())
                 problem("DG007", m.key_begin, pointer + pointer_token(m.key), node, {},
@@ -121,8 +116,7 @@ class GraphReader {
         }
         const Json* all = root.find("nodes");
         if (!all) {
-            problem("DG008", root.begin, "", {}, {}, "the key \"nodes\" is missing",
-                    "write \"nodes\": { … }");
+            problem("DG008", root.begin, "", {}, {}, "the key \"nodes\" is missing", "write \"nodes\": { … }");
             return;
         }
         if (!all->as<Json::Object>()) return wrong_kind(*all, "/nodes", {}, "an object, one entry a node");
@@ -137,8 +131,7 @@ class GraphReader {
         }
     }
 
-    void wrong_kind(const Json& json, const std::string& pointer, std::string_view node,
-                    std::string_view expected) {
+    void wrong_kind(const Json& json, const std::string& pointer, std::string_view node, std::string_view expected) {
         problem("DG008", json.begin, pointer, node, {},
                 "expected " + std::string(expected) + ", found " + std::string(json.kind()));
     }
@@ -170,8 +163,7 @@ class GraphReader {
         t.end = static_cast<int>(number("end", true, t.start));
         if (t.end < t.start)
             problem("DG009", json.find("end") ? json.find("end")->begin : json.begin, "/timing/end", {}, {},
-                    "the end " + std::to_string(t.end) + " comes before the start " +
-                        std::to_string(t.start));
+                    "the end " + std::to_string(t.end) + " comes before the start " + std::to_string(t.start));
         graph_.timing_ = t;
     }
 
@@ -214,8 +206,7 @@ class GraphReader {
         }
     }
 
-    void unknown_type(const JsonMember& m, const std::string& name, std::size_t offset,
-                      const std::string& pointer) {
+    void unknown_type(const JsonMember& m, const std::string& name, std::size_t offset, const std::string& pointer) {
         Diagnostic d = std::move(problem("DG010", offset, pointer + "/type", m.key, {},
                                          "this program does not know the type " + json_quoted(name)));
         problems_.pop_back();
@@ -230,8 +221,8 @@ class GraphReader {
         for (Problem& f : found) {
             const Json& part = offending_part(input.value, f.below);
             Diagnostic& d = f.diagnostic;
-            problem(d.code, part.begin, p.pointer + "/inputs" + pointer_token(input.key) + f.below, p.name,
-                    input.key, std::move(d.message), std::move(d.hint));
+            problem(d.code, part.begin, p.pointer + "/inputs" + pointer_token(input.key) + f.below, p.name, input.key,
+                    std::move(d.message), std::move(d.hint));
         }
     }
 
@@ -241,9 +232,8 @@ class GraphReader {
         for (const JsonMember& input : *p.inputs->as<Json::Object>()) {
             const AttributeInfo* info = n->type->find_input(input.key);
             if (!info) {
-                problem("DG011", input.key_begin, p.pointer + "/inputs" + pointer_token(input.key), p.name,
-                        input.key, "no such input on " + n->type_name,
-                        name_hint(input.key, input_names(*n->type), "inputs"));
+                problem("DG011", input.key_begin, p.pointer + "/inputs" + pointer_token(input.key), p.name, input.key,
+                        "no such input on " + n->type_name, name_hint(input.key, input_names(*n->type), "inputs"));
                 continue;
             }
             n->input_order.push_back(input.key);
@@ -262,8 +252,8 @@ class GraphReader {
             const auto& d = f.diagnostic;
             const Json* input = p.inputs ? p.inputs->find(d.attribute) : nullptr;
             problem(d.code, input ? input->begin : p.at,
-                    p.pointer + (input ? "/inputs" + pointer_token(d.attribute) : ""), p.name, d.attribute,
-                    d.message, d.hint);
+                    p.pointer + (input ? "/inputs" + pointer_token(d.attribute) : ""), p.name, d.attribute, d.message,
+                    d.hint);
         }
     }
 
@@ -274,8 +264,7 @@ class GraphReader {
     std::vector<Pending> pending_;
 };
 
-Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text,
-                  const std::string& file_name) {
+Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name) {
     return GraphReader(std::move(registry), json_text, file_name).read();
 }
 
@@ -290,8 +279,7 @@ Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& p
     std::error_code ec;
     const auto status = std::filesystem::status(path, ec);
     if (!std::filesystem::exists(status)) throw unreadable("IO401", "there is no such graph file");
-    if (std::filesystem::is_directory(status))
-        throw unreadable("IO402", "this is a folder, not a graph file");
+    if (std::filesystem::is_directory(status)) throw unreadable("IO402", "this is a folder, not a graph file");
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();

@@ -57,8 +57,7 @@ class BindingReader {
             problem("DG020", "takes one connection, not a list", "write { \"from\": \"node.output\" }");
         } else {
             problem("DG026",
-                    "a " + std::string(input_.type_name) + " can only be connected, found " +
-                        std::string(json.kind()),
+                    "a " + std::string(input_.type_name) + " can only be connected, found " + std::string(json.kind()),
                     is_list_input() ? "write [ { \"from\": \"node.output\" } ]"
                                     : "write { \"from\": \"node.output\" }");
         }
@@ -114,16 +113,14 @@ class BindingReader {
         const auto* text = from->as<std::string>();
         const auto plug = text ? parse_plug(*text) : std::nullopt;
         if (!plug)
-            problem("DG025",
-                    (text ? json_quoted(*text) : std::string(from->kind())) + " does not name an output",
+            problem("DG025", (text ? json_quoted(*text) : std::string(from->kind())) + " does not name an output",
                     "write \"node.output\"", below + "/from");
         return plug.value_or(Plug{});
     }
 
     Binding connections(const Json::List& list) {
         std::vector<Plug> out;
-        for (std::size_t i = 0; i < list.size(); ++i)
-            out.push_back(connection(list[i], "/" + std::to_string(i)));
+        for (std::size_t i = 0; i < list.size(); ++i) out.push_back(connection(list[i], "/" + std::to_string(i)));
         return out;
     }
 
@@ -135,8 +132,8 @@ class BindingReader {
         else if (input_.unit.empty())
             problem("DG015", "has no unit, found " + json_quoted(*text), "write the plain value", "/unit");
         else if (!parse_unit(*text))
-            problem("DG015", "unknown unit " + json_quoted(*text),
-                    "usual units here: " + usual_units(input_.unit), "/unit");
+            problem("DG015", "unknown unit " + json_quoted(*text), "usual units here: " + usual_units(input_.unit),
+                    "/unit");
         else if (const auto factor = unit_factor(*text, input_.unit))
             return *factor;
         else
@@ -202,8 +199,7 @@ class BindingReader {
         std::array<double, N> out{};
         if (problems_.size() > before_) return Value();
         if (all.size() != N)
-            problem("DG012",
-                    "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()), {},
+            problem("DG012", "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()), {},
                     below);
         std::copy_n(all.begin(), std::min(N, all.size()), out.begin());
         return Value::of<std::array<double, N>>(out);
@@ -228,10 +224,7 @@ class BindingReader {
             if (kind.is<std::string>()) return Value::of<std::string>(*t);
             if (kind.is<File>()) return file(*t, below);
         }
-        wrong_type(json, below,
-                   kind.is<bool>()   ? "true or false"
-                   : kind.is<File>() ? "the path of a file"
-                                     : "");
+        wrong_type(json, below, kind.is<bool>() ? "true or false" : kind.is<File>() ? "the path of a file" : "");
         return Value();
     }
 
@@ -297,8 +290,7 @@ class BindingReader {
             const auto* text = interp->as<std::string>();
             const auto word = std::find(words.begin(), words.end(), text ? *text : "");
             if (word == words.end())
-                problem("DG017",
-                        "unknown interpolation " + (text ? json_quoted(*text) : std::string(interp->kind())),
+                problem("DG017", "unknown interpolation " + (text ? json_quoted(*text) : std::string(interp->kind())),
                         "use step, linear or smooth", "/interp");
             else
                 out.interpolation = static_cast<Interpolation>(word - words.begin());
@@ -310,8 +302,7 @@ class BindingReader {
             const std::string place = "/keys/" + std::to_string(i);
             const auto* pair = (*list)[i].as<Json::List>();
             if (!pair || pair->size() < 2 || pair->size() > 3) {
-                problem("DG017", "a key is [frame, value] or [frame, value, { \"in\": …, \"out\": … }]", {},
-                        place);
+                problem("DG017", "a key is [frame, value] or [frame, value, { \"in\": …, \"out\": … }]", {}, place);
                 continue;
             }
             Key key;
@@ -342,8 +333,7 @@ std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json
 
 const Json& offending_part(const Json& json, const std::string& below) {
     const Json* wrapped = json.find("value");
-    if (wrapped && below.rfind("/value", 0) != 0 && &json.nearest(below) == &json)
-        return wrapped->nearest(below);
+    if (wrapped && below.rfind("/value", 0) != 0 && &json.nearest(below) == &json) return wrapped->nearest(below);
     return json.nearest(below);
 }
 
@@ -358,8 +348,6 @@ std::optional<Plug> parse_plug(std::string_view text) {
     return Plug{std::string(text.substr(0, dot)), std::string(text.substr(dot + 1))};
 }
 
-std::string folder_of(const std::string& graph_file) {
-    return fs::path(graph_file).parent_path().generic_string();
-}
+std::string folder_of(const std::string& graph_file) { return fs::path(graph_file).parent_path().generic_string(); }
 
 } // namespace sinew::engine

@@ -29,8 +29,7 @@ Tree literal(const AttributeInfo& a) {
     if (a.def.is<Vec3>()) return numbers(a, 3);
     if (a.def.is<Matrix4>())
         return {{"anyOf",
-                 {numbers(a, 16),
-                  {{"type", "array"}, {"items", numbers(a, 4)}, {"minItems", 4}, {"maxItems", 4}}}}};
+                 {numbers(a, 16), {{"type", "array"}, {"items", numbers(a, 4)}, {"minItems", 4}, {"maxItems", 4}}}}};
     if (a.def.is<File>()) return {{"type", "string"}};
     if (a.def.is<std::string>()) {
         Tree out = {{"type", "string"}};
@@ -126,8 +125,7 @@ Tree keys_definition() {
 
 std::string graph_schema(const Registry& registry) {
     Tree types = Tree::array(), definitions = Tree::object();
-    definitions["connection"] =
-        object({{"from", {{"type", "string"}, {"pattern", "^[^.]+\\.[^.]+$"}}}}, {"from"});
+    definitions["connection"] = object({{"from", {{"type", "string"}, {"pattern", "^[^.]+\\.[^.]+$"}}}}, {"from"});
     definitions["keys"] = keys_definition();
     for (const std::string& name : registry.names()) {
         definitions["node_" + name] = node(*registry.find(name));
@@ -142,14 +140,13 @@ std::string graph_schema(const Registry& registry) {
                            {"start", {{"type", "integer"}}},
                            {"end", {{"type", "integer"}}}}},
                          {"additionalProperties", false}};
-    Tree root = object({{"format", {{"const", "sinew " + std::to_string(current_format)}}},
-                        {"timing", timing},
-                        {"nodes",
-                         {{"type", "object"},
-                          {"propertyNames", {{"pattern", "^[^.]+$"}}},
-                          {"additionalProperties", any_node}}},
-                        {"editor", {{"type", "object"}}}},
-                       {"format", "nodes"});
+    Tree root =
+        object({{"format", {{"const", "sinew " + std::to_string(current_format)}}},
+                {"timing", timing},
+                {"nodes",
+                 {{"type", "object"}, {"propertyNames", {{"pattern", "^[^.]+$"}}}, {"additionalProperties", any_node}}},
+                {"editor", {{"type", "object"}}}},
+               {"format", "nodes"});
     Tree out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Sinew graph"}};
     out.update(root);
     out["$defs"] = definitions;

@@ -19,8 +19,7 @@ std::string joined(std::span<const double> values) {
 }
 
 std::string relative_path(const std::string& path, const std::string& folder) {
-    const std::filesystem::path base =
-        folder.empty() ? std::filesystem::path(".") : std::filesystem::path(folder);
+    const std::filesystem::path base = folder.empty() ? std::filesystem::path(".") : std::filesystem::path(folder);
     const auto relative = std::filesystem::path(path).lexically_relative(base.lexically_normal());
     return relative.empty() ? path : relative.generic_string();
 }
@@ -69,8 +68,7 @@ std::string binding_text(const AttributeInfo& info, const Binding& b, const std:
     if (const Curve* c = std::get_if<Curve>(&b)) return curve_text(info, *c);
     if (const Plug* p = std::get_if<Plug>(&b)) return plug_text(*p);
     std::string out;
-    for (const Plug& p : std::get<std::vector<Plug>>(b))
-        out += (out.empty() ? " " : ",\n          ") + plug_text(p);
+    for (const Plug& p : std::get<std::vector<Plug>>(b)) out += (out.empty() ? " " : ",\n          ") + plug_text(p);
     return out.empty() ? "[]" : "[" + out + " ]";
 }
 
@@ -89,8 +87,7 @@ std::string node_text(const Node& n, const std::string& folder) {
     for (const std::string& name : ordered_inputs(n)) {
         const std::string text = binding_text(*n.type->find_input(name), n.inputs.find(name)->second, folder);
         if (!text.empty())
-            inputs +=
-                (inputs.empty() ? "" : ",") + std::string("\n        ") + json_quoted(name) + ": " + text;
+            inputs += (inputs.empty() ? "" : ",") + std::string("\n        ") + json_quoted(name) + ": " + text;
     }
     std::string out = "{ \"type\": " + json_quoted(n.type_name);
     if (!inputs.empty()) out += ", \"inputs\": {" + inputs + "\n      }";

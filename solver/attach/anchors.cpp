@@ -33,8 +33,10 @@ std::vector<double> weights_for(const std::vector<double>& weights, std::size_t 
     if (weights.empty()) return std::vector<double>(count, 1.0);
     if (weights.size() == 1) return std::vector<double>(count, weights.front());
     if (weights.size() != count)
-        throw Error("FE204", std::string(which) + " weights: " + std::to_string(weights.size()) + " for a mesh of " +
-                                 std::to_string(count) + " vertices", "give one weight per vertex, or one for all");
+        throw Error("FE204",
+                    std::string(which) + " weights: " + std::to_string(weights.size()) + " for a mesh of " +
+                        std::to_string(count) + " vertices",
+                    "give one weight per vertex, or one for all");
     return weights;
 }
 
@@ -53,28 +55,38 @@ struct Holder {
     Vec3 place; ///< at the start frame
 };
 
-/// Longest edge of a surface, in edges of the tets it rides on, whose vertices hold everything that quadratic tets can do.
+/// Longest edge of a surface, in edges of the tets it rides on, whose vertices hold everything that quadratic tets can
+/// do.
 constexpr double fine_enough = 0.5;
 
-/// Takes edges of the source's surface whose ends both hold, where the tets are quadratic and no larger than the triangles:
-/// the nodes in the middles of the tets' edges would be free otherwise. What an edge holds, three quarters, is taken from its
-/// ends, so the sum stays that of the vertices.
-void add_edges(const TissueRest& tissue, const std::vector<double>& weights, const Points& source, std::vector<Holder>& holders) {
+/// Takes edges of the source's surface whose ends both hold, where the tets are quadratic and no larger than the
+/// triangles: the nodes in the middles of the tets' edges would be free otherwise. What an edge holds, three quarters,
+/// is taken from its ends, so the sum stays that of the vertices.
+void add_edges(const TissueRest& tissue, const std::vector<double>& weights, const Points& source,
+               std::vector<Holder>& holders) {
     std::vector<int> holder(source.size(), -1);
-    for (std::size_t h = 0; h < holders.size(); ++h) holder[static_cast<std::size_t>(holders[h].vertex)] = static_cast<int>(h);
+    for (std::size_t h = 0; h < holders.size(); ++h)
+        holder[static_cast<std::size_t>(holders[h].vertex)] = static_cast<int>(h);
     std::map<std::pair<int, int>, double> edges; // area x weight
     for (const Triangle& t : tissue.triangles) {
-        const auto rest = [&](int i) -> const Vec3& { return tissue.surface[static_cast<std::size_t>(t[static_cast<std::size_t>(i)])]; };
+        const auto rest = [&](int i) -> const Vec3& {
+            return tissue.surface[static_cast<std::size_t>(t[static_cast<std::size_t>(i)])];
+        };
         const double area = 0.5 * (rest(1) - rest(0)).cross(rest(2) - rest(0)).norm();
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [a, b] = std::minmax(t[i], t[(i + 1) % 3]);
             if (holder[static_cast<std::size_t>(a)] < 0 || holder[static_cast<std::size_t>(b)] < 0) continue;
-            const Tet& tet = tissue.tets.tets[static_cast<std::size_t>(tissue.embedding.tet[static_cast<std::size_t>(a)])];
+            const Tet& tet =
+                tissue.tets.tets[static_cast<std::size_t>(tissue.embedding.tet[static_cast<std::size_t>(a)])];
             double longest = 0;
             for (std::size_t p = 0; p < 4; ++p)
                 for (std::size_t q = 0; q < p; ++q)
-                    longest = std::max(longest, (tissue.tets.vertices[static_cast<std::size_t>(tet[p])] - tissue.tets.vertices[static_cast<std::size_t>(tet[q])]).norm());
-            if ((tissue.surface[static_cast<std::size_t>(a)] - tissue.surface[static_cast<std::size_t>(b)]).norm() < fine_enough * longest) continue;
+                    longest = std::max(longest, (tissue.tets.vertices[static_cast<std::size_t>(tet[p])] -
+                                                 tissue.tets.vertices[static_cast<std::size_t>(tet[q])])
+                                                    .norm());
+            if ((tissue.surface[static_cast<std::size_t>(a)] - tissue.surface[static_cast<std::size_t>(b)]).norm() <
+                fine_enough * longest)
+                continue;
             for (const int v : {a, b}) {
                 const double share = area / 3 * 0.375 * weights[static_cast<std::size_t>(v)];
                 holders[static_cast<std::size_t>(holder[static_cast<std::size_t>(v)])].area_weight -= share;
@@ -83,13 +95,14 @@ void add_edges(const TissueRest& tissue, const std::vector<double>& weights, con
         }
     }
     for (const auto& [edge, area_weight] : edges)
-        holders.push_back({edge.first, edge.second, area_weight,
-                           0.5 * (source[static_cast<std::size_t>(edge.first)] + source[static_cast<std::size_t>(edge.second)])});
+        holders.push_back(
+            {edge.first, edge.second, area_weight,
+             0.5 * (source[static_cast<std::size_t>(edge.first)] + source[static_cast<std::size_t>(edge.second)])});
 }
 
 /// Closest points of the target to each source point: triangle and barycentric coordinates.
-std::vector<ClosestPoint> find_targets(const AttachmentRest& attachment, const std::vector<Holder>& holders, const Points& target,
-                                       const std::vector<Triangle>& triangles) {
+std::vector<ClosestPoint> find_targets(const AttachmentRest& attachment, const std::vector<Holder>& holders,
+                                       const Points& target, const std::vector<Triangle>& triangles) {
     const std::vector<double> weights = weights_for(attachment.target_weights, target.size(), "target");
     std::vector<ClosestPoint> found;
     found.reserve(holders.size());
@@ -137,20 +150,22 @@ std::vector<Anchor> make_anchors(const Scene& scene, const AttachmentRest& attac
     const Points& source = surfaces[static_cast<std::size_t>(attachment.source)];
     const Points& target = surfaces[static_cast<std::size_t>(attachment.target)];
     if (attachment.correspondence == Correspondence::vertex_id && source.size() != target.size())
-        throw Error("FE204", "vertex correspondence between meshes of " + std::to_string(source.size()) + " and " +
-                                 std::to_string(target.size()) + " vertices",
+        throw Error("FE204",
+                    "vertex correspondence between meshes of " + std::to_string(source.size()) + " and " +
+                        std::to_string(target.size()) + " vertices",
                     "both meshes need the same vertices; use worldSpace otherwise");
     const std::vector<double> weights = weights_for(attachment.source_weights, source.size(), "source");
     const TissueRest* source_tissue = scene.tissue(attachment.source);
     // Areas at rest, so that the spring a vertex gets does not depend on the pose of the start frame.
-    const std::vector<double> areas = vertex_areas(source_tissue ? source_tissue->surface : source,
-                                                   triangles_of(scene, attachment.source));
+    const std::vector<double> areas =
+        vertex_areas(source_tissue ? source_tissue->surface : source, triangles_of(scene, attachment.source));
     std::vector<Holder> holders;
     for (std::size_t v = 0; v < weights.size(); ++v)
         if (weights[v] > 0) holders.push_back({static_cast<int>(v), -1, areas[v] * weights[v], source[v]});
     if (holders.empty())
         throw Error("FE212", "no source vertex has a weight above 0", "paint at least one vertex of the source");
-    if (source_tissue && source_tissue->element == ElementKind::quadratic && attachment.correspondence != Correspondence::vertex_id)
+    if (source_tissue && source_tissue->element == ElementKind::quadratic &&
+        attachment.correspondence != Correspondence::vertex_id)
         add_edges(*source_tissue, weights, source, holders);
 
     const std::vector<Triangle>& target_triangles = triangles_of(scene, attachment.target);
@@ -186,7 +201,8 @@ std::vector<Anchor> make_anchors(const Scene& scene, const AttachmentRest& attac
                 const Points& x = target_tissue->tets.vertices;
                 Mat3 edges;
                 for (int a = 1; a < 4; ++a)
-                    edges.col(a - 1) = x[static_cast<std::size_t>(tet[static_cast<std::size_t>(a)])] - x[static_cast<std::size_t>(tet[0])];
+                    edges.col(a - 1) = x[static_cast<std::size_t>(tet[static_cast<std::size_t>(a)])] -
+                                       x[static_cast<std::size_t>(tet[0])];
                 const Vec3 b = edges.inverse() * (from - x[static_cast<std::size_t>(tet[0])]);
                 anchor.coordinates = {1 - b.sum(), b[0], b[1], b[2]};
             }
@@ -195,8 +211,11 @@ std::vector<Anchor> make_anchors(const Scene& scene, const AttachmentRest& attac
             anchor.coordinates = {found[i].barycentric[0], found[i].barycentric[1], found[i].barycentric[2], 0};
             if (attachment.maintain_offset) {
                 const Triangle& t = target_triangles[static_cast<std::size_t>(anchor.target_triangle)];
-                const Vec3 local = triangle_frame(target[static_cast<std::size_t>(t[0])], target[static_cast<std::size_t>(t[1])],
-                                                  target[static_cast<std::size_t>(t[2])]).transpose() * (from - found[i].point);
+                const Vec3 local =
+                    triangle_frame(target[static_cast<std::size_t>(t[0])], target[static_cast<std::size_t>(t[1])],
+                                   target[static_cast<std::size_t>(t[2])])
+                        .transpose() *
+                    (from - found[i].point);
                 anchor.offset = {local[0], local[1], local[2]};
             }
         }

@@ -9,8 +9,9 @@ namespace sinew::solver {
 /// Position of a bone anchor: the point on its triangle plus the offset, turned with the triangle.
 Vec3 bone_anchor(const Anchor& anchor, const std::vector<Triangle>& triangles, const Points& positions);
 
-/// Anchors of one attachment: source vertices, and on quadratic tets with a surface as coarse as they are the middles of its
-/// edges too, so that the tets' own nodes there are held. `surfaces[body]` are the surface positions of every body at the start frame [m].
+/// Anchors of one attachment: source vertices, and on quadratic tets with a surface as coarse as they are the middles
+/// of its edges too, so that the tets' own nodes there are held. `surfaces[body]` are the surface positions of every
+/// body at the start frame [m].
 ///
 /// A tissue target carries the anchor in the tet that holds the closest point: with maintainOffset the coordinates are
 /// those of the source point itself (outside the tet they extrapolate), so the offset turns and stretches with the

@@ -23,7 +23,8 @@ void add_point(Spring& s, const PointWeights& point, double sign) {
 
 } // namespace
 
-Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors) : scene_(scene) {
+Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors)
+    : scene_(scene) {
     const auto& attachments = scene.description().attachments;
     for (std::size_t a = 0; a < anchors.size(); ++a) {
         const TissueRest* source = scene.tissue(attachments[a].source);
@@ -40,10 +41,14 @@ Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anc
             if (source) {
                 const std::size_t v = static_cast<std::size_t>(anchor.source_vertex);
                 const bool on_edge = anchor.source_tet >= 0;
-                add_point(s, scene.embedded(attachments[a].source, on_edge ? anchor.source_tet : source->embedding.tet[v],
-                                            on_edge ? anchor.source_coordinates : source->embedding.barycentric[v]), 1);
+                add_point(s,
+                          scene.embedded(attachments[a].source, on_edge ? anchor.source_tet : source->embedding.tet[v],
+                                         on_edge ? anchor.source_coordinates : source->embedding.barycentric[v]),
+                          1);
             }
-            if (target) add_point(s, scene.embedded(attachments[a].target, anchor.target_tet, anchor.coordinates), source ? -1 : 1);
+            if (target)
+                add_point(s, scene.embedded(attachments[a].target, anchor.target_tet, anchor.coordinates),
+                          source ? -1 : 1);
             springs_.push_back(s);
         }
     }
@@ -78,7 +83,8 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             if (const BoneRest* bone = scene_.bone(rest.target))
                 p = bone_anchor(anchor, bone->triangles, (*bones[time])[static_cast<std::size_t>(rest.target)]);
             else if (scene_.bone(rest.source))
-                p = (*bones[time])[static_cast<std::size_t>(rest.source)][static_cast<std::size_t>(anchor.source_vertex)];
+                p = (*bones[time])[static_cast<std::size_t>(rest.source)]
+                                  [static_cast<std::size_t>(anchor.source_vertex)];
             v.anchor += form.bone_position[time] * p;
             velocity += form.bone_velocity[time] * p;
         }
@@ -88,7 +94,9 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
         Vec3 offset = Vec3::Zero();
         for (int i = 0; i < s.count; ++i)
             for (int c = 0; c < 3; ++c)
-                offset[c] += s.coefficient[i] * form.velocity_offset[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
+                offset[c] +=
+                    s.coefficient[i] *
+                    form.velocity_offset[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
         v.reference = (velocity - offset) / form.velocity_factor - v.anchor;
     }
 }
@@ -96,7 +104,8 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
 Vec3 Springs::stretch(const Spring& s, const Values& v, const std::vector<double>& x) const {
     Vec3 sum = -v.anchor;
     for (int i = 0; i < s.count; ++i)
-        for (int c = 0; c < 3; ++c) sum[c] += s.coefficient[i] * x[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
+        for (int c = 0; c < 3; ++c)
+            sum[c] += s.coefficient[i] * x[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)];
     return sum;
 }
 
@@ -111,7 +120,8 @@ double Springs::energy(const std::vector<double>& x, double* gradient) const {
         const Vec3 force = v.stiffness * d + v.viscous * moved;
         for (int i = 0; i < s.count; ++i)
             for (int c = 0; c < 3; ++c)
-                gradient[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)] += s.coefficient[i] * force[c];
+                gradient[3 * static_cast<std::size_t>(s.vertex[i]) + static_cast<std::size_t>(c)] +=
+                    s.coefficient[i] * force[c];
     }
     return total;
 }
@@ -125,7 +135,8 @@ void Springs::set_pattern(const BlockPattern& pattern, const std::vector<int>& u
             for (int j = 0; j < s.count && row >= 0; ++j) {
                 const int column = unknown[static_cast<std::size_t>(s.vertex[j])];
                 if (column < row) continue; // also skips fixed vertices
-                entries.push_back({pattern.find(row, column), {static_cast<int>(k), s.coefficient[i] * s.coefficient[j]}});
+                entries.push_back(
+                    {pattern.find(row, column), {static_cast<int>(k), s.coefficient[i] * s.coefficient[j]}});
             }
         }
     }

@@ -35,19 +35,30 @@ void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compression, F
         neo_hookean(at, mu, lambda, out);
         add_compression_resistance(at, compression, out);
         break;
-    case ElasticLaw::log_neo_hookean: log_neo_hookean(at, mu, lambda, out); break;
+    case ElasticLaw::log_neo_hookean:
+        log_neo_hookean(at, mu, lambda, out);
+        break;
     case ElasticLaw::corotational:
         if constexpr (std::is_same_v<Form, Principal<R>>) corotational(at, mu, lambda, out);
         break;
-    case ElasticLaw::anisotropic: clear(out); break; // not a function of principal stretches: material/anisotropic.h
+    case ElasticLaw::anisotropic:
+        clear(out);
+        break; // not a function of principal stretches: material/anisotropic.h
     }
 }
 
-template <class R> void evaluate_measure(ElasticLaw law, const R* s, Principal<R>& out) {
+template <class R>
+void evaluate_measure(ElasticLaw law, const R* s, Principal<R>& out) {
     switch (law) {
-    case ElasticLaw::stvk: stvk_measure(s, out); break;
-    case ElasticLaw::log_neo_hookean: log_neo_hookean_measure(s, out); break;
-    case ElasticLaw::corotational: corotational_measure(s, out); break;
+    case ElasticLaw::stvk:
+        stvk_measure(s, out);
+        break;
+    case ElasticLaw::log_neo_hookean:
+        log_neo_hookean_measure(s, out);
+        break;
+    case ElasticLaw::corotational:
+        corotational_measure(s, out);
+        break;
     case ElasticLaw::neo_hookean:
     case ElasticLaw::anisotropic:
         clear(out);
@@ -56,10 +67,15 @@ template <class R> void evaluate_measure(ElasticLaw law, const R* s, Principal<R
     }
 }
 
-template <class R> void evaluate_measure(ElasticLaw law, const Strains<R>& e, TensorForm<R>& out) {
+template <class R>
+void evaluate_measure(ElasticLaw law, const Strains<R>& e, TensorForm<R>& out) {
     switch (law) {
-    case ElasticLaw::stvk: stvk_measure(e, out); break;
-    case ElasticLaw::log_neo_hookean: log_neo_hookean_measure(e, out); break;
+    case ElasticLaw::stvk:
+        stvk_measure(e, out);
+        break;
+    case ElasticLaw::log_neo_hookean:
+        log_neo_hookean_measure(e, out);
+        break;
     default: // J - 1
         clear(out);
         out.energy = e.j - R(1.0);
@@ -68,7 +84,8 @@ template <class R> void evaluate_measure(ElasticLaw law, const Strains<R>& e, Te
     }
 }
 
-template <class R> void add_scaled(const Principal<R>& a, R factor, Principal<R>& out) {
+template <class R>
+void add_scaled(const Principal<R>& a, R factor, Principal<R>& out) {
     for (int i = 0; i < 3; ++i) {
         out.first[i] += factor * a.first[i];
         out.diagonal[i] += factor * a.diagonal[i];
@@ -80,7 +97,8 @@ template <class R> void add_scaled(const Principal<R>& a, R factor, Principal<R>
 
 /// The law and, as fixed pressures, the terms on means. Their energies are the element's to add.
 void evaluate_point(const PointInputs& in, const Pack* s, Principal<Pack>& q) {
-    evaluate_law(in.law, s, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression), q);
+    evaluate_law(in.law, s, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression),
+                 q);
     if (!in.pressures) return;
     Principal<Pack> measure;
     evaluate_measure(in.law, s, measure);
@@ -102,7 +120,8 @@ void add_viscosity(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pac
 }
 
 void evaluate_point(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pack>& law) {
-    evaluate_law(in.law, e, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression), law);
+    evaluate_law(in.law, e, Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda), Pack::load(in.moduli.compression),
+                 law);
     if (in.viscosity > 0) add_viscosity(in, e, law);
     if (!in.pressures) return;
     TensorForm<Pack> measure;
@@ -113,24 +132,24 @@ void evaluate_point(const PointInputs& in, const Strains<Pack>& e, TensorForm<Pa
 }
 
 /// out = U diag(d) V^T
-template <class R> void recompose(const R* u, const R* d, const R* v, R* out) {
+template <class R>
+void recompose(const R* u, const R* d, const R* v, R* out) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             out[3 * i + j] =
                 u[3 * i] * d[0] * v[3 * j] + u[3 * i + 1] * d[1] * v[3 * j + 1] + u[3 * i + 2] * d[2] * v[3 * j + 2];
 }
 
-template <class R> R determinant(const R* f) {
-    return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) +
-           f[2] * (f[3] * f[7] - f[4] * f[6]);
+template <class R>
+R determinant(const R* f) {
+    return f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) + f[2] * (f[3] * f[7] - f[4] * f[6]);
 }
 
 /// out = U k U^T
 void rotate_block(const Pack* u, const Pack* k, Pack* out) {
     Pack uk[9];
     for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            uk[3 * i + j] = u[3 * i] * k[j] + u[3 * i + 1] * k[3 + j] + u[3 * i + 2] * k[6 + j];
+        for (int j = 0; j < 3; ++j) uk[3 * i + j] = u[3 * i] * k[j] + u[3 * i + 1] * k[3 + j] + u[3 * i + 2] * k[6 + j];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             out[3 * i + j] = uk[3 * i] * u[3 * j] + uk[3 * i + 1] * u[3 * j + 1] + uk[3 * i + 2] * u[3 * j + 2];
@@ -148,7 +167,8 @@ void add_stress_forces(const TetBatch& batch, Pack volume, const Pack* p, Pack g
 }
 
 /// out = cof F = dJ/dF
-template <class R> void cofactor(const R* f, R* out) {
+template <class R>
+void cofactor(const R* f, R* out) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const int a = (i + 1) % 3, b = (i + 2) % 3, c = (j + 1) % 3, d = (j + 2) % 3;
@@ -199,7 +219,8 @@ void principal_blocks(const PointInputs& in, const Pack* f, Pack volume, bool pr
             Pack k[9];
             for (int i = 0; i < 3; ++i) {
                 const int j = (i + 1) % 3, m = (i + 2) % 3;
-                k[4 * i] = q.diagonal[i] * n[a][i] * n[b][i] + same[m] * n[a][j] * n[b][j] + same[j] * n[a][m] * n[b][m];
+                k[4 * i] =
+                    q.diagonal[i] * n[a][i] * n[b][i] + same[m] * n[a][j] * n[b][j] + same[j] * n[a][m] * n[b][m];
                 k[3 * j + m] = q.off_diagonal[i] * n[a][j] * n[b][m] + cross[i] * n[a][m] * n[b][j];
                 k[3 * m + j] = q.off_diagonal[i] * n[a][m] * n[b][j] + cross[i] * n[a][j] * n[b][m];
             }
@@ -239,8 +260,8 @@ void add_viscous_blocks(const PointInputs& in, const Pack* f, Pack volume, bool 
 
 /// The anisotropic law with its damping.
 AnisotropicStVK<Pack> anisotropic_at(const PointInputs& in, const Pack* f) {
-    AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root), Pack::load(in.moduli.mu),
-                              Pack::load(in.moduli.lambda));
+    AnisotropicStVK<Pack> law(f, load_direction(*in.anisotropy), Pack::load(in.anisotropy->root),
+                              Pack::load(in.moduli.mu), Pack::load(in.moduli.lambda));
     if (in.viscosity > 0) {
         Pack listed[6], reference[9];
         load_strain(in.reference_strain, listed);
@@ -277,8 +298,8 @@ void add_anisotropic_blocks(const PointInputs& in, const Pack* f, Pack volume, b
 
 } // namespace
 
-void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x, const Corners& x_between,
-                      const Corners& v, double* out) {
+void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x,
+                      const Corners& x_between, const Corners& v, double* out) {
     Pack f[9], sum[6], listed[6];
     Strains<Pack> strains;
     deformation_gradient(batch, x, f);
@@ -374,7 +395,8 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
     if (in.law == ElasticLaw::anisotropic) add_anisotropic_blocks(in, f, volume, project, blocks);
     for (const ActiveFiber& fiber : in.fibers) add_fiber_hessian(batch, fiber, f, volume, blocks);
 
-    // Barycentric coordinates sum to one, so every row of blocks sums to zero: those of corner 0 follow from the others.
+    // Barycentric coordinates sum to one, so every row of blocks sums to zero: those of corner 0 follow from the
+    // others.
     constexpr int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
     const auto entry = [&](int a, int b, int r, int c) { return blocks[at[a][b]][a <= b ? 3 * r + c : 3 * c + r]; };
     for (int r = 0; r < 3; ++r)
@@ -391,7 +413,8 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
         }
 }
 
-void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure, PointMeasures& out) {
+void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure,
+                    PointMeasures& out) {
     Pack f[9], by_f[9];
     deformation_gradient(batch, corners, f);
     const auto by_corners = [&](Pack g[4][3]) {
@@ -427,7 +450,8 @@ void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corner
 void elastic_stress(ElasticLaw law, double mu, double lambda, double compression, const double* f, double* p,
                     double* energy, const double* direction, double transverse) {
     if (law == ElasticLaw::anisotropic) {
-        const AnisotropicStVK<double> a(f, {direction[0], direction[1], direction[2]}, std::pow(transverse, 0.25), mu, lambda);
+        const AnisotropicStVK<double> a(f, {direction[0], direction[1], direction[2]}, std::pow(transverse, 0.25), mu,
+                                        lambda);
         a.stress(p);
         *energy = a.energy();
         return;

@@ -49,10 +49,10 @@ struct ElementSummary {
 
 /// Doubles that the reference strain of one point takes.
 inline constexpr int strain_size = 6 * lanes;
-/// E_ref of a point, out[component of list_strain][lane], from the corners of its linear tet, where the reference looks at
-/// these times, and their velocities.
-void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x, const Corners& x_between,
-                      const Corners& v, double* out);
+/// E_ref of a point, out[component of list_strain][lane], from the corners of its linear tet, where the reference looks
+/// at these times, and their velocities.
+void reference_strain(const TetBatch& batch, const StrainReference& reference, const Corners& x,
+                      const Corners& x_between, const Corners& v, double* out);
 
 /// dE/d corners, g[corner][component][lane] [N], without the energies on means.
 void point_gradient(const PointInputs& in, const Corners& corners, double* g, ElementSummary& summary);
@@ -64,7 +64,8 @@ struct PointMeasures {
     Pack measure, j, d_measure[4][3], d_j[4][3];
 };
 /// `with_measure` false leaves the measure out, and with it the singular values.
-void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure, PointMeasures& out);
+void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure,
+                    PointMeasures& out);
 
 /// First Piola-Kirchhoff stress and energy density of one deformation gradient (row-major), for tests and users.
 /// `direction` and `transverse` for the anisotropic law only.

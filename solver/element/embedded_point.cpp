@@ -7,7 +7,8 @@
 
 namespace sinew::solver {
 
-PointWeights embedded_point(const Tet& corners, const std::array<int, 6>* edges, const std::array<double, 4>& barycentric) {
+PointWeights embedded_point(const Tet& corners, const std::array<int, 6>* edges,
+                            const std::array<double, 4>& barycentric) {
     PointWeights out;
     const auto add = [&](int vertex, double weight) {
         if (weight != 0) out.vertex[out.count] = vertex, out.weight[out.count++] = weight;

@@ -14,8 +14,9 @@ struct PointWeights {
     double weight[10];
 };
 
-/// A point given by its barycentric coordinates in a tet. `edges`: the vertices at the middles of the edges of a quadratic
-/// tet, in the order of tet_edge_corners; nullptr for a linear one. Exact for affine motion.
-PointWeights embedded_point(const Tet& corners, const std::array<int, 6>* edges, const std::array<double, 4>& barycentric);
+/// A point given by its barycentric coordinates in a tet. `edges`: the vertices at the middles of the edges of a
+/// quadratic tet, in the order of tet_edge_corners; nullptr for a linear one. Exact for affine motion.
+PointWeights embedded_point(const Tet& corners, const std::array<int, 6>* edges,
+                            const std::array<double, 4>& barycentric);
 
 } // namespace sinew::solver

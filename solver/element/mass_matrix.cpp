@@ -16,7 +16,7 @@ double quadratic_entry(int a, int b) {
     if (b < 4) {
         n = a == b ? 6 : 1;
     } else {
-        const int *e = tet_edge_corners[b - 4];
+        const int* e = tet_edge_corners[b - 4];
         if (a < 4) {
             n = e[0] == a || e[1] == a ? -4 : -6;
         } else {
@@ -45,13 +45,16 @@ void MassMatrix::set(const Scene::System& system, const BlockPattern& pattern, c
                 const int i = system.unknown[static_cast<std::size_t>(v)];
                 if (!quadratic) {
                     weight_[static_cast<std::size_t>(v)] += 0.25 * mass;
-                    if (i >= 0) value_[static_cast<std::size_t>(pattern.row_start[static_cast<std::size_t>(i)])] += 0.25 * mass;
+                    if (i >= 0)
+                        value_[static_cast<std::size_t>(pattern.row_start[static_cast<std::size_t>(i)])] += 0.25 * mass;
                     continue;
                 }
                 weight_[static_cast<std::size_t>(v)] += (a < 4 ? -0.05 : 0.2) * mass;
                 for (int b = 0; b < t.nodes(); ++b) {
-                    const int j = system.unknown[static_cast<std::size_t>(system.node(t, slot / lanes, b)[slot % lanes])];
-                    if (i >= 0 && j >= i) value_[static_cast<std::size_t>(pattern.find(i, j))] += quadratic_entry(a, b) * mass;
+                    const int j =
+                        system.unknown[static_cast<std::size_t>(system.node(t, slot / lanes, b)[slot % lanes])];
+                    if (i >= 0 && j >= i)
+                        value_[static_cast<std::size_t>(pattern.find(i, j))] += quadratic_entry(a, b) * mass;
                 }
             }
         }
@@ -87,7 +90,8 @@ void MassMatrix::solve(const std::vector<double>& f, std::vector<double>& u) con
         return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
     };
     const auto precondition = [&](const std::vector<double>& r, std::vector<double>& z) {
-        for (std::size_t i = 0; i < r.size(); ++i) z[i] = r[i] / value_[static_cast<std::size_t>(pattern_->row_start[i / 3])];
+        for (std::size_t i = 0; i < r.size(); ++i)
+            z[i] = r[i] / value_[static_cast<std::size_t>(pattern_->row_start[i / 3])];
     };
     std::vector<double> r = f, z(f.size()), ap;
     u.assign(f.size(), 0.0);

@@ -98,8 +98,8 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
 
 } // namespace
 
-std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets, const std::vector<std::array<int, 2>>& edges,
-                                              int first) {
+std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets,
+                                              const std::vector<std::array<int, 2>>& edges, int first) {
     std::vector<std::array<int, 6>> out(tets.size());
     for (std::size_t t = 0; t < tets.size(); ++t)
         for (std::size_t e = 0; e < 6; ++e) {
@@ -116,12 +116,14 @@ void quadratic_shape(const double* b, double* values) {
     for (int e = 0; e < 6; ++e) values[4 + e] = 4 * b[tet_edge_corners[e][0]] * b[tet_edge_corners[e][1]];
 }
 
-void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference, double* out) {
+void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference,
+                                double* out) {
     const auto nodes = [&](const std::vector<double>* x) { return x ? nodes_of(batch, edges, x->data()) : Nodes{}; };
     const Nodes x = nodes(reference.x), between = nodes(reference.x_between), v = nodes(reference.v);
     for (int point = 0; point < quadratic_points; ++point) {
         const Place place = integration_point(point);
-        reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v), out + point * strain_size);
+        reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v),
+                         out + point * strain_size);
     }
 }
 
@@ -153,7 +155,8 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
         for (int n = 0; n < quadratic_nodes; ++n) {
             const NodeWeights w = node_weights(integration_point(point), n);
             for (int k = 0; k < w.count; ++k)
-                for (int c = 0; c < 3; ++c) sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
+                for (int c = 0; c < 3; ++c)
+                    sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
         }
     }
     for (int n = 0; n < quadratic_nodes; ++n)
@@ -163,7 +166,8 @@ void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool mean
     squares.store(summary.fiber_squares);
 }
 
-void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project, double* h) {
+void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project,
+                       double* h) {
     const Nodes nodes = nodes_of(in.batch, edges, x);
     PointInputs at_point = in;
     at_point.share = 0.25;
@@ -176,13 +180,15 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
         pressures = m.pressures(in.moduli);
         at_point.pressures = &pressures;
         const Pack volume = Pack::load(in.batch.volume);
-        const Pack by_measure = volume * Pack::load(in.moduli.lambda_mean), by_j = volume * Pack::load(in.moduli.volume);
+        const Pack by_measure = volume * Pack::load(in.moduli.lambda_mean),
+                   by_j = volume * Pack::load(in.moduli.volume);
         int pair = 0;
         for (int a = 0; a < quadratic_nodes; ++a)
             for (int b = a; b < quadratic_nodes; ++b, ++pair)
                 for (int r = 0; r < 3; ++r)
                     for (int c = 0; c < 3; ++c)
-                        sum[pair][3 * r + c] += by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
+                        sum[pair][3 * r + c] +=
+                            by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
     }
     constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
     for (int point = 0; point < quadratic_points; ++point) {
@@ -202,7 +208,8 @@ void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means
                         if (m <= n)
                             for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + e * lanes);
                         else
-                            for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + (e % 3 * 3 + e / 3) * lanes);
+                            for (int e = 0; e < 9; ++e)
+                                sum[pair][e] += w * Pack::load(block + (e % 3 * 3 + e / 3) * lanes);
                     }
     }
     for (int pair = 0; pair < quadratic_pairs; ++pair)

@@ -1,7 +1,7 @@
-// Quadratic (P2, ten-node) tets with straight edges at rest: four integration points, each of which is a linear tet whose
-// corners are weighted sums of the ten nodes. So the laws, the fibres and the projection are those of elastic_point.h.
-// The part of the volumetric stiffness beyond lambda_mean and volumeConservation act on means over the tet, one condition
-// a tet, so that nearly incompressible flesh does not lock.
+// Quadratic (P2, ten-node) tets with straight edges at rest: four integration points, each of which is a linear tet
+// whose corners are weighted sums of the ten nodes. So the laws, the fibres and the projection are those of
+// elastic_point.h. The part of the volumetric stiffness beyond lambda_mean and volumeConservation act on means over the
+// tet, one condition a tet, so that nearly incompressible flesh does not lock.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/elastic_point.h"
@@ -18,14 +18,15 @@ struct EdgeBatch {
 };
 
 /// Per tet the vertices at the middles of its edges: `first` plus their place in edges_of(tets).
-std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets, const std::vector<std::array<int, 2>>& edges,
-                                              int first);
+std::vector<std::array<int, 6>> edge_vertices(const std::vector<Tet>& tets,
+                                              const std::vector<std::array<int, 2>>& edges, int first);
 
 /// Values of the ten shape functions at a point given by its barycentric coordinates.
 void quadratic_shape(const double* barycentric, double* values);
 
 /// E_ref at each of the points, out[point][component of list_strain][lane].
-void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference, double* out);
+void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference,
+                                double* out);
 
 /// g[node][component][lane]; the summary's energy includes those on means if `means` (some of moduli.lambda_mean or
 /// moduli.volume are not zero). `in.share` and `in.pressures` are not read;
@@ -33,7 +34,8 @@ void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, c
 void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
                         ElementSummary& summary);
 /// h[pair (a, b), a <= b, rows of a][row*3+column][lane].
-void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project, double* h);
+void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project,
+                       double* h);
 
 /// Least det F over each tet's corners, where a bent tet folds first; the integration points lie inside.
 void quadratic_corner_j(const TetBatch& batch, const EdgeBatch& edges, const double* x, double* least);

@@ -9,13 +9,15 @@
 namespace sinew::solver {
 
 /// Matrices are row-major arrays of 9.
-template <class R> struct Svd3 {
+template <class R>
+struct Svd3 {
     R u[9], s[3], v[9];
 };
 
 namespace svd3_detail {
 
-template <class R> inline void rotate_columns(R* m, int p, int q, R c, R s) {
+template <class R>
+inline void rotate_columns(R* m, int p, int q, R c, R s) {
     for (int r = 0; r < 3; ++r) {
         const R a = m[3 * r + p], b = m[3 * r + q];
         m[3 * r + p] = c * a - s * b;
@@ -23,12 +25,14 @@ template <class R> inline void rotate_columns(R* m, int p, int q, R c, R s) {
     }
 }
 
-template <class R> inline R column_dot(const R* m, int p, int q) {
+template <class R>
+inline R column_dot(const R* m, int p, int q) {
     return m[p] * m[q] + m[3 + p] * m[3 + q] + m[6 + p] * m[6 + q];
 }
 
 /// Makes columns p and q of b orthogonal, and turns v alike.
-template <class R> inline void orthogonalise(R* b, R* v, int p, int q) {
+template <class R>
+inline void orthogonalise(R* b, R* v, int p, int q) {
     const R alpha = column_dot(b, p, p), beta = column_dot(b, q, q), gamma = column_dot(b, p, q);
     const R d = beta - alpha;
     const R sign = select(d < R(0.0), R(-1.0), R(1.0));
@@ -40,7 +44,8 @@ template <class R> inline void orthogonalise(R* b, R* v, int p, int q) {
 }
 
 /// Puts the longer of columns p, q first; swaps with a sign so that v stays a rotation.
-template <class R> inline void order(R* b, R* v, int p, int q) {
+template <class R>
+inline void order(R* b, R* v, int p, int q) {
     const auto shorter = column_dot(b, p, p) < column_dot(b, q, q);
     for (R* m : {b, v})
         for (int r = 0; r < 3; ++r) {
@@ -52,7 +57,8 @@ template <class R> inline void order(R* b, R* v, int p, int q) {
 
 } // namespace svd3_detail
 
-template <class R> inline void svd3(const R* f, Svd3<R>& out) {
+template <class R>
+inline void svd3(const R* f, Svd3<R>& out) {
     using namespace svd3_detail;
     R b[9], *v = out.v, *u = out.u;
     for (int i = 0; i < 9; ++i) b[i] = f[i], v[i] = R(i % 4 == 0 ? 1.0 : 0.0);

@@ -6,7 +6,8 @@
 namespace sinew::solver {
 
 /// diagonal[3] and off_diagonal[k] = entry of the two indices other than k; negative eigenvalues become zero.
-template <class R> inline void clamp_symmetric3(R* diagonal, R* off_diagonal) {
+template <class R>
+inline void clamp_symmetric3(R* diagonal, R* off_diagonal) {
     R a[9], q[9];
     for (int i = 0; i < 3; ++i) {
         const int j = (i + 1) % 3, k = (i + 2) % 3;

@@ -24,7 +24,8 @@ constexpr double pointwise_lambda = 4;
 
 bool same(const MaterialValues& a, const MaterialValues& b) {
     return a.youngs_modulus == b.youngs_modulus && a.poissons_ratio == b.poissons_ratio &&
-           a.mass_density == b.mass_density && a.envelope == b.envelope && a.volume_conservation == b.volume_conservation;
+           a.mass_density == b.mass_density && a.envelope == b.envelope &&
+           a.volume_conservation == b.volume_conservation;
 }
 
 bool same_material(const TissueInputs& a, const TissueInputs& b) {
@@ -50,20 +51,23 @@ MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::s
 /// that is none, of the whole scene.
 void check_values(const TissueInputs& in, int body) {
     const auto refuse = [&](const char* what) {
-        Error e("FE302", std::string(what) + " is not a finite number", "check the attribute and what it is connected to");
+        Error e("FE302", std::string(what) + " is not a finite number",
+                "check the attribute and what it is connected to");
         e.body = body;
         throw e;
     };
     const auto finite = [](std::initializer_list<double> values) {
         return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
     };
-    if (!finite({in.compression_resistance, in.transverse_anisotropy})) refuse("the compression resistance or anisotropy of a tissue");
+    if (!finite({in.compression_resistance, in.transverse_anisotropy}))
+        refuse("the compression resistance or anisotropy of a tissue");
     for (const MaterialValues& m : in.layers)
         if (!finite({m.youngs_modulus, m.poissons_ratio, m.mass_density, m.envelope, m.volume_conservation}))
             refuse("a value of a tissue's material");
     for (const FiberValues& f : in.fibers)
         if (!finite({f.strength, f.contraction_limit, f.excitation, f.envelope})) refuse("a value of a tissue's fibre");
-    if (!std::all_of(in.forces.begin(), in.forces.end(), [](const Vec3& f) { return f.allFinite(); })) refuse("a load on a tissue");
+    if (!std::all_of(in.forces.begin(), in.forces.end(), [](const Vec3& f) { return f.allFinite(); }))
+        refuse("a load on a tissue");
 }
 
 } // namespace
@@ -78,7 +82,9 @@ struct TissueEnergy::Patches {
     std::vector<int> block_start, pairs; ///< per block of the pattern: pairs of members (row's, column's)
 };
 
-TissueEnergy::TissueEnergy(const Scene& scene) : scene_(scene), system_(scene.system()) {
+TissueEnergy::TissueEnergy(const Scene& scene)
+    : scene_(scene)
+    , system_(scene.system()) {
     const std::size_t n = system_.tissues.size();
     inputs_.resize(n);
     has_means_.assign(n, 0);
@@ -119,14 +125,17 @@ bool TissueEnergy::set_values(const StepInputs& inputs) {
         }
         inputs_[t] = in;
 
-        const auto pull = [&](std::size_t k) { return in.fibers[k].strength * in.fibers[k].envelope * in.fibers[k].excitation; };
+        const auto pull = [&](std::size_t k) {
+            return in.fibers[k].strength * in.fibers[k].envelope * in.fibers[k].excitation;
+        };
         active_count_[t] = 0;
         for (std::size_t k = 0; k < in.fibers.size(); ++k)
             if (pull(k) != 0) ++active_count_[t];
         fibers_[t].clear();
         for (std::size_t i = 0; i < batches.batch_count && active_count_[t]; ++i)
             for (std::size_t k = 0; k < in.fibers.size(); ++k)
-                if (pull(k) != 0) fibers_[t].push_back({&batches.fibers[k][i], pull(k), in.fibers[k].contraction_limit});
+                if (pull(k) != 0)
+                    fibers_[t].push_back({&batches.fibers[k][i], pull(k), in.fibers[k].contraction_limit});
     }
     if (changed) {
         set_scales();
@@ -161,15 +170,18 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
         const MaterialValues m = mix_layers(rest, in, tet);
         const Lame l = lame(m.youngs_modulus, m.poissons_ratio);
         // The last bit decides nothing: at nu = 0.4 itself, the default, there is no second part.
-        const bool splits = quadratic && rest.law != ElasticLaw::anisotropic && l.lambda > (1 + 1e-9) * pointwise_lambda * l.mu;
+        const bool splits =
+            quadratic && rest.law != ElasticLaw::anisotropic && l.lambda > (1 + 1e-9) * pointwise_lambda * l.mu;
         moduli.mu[lane] = l.mu;
         moduli.lambda[lane] = splits ? pointwise_lambda * l.mu : l.lambda;
         moduli.lambda_mean[lane] = volume_share_ * (l.lambda - moduli.lambda[lane]);
         moduli.volume[lane] = quadratic ? volume_share_ * m.volume_conservation : 0;
-        moduli.compression[lane] = compression_coefficient(in.compression_resistance, m.youngs_modulus, m.poissons_ratio);
+        moduli.compression[lane] =
+            compression_coefficient(in.compression_resistance, m.youngs_modulus, m.poissons_ratio);
         if (moduli.lambda_mean[lane] > 0 || moduli.volume[lane] > 0) has_means_[t] = 1;
         if (!anisotropy_[t].empty())
-            anisotropy_[t][i].root[lane] = batches.anisotropy[i].root[lane] == 0 ? 1 : std::pow(in.transverse_anisotropy, 0.25);
+            anisotropy_[t][i].root[lane] =
+                batches.anisotropy[i].root[lane] == 0 ? 1 : std::pow(in.transverse_anisotropy, 0.25);
         tet_mass_[batches.first_batch * lanes + slot] = m.mass_density * batch.volume[lane];
         if (patches && slot < batches.tet_count) {
             const std::size_t p = static_cast<std::size_t>(patches->of.patch_of_tet[tet]);
@@ -195,18 +207,21 @@ void TissueEnergy::set_scales() {
                 const double lambda = m.lambda[lane] + m.lambda_mean[lane];
                 const double scale = (2 * m.mu[lane] + std::min(lambda, 2 * m.mu[lane])) * b.volume[lane];
                 const double modulus_volume = (2 * m.mu[lane] + lambda + m.volume[lane]) * b.volume[lane];
-                if (b.volume[lane] > 0) stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
+                if (b.volume[lane] > 0)
+                    stiffest = std::max(stiffest, (m.lambda_mean[lane] + m.volume[lane]) / m.mu[lane]);
                 floor += scale * scale * squares;
                 elastic_scale_ += modulus_volume;
                 for (int n = 0; n < batches.nodes(); ++n)
-                    vertex_stiffness_[static_cast<std::size_t>(system_.node(batches, e - batches.first_batch, n)[lane])] += modulus_volume / batches.nodes();
+                    vertex_stiffness_[static_cast<std::size_t>(
+                        system_.node(batches, e - batches.first_batch, n)[lane])] += modulus_volume / batches.nodes();
                 stiffness += modulus_volume * modulus_volume * squares * squares;
             }
         if (patches_[t]) {
             const Patches& patches = *patches_[t];
             for (std::size_t p = 0; p < patches.stiffness.size(); ++p) {
                 elastic_scale_ += patches.stiffness[p];
-                const std::size_t tet = static_cast<std::size_t>(patches.of.tets[static_cast<std::size_t>(patches.of.tet_start[p])]);
+                const std::size_t tet =
+                    static_cast<std::size_t>(patches.of.tets[static_cast<std::size_t>(patches.of.tet_start[p])]);
                 const std::size_t e = batches.first_batch + tet / lanes;
                 const double mu = moduli_[e].mu[tet % lanes];
                 double squares = 0;
@@ -235,7 +250,8 @@ void TissueEnergy::add_couplings(std::vector<std::pair<int, int>>& couplings) co
         for (std::size_t p = 0; p < of.count(); ++p)
             for (int i = of.member_start[p]; i < of.member_start[p + 1]; ++i)
                 for (int j = i; j < of.member_start[p + 1]; ++j)
-                    couplings.emplace_back(first + of.vertex[static_cast<std::size_t>(i)], first + of.vertex[static_cast<std::size_t>(j)]);
+                    couplings.emplace_back(first + of.vertex[static_cast<std::size_t>(i)],
+                                           first + of.vertex[static_cast<std::size_t>(j)]);
     }
 }
 
@@ -266,9 +282,11 @@ void TissueEnergy::set_pattern(const BlockPattern& pattern) {
                 std::size_t at = batches.hessian_at(slot / lanes) + lane;
                 for (int a = 0; a < batches.nodes(); ++a)
                     for (int b = a; b < batches.nodes(); ++b, at += 9 * lanes) {
-                        const int i = row(system_.node(batches, slot / lanes, a)[lane]), j = row(system_.node(batches, slot / lanes, b)[lane]);
+                        const int i = row(system_.node(batches, slot / lanes, a)[lane]),
+                                  j = row(system_.node(batches, slot / lanes, b)[lane]);
                         if (i < 0 || j < 0) continue;
-                        visit(static_cast<std::size_t>(pattern.find(std::min(i, j), std::max(i, j))), static_cast<int>(2 * at) + (i > j ? 1 : 0));
+                        visit(static_cast<std::size_t>(pattern.find(std::min(i, j), std::max(i, j))),
+                              static_cast<int>(2 * at) + (i > j ? 1 : 0));
                     }
             }
     });
@@ -281,7 +299,8 @@ void TissueEnergy::set_pattern(const BlockPattern& pattern) {
             for (std::size_t p = 0; p < of.count(); ++p)
                 for (int a = of.member_start[p]; a < of.member_start[p + 1]; ++a)
                     for (int b = of.member_start[p]; b < of.member_start[p + 1]; ++b) {
-                        const int i = row(first + of.vertex[static_cast<std::size_t>(a)]), j = row(first + of.vertex[static_cast<std::size_t>(b)]);
+                        const int i = row(first + of.vertex[static_cast<std::size_t>(a)]),
+                                  j = row(first + of.vertex[static_cast<std::size_t>(b)]);
                         if (i < 0 || j < i) continue;
                         const std::size_t block = static_cast<std::size_t>(pattern.find(i, j));
                         visit(block, a), visit(block, b);
@@ -321,11 +340,14 @@ void TissueEnergy::set_strains_of(const StrainReference& reference, std::vector<
         parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
             const TetBatch& batch = system_.batches[batches.first_batch + i];
             double* out = strains.data() + batches.strain_at(i);
-            const auto corners = [&](const std::vector<double>* x) { return x ? corners_of(batch, x->data()) : Corners{}; };
+            const auto corners = [&](const std::vector<double>* x) {
+                return x ? corners_of(batch, x->data()) : Corners{};
+            };
             if (batches.kind == ElementKind::quadratic)
                 quadratic_reference_strain(batch, system_.edge_batches[batches.first_edge_batch + i], reference, out);
             else
-                reference_strain(batch, reference, corners(reference.x), corners(reference.x_between), corners(reference.v), out);
+                reference_strain(batch, reference, corners(reference.x), corners(reference.x_between),
+                                 corners(reference.v), out);
             if (!reference.known_rate) return;
             const double* rate = reference.known_rate->data() + batches.strain_at(i);
             for (int k = 0; k < batches.points() * strain_size; ++k) out[k] += reference.rate * rate[k];
@@ -371,7 +393,8 @@ double TissueEnergy::evaluate(const std::vector<double>& x) {
             const std::size_t e = batches.first_batch + i;
             double* g = gradients_.data() + batches.gradient_at(i);
             if (batches.kind == ElementKind::quadratic)
-                return quadratic_gradient(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t], x.data(), g, summaries_[e]);
+                return quadratic_gradient(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t],
+                                          x.data(), g, summaries_[e]);
             Pressures pressures{Pack(0.0), Pack(0.0)};
             if (patches_[t]) {
                 pressures.j = Pack::load(patches_[t]->pressure.data() + i * lanes);
@@ -403,13 +426,15 @@ void TissueEnergy::set_patch_gradients(std::size_t t, const std::vector<double>&
         const double scale = std::sqrt(patches.stiffness[p]) / patches.volume[p];
         for (int member = of.member_start[p]; member < of.member_start[p + 1]; ++member) {
             double sum[3] = {};
-            for (int k = of.corner_start[static_cast<std::size_t>(member)]; k < of.corner_start[static_cast<std::size_t>(member) + 1]; ++k) {
+            for (int k = of.corner_start[static_cast<std::size_t>(member)];
+                 k < of.corner_start[static_cast<std::size_t>(member) + 1]; ++k) {
                 const std::size_t tet = static_cast<std::size_t>(of.corners[static_cast<std::size_t>(k)]) / 4;
                 const int corner = of.corners[static_cast<std::size_t>(k)] % 4;
                 const double* g = gradients_.data() + batches.gradient_at(tet / lanes) + tet % lanes;
                 for (int c = 0; c < 3; ++c) sum[c] += g[(3 * corner + c) * lanes];
             }
-            for (std::size_t c = 0; c < 3; ++c) patches.slope[3 * static_cast<std::size_t>(member) + c] = scale * sum[c];
+            for (std::size_t c = 0; c < 3; ++c)
+                patches.slope[3 * static_cast<std::size_t>(member) + c] = scale * sum[c];
         }
     });
 }
@@ -425,7 +450,8 @@ void TissueEnergy::assemble(const std::vector<double>& x, bool project, BlockMat
             PointInputs in = point_inputs(t, i);
             double* h = hessians_.data() + batches.hessian_at(i);
             if (batches.kind == ElementKind::quadratic)
-                return quadratic_hessian(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t], x.data(), project, h);
+                return quadratic_hessian(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t],
+                                         x.data(), project, h);
             Pressures pressures{Pack(0.0), Pack(0.0)};
             if (patches_[t]) {
                 pressures.j = Pack::load(patches_[t]->pressure.data() + i * lanes);
@@ -493,7 +519,9 @@ void TissueEnergy::count_inverted(const std::vector<double>* x, double& least_j,
             const std::size_t e = batches.first_batch + i;
             double at_corners[lanes];
             const bool corners = x && batches.kind == ElementKind::quadratic;
-            if (corners) quadratic_corner_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(), at_corners);
+            if (corners)
+                quadratic_corner_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(),
+                                   at_corners);
             for (int lane = 0; lane < lanes; ++lane) {
                 if (!(system_.batches[e].volume[lane] > 0)) continue;
                 const double j = corners ? std::min(summaries_[e].j[lane], at_corners[lane]) : summaries_[e].j[lane];

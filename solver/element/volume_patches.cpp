@@ -41,9 +41,8 @@ std::vector<std::array<int, 4>> neighbours(const std::vector<Tet>& tets) {
 }
 
 int new_vertices(const Tet& tet, const std::vector<int>& have) {
-    return static_cast<int>(std::count_if(tet.begin(), tet.end(), [&](int v) {
-        return std::find(have.begin(), have.end(), v) == have.end();
-    }));
+    return static_cast<int>(std::count_if(tet.begin(), tet.end(),
+                                          [&](int v) { return std::find(have.begin(), have.end(), v) == have.end(); }));
 }
 
 std::vector<std::vector<int>> grow(const std::vector<Tet>& tets) {
@@ -77,7 +76,8 @@ std::vector<std::vector<int>> grow(const std::vector<Tet>& tets) {
         std::map<int, int> shared;
         for (const int member : patches[p])
             for (const int next : across[static_cast<std::size_t>(member)])
-                if (next >= 0 && patch_of[static_cast<std::size_t>(next)] != static_cast<int>(p)) ++shared[patch_of[static_cast<std::size_t>(next)]];
+                if (next >= 0 && patch_of[static_cast<std::size_t>(next)] != static_cast<int>(p))
+                    ++shared[patch_of[static_cast<std::size_t>(next)]];
         int best = -1;
         for (const auto& [patch, faces] : shared)
             if (best < 0 || faces > shared[best]) best = patch;
@@ -104,7 +104,8 @@ VolumePatches make_volume_patches(const TetMesh& mesh) {
         for (const int t : tets) {
             out.patch_of_tet[static_cast<std::size_t>(t)] = static_cast<int>(out.tet_start.size()) - 1;
             out.tets.push_back(t);
-            for (int c = 0; c < 4; ++c) corners[mesh.tets[static_cast<std::size_t>(t)][static_cast<std::size_t>(c)]].push_back(4 * t + c);
+            for (int c = 0; c < 4; ++c)
+                corners[mesh.tets[static_cast<std::size_t>(t)][static_cast<std::size_t>(c)]].push_back(4 * t + c);
         }
         out.tet_start.push_back(static_cast<int>(out.tets.size()));
         for (const auto& [vertex, at] : corners) {

@@ -18,7 +18,7 @@ struct ImplicitForm {
     double velocity_factor = 0;          ///< [1/s]; 0 = no velocity, so no damping either
     std::vector<double> target;          ///< 3 a vertex [m]
     std::vector<double> velocity_offset; ///< 3 a vertex [m/s]
-    StrainReference strain; ///< points into the states that the form was made from
+    StrainReference strain;              ///< points into the states that the form was made from
     /// Where bones are at the end of the stage and how fast they move there: weights on their positions at the start
     /// of the last step, at the start of this one and at its end (a parabola through the three, or a line).
     std::array<double, 3> bone_position{0, 0, 1}, bone_velocity{};

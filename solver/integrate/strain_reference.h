@@ -12,8 +12,9 @@ struct StrainReference {
     double start = 1;
     const std::vector<double>* x_between = nullptr; ///< another time the scheme looks at; null where its weight is 0
     double between = 0;
-    /// dE/dt at the start of the step: as the last step ended with it, by points [1/s], or from the velocities there, 3 a
-    /// vertex [m/s]; both null where the weight is 0. Velocities of turning bodies are chords and strain them by a little.
+    /// dE/dt at the start of the step: as the last step ended with it, by points [1/s], or from the velocities there, 3
+    /// a vertex [m/s]; both null where the weight is 0. Velocities of turning bodies are chords and strain them by a
+    /// little.
     const std::vector<double>* known_rate = nullptr;
     const std::vector<double>* v = nullptr;
     double rate = 0; ///< [s]

@@ -39,7 +39,8 @@ void values_between(const StepInputs& before, const StepInputs& after, double sh
             for (std::size_t k = 0; k < t->layers.size(); ++k) {
                 const MaterialValues& a = from.layers[k];
                 MaterialValues& m = t->layers[k];
-                mix(a.youngs_modulus, m.youngs_modulus), mix(a.poissons_ratio, m.poissons_ratio), mix(a.mass_density, m.mass_density);
+                mix(a.youngs_modulus, m.youngs_modulus), mix(a.poissons_ratio, m.poissons_ratio),
+                    mix(a.mass_density, m.mass_density);
                 mix(a.envelope, m.envelope), mix(a.volume_conservation, m.volume_conservation);
             }
         }

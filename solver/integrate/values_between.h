@@ -6,13 +6,13 @@
 
 namespace sinew::solver {
 
-/// Copies what drives a step but the bones, whose positions the state keeps, into `out`. Takes nothing from the heap where
-/// `out` is of the same scene.
+/// Copies what drives a step but the bones, whose positions the state keeps, into `out`. Takes nothing from the heap
+/// where `out` is of the same scene.
 void copy_values(const StepInputs& in, StepInputs& out);
 
-/// The values at `share` of the way from those of `before` to those of `after`, each on a line (second order); settings and
-/// bones are those of `after`, or empty. Where volume conservation comes or goes, materials jump to `after`; so does an attachment
-/// that is made or released.
+/// The values at `share` of the way from those of `before` to those of `after`, each on a line (second order); settings
+/// and bones are those of `after`, or empty. Where volume conservation comes or goes, materials jump to `after`; so
+/// does an attachment that is made or released.
 void values_between(const StepInputs& before, const StepInputs& after, double share, StepInputs& out);
 
 } // namespace sinew::solver

@@ -26,7 +26,9 @@ BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings);
 struct BlockMatrix {
     const BlockPattern* pattern = nullptr;
     std::vector<double> values;
-    explicit BlockMatrix(const BlockPattern& p) : pattern(&p), values(9 * p.block_count(), 0.0) {}
+    explicit BlockMatrix(const BlockPattern& p)
+        : pattern(&p)
+        , values(9 * p.block_count(), 0.0) {}
     double* block(std::size_t index) { return values.data() + 9 * index; }
     const double* block(std::size_t index) const { return values.data() + 9 * index; }
 };

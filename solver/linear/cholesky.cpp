@@ -42,7 +42,9 @@ struct Cholesky::Impl {
     /// The scalar lower triangle: column 3i+c holds rows 3i+c…3i+2, then three rows a block (i, j > i).
     void build_structure(const BlockPattern& p) {
         std::size_t entries = 0;
-        for (int i = 0; i < p.rows; ++i) entries += 6 + 9 * static_cast<std::size_t>(p.row_start[static_cast<std::size_t>(i) + 1] - p.row_start[static_cast<std::size_t>(i)] - 1);
+        for (int i = 0; i < p.rows; ++i)
+            entries += 6 + 9 * static_cast<std::size_t>(p.row_start[static_cast<std::size_t>(i) + 1] -
+                                                        p.row_start[static_cast<std::size_t>(i)] - 1);
         const std::size_t n = 3 * static_cast<std::size_t>(p.rows);
         matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, &common);
         if (!matrix) throw Error("FE302", "not enough memory for a matrix of " + std::to_string(n) + " unknowns");
@@ -53,7 +55,8 @@ struct Cholesky::Impl {
             for (int c = 0; c < 3; ++c) {
                 start[3 * i + c] = next;
                 for (int r = c; r < 3; ++r) row[next++] = 3 * i + r;
-                for (int e = p.row_start[static_cast<std::size_t>(i)] + 1; e < p.row_start[static_cast<std::size_t>(i) + 1]; ++e)
+                for (int e = p.row_start[static_cast<std::size_t>(i)] + 1;
+                     e < p.row_start[static_cast<std::size_t>(i) + 1]; ++e)
                     for (int r = 0; r < 3; ++r) row[next++] = 3 * p.column[static_cast<std::size_t>(e)] + r;
             }
         start[n] = next;
@@ -76,7 +79,8 @@ struct Cholesky::Impl {
     }
 };
 
-Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads) : impl_(std::make_unique<Impl>()) {
+Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads)
+    : impl_(std::make_unique<Impl>()) {
     impl_->own_threads = own_threads;
     const std::lock_guard lock(analysis_mutex());
     use_one_blas_thread();

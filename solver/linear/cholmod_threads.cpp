@@ -14,7 +14,10 @@ std::mutex& analysis_mutex() {
 
 void use_one_blas_thread() { openblas_set_num_threads(1); }
 
-OneOpenMpThread::OneOpenMpThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+OneOpenMpThread::OneOpenMpThread()
+    : levels_(omp_get_max_active_levels()) {
+    omp_set_max_active_levels(0);
+}
 
 OneOpenMpThread::~OneOpenMpThread() { omp_set_max_active_levels(levels_); }
 

@@ -23,7 +23,8 @@ std::vector<int> components(const BlockPattern& pattern) {
         return i;
     };
     for (int i = 0; i < pattern.rows; ++i)
-        for (int e = pattern.row_start[static_cast<std::size_t>(i)]; e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+        for (int e = pattern.row_start[static_cast<std::size_t>(i)];
+             e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
             const int a = find(i), b = find(pattern.column[static_cast<std::size_t>(e)]);
             root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
         }
@@ -35,7 +36,8 @@ std::vector<int> components(const BlockPattern& pattern) {
 
 ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
     const bool plain = factoring == Factoring::plain;
-    const std::vector<int> component = plain ? std::vector<int>(static_cast<std::size_t>(pattern.rows), 0) : components(pattern);
+    const std::vector<int> component =
+        plain ? std::vector<int>(static_cast<std::size_t>(pattern.rows), 0) : components(pattern);
     std::vector<int> part_of(component.size(), -1), local(component.size());
     for (std::size_t i = 0; i < component.size(); ++i) {
         int& part = part_of[static_cast<std::size_t>(component[i])];
@@ -50,8 +52,10 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
     for (auto& part : parts_) {
         std::vector<std::pair<int, int>> couplings;
         for (const int i : part->rows)
-            for (int e = pattern.row_start[static_cast<std::size_t>(i)]; e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
-                couplings.emplace_back(local[static_cast<std::size_t>(i)], local[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(e)])]);
+            for (int e = pattern.row_start[static_cast<std::size_t>(i)];
+                 e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+                couplings.emplace_back(local[static_cast<std::size_t>(i)],
+                                       local[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(e)])]);
                 part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
@@ -60,7 +64,8 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
         part->in.resize(3 * part->rows.size());
         part->out.resize(3 * part->rows.size());
     }
-    std::stable_sort(parts_.begin(), parts_.end(), [](const auto& a, const auto& b) { return a->rows.size() > b->rows.size(); });
+    std::stable_sort(parts_.begin(), parts_.end(),
+                     [](const auto& a, const auto& b) { return a->rows.size() > b->rows.size(); });
 }
 
 bool ComponentFactors::factorize(const BlockMatrix& a) {
@@ -77,9 +82,11 @@ bool ComponentFactors::factorize(const BlockMatrix& a) {
 void ComponentFactors::solve(const double* in, double* out) {
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
-        for (std::size_t i = 0; i < part.rows.size(); ++i) std::copy_n(in + 3 * part.rows[i], 3, part.in.data() + 3 * i);
+        for (std::size_t i = 0; i < part.rows.size(); ++i)
+            std::copy_n(in + 3 * part.rows[i], 3, part.in.data() + 3 * i);
         part.factor->solve(part.in.data(), part.out.data());
-        for (std::size_t i = 0; i < part.rows.size(); ++i) std::copy_n(part.out.data() + 3 * i, 3, out + 3 * part.rows[i]);
+        for (std::size_t i = 0; i < part.rows.size(); ++i)
+            std::copy_n(part.out.data() + 3 * i, 3, out + 3 * part.rows[i]);
     });
 }
 

@@ -14,7 +14,8 @@ constexpr std::size_t row_grain = 512, chunk = 1536; // a chunk of a dot product
 
 } // namespace
 
-ConjugateGradients::ConjugateGradients(const BlockPattern& pattern) : matrix_(make_row_blocks(pattern, source_)) {
+ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
+    : matrix_(make_row_blocks(pattern, source_)) {
     const std::size_t n = static_cast<std::size_t>(pattern.rows);
     for (auto* v : {&r_, &z_, &p_, &ap_}) v->resize(3 * n);
     sums_.resize((3 * n + chunk - 1) / chunk);
@@ -23,8 +24,8 @@ ConjugateGradients::ConjugateGradients(const BlockPattern& pattern) : matrix_(ma
 void ConjugateGradients::set(const BlockMatrix& a) { copy_blocks(a, source_, matrix_, row_sums_); }
 
 void ConjugateGradients::multiply(const std::vector<double>& x, std::vector<double>& y) const {
-    // sum_j A_ij x_j = sum_j A_ij (x_j - x_i) + (sum_j A_ij) x_i: on smooth x the terms of the first form cancel to less than
-    // single precision holds, and the curvature along x comes out with the wrong sign on large meshes.
+    // sum_j A_ij x_j = sum_j A_ij (x_j - x_i) + (sum_j A_ij) x_i: on smooth x the terms of the first form cancel to
+    // less than single precision holds, and the curvature along x comes out with the wrong sign on large meshes.
     parallel_for(static_cast<std::size_t>(matrix_.rows), row_grain, [&](std::size_t i) {
         const double* own = x.data() + 3 * i;
         const FloatBlock& total = row_sums_[i];

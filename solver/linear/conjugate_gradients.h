@@ -25,7 +25,8 @@ class ConjugateGradients {
     };
     /// Solves A x = b from x = 0 until |b - A x| <= tolerance |b|, both in the preconditioner's norm.
     /// The same bits for any number of threads.
-    Result solve(const double* b, double* x, double tolerance, int max_iterations, const Preconditioner& preconditioner);
+    Result solve(const double* b, double* x, double tolerance, int max_iterations,
+                 const Preconditioner& preconditioner);
 
   private:
     void multiply(const std::vector<double>& x, std::vector<double>& y) const;

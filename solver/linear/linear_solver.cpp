@@ -11,8 +11,8 @@ namespace {
 
 /// Steps that stay with the kept factor after multigrid did not pay; then that is tried again.
 constexpr int kept_steps = 24;
-/// Newton iterations of one step after which the inexact directions are taken to be what holds it up; more where a factor
-/// is dear.
+/// Newton iterations of one step after which the inexact directions are taken to be what holds it up; more where a
+/// factor is dear.
 int patience(int break_even) { return std::max(5, break_even / 40); }
 /// A solve with the factor costs about a fiftieth of making it.
 constexpr int kept_factor_iterations = 30;
@@ -29,8 +29,8 @@ int LinearSolver::break_even() const {
     // Nested dissection of three-dimensional meshes costs about 90 flops per squared vertex count (measured between 73
     // and 98 from 1,225 to 95,033 vertices), at about 10 GFLOP/s for the small supernodes of such sizes. An iteration
     // with a multigrid cycle streams the single-precision blocks four and a half times and some forty vectors, at about
-    // 60 GB/s while they fit the third-level cache and 14 beyond. Constants, not measurements of this run: the choice must
-    // repeat.
+    // 60 GB/s while they fit the third-level cache and 14 beyond. Constants, not measurements of this run: the choice
+    // must repeat.
     const double n = pattern_.rows, blocks = 2 * static_cast<double>(pattern_.block_count()) - n;
     const double factor_seconds = 90 * n * n / 10e9;
     const double bytes = 4.5 * 52 * blocks + 40 * 24 * n;
@@ -62,12 +62,14 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
         ConjugateGradients::Result r;
         {
             const Stopwatch timer(outcome.seconds_solve);
-            const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in, std::vector<double>& out) {
+            const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in,
+                                                                  std::vector<double>& out) {
                 factors_->solve(in.data(), out.data());
             };
             if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
             iterative_->set(a);
-            r = iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance), kept_factor_iterations, factor);
+            r = iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance),
+                                  kept_factor_iterations, factor);
         }
         outcome.iterations += r.iterations;
         outcome.definite = r.definite;
@@ -76,8 +78,8 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
     factorize_and_solve(a, b, x, outcome);
 }
 
-ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                                 double tolerance, int most) {
+ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b,
+                                                 std::vector<double>& x, double tolerance, int most) {
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
     if (!multigrid_) multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places_);

@@ -24,7 +24,9 @@ struct LinearMemory {
 
 class LinearSolver {
   public:
-    LinearSolver(const BlockPattern& pattern, UnknownPlaces places) : pattern_(pattern), places_(std::move(places)) {}
+    LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
+        : pattern_(pattern)
+        , places_(std::move(places)) {}
 
     struct Outcome {
         bool definite = false; ///< false: the matrix is not positive definite, x is not set
@@ -44,8 +46,8 @@ class LinearSolver {
 
   private:
     void make_factors(bool plain);
-    void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, Outcome& outcome,
-                             bool plain = false);
+    void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                             Outcome& outcome, bool plain = false);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,

@@ -27,8 +27,8 @@ struct Interpolation {
 
 using GridPoint = std::array<int, 4>; // body, then the grid's indices
 
-/// Corners and weights of the simplex of a unit cube's Kuhn subdivision that holds a point: walk from the lowest corner to
-/// the highest along the axes in the order of falling fractions.
+/// Corners and weights of the simplex of a unit cube's Kuhn subdivision that holds a point: walk from the lowest corner
+/// to the highest along the axes in the order of falling fractions.
 void kuhn_weights(int body, const Vec3& at, std::vector<std::pair<GridPoint, double>>& out) {
     GridPoint corner{body, 0, 0, 0};
     std::array<double, 3> fraction{};
@@ -57,18 +57,18 @@ struct Multigrid::Level {
     const RowBlocks* a = nullptr; ///< of this level
     RowBlocks own;                ///< if it is not the finest
     std::vector<FloatBlock> inverse;
-    /// Half the norms of a row's blocks outside its chunk, added to the diagonal: with it a sweep up and down is a positive
-    /// definite operator however the rows are numbered (Baker, Falgout, Kolev, Yang 2011, "l1" smoothers).
+    /// Half the norms of a row's blocks outside its chunk, added to the diagonal: with it a sweep up and down is a
+    /// positive definite operator however the rows are numbered (Baker, Falgout, Kolev, Yang 2011, "l1" smoothers).
     std::vector<float> outside;
     std::size_t chunk = least_chunk;
     std::vector<float> r, x, old, rest; ///< right side, result, result before a sweep, residual; one number of padding
 
     // To the next level: T = A P, then P^T T.
     std::vector<Interpolation> up;
-    std::vector<int> t_start, t_column;  ///< rows of T
+    std::vector<int> t_start, t_column; ///< rows of T
     std::vector<FloatBlock> t_blocks;
-    std::vector<std::array<int, 4>> t_target;  ///< per entry of A: where its products go in T
-    std::vector<int> member_start;             ///< per coarse row: fine rows that it reaches
+    std::vector<std::array<int, 4>> t_target; ///< per entry of A: where its products go in T
+    std::vector<int> member_start;            ///< per coarse row: fine rows that it reaches
     std::vector<std::pair<int, float>> members;
     std::vector<int> product_start, product_target; ///< per member: where the entries of its T row go in the coarse row
 
@@ -109,7 +109,9 @@ void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
             const Interpolation& p = up[static_cast<std::size_t>(a->column[static_cast<std::size_t>(e)])];
             for (int k = 0; k < p.count; ++k)
                 t_target[static_cast<std::size_t>(e)][static_cast<std::size_t>(k)] =
-                    t_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(), p.coarse[static_cast<std::size_t>(k)]) - columns.begin());
+                    t_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(),
+                                                                       p.coarse[static_cast<std::size_t>(k)]) -
+                                                      columns.begin());
         }
         t_column.insert(t_column.end(), columns.begin(), columns.end());
         t_start.push_back(static_cast<int>(t_column.size()));
@@ -119,21 +121,25 @@ void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
     std::vector<std::vector<std::pair<int, float>>> by_coarse(static_cast<std::size_t>(coarse_rows));
     for (std::size_t i = 0; i < rows(); ++i)
         for (int k = 0; k < up[i].count; ++k)
-            by_coarse[static_cast<std::size_t>(up[i].coarse[static_cast<std::size_t>(k)])].emplace_back(static_cast<int>(i), up[i].weight[static_cast<std::size_t>(k)]);
+            by_coarse[static_cast<std::size_t>(up[i].coarse[static_cast<std::size_t>(k)])].emplace_back(
+                static_cast<int>(i), up[i].weight[static_cast<std::size_t>(k)]);
     coarse.rows = coarse_rows;
     coarse.row_start = member_start = product_start = {0};
     for (int c = 0; c < coarse_rows; ++c) {
         std::vector<int> columns;
         for (const auto& [i, w] : by_coarse[static_cast<std::size_t>(c)])
-            columns.insert(columns.end(), t_column.begin() + t_start[static_cast<std::size_t>(i)], t_column.begin() + t_start[static_cast<std::size_t>(i) + 1]);
+            columns.insert(columns.end(), t_column.begin() + t_start[static_cast<std::size_t>(i)],
+                           t_column.begin() + t_start[static_cast<std::size_t>(i) + 1]);
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
         const auto at = [&](int column) {
-            return coarse.row_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
+            return coarse.row_start.back() +
+                   static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
         };
         for (const auto& member : by_coarse[static_cast<std::size_t>(c)]) {
             members.push_back(member);
-            for (int t = t_start[static_cast<std::size_t>(member.first)]; t < t_start[static_cast<std::size_t>(member.first) + 1]; ++t)
+            for (int t = t_start[static_cast<std::size_t>(member.first)];
+                 t < t_start[static_cast<std::size_t>(member.first) + 1]; ++t)
                 product_target.push_back(at(t_column[static_cast<std::size_t>(t)]));
             product_start.push_back(static_cast<int>(product_target.size()));
         }
@@ -164,12 +170,15 @@ void Multigrid::Level::multiply_products(RowBlocks& coarse) {
         }
     });
     parallel_for(static_cast<std::size_t>(coarse.rows), 64, [&](std::size_t c) {
-        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e) coarse.blocks[static_cast<std::size_t>(e)] = {};
+        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e)
+            coarse.blocks[static_cast<std::size_t>(e)] = {};
         for (int m = member_start[c]; m < member_start[c + 1]; ++m) {
             const auto [i, weight] = members[static_cast<std::size_t>(m)];
             int target = product_start[static_cast<std::size_t>(m)];
-            for (int t = t_start[static_cast<std::size_t>(i)]; t < t_start[static_cast<std::size_t>(i) + 1]; ++t, ++target)
-                add_scaled(t_blocks[static_cast<std::size_t>(t)], weight, coarse.blocks[static_cast<std::size_t>(product_target[static_cast<std::size_t>(target)])]);
+            for (int t = t_start[static_cast<std::size_t>(i)]; t < t_start[static_cast<std::size_t>(i) + 1];
+                 ++t, ++target)
+                add_scaled(t_blocks[static_cast<std::size_t>(t)], weight,
+                           coarse.blocks[static_cast<std::size_t>(product_target[static_cast<std::size_t>(target)])]);
         }
     });
 }
@@ -198,7 +207,8 @@ void Multigrid::Level::sweep_forward_from_zero() {
             Float4 s = a->product(e, a->diagonal[i], x.data());
             const float* right = r.data() + 3 * i;
             const FloatBlock& d = inverse[i];
-            const Float4 out = d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
+            const Float4 out =
+                d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
             for (std::size_t c = 0; c < 3; ++c) x[3 * i + c] = out[c];
         }
     });
@@ -210,7 +220,8 @@ void Multigrid::Level::residual_after_forward() {
         const int first = static_cast<int>(i / chunk * chunk);
         int e = a->row_start[i];
         while (a->column[static_cast<std::size_t>(e)] < first) ++e;
-        const Float4 s = a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
+        const Float4 s =
+            a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
         for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = outside[i] * x[3 * i + c] - s[c];
     });
 }
@@ -228,13 +239,15 @@ void Multigrid::Level::sweep_backward() {
                              a->product(high, a->row_start[i + 1], old.data());
             const float* right = r.data() + 3 * i;
             const FloatBlock& d = inverse[i];
-            const Float4 step = d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
+            const Float4 step =
+                d.col(0) * (right[0] - s[0]) + d.col(1) * (right[1] - s[1]) + d.col(2) * (right[2] - s[2]);
             for (std::size_t c = 0; c < 3; ++c) x[3 * i + c] += step[c];
         }
     });
 }
 
-Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places) : coarsest_(std::make_unique<Coarsest>()) {
+Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places)
+    : coarsest_(std::make_unique<Coarsest>()) {
     levels_.push_back(std::make_unique<Level>(fine.rows));
     levels_.back()->a = &fine;
     // Places in units of the first grid's spacing, which is twice that of the mesh.
@@ -293,10 +306,12 @@ bool Multigrid::set_values() {
     const Eigen::Index n = 3 * last.a->rows;
     coarsest_->matrix.setZero(n, n);
     for (Eigen::Index i = 0; i < last.a->rows; ++i)
-        for (int e = last.a->row_start[static_cast<std::size_t>(i)]; e < last.a->row_start[static_cast<std::size_t>(i) + 1]; ++e) {
+        for (int e = last.a->row_start[static_cast<std::size_t>(i)];
+             e < last.a->row_start[static_cast<std::size_t>(i) + 1]; ++e) {
             const FloatBlock& b = last.a->blocks[static_cast<std::size_t>(e)];
             for (int c = 0; c < 3; ++c)
-                for (int r = 0; r < 3; ++r) coarsest_->matrix(3 * i + r, 3 * last.a->column[static_cast<std::size_t>(e)] + c) = b.column[c][r];
+                for (int r = 0; r < 3; ++r)
+                    coarsest_->matrix(3 * i + r, 3 * last.a->column[static_cast<std::size_t>(e)] + c) = b.column[c][r];
         }
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {
@@ -334,7 +349,8 @@ void Multigrid::cycle(std::size_t k) {
         parallel_for(level.rows(), 512, [&](std::size_t i) {
             const Interpolation& p = level.up[i];
             for (std::size_t n = 0; n < static_cast<std::size_t>(p.count); ++n)
-                for (std::size_t d = 0; d < 3; ++d) level.x[3 * i + d] += p.weight[n] * coarse.x[3 * static_cast<std::size_t>(p.coarse[n]) + d];
+                for (std::size_t d = 0; d < 3; ++d)
+                    level.x[3 * i + d] += p.weight[n] * coarse.x[3 * static_cast<std::size_t>(p.coarse[n]) + d];
         });
     }
     level.sweep_backward();

@@ -1,8 +1,9 @@
-// Geometric multigrid for any mesh: coarse unknowns live on regular grids laid over the rest positions of each body, twice as
-// wide from level to level, and are interpolated linearly in the simplices that cut the grid's cubes. Linear functions, and
-// with them rigid motions, are in every coarse space. Coarse matrices are Galerkin products. Smoothing: one Gauss-Seidel
-// sweep forward before and one backward after, within fixed chunks of rows; between chunks old values are read. So one cycle
-// is a symmetric operator, its cost is some three products with the matrix, and its bits do not depend on threads.
+// Geometric multigrid for any mesh: coarse unknowns live on regular grids laid over the rest positions of each body,
+// twice as wide from level to level, and are interpolated linearly in the simplices that cut the grid's cubes. Linear
+// functions, and with them rigid motions, are in every coarse space. Coarse matrices are Galerkin products. Smoothing:
+// one Gauss-Seidel sweep forward before and one backward after, within fixed chunks of rows; between chunks old values
+// are read. So one cycle is a symmetric operator, its cost is some three products with the matrix, and its bits do not
+// depend on threads.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/row_blocks.h"
@@ -14,8 +15,8 @@ namespace sinew::solver {
 
 /// Where the unknowns are, for the coarse grids.
 struct UnknownPlaces {
-    Points points;           ///< at rest [m]
-    std::vector<int> body;   ///< unknowns of different bodies share no coarse ones
+    Points points;               ///< at rest [m]
+    std::vector<int> body;       ///< unknowns of different bodies share no coarse ones
     std::vector<double> spacing; ///< per body: mean distance of neighbours [m]
 };
 

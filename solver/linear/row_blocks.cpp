@@ -34,7 +34,8 @@ RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source)
     return out;
 }
 
-void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out, std::vector<FloatBlock>& row_sums) {
+void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out,
+                 std::vector<FloatBlock>& row_sums) {
     row_sums.resize(static_cast<std::size_t>(out.rows));
     parallel_for(static_cast<std::size_t>(out.rows), 128, [&](std::size_t i) {
         double sum[9] = {};
@@ -66,7 +67,8 @@ bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::v
         const FloatBlock& block = a.blocks[static_cast<std::size_t>(a.diagonal[i])];
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
-            for (int r = 0; r < 3; ++r) m(r, c) = static_cast<double>(block.column[c][r]) + (r == c ? static_cast<double>(added[i]) : 0);
+            for (int r = 0; r < 3; ++r)
+                m(r, c) = static_cast<double>(block.column[c][r]) + (r == c ? static_cast<double>(added[i]) : 0);
         const Eigen::LLT<Eigen::Matrix3d> factor(m);
         if (factor.info() != Eigen::Success) {
             good = false;

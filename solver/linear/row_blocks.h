@@ -1,5 +1,6 @@
-// A symmetric matrix of 3x3 blocks with both triangles by rows, in single precision: what iterations read. Half the bytes of
-// double precision; what that leaves of the error is Newton's to remove, whose residual is evaluated in double.
+// A symmetric matrix of 3x3 blocks with both triangles by rows, in single precision: what iterations read. Half the
+// bytes of double precision; what that leaves of the error is Newton's to remove, whose residual is evaluated in
+// double.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/block_matrix.h"
@@ -33,11 +34,12 @@ struct RowBlocks {
     }
 };
 
-/// The structure of a pattern, and for each entry where it comes from: a block of the upper triangle, or -1 - that block,
-/// transposed.
+/// The structure of a pattern, and for each entry where it comes from: a block of the upper triangle, or -1 - that
+/// block, transposed.
 RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source);
 /// The values of a matrix into it, and the sum of each row's blocks, taken in double precision.
-void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out, std::vector<FloatBlock>& row_sums);
+void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out,
+                 std::vector<FloatBlock>& row_sums);
 /// Inverses of the diagonal blocks, each with its row's `added` on the diagonal; false if one is not positive definite.
 bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse);
 

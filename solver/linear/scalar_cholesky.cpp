@@ -58,7 +58,8 @@ cholmod_sparse view(const Eigen::SparseMatrix<double>& a) {
 
 } // namespace
 
-ScalarCholesky::ScalarCholesky(const Eigen::SparseMatrix<double>& pattern) : impl_(std::make_unique<Impl>()) {
+ScalarCholesky::ScalarCholesky(const Eigen::SparseMatrix<double>& pattern)
+    : impl_(std::make_unique<Impl>()) {
     const std::lock_guard lock(analysis_mutex());
     use_one_blas_thread();
     cholmod_sparse a = view(pattern);

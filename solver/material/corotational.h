@@ -6,7 +6,8 @@
 
 namespace sinew::solver {
 
-template <class R> inline void corotational(const R* s, R mu, R lambda, Principal<R>& out) {
+template <class R>
+inline void corotational(const R* s, R mu, R lambda, Principal<R>& out) {
     clear(out);
     const R trace = s[0] + s[1] + s[2] - R(3.0);
     R squares(0.0);
@@ -26,7 +27,8 @@ template <class R> inline void corotational(const R* s, R mu, R lambda, Principa
 }
 
 /// Its measure of volume, tr S - 3: the part with lambda is lambda/2 (tr S - 3)^2.
-template <class R> inline void corotational_measure(const R* s, Principal<R>& out) {
+template <class R>
+inline void corotational_measure(const R* s, Principal<R>& out) {
     clear(out);
     out.energy = s[0] + s[1] + s[2] - R(3.0);
     for (int i = 0; i < 3; ++i) {

@@ -10,7 +10,8 @@
 
 namespace sinew::solver {
 
-template <class R> inline void neo_hookean(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
+template <class R>
+inline void neo_hookean(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
     clear(out);
     const R m = R(4.0 / 3.0) * mu, l = lambda + R(5.0 / 6.0) * mu;
     const R a = R(1.0) + R(0.75) * m / l, d = e.j - a;
@@ -22,7 +23,8 @@ template <class R> inline void neo_hookean(const Strains<R>& e, R mu, R lambda, 
     out.by_jj = l;
 }
 
-template <class R> inline void neo_hookean(const R* s, R mu, R lambda, Principal<R>& out) {
+template <class R>
+inline void neo_hookean(const R* s, R mu, R lambda, Principal<R>& out) {
     clear(out);
     const R m = R(4.0 / 3.0) * mu, l = lambda + R(5.0 / 6.0) * mu;
     const R a = R(1.0) + R(0.75) * m / l;

@@ -21,7 +21,8 @@ inline Lame lame(double youngs_modulus, double poissons_ratio) {
 }
 
 /// Values of a law at one s. Pair k is (i,j) = the two indices other than k. All [Pa].
-template <class R> struct Principal {
+template <class R>
+struct Principal {
     R energy;
     R first[3];
     R diagonal[3], off_diagonal[3]; ///< second derivatives; off_diagonal[k] belongs to pair k
@@ -29,7 +30,8 @@ template <class R> struct Principal {
 };
 
 /// Adds a function g(J) of J = s0 s1 s2, given its value and derivatives.
-template <class R> inline void add_volumetric(const R* s, R g, R g1, R g2, Principal<R>& out) {
+template <class R>
+inline void add_volumetric(const R* s, R g, R g1, R g2, Principal<R>& out) {
     const R j[3] = {s[1] * s[2], s[0] * s[2], s[0] * s[1]};
     out.energy += g;
     for (int i = 0; i < 3; ++i) {
@@ -42,7 +44,8 @@ template <class R> inline void add_volumetric(const R* s, R g, R g1, R g2, Princ
     }
 }
 
-template <class R> inline void clear(Principal<R>& out) {
+template <class R>
+inline void clear(Principal<R>& out) {
     out.energy = R(0.0);
     for (int i = 0; i < 3; ++i)
         out.first[i] = out.diagonal[i] = out.off_diagonal[i] = out.flip[i] = out.twist[i] = R(0.0);

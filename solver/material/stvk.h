@@ -8,7 +8,8 @@
 
 namespace sinew::solver {
 
-template <class R> inline void stvk(const R* s, R mu, R lambda, Principal<R>& out) {
+template <class R>
+inline void stvk(const R* s, R mu, R lambda, Principal<R>& out) {
     clear(out);
     R e[3];
     for (int i = 0; i < 3; ++i) e[i] = R(0.5) * (s[i] * s[i] - R(1.0));
@@ -25,7 +26,8 @@ template <class R> inline void stvk(const R* s, R mu, R lambda, Principal<R>& ou
     }
 }
 
-template <class R> inline void stvk(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
+template <class R>
+inline void stvk(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
     clear(out);
     R squares(0.0);
     for (const R& g : e.green) squares += g * g;
@@ -36,12 +38,14 @@ template <class R> inline void stvk(const Strains<R>& e, R mu, R lambda, TensorF
 }
 
 /// Its measure of volume, tr E: the part with lambda is lambda/2 tr(E)^2.
-template <class R> inline void stvk_measure(const Strains<R>& e, TensorForm<R>& out) {
+template <class R>
+inline void stvk_measure(const Strains<R>& e, TensorForm<R>& out) {
     clear(out);
     out.energy = e.trace;
     out.uniform = R(1.0);
 }
-template <class R> inline void stvk_measure(const R* s, Principal<R>& out) {
+template <class R>
+inline void stvk_measure(const R* s, Principal<R>& out) {
     clear(out);
     out.energy = R(0.5) * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
     for (int i = 0; i < 3; ++i) {
@@ -56,13 +60,15 @@ template <class R> inline void stvk_measure(const R* s, Principal<R>& out) {
 inline double compression_coefficient(double c, double youngs_modulus, double poissons_ratio) {
     return c * youngs_modulus / ((1 - 2 * poissons_ratio) * 2592);
 }
-template <class R> inline void add_compression_resistance(const Strains<R>& e, R k, TensorForm<R>& out) {
+template <class R>
+inline void add_compression_resistance(const Strains<R>& e, R k, TensorForm<R>& out) {
     const R d = max(R(1.0) - e.j, R(0.0));
     out.energy += k * d * d * d;
     out.by_j += R(-3.0) * k * d * d;
     out.by_jj += R(6.0) * k * d;
 }
-template <class R> inline void add_compression_resistance(const R* s, R k, Principal<R>& out) {
+template <class R>
+inline void add_compression_resistance(const R* s, R k, Principal<R>& out) {
     const R d = max(R(1.0) - s[0] * s[1] * s[2], R(0.0));
     add_volumetric(s, k * d * d * d, R(-3.0) * k * d * d, R(6.0) * k * d, out);
 }

@@ -37,8 +37,7 @@ struct Builder {
         const auto begin = tree.order.begin();
         // The item's number breaks ties, so the tree depends on the input alone.
         std::nth_element(begin + first, begin + middle, begin + last, [&](int a, int b) {
-            const double ca = centre(static_cast<std::size_t>(a))[axis],
-                         cb = centre(static_cast<std::size_t>(b))[axis];
+            const double ca = centre(static_cast<std::size_t>(a))[axis], cb = centre(static_cast<std::size_t>(b))[axis];
             return ca != cb ? ca < cb : a < b;
         });
         build(first, middle);
@@ -46,9 +45,7 @@ struct Builder {
         tree.nodes[static_cast<std::size_t>(index)] = node;
         return index;
     }
-    std::size_t item(int i) const {
-        return static_cast<std::size_t>(tree.order[static_cast<std::size_t>(i)]);
-    }
+    std::size_t item(int i) const { return static_cast<std::size_t>(tree.order[static_cast<std::size_t>(i)]); }
     Vec3 centre(std::size_t i) const { return box_min[i] + box_max[i]; }
 };
 

@@ -9,15 +9,13 @@ namespace sinew::solver {
 
 struct BvhNode {
     Vec3 min, max;
-    int first =
-        0; ///< leaf: first position in Bvh::order; inner: index of the second child (the first one follows)
+    int first = 0; ///< leaf: first position in Bvh::order; inner: index of the second child (the first one follows)
     int count = 0; ///< leaf: number of items; 0 = inner node
 };
 
 struct Bvh {
-    std::vector<BvhNode>
-        nodes; ///< nodes[0] is the root; empty without items; children stand behind their parents
-    std::vector<int> order; ///< item indices, leaf after leaf
+    std::vector<BvhNode> nodes; ///< nodes[0] is the root; empty without items; children stand behind their parents
+    std::vector<int> order;     ///< item indices, leaf after leaf
 };
 
 /// Median split along the widest axis of the box centres, up to four items a leaf; depth is at most log2(n)

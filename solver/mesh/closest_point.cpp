@@ -66,8 +66,7 @@ void SurfaceTree::Impl::build_far_fields() {
             }
         }
         FarField& f = far[n];
-        f.centre =
-            sums[n].area > 0 ? Vec3(sums[n].weighted / sums[n].area) : Vec3(0.5 * (node.min + node.max));
+        f.centre = sums[n].area > 0 ? Vec3(sums[n].weighted / sums[n].area) : Vec3(0.5 * (node.min + node.max));
         if (node.count == 0) {
             for (std::size_t child : {n + 1, at(node.first)}) f.add(far[child]);
         }
@@ -89,13 +88,11 @@ SurfaceTree::SurfaceTree(const Points& points, const std::vector<Triangle>& tria
     for (std::size_t t = 0; t < triangles.size(); ++t) {
         for (int v : triangles[t]) {
             if (v < 0 || at(v) >= points.size())
-                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
-                                         " of " + std::to_string(points.size()));
-            if (!points[at(v)].allFinite())
-                throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
+                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(points.size()));
+            if (!points[at(v)].allFinite()) throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
         }
-        const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])],
-                   &c = points[at(triangles[t][2])];
+        const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])], &c = points[at(triangles[t][2])];
         impl_->corners.push_back({a, b, c});
         low.push_back(a.cwiseMin(b).cwiseMin(c));
         high.push_back(a.cwiseMax(b).cwiseMax(c));
@@ -156,11 +153,10 @@ ClosestPoint SurfaceTree::closest(const Vec3& p, double max_distance) const {
     return impl_->closest(p, max_distance, [](int) { return true; });
 }
 
-ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowed,
-                                  double max_distance) const {
+ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowed, double max_distance) const {
     if (allowed.size() != impl_->triangles.size())
-        throw Error("FE203", std::to_string(allowed.size()) + " flags for " +
-                                 std::to_string(impl_->triangles.size()) + " triangles");
+        throw Error("FE203", std::to_string(allowed.size()) + " flags for " + std::to_string(impl_->triangles.size()) +
+                                 " triangles");
     return impl_->closest(p, max_distance, [&](int t) { return allowed[at(t)] != 0; });
 }
 
@@ -189,8 +185,7 @@ double SurfaceTree::winding_number(const Vec3& p) const {
 
 std::vector<double> SurfaceTree::winding_numbers(const Points& points) const {
     const Bvh& tree = impl_->tree;
-    const bool is_finite =
-        std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
+    const bool is_finite = std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
     if (tree.nodes.empty() || points.empty() || !is_finite) {
         std::vector<double> result;
         for (const Vec3& p : points) result.push_back(winding_number(p));
@@ -213,8 +208,7 @@ std::vector<double> SurfaceTree::winding_numbers(const Points& points) const {
         if ((middle - f.centre).norm() - radius > far_ratio * f.radius) {
             sums.add(f);
         } else if (node.count > 0) {
-            for (int i = node.first; i < node.first + node.count; ++i)
-                sums.add(impl_->corners[at(tree.order[at(i)])]);
+            for (int i = node.first; i < node.first + node.count; ++i) sums.add(impl_->corners[at(tree.order[at(i)])]);
         } else {
             stack[size++] = node.first;
             stack[size++] = static_cast<int>(n) + 1;

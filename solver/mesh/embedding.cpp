@@ -141,7 +141,8 @@ std::vector<double> widths_outside(const TetMesh& mesh, const Embedding& e) {
         if (*std::min_element(b.begin(), b.end()) >= 0) continue;
         Vec3 corner[4];
         for (std::size_t k = 0; k < 4; ++k) corner[k] = mesh.vertices[at(mesh.tets[at(e.tet[i])][k])];
-        const double volume6 = std::abs((corner[1] - corner[0]).dot((corner[2] - corner[0]).cross(corner[3] - corner[0])));
+        const double volume6 =
+            std::abs((corner[1] - corner[0]).dot((corner[2] - corner[0]).cross(corner[3] - corner[0])));
         double beyond = 0, longest = 0;
         for (std::size_t k = 0; k < 4; ++k) { // behind the face opposite to corner k
             const Vec3 &p = corner[(k + 1) % 4], &q = corner[(k + 2) % 4], &r = corner[(k + 3) % 4];

@@ -10,9 +10,8 @@
 namespace sinew::solver {
 
 struct Embedding {
-    std::vector<int> tet; ///< host tet of each point
-    std::vector<std::array<double, 4>>
-        barycentric; ///< sums to 1; negative where a point lies outside its host
+    std::vector<int> tet;                           ///< host tet of each point
+    std::vector<std::array<double, 4>> barycentric; ///< sums to 1; negative where a point lies outside its host
     std::size_t size() const { return tet.size(); }
 };
 

@@ -12,13 +12,12 @@ namespace sinew::solver {
 /// Adds factor * (a . r)(b . r)(c . r), and the sum of its three traces.
 void FarField::add_cubic(const Vec3& a, const Vec3& b, const Vec3& c, double factor) {
     const auto pair = [&](int i, int j, int k) { return a[i] * b[j] * c[k]; };
-    cubic.xxx += factor * pair(0, 0, 0), cubic.yyy += factor * pair(1, 1, 1),
-        cubic.zzz += factor * pair(2, 2, 2);
+    cubic.xxx += factor * pair(0, 0, 0), cubic.yyy += factor * pair(1, 1, 1), cubic.zzz += factor * pair(2, 2, 2);
     const auto twice = [&](int i, int k) { return factor * (pair(i, i, k) + pair(i, k, i) + pair(k, i, i)); };
     cubic.xxy += twice(0, 1), cubic.xxz += twice(0, 2), cubic.yyx += twice(1, 0);
     cubic.yyz += twice(1, 2), cubic.zzx += twice(2, 0), cubic.zzy += twice(2, 1);
-    cubic.xyz += factor * (pair(0, 1, 2) + pair(0, 2, 1) + pair(1, 0, 2) + pair(1, 2, 0) + pair(2, 0, 1) +
-                           pair(2, 1, 0));
+    cubic.xyz +=
+        factor * (pair(0, 1, 2) + pair(0, 2, 1) + pair(1, 0, 2) + pair(1, 2, 0) + pair(2, 0, 1) + pair(2, 1, 0));
     trace += factor * (a.dot(b) * c + a.dot(c) * b + b.dot(c) * a);
 }
 
@@ -56,8 +55,7 @@ double FarField::winding(const Vec3& p) const {
     const double form = x * x * (cubic.xxx * x + cubic.xxy * y + cubic.xxz * z) +
                         y * y * (cubic.yyy * y + cubic.yyx * x + cubic.yyz * z) +
                         z * z * (cubic.zzz * z + cubic.zzx * x + cubic.zzy * y) + cubic.xyz * x * y * z;
-    const double sum =
-        dipole.dot(r) + quadrupole.trace() + (-3 * bent - 1.5 * trace.dot(r) + 7.5 * form / r2) / r2;
+    const double sum = dipole.dot(r) + quadrupole.trace() + (-3 * bent - 1.5 * trace.dot(r) + 7.5 * form / r2) / r2;
     return sum / (4 * std::numbers::pi * r2 * std::sqrt(r2));
 }
 
@@ -86,11 +84,10 @@ void WindingSums::add(const FarField& f) {
         const double x = cx - px[i], y = cy - py[i], z = cz - pz[i];
         const double r2 = x * x + y * y + z * z, inverse = 1 / r2;
         const double bent = xx * x * x + yy * y * y + zz * z * z + xy * x * y + xz * x * z + yz * y * z;
-        const double form = x * x * (k.xxx * x + k.xxy * y + k.xxz * z) +
-                            y * y * (k.yyy * y + k.yyx * x + k.yyz * z) +
+        const double form = x * x * (k.xxx * x + k.xxy * y + k.xxz * z) + y * y * (k.yyy * y + k.yyx * x + k.yyz * z) +
                             z * z * (k.zzz * z + k.zzx * x + k.zzy * y) + k.xyz * x * y * z;
-        const double sum = dx * x + dy * y + dz * z + qt +
-                           (7.5 * form * inverse - 3 * bent - (tx * x + ty * y + tz * z)) * inverse;
+        const double sum =
+            dx * x + dy * y + dz * z + qt + (7.5 * form * inverse - 3 * bent - (tx * x + ty * y + tz * z)) * inverse;
         sums[i] += sum * inverse / std::sqrt(r2);
     }
 }

@@ -35,8 +35,11 @@ Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, std::size_t tet) 
     // The bound of check_and_orient: below it the volume is rounding error.
     const double longest = edges.rowwise().norm().maxCoeff();
     if (!(edges.determinant() > 6e-15 * longest * longest * longest))
-        throw Error("FE215", "tet " + std::to_string(tet) + " has no volume or is inside out, so nothing can be "
-                             "extended through it", "Remove or remesh flat tets.");
+        throw Error("FE215",
+                    "tet " + std::to_string(tet) +
+                        " has no volume or is inside out, so nothing can be "
+                        "extended through it",
+                    "Remove or remesh flat tets.");
     Eigen::Matrix<double, 3, 4> g;
     g.rightCols<3>() = edges.inverse();
     g.col(0) = -(g.col(1) + g.col(2) + g.col(3));
@@ -72,8 +75,7 @@ class HarmonicSolver {
         , surface_(surface) {
         for (std::size_t p = 0; p < painted.size(); ++p)
             if (painted[p]) points_.push_back(p);
-        if (points_.empty())
-            throw Error("FE205", "no point is painted, so there is nothing to extend into the volume");
+        if (points_.empty()) throw Error("FE205", "no point is painted, so there is nothing to extend into the volume");
         number_vertices();
         assemble(areas);
     }
@@ -83,8 +85,7 @@ class HarmonicSolver {
         for (std::size_t i = 0; i < points_.size(); ++i) {
             v[static_cast<Eigen::Index>(i)] = values[points_[i]];
             if (!std::isfinite(values[points_[i]]))
-                throw Error("FE202",
-                            "the painted value of point " + std::to_string(points_[i]) + " is not finite");
+                throw Error("FE202", "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
         Vector target = v;
@@ -171,9 +172,9 @@ class HarmonicSolver {
         factorize(scale);
     }
 
-    /// A small multiple of the identity keeps pivots above zero. It stands only in the matrix that corrects, so it costs
-    /// accuracy nowhere. Where rounding of the large W still beats it (several points in tets of no coverage), more of it
-    /// is taken; the solution is the same, found in more steps.
+    /// A small multiple of the identity keeps pivots above zero. It stands only in the matrix that corrects, so it
+    /// costs accuracy nowhere. Where rounding of the large W still beats it (several points in tets of no coverage),
+    /// more of it is taken; the solution is the same, found in more steps.
     void factorize(double scale) {
         factor_ = std::make_unique<ScalarCholesky>(A_);
         double added = 0;
@@ -182,8 +183,7 @@ class HarmonicSolver {
             added = share * scale;
             if (factor_->factorize(A_)) return;
         }
-        throw Error("FE212",
-                    "painted values cannot be extended into the volume: the tet mesh is degenerate");
+        throw Error("FE212", "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
     /// `target` comes as the painted values and leaves with the multipliers that hold them.
@@ -249,8 +249,8 @@ void check_sizes(const Embedding& surface, std::size_t areas, std::size_t painte
 
 void check_per_vertex(const TetMesh& mesh, const std::vector<double>& values) {
     if (values.size() != mesh.vertices.size())
-        throw Error("FE203", std::to_string(values.size()) + " values for " +
-                                 std::to_string(mesh.vertices.size()) + " vertices");
+        throw Error("FE203", std::to_string(values.size()) + " values for " + std::to_string(mesh.vertices.size()) +
+                                 " vertices");
 }
 
 } // namespace
@@ -262,8 +262,8 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
     check_sizes(surface, areas.size(), painted.size());
     for (const std::vector<double>& values : maps)
         if (values.size() != surface.size())
-            throw Error("FE203", std::to_string(values.size()) + " values for " +
-                                     std::to_string(surface.size()) + " embedded points");
+            throw Error("FE203", std::to_string(values.size()) + " values for " + std::to_string(surface.size()) +
+                                     " embedded points");
     std::vector<std::vector<double>> result;
     const HarmonicSolver solver(mesh, surface, areas, painted);
     for (const std::vector<double>& values : maps) result.push_back(solver.extend(values, range));
@@ -279,9 +279,9 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
     return harmonic_extensions(mesh, samples.embedding, samples.areas, sampled, samples.painted(painted), range);
 }
 
-std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
-                                       const std::vector<double>& areas, const std::vector<double>& values,
-                                       const std::vector<char>& painted, HarmonicRange range) {
+std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                                       const std::vector<double>& values, const std::vector<char>& painted,
+                                       HarmonicRange range) {
     return harmonic_extensions(mesh, surface, areas, {values}, painted, range)[0];
 }
 
@@ -290,8 +290,8 @@ std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& pe
     std::vector<double> means;
     means.reserve(mesh.tets.size());
     for (const Tet& t : mesh.tets)
-        means.push_back(0.25 * (per_vertex[at(t[0])] + per_vertex[at(t[1])] + per_vertex[at(t[2])] +
-                                per_vertex[at(t[3])]));
+        means.push_back(0.25 *
+                        (per_vertex[at(t[0])] + per_vertex[at(t[1])] + per_vertex[at(t[2])] + per_vertex[at(t[3])]));
     return means;
 }
 
@@ -348,14 +348,12 @@ Points directions_along(const TetMesh& mesh, const std::vector<double>& field) {
 
 Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
                         const std::vector<double>& values, const std::vector<char>& painted) {
-    return directions_along(mesh,
-                            harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
+    return directions_along(mesh, harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
 }
 
 Points fibre_directions(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
                         const std::vector<char>& painted) {
-    return directions_along(mesh,
-                            harmonic_extensions(mesh, surface, {values}, painted, HarmonicRange::free)[0]);
+    return directions_along(mesh, harmonic_extensions(mesh, surface, {values}, painted, HarmonicRange::free)[0]);
 }
 
 } // namespace sinew::solver

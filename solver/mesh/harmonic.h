@@ -19,14 +19,14 @@ enum class HarmonicRange {
 /// in one tet ask for more than it can give, their area-weighted squares of errors are least. With
 /// HarmonicRange::painted the result is then cut off at the bounds and relaxed within them, so maps take one
 /// factorisation whether bounds bite or not; where they do, the map is flattened towards them over a tet's width, an
-/// error of first order. Parts of the mesh without a painted point take the value of the nearest painted point. A point's
-/// influence shrinks with the tets about it: paint that stands for an area is given by a PaintedSurface, below. \param areas   weight of each point [m^2] \param values  one per
-/// embedded point \param painted which of the points are prescribed; the others are free \return one value
-/// per tet-mesh vertex Throws Error FE203 (sizes), FE202 (a painted value is not finite), FE205 (no point is
-/// painted), FE215 (a tet without volume). Direct solve, the same bits on every run.
-std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface,
-                                       const std::vector<double>& areas, const std::vector<double>& values,
-                                       const std::vector<char>& painted,
+/// error of first order. Parts of the mesh without a painted point take the value of the nearest painted point. A
+/// point's influence shrinks with the tets about it: paint that stands for an area is given by a PaintedSurface, below.
+/// \param areas   weight of each point [m^2] \param values  one per embedded point \param painted which of the points
+/// are prescribed; the others are free \return one value per tet-mesh vertex Throws Error FE203 (sizes), FE202 (a
+/// painted value is not finite), FE205 (no point is painted), FE215 (a tet without volume). Direct solve, the same bits
+/// on every run.
+std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
+                                       const std::vector<double>& values, const std::vector<char>& painted,
                                        HarmonicRange range = HarmonicRange::painted);
 /// Several maps over the same painted points with one factorisation: maps[k][point] -> result[k][vertex].
 std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const Embedding& surface,

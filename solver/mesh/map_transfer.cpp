@@ -27,8 +27,8 @@ std::vector<MapTransfer::Place> places_on(const Points& points, const std::vecto
 
 void check_size(std::size_t values, std::size_t vertices) {
     if (values != vertices)
-        throw Error("FE203", std::to_string(values) + " values for a mesh of " + std::to_string(vertices) +
-                                 " vertices");
+        throw Error("FE203",
+                    std::to_string(values) + " values for a mesh of " + std::to_string(vertices) + " vertices");
 }
 
 constexpr double between = 0.5;
@@ -44,12 +44,11 @@ int MapTransfer::Place::nearest() const {
     return corners[at(best)];
 }
 
-MapTransfer find_places(const Points& old_points, const std::vector<Triangle>& old_triangles,
-                        const Points& new_points, const std::vector<Triangle>& new_triangles) {
+MapTransfer find_places(const Points& old_points, const std::vector<Triangle>& old_triangles, const Points& new_points,
+                        const std::vector<Triangle>& new_triangles) {
     check_usable(SurfaceMesh::from_triangles(old_points, old_triangles));
     check_usable(SurfaceMesh::from_triangles(new_points, new_triangles));
-    return {places_on(old_points, old_triangles, new_points),
-            places_on(new_points, new_triangles, old_points)};
+    return {places_on(old_points, old_triangles, new_points), places_on(new_points, new_triangles, old_points)};
 }
 
 std::vector<double> transfer_map(const MapTransfer& places, const std::vector<double>& values) {

@@ -20,8 +20,8 @@ struct MapTransfer {
 };
 
 /// Both meshes in the same place and units. Throws Error FE201 (no triangles), FE202, FE203.
-MapTransfer find_places(const Points& old_points, const std::vector<Triangle>& old_triangles,
-                        const Points& new_points, const std::vector<Triangle>& new_triangles);
+MapTransfer find_places(const Points& old_points, const std::vector<Triangle>& old_triangles, const Points& new_points,
+                        const std::vector<Triangle>& new_triangles);
 
 /// Each new vertex takes the value at its closest point on the old mesh, linear on triangles; so values stay
 /// within those of the old map, an unchanged mesh keeps its map to the bit, and linear maps come out linear

@@ -67,8 +67,7 @@ std::vector<int> check_edges(const std::vector<Triangle>& triangles, MeshCheck& 
         const Use& u = uses[i];
         for (j = i + 1; j < uses.size() && uses[j].low == u.low && uses[j].high == u.high; ++j) {
             parts.join(u.triangle, uses[j].triangle);
-            for (const int v : {u.low, u.high})
-                corners.join(corner(u.triangle, v), corner(uses[j].triangle, v));
+            for (const int v : {u.low, u.high}) corners.join(corner(u.triangle, v), corner(uses[j].triangle, v));
         }
         if (j - i == 1) out.open_edges.add(u.low, u.high);
         if (j - i > 2) out.non_manifold_edges.add(u.low, u.high);
@@ -110,8 +109,8 @@ void check_sides(const Points& points, const std::vector<Triangle>& triangles, c
         Part& part = parts[part_of[t]];
         // From the part's own first corner, so that a part far away from the origin keeps its sign.
         const Vec3& origin = points[at(triangles[at(part_of[t])][0])];
-        part.volume += tet_volume(origin, points[at(triangles[t][0])], points[at(triangles[t][1])],
-                                  points[at(triangles[t][2])]);
+        part.volume +=
+            tet_volume(origin, points[at(triangles[t][0])], points[at(triangles[t][1])], points[at(triangles[t][2])]);
         for (const int v : triangles[t]) {
             part.box.min = part.box.min.cwiseMin(points[at(v)]);
             part.box.max = part.box.max.cwiseMax(points[at(v)]);
@@ -129,10 +128,8 @@ void check_sides(const Points& points, const std::vector<Triangle>& triangles, c
 
 void check_triangles(const Points& points, const std::vector<Triangle>& triangles, MeshCheck& out) {
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])],
-                   &c = points[at(triangles[t][2])];
-        const double longest2 =
-            std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+        const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])], &c = points[at(triangles[t][2])];
+        const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
         // Rounding of the coordinates moves a height by about this much.
         const double noise =
             1e-15 * std::max({a.cwiseAbs().maxCoeff(), b.cwiseAbs().maxCoeff(), c.cwiseAbs().maxCoeff()});
@@ -188,8 +185,8 @@ MeshCheck check_mesh(const Points& points, const std::vector<Triangle>& triangle
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (const int v : triangles[t])
             if (v < 0 || at(v) >= points.size())
-                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
-                                         " of " + std::to_string(points.size()));
+                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(points.size()));
     MeshCheck out;
     const std::vector<int> part_of = check_edges(triangles, out);
     if (out.is_closed()) check_sides(points, triangles, part_of, out);
@@ -216,8 +213,7 @@ std::string describe(const Flaw& flaw, const std::string& singular, const std::s
     std::string text = std::to_string(flaw.count) + " " + (flaw.count == 1 ? singular : plural) + " (";
     const char* comma = "";
     for (const int place : flaw.first) text += comma + std::to_string(place), comma = ", ";
-    for (const auto& [a, b] : flaw.edges)
-        text += comma + std::to_string(a) + "-" + std::to_string(b), comma = ", ";
+    for (const auto& [a, b] : flaw.edges) text += comma + std::to_string(a) + "-" + std::to_string(b), comma = ", ";
     return text + (flaw.count > Flaw::most_places ? ", …)" : ")");
 }
 
@@ -225,8 +221,7 @@ double least_angle(const Points& points, const std::vector<Triangle>& triangles)
     double least = std::numbers::pi;
     for (const Triangle& t : triangles)
         for (std::size_t k = 0; k < 3; ++k) {
-            const Vec3 &p = points[at(t[k])], u = points[at(t[(k + 1) % 3])] - p,
-                       v = points[at(t[(k + 2) % 3])] - p;
+            const Vec3 &p = points[at(t[k])], u = points[at(t[(k + 1) % 3])] - p, v = points[at(t[(k + 2) % 3])] - p;
             least = std::min(least, std::atan2(u.cross(v).norm(), u.dot(v)));
         }
     return least * 180 / std::numbers::pi;

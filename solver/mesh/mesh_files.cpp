@@ -31,8 +31,7 @@ std::string read_bytes(const std::string& path) {
     if (!in) throw Error("IO402", path + " cannot be opened: " + std::strerror(errno));
     std::string bytes;
     char block[1 << 16];
-    while (in.read(block, sizeof block) || in.gcount() > 0)
-        bytes.append(block, static_cast<std::size_t>(in.gcount()));
+    while (in.read(block, sizeof block) || in.gcount() > 0) bytes.append(block, static_cast<std::size_t>(in.gcount()));
     if (in.bad()) throw Error("IO402", path + " cannot be read to its end");
     return bytes;
 }
@@ -61,8 +60,7 @@ SurfaceMesh finish_surface(const std::string& file, Points points, std::vector<i
     });
 }
 
-TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets,
-                    std::vector<double> coverage) {
+TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets, std::vector<double> coverage) {
     return in_file(file, [&] {
         TetMesh mesh;
         mesh.vertices = std::move(vertices);
@@ -93,11 +91,9 @@ TetMesh parse_tets(std::string_view bytes, const std::string& path) {
     if (ending == ".msh") return read_gmsh(bytes, path);
     if (ending == ".veg") return read_veg(bytes, path);
     if (ending == ".node" || ending == ".ele")
-        throw Error("IO404", path + ": TetGen's meshes are two files",
-                    "name both the .node and the .ele file");
-    throw Error(
-        "IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
-        "use .mesh (Medit), .vtk (legacy, ascii), .msh (Gmsh), .veg (VegaFEM) or .node with .ele (TetGen)");
+        throw Error("IO404", path + ": TetGen's meshes are two files", "name both the .node and the .ele file");
+    throw Error("IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
+                "use .mesh (Medit), .vtk (legacy, ascii), .msh (Gmsh), .veg (VegaFEM) or .node with .ele (TetGen)");
 }
 
 SurfaceMesh read_surface(const std::string& path) { return parse_surface(read_bytes(path), path); }

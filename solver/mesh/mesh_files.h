@@ -30,7 +30,8 @@ std::string write_obj(const SurfaceMesh& mesh);
 std::string write_ply(const SurfaceMesh& mesh); ///< binary little-endian, double coordinates
 std::string write_stl(const SurfaceMesh& mesh); ///< binary
 std::string write_off(const SurfaceMesh& mesh);
-std::string write_vtk(const TetMesh& mesh);   ///< coverage as cell data, which read_tets takes back; other formats lose it
+std::string
+write_vtk(const TetMesh& mesh); ///< coverage as cell data, which read_tets takes back; other formats lose it
 std::string write_medit(const TetMesh& mesh); ///< .mesh
 std::string write_gmsh(const TetMesh& mesh);  ///< .msh 4.1, text
 std::string write_veg(const TetMesh& mesh);

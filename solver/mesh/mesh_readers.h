@@ -26,7 +26,6 @@ TetMesh read_tetgen(std::string_view node_bytes, const std::string& node_file, s
 SurfaceMesh finish_surface(const std::string& file, Points points, std::vector<int> face_sizes,
                            std::vector<int> face_vertices);
 /// `coverage`: one a tet, or none for 1.
-TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets,
-                    std::vector<double> coverage = {});
+TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> tets, std::vector<double> coverage = {});
 
 } // namespace sinew::solver

@@ -127,13 +127,12 @@ void check(const PaintedSurface& surface, std::size_t painted) {
         throw Error("FE203", std::to_string(surface.embedding.size()) + " embedded points for " +
                                  std::to_string(points) + " vertices");
     if (painted != points)
-        throw Error("FE203",
-                    std::to_string(painted) + " flags for " + std::to_string(points) + " embedded points");
+        throw Error("FE203", std::to_string(painted) + " flags for " + std::to_string(points) + " embedded points");
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
         for (const int v : surface.triangles[t])
             if (v < 0 || at(v) >= points)
-                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
-                                         " of " + std::to_string(points));
+                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(points));
 }
 
 } // namespace

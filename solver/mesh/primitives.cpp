@@ -84,8 +84,7 @@ SurfaceMesh make_sphere(double radius, int subdivisions_axis, int subdivisions_h
     return SurfaceMesh::from_polygons(std::move(points), std::move(faces.sizes), std::move(faces.corners));
 }
 
-SurfaceMesh make_cube(double width, double height, double depth, int sub_width, int sub_height,
-                      int sub_depth) {
+SurfaceMesh make_cube(double width, double height, double depth, int sub_width, int sub_height, int sub_depth) {
     require_sizes({width, height, depth});
     require_count(sub_width, 1, "subdivisions along the width");
     require_count(sub_height, 1, "subdivisions along the height");
@@ -115,8 +114,7 @@ SurfaceMesh make_cube(double width, double height, double depth, int sub_width, 
     for (int side : {1, 0}) { // right, left
         const int first = static_cast<int>(points.size());
         for (int back = 1; back < sub_depth; ++back)
-            for (int up = 1; up < sub_height; ++up)
-                points.emplace_back(width * (side - 0.5), y_of(up), z_of(back));
+            for (int up = 1; up < sub_height; ++up) points.emplace_back(width * (side - 0.5), y_of(up), z_of(back));
         const auto vertex = [&](int up, int back) {
             const int column = side * sub_width;
             if (back == 0) return up * columns + column;
@@ -178,8 +176,7 @@ SurfaceMesh make_cylinder(double radius, double height, int sub_axis, int sub_he
         }
         for (int ring = 1; ring < sub_caps; ++ring) {
             const int inner = static_cast<int>(points.size());
-            for (int j = 0; j < n; ++j)
-                points.push_back(on_ring(j, n, radius * (sub_caps - ring) / sub_caps, y));
+            for (int j = 0; j < n; ++j) points.push_back(on_ring(j, n, radius * (sub_caps - ring) / sub_caps, y));
             if (is_top)
                 faces.add_band(outer, inner, n);
             else
@@ -192,13 +189,10 @@ SurfaceMesh make_cylinder(double radius, double height, int sub_axis, int sub_he
     return SurfaceMesh::from_polygons(std::move(points), std::move(faces.sizes), std::move(faces.corners));
 }
 
-SurfaceMesh make_helix(double radius, double tube_radius, double height, double coils, int sub_axis,
-                       int sub_coil) {
+SurfaceMesh make_helix(double radius, double tube_radius, double height, double coils, int sub_axis, int sub_coil) {
     require_sizes({radius, tube_radius, coils});
-    if (!(height >= 0) || !std::isfinite(height))
-        throw Error("FE206", "a helix' height must not be negative");
-    if (!(tube_radius < radius))
-        throw Error("FE206", "the tube of a helix must be thinner than the helix is wide");
+    if (!(height >= 0) || !std::isfinite(height)) throw Error("FE206", "a helix' height must not be negative");
+    if (!(tube_radius < radius)) throw Error("FE206", "the tube of a helix must be thinner than the helix is wide");
     require_count(sub_axis, 3, "subdivisions about the tube");
     require_count(sub_coil, 3, "subdivisions of a coil");
     const double exact = coils * sub_coil;
@@ -210,8 +204,7 @@ SurfaceMesh make_helix(double radius, double tube_radius, double height, double 
         const double t = static_cast<double>(i) / segments, angle = 2 * std::numbers::pi * coils * t;
         const Vec3 out(std::cos(angle), 0, -std::sin(angle)); // from the axis, turning like a ring's corners
         const Vec3 around(-std::sin(angle), 0, -std::cos(angle));
-        const Vec3 tangent =
-            (radius * 2 * std::numbers::pi * coils * around + Vec3(0, height, 0)).normalized();
+        const Vec3 tangent = (radius * 2 * std::numbers::pi * coils * around + Vec3(0, height, 0)).normalized();
         const Vec3 up = tangent.cross(out); // out, up, and the way back make a right-handed frame
         const Vec3 middle = radius * out + Vec3(0, height * (t - 0.5), 0);
         for (int j = 0; j < sub_axis; ++j) {

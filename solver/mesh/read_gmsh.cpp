@@ -154,8 +154,7 @@ class GmshReader {
                 in_.skip_to("$End" + name);
             }
         }
-        if (!has_nodes || !has_elements)
-            in_.fail(has_nodes ? "the file has no elements" : "the file has no nodes");
+        if (!has_nodes || !has_elements) in_.fail(has_nodes ? "the file has no elements" : "the file has no nodes");
         std::vector<Tet> tets;
         for (const auto& tags : tet_tags_) {
             Tet t;
@@ -163,7 +162,8 @@ class GmshReader {
                 const auto found = vertex_.find(tags[k]);
                 if (found == vertex_.end())
                     throw Error("FE203", in_.where(tet_places_[tets.size()]) + "tet " + std::to_string(tets.size()) +
-                                             " uses node " + std::to_string(tags[k]) + ", which the file does not have");
+                                             " uses node " + std::to_string(tags[k]) +
+                                             ", which the file does not have");
                 t[k] = found->second;
             }
             tets.push_back(t);
@@ -175,8 +175,7 @@ class GmshReader {
     /// A count that the rest of the file can hold, each thing taking `least` bytes or more.
     std::size_t count(long long n, const char* what, std::size_t least) {
         if (n < 0 || static_cast<unsigned long long>(n) > in_.remaining() / least + 1)
-            in_.fail(std::string(what) + " is " + std::to_string(n) +
-                     ", which the rest of the file cannot hold");
+            in_.fail(std::string(what) + " is " + std::to_string(n) + ", which the rest of the file cannot hold");
         return static_cast<std::size_t>(n);
     }
     void add_point(long long tag) {
@@ -193,18 +192,15 @@ class GmshReader {
     }
 
     void read_node_blocks() {
-        const std::size_t blocks =
-            count(in_.number64("the number of node blocks"), "the number of node blocks", 4);
+        const std::size_t blocks = count(in_.number64("the number of node blocks"), "the number of node blocks", 4);
         for (const char* what : {"the number of nodes", "the least node number", "the largest node number"})
             in_.number64(what);
         for (std::size_t b = 0; b < blocks; ++b) {
             const long long dimension = in_.number32("the dimension of a node block");
             in_.number32("the entity of a node block");
             const long long parametric = in_.number32("whether nodes have parameters");
-            if (dimension < 0 || dimension > 3)
-                in_.fail("a node block has dimension " + std::to_string(dimension));
-            const std::size_t n =
-                count(in_.number64("the size of a node block"), "the size of a node block", 8);
+            if (dimension < 0 || dimension > 3) in_.fail("a node block has dimension " + std::to_string(dimension));
+            const std::size_t n = count(in_.number64("the size of a node block"), "the size of a node block", 8);
             std::vector<long long> tags;
             for (std::size_t i = 0; i < n; ++i) tags.push_back(in_.number64("a node number"));
             for (const long long tag : tags) {
@@ -218,8 +214,7 @@ class GmshReader {
         if (kind < 1 || kind >= static_cast<long long>(kinds.size()))
             in_.fail("elements of type " + std::to_string(kind) + " are not known");
         if (kinds[static_cast<std::size_t>(kind)].is_solid && kind != linear_tet)
-            in_.fail("elements of type " + std::to_string(kind) +
-                     " cannot be used; only tets of 4 nodes (type 4) can");
+            in_.fail("elements of type " + std::to_string(kind) + " cannot be used; only tets of 4 nodes (type 4) can");
     }
     /// The nodes of one element, kept if it is a tet.
     template <class Next>
@@ -256,13 +251,11 @@ class GmshReader {
                 const long long vertices = kinds[static_cast<std::size_t>(kind)].vertices;
                 if (version_ == 1) {
                     for (const char* what : {"a physical entity", "an elementary entity"}) in_.number32(what);
-                    if (const long long said = in_.number32("the number of nodes of an element");
-                        said != vertices)
-                        in_.fail("an element of type " + std::to_string(kind) + " with " +
-                                 std::to_string(said) + " nodes");
+                    if (const long long said = in_.number32("the number of nodes of an element"); said != vertices)
+                        in_.fail("an element of type " + std::to_string(kind) + " with " + std::to_string(said) +
+                                 " nodes");
                 } else {
-                    if (!is_binary_)
-                        count(tags = in_.number32("the number of tags"), "the number of tags", 1);
+                    if (!is_binary_) count(tags = in_.number32("the number of tags"), "the number of tags", 1);
                     for (long long k = 0; k < tags; ++k) in_.number32("a tag");
                 }
                 add_element(kind, vertices, node);
@@ -273,8 +266,7 @@ class GmshReader {
     void read_element_blocks() {
         const std::size_t blocks =
             count(in_.number64("the number of element blocks"), "the number of element blocks", 4);
-        for (const char* what :
-             {"the number of elements", "the least element number", "the largest element number"})
+        for (const char* what : {"the number of elements", "the least element number", "the largest element number"})
             in_.number64(what);
         for (std::size_t b = 0; b < blocks; ++b) {
             in_.number32("the dimension of an element block");
@@ -308,11 +300,9 @@ TetMesh read_gmsh(std::string_view bytes, const std::string& file) {
     if (first == "$NOD") return GmshReader(TextSource(bytes, file), 1, false).read(file);
     if (first != "$MeshFormat") head.fail("the file begins neither with $MeshFormat nor with $NOD");
     const double version = head.number("the format's version");
-    const long long binary = head.integer("whether the file is binary"),
-                    word = head.integer("the size of numbers");
+    const long long binary = head.integer("whether the file is binary"), word = head.integer("the size of numbers");
     const int family = version >= 2 && version < 3 ? 2 : version == 4.1 ? 4 : 0;
-    if (family == 0)
-        head.fail("format " + std::to_string(version) + " cannot be read; save it as 2.2 or 4.1");
+    if (family == 0) head.fail("format " + std::to_string(version) + " cannot be read; save it as 2.2 or 4.1");
     if (binary != 0 && binary != 1) head.fail("the file is neither text (0) nor binary (1)");
     if (word != 8) head.fail("numbers of " + std::to_string(word) + " bytes cannot be read; only 8 can");
     const std::string end = "$EndMeshFormat";

@@ -31,8 +31,8 @@ class Numbered {
                 const auto found = vertex_.find(numbers[k]);
                 if (found == vertex_.end())
                     throw Error("FE203", file + ":" + std::to_string(lines[out.size()]) + ": tet " +
-                                             std::to_string(out.size()) + " uses vertex " +
-                                             std::to_string(numbers[k]) + ", which the file does not have");
+                                             std::to_string(out.size()) + " uses vertex " + std::to_string(numbers[k]) +
+                                             ", which the file does not have");
                 t[k] = found->second;
             }
             out.push_back(t);
@@ -94,8 +94,7 @@ TetMesh read_veg(std::string_view bytes, const std::string& file) {
             text.fail("'" + printable(word) + "' stands where a section (*VERTICES, *ELEMENTS …) should");
         }
     }
-    if (!has_vertices || !has_elements)
-        text.fail(has_vertices ? "there is no *ELEMENTS" : "there is no *VERTICES");
+    if (!has_vertices || !has_elements) text.fail(has_vertices ? "there is no *ELEMENTS" : "there is no *VERTICES");
     return mesh.finish(file);
 }
 

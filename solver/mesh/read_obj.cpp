@@ -13,11 +13,10 @@ namespace {
 /// Statements of the format that hold nothing for us. Anything else is an error: junk must not pass as an
 /// empty mesh.
 constexpr std::array<std::string_view, 42> passed_over = {
-    "vt",         "vn",        "vp",    "g",     "o",    "s",     "mg",   "usemtl",   "mtllib",
-    "usemap",     "maplib",    "l",     "p",     "curv", "curv2", "surf", "deg",      "bmat",
-    "step",       "cstype",    "parm",  "trim",  "hole", "scrv",  "sp",   "end",      "con",
-    "lod",        "bevel",     "bsp",   "bzp",   "cdc",  "cdp",   "res",  "c_interp", "d_interp",
-    "shadow_obj", "trace_obj", "ctech", "stech", "call", "csh"};
+    "vt",   "vn",       "vp",       "g",          "o",         "s",     "mg",    "usemtl", "mtllib", "usemap", "maplib",
+    "l",    "p",        "curv",     "curv2",      "surf",      "deg",   "bmat",  "step",   "cstype", "parm",   "trim",
+    "hole", "scrv",     "sp",       "end",        "con",       "lod",   "bevel", "bsp",    "bzp",    "cdc",    "cdp",
+    "res",  "c_interp", "d_interp", "shadow_obj", "trace_obj", "ctech", "stech", "call",   "csh"};
 
 /// A line may go on behind a backslash at its end.
 class Statement {
@@ -51,8 +50,7 @@ int corner(TextScanner& text, std::string_view word, std::size_t vertex_count) {
     const long long count = static_cast<long long>(vertex_count);
     const long long at = number > 0 ? number - 1 : count + number;
     if (number == 0 || at < 0)
-        text.fail("vertex " + printable(index) + " does not exist; " + std::to_string(count) +
-                  " are defined so far");
+        text.fail("vertex " + printable(index) + " does not exist; " + std::to_string(count) + " are defined so far");
     if (at > 2147483646) text.fail("vertex " + printable(index) + " does not exist");
     return static_cast<int>(at);
 }
@@ -72,8 +70,7 @@ SurfaceMesh read_obj(std::string_view bytes, const std::string& file) {
             for (int d = 0; d < 3; ++d) {
                 const std::string_view w = statement.word();
                 if (w.empty())
-                    text.fail("vertex " + std::to_string(points.size()) +
-                              " has fewer than three coordinates");
+                    text.fail("vertex " + std::to_string(points.size()) + " has fewer than three coordinates");
                 p[d] = text.to_number(w, "a coordinate of vertex " + std::to_string(points.size()));
             }
             points.push_back(p);
@@ -84,8 +81,7 @@ SurfaceMesh read_obj(std::string_view bytes, const std::string& file) {
                 corners.push_back(corner(text, w, points.size()));
                 if (corners.back() > highest) highest = corners.back(), highest_line = text.line();
             }
-            if (size < 3)
-                text.fail("a face has " + std::to_string(size) + " corners; it needs at least three");
+            if (size < 3) text.fail("a face has " + std::to_string(size) + " corners; it needs at least three");
             sizes.push_back(size);
         } else if (std::find(passed_over.begin(), passed_over.end(), keyword) != passed_over.end()) {
             statement.skip_rest();

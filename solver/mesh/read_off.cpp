@@ -8,8 +8,7 @@ namespace sinew::solver {
 SurfaceMesh read_off(std::string_view bytes, const std::string& file) {
     TextScanner text(bytes, file);
     const std::string_view magic = text.word();
-    if (magic.size() < 3 || magic.substr(magic.size() - 3) != "OFF")
-        text.fail("the file does not begin with OFF");
+    if (magic.size() < 3 || magic.substr(magic.size() - 3) != "OFF") text.fail("the file does not begin with OFF");
     const std::string_view kind = magic.substr(0, magic.size() - 3);
     if (kind.find('4') != std::string_view::npos || kind.find('n') != std::string_view::npos)
         text.fail("'" + printable(magic) + "' has points that are not three-dimensional");

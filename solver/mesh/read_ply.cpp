@@ -45,8 +45,7 @@ class Source {
     std::size_t next_count(Type type, const std::string& what) {
         const double value = next(type, what);
         if (!(value >= 0) || value != std::floor(value)) fail(what + " is not a count");
-        if (value > static_cast<double>(remaining()))
-            fail(what + " is more than the rest of the file can hold");
+        if (value > static_cast<double>(remaining())) fail(what + " is more than the rest of the file can hold");
         return static_cast<std::size_t>(value);
     }
 };
@@ -185,10 +184,7 @@ void read_vertices(Source& source, const Element& element, Points& points) {
         const std::string owner = "vertex " + std::to_string(i);
         Vec3 p = Vec3::Zero();
         for (const Property& property : element.properties) {
-            const int axis = property.name == "x"   ? 0
-                             : property.name == "y" ? 1
-                             : property.name == "z" ? 2
-                                                    : -1;
+            const int axis = property.name == "x" ? 0 : property.name == "y" ? 1 : property.name == "z" ? 2 : -1;
             if (axis < 0 || property.list_count)
                 skip(source, property, owner);
             else
@@ -212,8 +208,7 @@ void read_faces(Source& source, const Element& element, std::vector<int>& sizes,
                 continue;
             }
             const std::size_t size = source.next_count(*property.list_count, "the size of " + owner);
-            if (size < 3)
-                source.fail(owner + " has " + std::to_string(size) + " corners; it needs at least three");
+            if (size < 3) source.fail(owner + " has " + std::to_string(size) + " corners; it needs at least three");
             sizes.push_back(static_cast<int>(std::min<std::size_t>(size, 2147483647)));
             for (std::size_t k = 0; k < size; ++k) {
                 const double v = source.next(property.type, "a vertex number of " + owner);
@@ -235,14 +230,12 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file) {
     TextScanner text(bytes, file, 0);
     const Header header = parse_header(text);
     for (const Element& e : header.elements) {
-        require(text, !e.properties.empty() || e.count == 0,
-                "element " + printable(e.name) + " has no properties");
+        require(text, !e.properties.empty() || e.count == 0, "element " + printable(e.name) + " has no properties");
         if (e.name == "vertex")
             for (std::string_view axis : {"x", "y", "z"})
                 require(text,
                         std::count_if(e.properties.begin(), e.properties.end(),
-                                      [&](const Property& p) { return p.name == axis && !p.list_count; }) ==
-                            1,
+                                      [&](const Property& p) { return p.name == axis && !p.list_count; }) == 1,
                         "the vertices need one property " + std::string(axis));
         if (e.name == "face")
             require(text, std::count_if(e.properties.begin(), e.properties.end(), is_corner_list) == 1,
@@ -264,8 +257,7 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file) {
     std::vector<int> sizes, corners;
     for (const Element& element : header.elements) {
         std::size_t least = 0;
-        for (const Property& p : element.properties)
-            least += source->least_bytes(p.list_count.value_or(p.type));
+        for (const Property& p : element.properties) least += source->least_bytes(p.list_count.value_or(p.type));
         if (least > 0 && element.count > source->remaining() / least)
             source->fail(std::to_string(element.count) + " entries of " + printable(element.name) +
                          " are more than the rest of the file can hold");
@@ -275,8 +267,7 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file) {
             read_faces(*source, element, sizes, corners);
         } else {
             for (std::size_t i = 0; i < element.count; ++i)
-                for (const Property& p : element.properties)
-                    skip(*source, p, element.name + " " + std::to_string(i));
+                for (const Property& p : element.properties) skip(*source, p, element.name + " " + std::to_string(i));
         }
     }
     return finish_surface(file, std::move(points), std::move(sizes), std::move(corners));

@@ -22,8 +22,7 @@ class Welder {
   public:
     int add(const Vec3& p) {
         const Vec3 key = p + Vec3::Zero(); // -0 becomes +0
-        const auto [entry, is_new] =
-            numbers_.try_emplace({key[0], key[1], key[2]}, static_cast<int>(points.size()));
+        const auto [entry, is_new] = numbers_.try_emplace({key[0], key[1], key[2]}, static_cast<int>(points.size()));
         if (is_new) points.push_back(key);
         return entry->second;
     }
@@ -34,8 +33,7 @@ class Welder {
     struct Hash {
         std::size_t operator()(const Key& k) const {
             std::uint64_t h = 0;
-            for (double x : k)
-                h = (h ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
+            for (double x : k) h = (h ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
             return static_cast<std::size_t>(h);
         }
     };
@@ -104,14 +102,11 @@ SurfaceMesh read_stl(std::string_view bytes, const std::string& file) {
     if (bytes.size() >= header_bytes) std::memcpy(&count, bytes.data() + 80, sizeof count);
     if (bytes.size() >= header_bytes && bytes.size() == header_bytes + std::size_t{count} * record_bytes)
         return read_binary(bytes, count, file);
-    if (bytes.substr(0, 5) == "solid" && bytes.find('\0') == std::string_view::npos)
-        return read_ascii(bytes, file);
+    if (bytes.substr(0, 5) == "solid" && bytes.find('\0') == std::string_view::npos) return read_ascii(bytes, file);
     if (bytes.size() < header_bytes)
-        throw Error("IO403",
-                    file + ":1: " + std::to_string(bytes.size()) +
-                        " bytes are neither a binary STL file (84 and more) nor an ascii one ('solid ...')");
-    if (bytes.size() > header_bytes + std::size_t{count} * record_bytes && count > 0 &&
-        bytes.substr(0, 5) != "solid")
+        throw Error("IO403", file + ":1: " + std::to_string(bytes.size()) +
+                                 " bytes are neither a binary STL file (84 and more) nor an ascii one ('solid ...')");
+    if (bytes.size() > header_bytes + std::size_t{count} * record_bytes && count > 0 && bytes.substr(0, 5) != "solid")
         return read_binary(bytes, count, file); // writers that pad the end
     throw Error("IO403", file + ": byte 80: " + std::to_string(count) + " triangles announced, but " +
                              std::to_string(bytes.size()) + " bytes hold " +

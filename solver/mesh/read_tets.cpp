@@ -19,14 +19,12 @@ bool same_word(std::string_view a, std::string_view b) {
 
 int vertex(TextScanner& text, long long number, long long first, const std::string& owner) {
     if (number < first || number - first > 2147483646)
-        text.fail(owner + " uses vertex " + std::to_string(number) + "; numbers begin at " +
-                  std::to_string(first));
+        text.fail(owner + " uses vertex " + std::to_string(number) + "; numbers begin at " + std::to_string(first));
     return static_cast<int>(number - first);
 }
 
 /// A vertex that the file does not have, in the file's own numbers. Files without vertices are refused later.
-void require_vertex(int v, std::size_t count, int first, const std::string& owner, const std::string& file,
-                    int line) {
+void require_vertex(int v, std::size_t count, int first, const std::string& owner, const std::string& file, int line) {
     if (count == 0 || static_cast<std::size_t>(v) < count) return;
     throw Error("FE203", file + ":" + std::to_string(line) + ": " + owner + " uses vertex " +
                              std::to_string(static_cast<long long>(v) + first) + "; the file has " +
@@ -84,8 +82,7 @@ TetMesh read_medit(std::string_view bytes, const std::string& file) {
         }
     }
     for (std::size_t t = 0; t < tets.size(); ++t)
-        for (const int v : tets[t])
-            require_vertex(v, vertices.size(), 1, "tet " + std::to_string(t), file, lines[t]);
+        for (const int v : tets[t]) require_vertex(v, vertices.size(), 1, "tet " + std::to_string(t), file, lines[t]);
     return finish_tets(file, std::move(vertices), std::move(tets));
 }
 
@@ -129,8 +126,7 @@ std::vector<double> read_coverage(TextScanner& text, const std::vector<long long
         }
         if (!begins) continue;
         if (count != types.size())
-            text.fail("coverage of " + std::to_string(count) + " cells for " + std::to_string(types.size()) +
-                      " cells");
+            text.fail("coverage of " + std::to_string(count) + " cells for " + std::to_string(types.size()) + " cells");
         coverage.clear();
         for (std::size_t c = 0; c < count; ++c) {
             const double share = text.number("the coverage of cell " + std::to_string(c));
@@ -149,13 +145,11 @@ void read_counted_cells(TextScanner& text, std::size_t count, std::size_t size, 
     for (std::size_t c = 0; c < count; ++c) {
         const std::string owner = "cell " + std::to_string(c);
         const std::size_t corners = text.count("the size of " + owner);
-        for (std::size_t k = 0; k < corners; ++k)
-            cells.add(text, owner);
+        for (std::size_t k = 0; k < corners; ++k) cells.add(text, owner);
         cells.first.push_back(cells.corners.size());
         used += corners + 1;
     }
-    if (used != size)
-        text.fail("CELLS announces " + std::to_string(size) + " numbers but has " + std::to_string(used));
+    if (used != size) text.fail("CELLS announces " + std::to_string(size) + " numbers but has " + std::to_string(used));
 }
 
 /// From version 5: "CELLS offsets corners", then the two arrays.
@@ -168,15 +162,14 @@ void read_offset_cells(TextScanner& text, std::size_t offsets, std::size_t size,
         const long long before = i == 0 ? 0 : static_cast<long long>(cells.first.back());
         if (offset < before || offset > static_cast<long long>(size) || (i == 0 && offset != 0) ||
             (i + 1 == offsets && offset != static_cast<long long>(size)))
-            text.fail("cell offset " + std::to_string(offset) + " does not fit between " +
-                      std::to_string(before) + " and " + std::to_string(size));
+            text.fail("cell offset " + std::to_string(offset) + " does not fit between " + std::to_string(before) +
+                      " and " + std::to_string(size));
         cells.first.push_back(static_cast<std::size_t>(offset));
     }
     if (cells.first.empty()) cells.first.push_back(0);
     if (!same_word(text.word(), "CONNECTIVITY")) text.fail("CONNECTIVITY was expected behind OFFSETS");
     text.word();
-    for (std::size_t k = 0; k < size; ++k)
-        cells.add(text, "the cells");
+    for (std::size_t k = 0; k < size; ++k) cells.add(text, "the cells");
 }
 
 TetMesh tets_of(TextScanner& text, const std::string& file, Points vertices, const VtkCells& cells,
@@ -188,11 +181,10 @@ TetMesh tets_of(TextScanner& text, const std::string& file, Points vertices, con
         const long long type = types[c];
         if (type == 10 && size == 4) {
             for (std::size_t k = first; k < first + 4; ++k)
-                require_vertex(cells.corners[k], vertices.size(), 0, "cell " + std::to_string(c), file,
-                               cells.lines[k]);
+                require_vertex(cells.corners[k], vertices.size(), 0, "cell " + std::to_string(c), file, cells.lines[k]);
             if (!cell_coverage.empty()) coverage.push_back(cell_coverage[c]);
-            tets.push_back({cells.corners[first], cells.corners[first + 1], cells.corners[first + 2],
-                            cells.corners[first + 3]});
+            tets.push_back(
+                {cells.corners[first], cells.corners[first + 1], cells.corners[first + 2], cells.corners[first + 3]});
         } else if (type == 10) {
             text.fail("cell " + std::to_string(c) + " is a tet with " + std::to_string(size) + " vertices");
         } else if (type > 10 && type != 21 && type != 22 && type != 23) {
@@ -232,8 +224,7 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
             for (std::size_t i = 0; i < count; ++i) vertices.push_back(read_point(text, i));
         } else if (same_word(keyword, "CELLS")) {
             if (cells.count() > 0) text.fail("CELLS appears twice");
-            const std::size_t count = text.count("the number of cells"),
-                              size = text.count("the size of the cells");
+            const std::size_t count = text.count("the number of cells"), size = text.count("the size of the cells");
             if (same_word(text.peek(), "OFFSETS"))
                 read_offset_cells(text, count, size, cells);
             else
@@ -241,8 +232,7 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
         } else if (same_word(keyword, "CELL_TYPES")) {
             const std::size_t count = text.count("the number of cell types");
             if (count != cells.count())
-                text.fail(std::to_string(count) + " cell types for " + std::to_string(cells.count()) +
-                          " cells");
+                text.fail(std::to_string(count) + " cell types for " + std::to_string(cells.count()) + " cells");
             types.clear();
             for (std::size_t i = 0; i < count; ++i) types.push_back(text.integer("a cell type"));
             has_types = true;
@@ -259,13 +249,11 @@ TetMesh read_vtk(std::string_view bytes, const std::string& file) {
         } else if (same_word(keyword, "POINT_DATA")) {
             while (!text.at_end() && !same_word(text.peek(), "CELL_DATA")) text.word();
         } else {
-            text.fail("'" + printable(keyword) +
-                      "' stands where a section (POINTS, CELLS, CELL_TYPES …) should");
+            text.fail("'" + printable(keyword) + "' stands where a section (POINTS, CELLS, CELL_TYPES …) should");
         }
     }
     if (!has_types || types.size() != cells.count())
-        text.fail(std::to_string(types.size()) + " cell types for " + std::to_string(cells.count()) +
-                  " cells");
+        text.fail(std::to_string(types.size()) + " cell types for " + std::to_string(cells.count()) + " cells");
     return tets_of(text, file, std::move(vertices), cells, types, coverage);
 }
 

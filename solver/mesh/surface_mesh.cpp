@@ -21,15 +21,13 @@ SurfaceMesh SurfaceMesh::from_triangles(Points points, std::vector<Triangle> tri
     SurfaceMesh mesh;
     mesh.face_sizes.assign(triangles.size(), 3);
     mesh.face_vertices.reserve(3 * triangles.size());
-    for (const Triangle& t : triangles)
-        mesh.face_vertices.insert(mesh.face_vertices.end(), t.begin(), t.end());
+    for (const Triangle& t : triangles) mesh.face_vertices.insert(mesh.face_vertices.end(), t.begin(), t.end());
     mesh.points = std::move(points);
     mesh.triangles = std::move(triangles);
     return mesh;
 }
 
-SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_sizes,
-                                       std::vector<int> face_vertices) {
+SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_sizes, std::vector<int> face_vertices) {
     const int count = static_cast<int>(points.size());
     std::size_t first = 0;
     for (std::size_t f = 0; f < face_sizes.size(); ++f) {
@@ -42,8 +40,8 @@ SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_size
                                      " ends behind the list of corners");
         for (std::size_t k = first; k < first + at(size); ++k)
             if (face_vertices[k] < 0 || face_vertices[k] >= count)
-                throw Error("FE203", "face " + std::to_string(f) + " uses vertex " +
-                                         std::to_string(face_vertices[k]) + " of " + std::to_string(count));
+                throw Error("FE203", "face " + std::to_string(f) + " uses vertex " + std::to_string(face_vertices[k]) +
+                                         " of " + std::to_string(count));
         first += at(size);
     }
     if (first != face_vertices.size())
@@ -66,14 +64,13 @@ void check_usable(const SurfaceMesh& mesh) {
     if (mesh.points.empty()) throw Error("FE201", "the mesh has no vertices");
     if (mesh.triangles.empty()) throw Error("FE201", "the mesh has no faces");
     for (std::size_t i = 0; i < mesh.points.size(); ++i)
-        if (!mesh.points[i].allFinite())
-            throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
+        if (!mesh.points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
     const int count = static_cast<int>(mesh.points.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int v : mesh.triangles[t])
             if (v < 0 || v >= count)
-                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) +
-                                         " of " + std::to_string(count));
+                throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(count));
 }
 
 Box bounding_box(const Points& points) {
@@ -102,8 +99,7 @@ double enclosed_volume(const Points& points, const std::vector<Triangle>& triang
     const Vec3& origin = points[at(triangles[0][0])];
     double six_volumes = 0;
     for (const Triangle& t : triangles)
-        six_volumes +=
-            (points[at(t[0])] - origin).dot((points[at(t[1])] - origin).cross(points[at(t[2])] - origin));
+        six_volumes += (points[at(t[0])] - origin).dot((points[at(t[1])] - origin).cross(points[at(t[2])] - origin));
     return six_volumes / 6;
 }
 

@@ -17,8 +17,7 @@ struct SurfaceMesh {
     /// From triangles alone.
     static SurfaceMesh from_triangles(Points points, std::vector<Triangle> triangles);
     /// From polygons; triangulates each (fan for convex, ear clipping otherwise). Throws Error FE203/FE208.
-    static SurfaceMesh from_polygons(Points points, std::vector<int> face_sizes,
-                                     std::vector<int> face_vertices);
+    static SurfaceMesh from_polygons(Points points, std::vector<int> face_sizes, std::vector<int> face_vertices);
 };
 
 /// Throws Error FE201 (empty), FE202 (NaN or infinite, with the first vertex), FE203 (index out of range).

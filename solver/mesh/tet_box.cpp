@@ -11,7 +11,8 @@ TetMesh kuhn_mesh(int nx, int ny, int nz, const std::function<Vec3(double, doubl
     for (int x = 0; x <= nx; ++x)
         for (int y = 0; y <= ny; ++y)
             for (int z = 0; z <= nz; ++z)
-                mesh.vertices.push_back(place(static_cast<double>(x) / nx, static_cast<double>(y) / ny, static_cast<double>(z) / nz));
+                mesh.vertices.push_back(
+                    place(static_cast<double>(x) / nx, static_cast<double>(y) / ny, static_cast<double>(z) / nz));
     // The six paths from a cube's lowest to its highest corner, one for each order of the axes; odd orders are turned
     // inside out and need a swap.
     constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {2, 1, 0}, {1, 0, 2}};

@@ -34,8 +34,9 @@ void refuse_repeated(const std::vector<Tet>& tets) {
             repeated.push_back({sorted[i][4], sorted[i - 1][4]});
     if (repeated.empty()) return;
     const auto [tet, earlier] = *std::min_element(repeated.begin(), repeated.end());
-    throw Error("FE221", "tet " + std::to_string(tet) + " has the corners of tet " + std::to_string(earlier) +
-                             "; tets that repeat others: " + std::to_string(repeated.size()),
+    throw Error("FE221",
+                "tet " + std::to_string(tet) + " has the corners of tet " + std::to_string(earlier) +
+                    "; tets that repeat others: " + std::to_string(repeated.size()),
                 "remove the repeated tets");
 }
 
@@ -73,35 +74,30 @@ TetBoundary tet_boundary(const std::vector<Tet>& tets) {
     TetBoundary result;
     for (const Face& f : border) {
         const Tet& t = tets[at(f.tet)];
-        result.triangles.push_back(
-            {t[at(faces[f.side][0])], t[at(faces[f.side][1])], t[at(faces[f.side][2])]});
+        result.triangles.push_back({t[at(faces[f.side][0])], t[at(faces[f.side][1])], t[at(faces[f.side][2])]});
         result.tet.push_back(f.tet);
     }
     return result;
 }
 
-std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets) {
-    return tet_boundary(tets).triangles;
-}
+std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets) { return tet_boundary(tets).triangles; }
 
 void check_and_orient(TetMesh& mesh) {
     if (mesh.vertices.empty()) throw Error("FE201", "the tet mesh has no vertices");
     if (mesh.tets.empty()) throw Error("FE201", "the tet mesh has no tets");
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        if (!mesh.vertices[i].allFinite())
-            throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
+        if (!mesh.vertices[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
     const int count = static_cast<int>(mesh.vertices.size());
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         Tet& tet = mesh.tets[t];
         for (int v : tet)
             if (v < 0 || v >= count)
-                throw Error("FE203", "tet " + std::to_string(t) + " uses vertex " + std::to_string(v) +
-                                         " of " + std::to_string(count));
+                throw Error("FE203", "tet " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(count));
         double longest = 0;
         for (int i = 0; i < 4; ++i)
             for (int j = 0; j < i; ++j)
-                longest =
-                    std::max(longest, (mesh.vertices[at(tet[at(i)])] - mesh.vertices[at(tet[at(j)])]).norm());
+                longest = std::max(longest, (mesh.vertices[at(tet[at(i)])] - mesh.vertices[at(tet[at(j)])]).norm());
         const double volume = tet_volume(mesh.vertices[at(tet[0])], mesh.vertices[at(tet[1])],
                                          mesh.vertices[at(tet[2])], mesh.vertices[at(tet[3])]);
         // Below this the sign of the volume is rounding error.

@@ -10,9 +10,8 @@ namespace sinew::solver {
 
 struct TetMesh {
     Points vertices;
-    std::vector<Tet> tets; ///< positively oriented: det(x1-x0, x2-x0, x3-x0) > 0
-    std::vector<double>
-        coverage; ///< per tet in (0, 1]: share of its volume inside the solid; 1 if not told
+    std::vector<Tet> tets;        ///< positively oriented: det(x1-x0, x2-x0, x3-x0) > 0
+    std::vector<double> coverage; ///< per tet in (0, 1]: share of its volume inside the solid; 1 if not told
 };
 
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -121,8 +121,7 @@ std::size_t TextScanner::count(std::string_view what) {
     const long long value = integer(what);
     if (value < 0) fail(std::string(what) + " is negative");
     if (static_cast<unsigned long long>(value) > remaining() / 2 + 1)
-        fail(std::string(what) + " is " + std::to_string(value) +
-             ", more than the rest of the file can hold");
+        fail(std::string(what) + " is " + std::to_string(value) + ", more than the rest of the file can hold");
     return static_cast<std::size_t>(value);
 }
 

@@ -52,8 +52,7 @@ bool is_convex(const std::vector<Vec2>& flat) {
 }
 
 bool is_ear(const std::vector<Vec2>& flat, const std::vector<std::size_t>& ring, std::size_t at) {
-    const std::size_t n = ring.size(), before = ring[(at + n - 1) % n], here = ring[at],
-                      after = ring[(at + 1) % n];
+    const std::size_t n = ring.size(), before = ring[(at + n - 1) % n], here = ring[at], after = ring[(at + 1) % n];
     const Vec2 &a = flat[before], &b = flat[here], &c = flat[after];
     if (turn(a, b, c) <= 0) return false;
     for (std::size_t other : ring) {
@@ -100,8 +99,7 @@ void triangulate_polygon(const Points& points, std::span<const int> corners, std
         }
         // A simple polygon always has an ear; one that crosses itself or is folded onto a line may not.
         if (best == m) best = 1;
-        out.push_back(
-            {corners[ring[(best + m - 1) % m]], corners[ring[best]], corners[ring[(best + 1) % m]]});
+        out.push_back({corners[ring[(best + m - 1) % m]], corners[ring[best]], corners[ring[(best + 1) % m]]});
         ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(best));
     }
     out.push_back({corners[ring[0]], corners[ring[1]], corners[ring[2]]});

@@ -36,8 +36,7 @@ std::string write_vtk(const TetMesh& mesh) {
     out += "CELL_TYPES ", put(out, mesh.tets.size()), out += '\n';
     for (std::size_t i = 0; i < mesh.tets.size(); ++i) out += "10\n";
     if (mesh.coverage.size() == mesh.tets.size()) {
-        out += "CELL_DATA ", put(out, mesh.tets.size()),
-            out += "\nSCALARS coverage double 1\nLOOKUP_TABLE default\n";
+        out += "CELL_DATA ", put(out, mesh.tets.size()), out += "\nSCALARS coverage double 1\nLOOKUP_TABLE default\n";
         for (double c : mesh.coverage) put(out, c), out += '\n';
     }
     return out;

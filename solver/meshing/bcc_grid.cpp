@@ -35,9 +35,7 @@ std::array<BccGrid::Key, 4> BccGrid::tet_vertices(std::int64_t tet) const {
     return {lower, upper, start, end};
 }
 
-bool BccGrid::holds(std::int64_t tet) const {
-    return cube_of(*this, tet)[at(static_cast<int>(tet % 12) / 4)] > 0;
-}
+bool BccGrid::holds(std::int64_t tet) const { return cube_of(*this, tet)[at(static_cast<int>(tet % 12) / 4)] > 0; }
 
 std::int64_t BccGrid::tet_number(const std::array<Key, 4>& corners) const {
     const Key *centres[2] = {}, *ends[2] = {};
@@ -108,8 +106,7 @@ std::array<std::int64_t, 8> BccGrid::children(std::int64_t tet) const {
     const auto sum = [&](std::size_t i, std::size_t j) {
         return Key{c[i][0] + c[j][0], c[i][1] + c[j][1], c[i][2] + c[j][2]};
     };
-    const Key m01 = sum(0, 1), m02 = sum(0, 2), m03 = sum(0, 3), m12 = sum(1, 2), m13 = sum(1, 3),
-              m23 = sum(2, 3);
+    const Key m01 = sum(0, 1), m02 = sum(0, 2), m03 = sum(0, 3), m12 = sum(1, 2), m13 = sum(1, 3), m23 = sum(2, 3);
     const BccGrid fine = finer();
     return {fine.tet_number({sum(0, 0), m01, m02, m03}), fine.tet_number({m01, sum(1, 1), m12, m13}),
             fine.tet_number({m02, m12, sum(2, 2), m23}), fine.tet_number({m03, m13, m23, sum(3, 3)}),
@@ -163,8 +160,7 @@ BccGrid make_bcc_grid(const Vec3& centre, const Vec3& size, double side) {
     grid.centre = centre;
     grid.side = side;
     // One cube more on each side than the box reaches into: tets on its border span two cubes.
-    for (int d = 0; d < 3; ++d)
-        grid.cubes[at(d)] = 2 * (static_cast<int>(std::ceil(0.5 * size[d] / side)) + 1);
+    for (int d = 0; d < 3; ++d) grid.cubes[at(d)] = 2 * (static_cast<int>(std::ceil(0.5 * size[d] / side)) + 1);
     return grid;
 }
 

@@ -36,17 +36,14 @@ struct BccGrid {
         return centre + 0.5 * side * Vec3(v[0] - cubes[0], v[1] - cubes[1], v[2] - cubes[2]);
     }
     /// Lattice coordinates of a point.
-    Vec3 coordinates(const Vec3& p) const {
-        return (p - centre) * (2 / side) + Vec3(cubes[0], cubes[1], cubes[2]);
-    }
+    Vec3 coordinates(const Vec3& p) const { return (p - centre) * (2 / side) + Vec3(cubes[0], cubes[1], cubes[2]); }
     /// Order of the vertices of a lattice mesh: by z, then y, then x.
     std::int64_t vertex_number(const Key& v) const {
         return (std::int64_t{v[2]} * (2 * cubes[1] + 1) + v[1]) * (2 * cubes[0] + 1) + v[0];
     }
     Key vertex_key(std::int64_t number) const {
         const std::int64_t nx = 2 * cubes[0] + 1, ny = 2 * cubes[1] + 1;
-        return {static_cast<int>(number % nx), static_cast<int>(number / nx % ny),
-                static_cast<int>(number / nx / ny)};
+        return {static_cast<int>(number % nx), static_cast<int>(number / nx % ny), static_cast<int>(number / nx / ny)};
     }
     std::int64_t vertex_numbers() const { return vertex_number(Key{0, 0, 2 * cubes[2] + 1}); }
 

@@ -59,8 +59,8 @@ class Recovery {
             }
             for (const Triangle& f : wanted_faces_) {
                 watch();
-                const bool has_edges = complex_.has_edge(f[0], f[1]) && complex_.has_edge(f[1], f[2]) &&
-                                       complex_.has_edge(f[2], f[0]);
+                const bool has_edges =
+                    complex_.has_edge(f[0], f[1]) && complex_.has_edge(f[1], f[2]) && complex_.has_edge(f[2], f[0]);
                 if (complex_.has_face(f[0], f[1], f[2])) continue;
                 missing += !has_edges || !recover([&] { return across_face(f); });
             }
@@ -122,8 +122,7 @@ class Recovery {
             const Tet& t = complex_.tet(number);
             for (const auto& [i, j, k, l] : tet_faces) {
                 const Triangle f{t[i], t[j], t[k]};
-                if (std::find(f.begin(), f.end(), a) != f.end() ||
-                    std::find(f.begin(), f.end(), b) != f.end())
+                if (std::find(f.begin(), f.end(), a) != f.end() || std::find(f.begin(), f.end(), b) != f.end())
                     continue;
                 std::size_t which = 0;
                 switch (meets(a, b, f, which)) {
@@ -160,8 +159,7 @@ class Recovery {
     /// Edges that a face would be crossed by.
     Crossings across_face(const Triangle& f, std::vector<int> open = {}) const {
         Crossings out;
-        for (const int v : f)
-            open.insert(open.end(), complex_.tets_of[at(v)].begin(), complex_.tets_of[at(v)].end());
+        for (const int v : f) open.insert(open.end(), complex_.tets_of[at(v)].begin(), complex_.tets_of[at(v)].end());
         std::set<int> seen(open.begin(), open.end());
         while (!open.empty()) {
             const Tet t = complex_.tet(open.back());
@@ -208,8 +206,7 @@ class Recovery {
                 if (!has_corner(complex_.tet(t), q)) continue;
                 for (const int v : complex_.tet(t))
                     if (v != p && v != q)
-                        faces.insert(face_of(p, q, v)), edges.insert(edge_of(p, v)),
-                            edges.insert(edge_of(q, v));
+                        faces.insert(face_of(p, q, v)), edges.insert(edge_of(p, v)), edges.insert(edge_of(q, v));
             }
         for (const Edge& e : edges)
             if (!now.edges.contains(e) && try_edge(e, find, now)) return true;
@@ -266,8 +263,7 @@ class Recovery {
         auto ring = complex_.ring_of(e[0], e[1]);
         if (!ring) return false;
         std::vector<Part> found = parts(*ring, 0, ring->vertices.size() - 1);
-        std::stable_sort(found.begin(), found.end(),
-                         [](const Part& a, const Part& b) { return a.worst > b.worst; });
+        std::stable_sort(found.begin(), found.end(), [](const Part& a, const Part& b) { return a.worst > b.worst; });
         constexpr std::size_t most = 24;
         for (std::size_t i = 0; i < std::min(found.size(), most); ++i)
             if (exchange(ring->tets, found[i].tets, find, now)) return true;
@@ -375,9 +371,8 @@ class Recovery {
                 if (is_wanted_vertex(v) && !on_walls.contains(v)) return;
         for (const int number : region)
             for (const auto& [i, j] : tet_edges)
-                if (const Tet& t = complex_.tet(number);
-                    wanted_edges_.contains(edge_of(t[i], t[j])) &&
-                    !(on_walls.contains(t[i]) && is_on_walls(walls, t[i], t[j])))
+                if (const Tet& t = complex_.tet(number); wanted_edges_.contains(edge_of(t[i], t[j])) &&
+                                                         !(on_walls.contains(t[i]) && is_on_walls(walls, t[i], t[j])))
                     return;
         std::size_t used = 0;
         std::vector<Tet> fresh;
@@ -414,8 +409,7 @@ class Recovery {
 
     /// The walls that close the patch, together with which they are the surface of one side of the region;
     /// none if the patch's border does not lie on the walls.
-    static std::vector<Triangle> walls_beside(const std::vector<Triangle>& walls,
-                                              const std::vector<Triangle>& patch) {
+    static std::vector<Triangle> walls_beside(const std::vector<Triangle>& walls, const std::vector<Triangle>& patch) {
         std::map<Edge, int> border; // directed edges of the patch that its triangles do not share
         for (const Triangle& t : patch)
             for (std::size_t k = 0; k < 3; ++k)
@@ -451,8 +445,7 @@ class Recovery {
                 const int a = t[k], b = t[(k + 1) % 3];
                 balance[edge_of(a, b)] += a < b ? 1 : -1;
             }
-        const bool is_closed =
-            std::all_of(balance.begin(), balance.end(), [](const auto& e) { return e.second == 0; });
+        const bool is_closed = std::all_of(balance.begin(), balance.end(), [](const auto& e) { return e.second == 0; });
         return is_closed ? out : std::vector<Triangle>{};
     }
 

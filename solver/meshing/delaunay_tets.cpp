@@ -72,8 +72,7 @@ void refuse_wrong_sides(const std::vector<Tet>& tets, const std::vector<Triangle
     std::sort(sides.begin(), sides.end());
     Flaw wrong;
     for (std::size_t t = 0; t < outward.size(); ++t)
-        if (std::binary_search(sides.begin(), sides.end(),
-                               lowest_first({outward[t][0], outward[t][2], outward[t][1]})))
+        if (std::binary_search(sides.begin(), sides.end(), lowest_first({outward[t][0], outward[t][2], outward[t][1]})))
             wrong.add(static_cast<int>(t));
     if (wrong)
         throw Error("FE236",
@@ -110,7 +109,9 @@ std::vector<Triangle> canonical(std::vector<Triangle> triangles) {
 MeshingControl part(const MeshingControl& control, double from, double to) {
     MeshingControl out{control.stop, {}};
     if (control.progress)
-        out.progress = [&control, from, to](double done, std::string_view what) { control.progress(from + (to - from) * done, what); };
+        out.progress = [&control, from, to](double done, std::string_view what) {
+            control.progress(from + (to - from) * done, what);
+        };
     return out;
 }
 
@@ -120,8 +121,8 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
                            const DelaunayTetOptions& options, const MeshingControl& control) {
     check_usable(SurfaceMesh::from_triangles(points, triangles));
     if (!(options.refinement_quality >= 0 && options.refinement_quality <= 1))
-        throw Error("FE206", "refinement quality " + std::to_string(options.refinement_quality) +
-                                 " is not between 0 and 1");
+        throw Error("FE206",
+                    "refinement quality " + std::to_string(options.refinement_quality) + " is not between 0 and 1");
     const MeshCheck found = check_mesh(points, triangles);
     check_surface(found);
     refuse_crossings(points, triangles);

@@ -36,8 +36,7 @@ class OuterPieces {
         constexpr std::size_t run = 1024;
         const auto find = [&](std::size_t t) {
             const Triangle& c = soup_.triangles[t];
-            const std::array<Vec3, 3> whole{soup_.points[at(c[0])], soup_.points[at(c[1])],
-                                            soup_.points[at(c[2])]};
+            const std::array<Vec3, 3> whole{soup_.points[at(c[0])], soup_.points[at(c[1])], soup_.points[at(c[2])]};
             std::size_t pieces = 0;
             cut(whole, kept[t], pieces);
             hidden[t] = kept[t].size() != pieces;
@@ -60,8 +59,7 @@ class OuterPieces {
     bool any_hidden() const { return any_hidden_; }
 
   private:
-    void cut(const std::array<Vec3, 3>& c, std::vector<std::array<Vec3, 3>>& kept,
-             std::size_t& pieces) const {
+    void cut(const std::array<Vec3, 3>& c, std::vector<std::array<Vec3, 3>>& kept, std::size_t& pieces) const {
         std::size_t longest = 0;
         const auto length2 = [&](std::size_t k) { return (c[(k + 1) % 3] - c[k]).squaredNorm(); };
         for (std::size_t k = 1; k < 3; ++k)
@@ -124,19 +122,16 @@ class Builder {
         // Four of the cells along the longest side are space around the level set.
         grid_.step = size.maxCoeff() / std::max(resolution - 4, 1);
         for (std::size_t d = 0; d < 3; ++d)
-            grid_.blocks[d] =
-                static_cast<int>(std::ceil((size[static_cast<int>(d)] / grid_.step + 4) / cells - 1e-9));
+            grid_.blocks[d] = static_cast<int>(std::ceil((size[static_cast<int>(d)] / grid_.step + 4) / cells - 1e-9));
         const Vec3 whole = Vec3(grid_.blocks[0], grid_.blocks[1], grid_.blocks[2]) * (cells * grid_.step);
         grid_.origin = box.centre() - 0.5 * whole;
     }
 
     std::size_t block_count() const {
-        return static_cast<std::size_t>(std::int64_t{1} * grid_.blocks[0] * grid_.blocks[1] *
-                                        grid_.blocks[2]);
+        return static_cast<std::size_t>(std::int64_t{1} * grid_.blocks[0] * grid_.blocks[1] * grid_.blocks[2]);
     }
     Block block(std::size_t n) const {
-        const auto nx = static_cast<std::size_t>(grid_.blocks[0]),
-                   ny = static_cast<std::size_t>(grid_.blocks[1]);
+        const auto nx = static_cast<std::size_t>(grid_.blocks[0]), ny = static_cast<std::size_t>(grid_.blocks[1]);
         return {static_cast<int>(n % nx), static_cast<int>(n / nx % ny), static_cast<int>(n / nx / ny)};
     }
     Vec3 centre(const Block& b) const {
@@ -146,9 +141,7 @@ class Builder {
     double block_radius() const { return 0.5 * cells * grid_.step * std::sqrt(3.0) * (1 + 1e-9); }
     const SurfaceTree& distances() const { return distances_ ? *distances_ : *tree_; }
     /// 1 outside, -1 inside.
-    int sign(const Vec3& p) const {
-        return soup_.is_closed && std::abs(tree_->winding_number(p)) > 0.5 ? -1 : 1;
-    }
+    int sign(const Vec3& p) const { return soup_.is_closed && std::abs(tree_->winding_number(p)) > 0.5 ? -1 : 1; }
 
     /// Calls work(i) for i in [0, count), a run at a time, and asks between runs whether to stop.
     template <class Work>
@@ -157,8 +150,7 @@ class Builder {
         for (std::size_t first = 0; first < count; first += run) {
             if (control_.stop && control_.stop()) throw Stopped();
             if (control_.progress)
-                control_.progress(from +
-                                      (to - from) * static_cast<double>(first) / static_cast<double>(count),
+                control_.progress(from + (to - from) * static_cast<double>(first) / static_cast<double>(count),
                                   "measuring distances");
             parallel_for(std::min(run, count - first), 4, [&](std::size_t i) { work(first + i); });
         }
@@ -213,8 +205,7 @@ class Builder {
                     const Vec3 p = grid_.position(b[0] * cells + i, b[1] * cells + j, b[2] * cells + k);
                     const double reach = i > 0 ? distance[s - 1] + grid_.step : near_centre + (p - c).norm();
                     distance[s] = distances().closest(p, reach * (1 + 1e-9)).distance;
-                    side[s] = static_cast<signed char>(one_side ? one_side
-                                                                : side_of(p, s, {i, j, k}, distance, side));
+                    side[s] = static_cast<signed char>(one_side ? one_side : side_of(p, s, {i, j, k}, distance, side));
                     auto f = static_cast<float>(side[s] * distance[s] - iso_);
                     if (f == 0) f = -FLT_MIN; // so that a surface inside another part makes no crossing
                     grid_.values[place * block_samples + s] = f;
@@ -323,8 +314,7 @@ class Flood {
         }
     }
     void leave_sample(const Place& p) {
-        const std::array<int, 3> i{p.sample % samples, p.sample / samples % samples,
-                                   p.sample / (samples * samples)};
+        const std::array<int, 3> i{p.sample % samples, p.sample / samples % samples, p.sample / (samples * samples)};
         const int place = grid_.slot_of(p.block);
         for (std::size_t d = 0; d < 3; ++d)
             for (int way : {-1, 1}) {

@@ -24,13 +24,11 @@ struct DistanceGrid {
     Vec3 origin = Vec3::Zero();  ///< position of the first sample
     double step = 1;             ///< side of a cell
     std::array<int, 3> blocks{}; ///< along x, y, z
-    std::vector<int> slot; ///< of each block (x fastest): place of its samples, or all_outside, all_inside
+    std::vector<int> slot;       ///< of each block (x fastest): place of its samples, or all_outside, all_inside
     std::vector<std::array<int, 3>> filled; ///< the blocks with samples, in the order of `slot`
     std::vector<float> values;              ///< samples^3 numbers a filled block, x fastest; never zero
 
-    static std::size_t sample(int i, int j, int k) {
-        return static_cast<std::size_t>((k * samples + j) * samples + i);
-    }
+    static std::size_t sample(int i, int j, int k) { return static_cast<std::size_t>((k * samples + j) * samples + i); }
     float at(int place, int i, int j, int k) const {
         return values[static_cast<std::size_t>(place) * (samples * samples * samples) + sample(i, j, k)];
     }
@@ -40,8 +38,7 @@ struct DistanceGrid {
         return (std::int64_t{b[2]} * blocks[1] + b[1]) * blocks[0] + b[0];
     }
     bool holds(const std::array<int, 3>& b) const {
-        return b[0] >= 0 && b[1] >= 0 && b[2] >= 0 && b[0] < blocks[0] && b[1] < blocks[1] &&
-               b[2] < blocks[2];
+        return b[0] >= 0 && b[1] >= 0 && b[2] >= 0 && b[0] < blocks[0] && b[1] < blocks[1] && b[2] < blocks[2];
     }
     /// Position of sample (i, j, k) counted over the whole grid.
     Vec3 position(int i, int j, int k) const { return origin + step * Vec3(i, j, k); }

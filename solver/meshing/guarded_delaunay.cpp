@@ -25,8 +25,7 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_3<int, Kernel>;
 using CellBase =
     CGAL::Triangulation_cell_base_with_info_3<char, Kernel, CGAL::Delaunay_triangulation_cell_base_3<Kernel>>;
-using Delaunay =
-    CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
+using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 using Cell = Delaunay::Cell_handle;
 using Facet = Delaunay::Facet;
 
@@ -94,13 +93,13 @@ class Builder {
     void watch(std::size_t done, std::size_t all) const {
         if (done % 256) return;
         if (control_.stop && control_.stop()) throw Stopped();
-        if (control_.progress) control_.progress(static_cast<double>(done) / static_cast<double>(all), "inserting points");
+        if (control_.progress)
+            control_.progress(static_cast<double>(done) / static_cast<double>(all), "inserting points");
     }
 
     void insert_surface() {
         std::vector<std::pair<Kernel::Point_3, int>> all;
-        for (std::size_t v = 0; v < surface_.size(); ++v)
-            all.emplace_back(point(surface_[v]), static_cast<int>(v));
+        for (std::size_t v = 0; v < surface_.size(); ++v) all.emplace_back(point(surface_[v]), static_cast<int>(v));
         delaunay_.insert(all.begin(), all.end());
         if (control_.stop && control_.stop()) throw Stopped();
     }
@@ -161,8 +160,7 @@ class Builder {
         std::vector<char> side(tets.size(), unknown);
         std::vector<std::size_t> open;
         for (std::size_t t = 0; t < tets.size(); ++t)
-            if (std::any_of(tets[t].begin(), tets[t].end(),
-                            [&](int v) { return v >= far_first && v < far_end; }))
+            if (std::any_of(tets[t].begin(), tets[t].end(), [&](int v) { return v >= far_first && v < far_end; }))
                 side[t] = outside, open.push_back(t);
         std::vector<Tet> out;
         while (!open.empty()) {
@@ -244,8 +242,7 @@ class Builder {
             for (const Cell& c : zone)
                 if (border.first == Cell() && !c->neighbor(k)->tds_data().is_in_conflict()) border = {c, k};
         for (const Cell& c : zone) c->tds_data().clear();
-        const auto v =
-            delaunay_.insert_in_hole(point(p), zone.begin(), zone.end(), border.first, border.second);
+        const auto v = delaunay_.insert_in_hole(point(p), zone.begin(), zone.end(), border.first, border.second);
         v->info() = number;
         hint_ = v->cell();
         return true;
@@ -290,8 +287,8 @@ class Builder {
 
 } // namespace
 
-GuardedDelaunay guarded_delaunay(const Points& surface, const std::vector<Triangle>& triangles,
-                                 const Points& inner, const MeshingControl& control) {
+GuardedDelaunay guarded_delaunay(const Points& surface, const std::vector<Triangle>& triangles, const Points& inner,
+                                 const MeshingControl& control) {
     return Builder(surface, triangles, control).make(inner);
 }
 

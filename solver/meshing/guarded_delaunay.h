@@ -7,11 +7,10 @@
 namespace sinew::solver {
 
 struct GuardedDelaunay {
-    std::vector<int>
-        missing;     ///< triangles that the vertices' Delaunay triangulation does not have; then no tets
-    Points vertices; ///< the surface's, then the inner points that were taken
+    std::vector<int> missing;  ///< triangles that the vertices' Delaunay triangulation does not have; then no tets
+    Points vertices;           ///< the surface's, then the inner points that were taken
     std::vector<int> left_out; ///< inner points that were not taken, by number
-    std::vector<Tet> tets; ///< inside the surface, positively oriented, in a canonical order
+    std::vector<Tet> tets;     ///< inside the surface, positively oriented, in a canonical order
 };
 
 /// Triangulates the surface's vertices, then adds inner points one by one, leaving out those that would
@@ -19,7 +18,7 @@ struct GuardedDelaunay {
 /// \param surface   no two vertices at one place
 /// \param triangles closed, not crossing each other
 /// Throws Stopped.
-GuardedDelaunay guarded_delaunay(const Points& surface, const std::vector<Triangle>& triangles,
-                                 const Points& inner, const MeshingControl& control);
+GuardedDelaunay guarded_delaunay(const Points& surface, const std::vector<Triangle>& triangles, const Points& inner,
+                                 const MeshingControl& control);
 
 } // namespace sinew::solver

@@ -54,8 +54,7 @@ void close_loop(const Points& points, const std::vector<int>& loop, std::vector<
     std::vector<int> before(at(n)), after(at(n));
     std::set<std::pair<double, int>> bridges; // squared length over corner i, i
     const auto bridge = [&](int i) {
-        return std::pair{
-            (points[at(loop[at(before[at(i)])])] - points[at(loop[at(after[at(i)])])]).squaredNorm(), i};
+        return std::pair{(points[at(loop[at(before[at(i)])])] - points[at(loop[at(after[at(i)])])]).squaredNorm(), i};
     };
     for (int i = 0; i < n; ++i) before[at(i)] = (i + n - 1) % n, after[at(i)] = (i + 1) % n;
     for (int i = 0; i < n; ++i) bridges.insert(bridge(i));

@@ -41,10 +41,8 @@ class Octree {
         , control_(control) {
         // Leaves of the median size come out right: the sizes of the others are halves and doubles of it.
         std::vector<double> sizes;
-        for (const Triangle& t : triangles)
-            sizes.push_back((edge_[at(t[0])] + edge_[at(t[1])] + edge_[at(t[2])]) / 3);
-        std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2),
-                         sizes.end());
+        for (const Triangle& t : triangles) sizes.push_back((edge_[at(t[0])] + edge_[at(t[1])] + edge_[at(t[2])]) / 3);
+        std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
         const double leaf = cube_per_edge * sizes[sizes.size() / 2];
         const Box box = bounding_box(points);
         const double wide = box.size().maxCoeff();
@@ -65,9 +63,8 @@ class Octree {
     using Key = std::array<std::int64_t, 3>; ///< in units of half the smallest possible leaf
 
     Vec3 position(const Key& k) const {
-        return corner_ +
-               side_ / static_cast<double>(std::int64_t{1} << (deepest + 1)) *
-                   Vec3(static_cast<double>(k[0]), static_cast<double>(k[1]), static_cast<double>(k[2]));
+        return corner_ + side_ / static_cast<double>(std::int64_t{1} << (deepest + 1)) *
+                             Vec3(static_cast<double>(k[0]), static_cast<double>(k[1]), static_cast<double>(k[2]));
     }
     double edge_at(const ClosestPoint& c) const {
         const Triangle& t = triangles_[at(c.triangle)];
@@ -89,8 +86,7 @@ class Octree {
         if (near.distance > radius && !tree_.inside(c)) return;
         if (side > 1.0001 * cube_per_edge * (edge_at(near) + growth_ * near.distance) && level < deepest) {
             for (int k = 0; k < 8; ++k)
-                visit(level + 1,
-                      {low[0] + half * (k & 1), low[1] + half * (k >> 1 & 1), low[2] + half * (k >> 2)},
+                visit(level + 1, {low[0] + half * (k & 1), low[1] + half * (k >> 1 & 1), low[2] + half * (k >> 2)},
                       from + (to - from) * k / 8, from + (to - from) * (k + 1) / 8);
             return;
         }
@@ -100,16 +96,14 @@ class Octree {
     }
 
     void take(const Key& k) {
-        const std::uint64_t number = static_cast<std::uint64_t>(k[0]) << 42 |
-                                     static_cast<std::uint64_t>(k[1]) << 21 |
+        const std::uint64_t number = static_cast<std::uint64_t>(k[0]) << 42 | static_cast<std::uint64_t>(k[1]) << 21 |
                                      static_cast<std::uint64_t>(k[2]);
         if (!seen_.insert(number).second) return;
         const Vec3 p = position(k);
         const ClosestPoint near = tree_.closest(p);
         if (near.distance < 0.55 * edge_at(near) || !tree_.inside(p)) return;
         if (found_.points.size() == most_)
-            throw Error("FE232",
-                        "the tets would need more than " + std::to_string(most_) + " vertices inside",
+            throw Error("FE232", "the tets would need more than " + std::to_string(most_) + " vertices inside",
                         "Choose a smaller refinementQuality, or a coarser surface.");
         found_.points.push_back(p);
         found_.edges.push_back(edge_at(near) + growth_ * near.distance);
@@ -129,8 +123,8 @@ class Octree {
 
 } // namespace
 
-InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth,
-                         std::size_t most, const MeshingControl& control) {
+InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth, std::size_t most,
+                         const MeshingControl& control) {
     return Octree(points, triangles, growth, most, control).make();
 }
 

@@ -17,7 +17,7 @@ struct InnerPoints {
 /// size fits edges of length e + growth * distance, with e the mean edge of the surface at the closest point.
 /// Points closer to the surface than about half e are left out. In Morton order; the same for every thread
 /// count. \param triangles closed, facing outwards Throws Stopped; Error FE232 (more than `most` points).
-InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth,
-                         std::size_t most, const MeshingControl& control);
+InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth, std::size_t most,
+                         const MeshingControl& control);
 
 } // namespace sinew::solver

@@ -77,17 +77,21 @@ class Watch {
 
 /// The coordinates in which the mesh is made: near the surface's middle, the level set's size within 2^33 of 1.
 /// Far from the origin there is nothing left of the numbers' precision for circumcentres and offsets, and
-/// far from size 1 products overflow. Shifts are whole multiples of a power of two, some thousand times the size, scales
-/// whole powers of 2^64: no number is rounded, and ordinary meshes near the origin keep theirs.
+/// far from size 1 products overflow. Shifts are whole multiples of a power of two, some thousand times the size,
+/// scales whole powers of 2^64: no number is rounded, and ordinary meshes near the origin keep theirs.
 struct Frame {
     Vec3 shift = Vec3::Zero();
     int exponent = 0;
     double farthest = 0; ///< largest coordinate, in size
 
     double in(double length) const { return std::ldexp(length, exponent); }
-    Vec3 in(const Vec3& p) const { return (p - shift).unaryExpr([this](double x) { return in(x); }); }
+    Vec3 in(const Vec3& p) const {
+        return (p - shift).unaryExpr([this](double x) { return in(x); });
+    }
     double out(double length) const { return std::ldexp(length, -exponent); }
-    Vec3 out(const Vec3& p) const { return Vec3(p.unaryExpr([this](double x) { return out(x); })) + shift; }
+    Vec3 out(const Vec3& p) const {
+        return Vec3(p.unaryExpr([this](double x) { return out(x); })) + shift;
+    }
 };
 
 Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {
@@ -158,7 +162,9 @@ struct Scales {
     /// Sheets wrapped at less than this may fall between the grid's samples.
     double least_iso() const { return 0.5 * cell; }
     /// The resolution at which `small`, half a cell or more, would be one.
-    int resolution_for(double small) const { return static_cast<int>(std::ceil(std::min(1e6, resolution * 0.5 * cell / small))); }
+    int resolution_for(double small) const {
+        return static_cast<int>(std::ceil(std::min(1e6, resolution * 0.5 * cell / small)));
+    }
 };
 
 [[noreturn]] void refuse_endless(const Vec3& place, const Scales& scales) {
@@ -168,8 +174,10 @@ struct Scales {
         throw Error("FE234",
                     "the level set cannot be meshed: triangles of " + short_number(scales.triangle) +
                         " are finer than the grid's cells of " + short_number(scales.cell) +
-                        ", at whose sides the distance has kinks; they become smaller and smaller near " + place_text(place),
-                    (finer <= most_resolution ? "Raise resolution to " + std::to_string(finer) + " or more, or" : std::string("Raise")) +
+                        ", at whose sides the distance has kinks; they become smaller and smaller near " +
+                        place_text(place),
+                    (finer <= most_resolution ? "Raise resolution to " + std::to_string(finer) + " or more, or"
+                                              : std::string("Raise")) +
                         " triangleSize to " + short_number(factor) + " times its value.");
     }
     throw Error("FE234",
@@ -185,8 +193,7 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
     SurfaceMesherInput in;
     in.seeds = seeds.points;
     in.inside = seeds.inside;
-    in.reach =
-        2 * grid.step * DistanceGrid::cells * Vec3(grid.blocks[0], grid.blocks[1], grid.blocks[2]).norm();
+    in.reach = 2 * grid.step * DistanceGrid::cells * Vec3(grid.blocks[0], grid.blocks[1], grid.blocks[2]).norm();
     in.is_manifold = scales.is_manifold;
     // The mean edge comes out at about 1.1 radii.
     in.radius = 0.9 * size;
@@ -231,14 +238,16 @@ std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
     std::iota(parent.begin(), parent.end(), 0);
     const auto root = [&](int v) {
         while (parent[static_cast<std::size_t>(v)] != v)
-            v = parent[static_cast<std::size_t>(v)] = parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(v)])];
+            v = parent[static_cast<std::size_t>(v)] =
+                parent[static_cast<std::size_t>(parent[static_cast<std::size_t>(v)])];
         return v;
     };
     for (const Triangle& t : mesh.triangles)
         for (int k = 1; k < 3; ++k) parent[static_cast<std::size_t>(root(t[static_cast<std::size_t>(k)]))] = root(t[0]);
     std::vector<int> component(mesh.points.size(), -1); // of each root
     for (std::size_t s = 0; s < seeds.points.size(); ++s)
-        if (const int v = mesh.vertex_of_seed[s]; v >= 0) component[static_cast<std::size_t>(root(v))] = seeds.component[s];
+        if (const int v = mesh.vertex_of_seed[s]; v >= 0)
+            component[static_cast<std::size_t>(root(v))] = seeds.component[s];
     std::vector<double> areas(seeds.areas.size(), 0.0);
     for (const Triangle& t : mesh.triangles) {
         const int c = component[static_cast<std::size_t>(root(t[0]))];
@@ -256,13 +265,15 @@ std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
     return torn;
 }
 
-[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame, const Scales& scales) {
+[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame,
+                              const Scales& scales) {
     std::size_t first = 0;
     while (seeds.component[first] != torn.front()) ++first;
     const std::string where = "the surface near " + place_text(frame.out(seeds.points[first]));
     if (!(scales.iso > 0))
-        throw Error("FE231", where + " is a sheet too thin for the triangles: crumbs of it would be left",
-                    "Give an isoValue above 0 so that it gets a thickness, a smaller triangleSize, or a higher resolution.");
+        throw Error(
+            "FE231", where + " is a sheet too thin for the triangles: crumbs of it would be left",
+            "Give an isoValue above 0 so that it gets a thickness, a smaller triangleSize, or a higher resolution.");
     std::string hint = "Give a larger isoValue, a higher resolution, or a smaller triangleSize.";
     if (scales.iso < scales.least_iso()) { // smaller triangles would follow the crumbs
         const int finer = scales.resolution_for(scales.iso);
@@ -270,8 +281,9 @@ std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
                (finer <= most_resolution ? ", or a resolution of " + std::to_string(finer) + " or more." : ".");
     }
     throw Error("FE231",
-                where + " is a sheet of thickness " + short_number(2 * scales.iso) + " (twice the isoValue), too thin for grid cells of " +
-                    short_number(scales.cell) + " and triangles of " + short_number(scales.triangle) + ": crumbs of it would be left",
+                where + " is a sheet of thickness " + short_number(2 * scales.iso) +
+                    " (twice the isoValue), too thin for grid cells of " + short_number(scales.cell) +
+                    " and triangles of " + short_number(scales.triangle) + ": crumbs of it would be left",
                 hint);
 }
 
@@ -291,8 +303,7 @@ void check_manifold(const IsoMesh& mesh) {
     std::string flaws;
     for (const std::string& f :
          {describe(found.open_edges, "open edge", "open edges"),
-          describe(found.non_manifold_edges, "edge with more than two triangles",
-                   "edges with more than two triangles"),
+          describe(found.non_manifold_edges, "edge with more than two triangles", "edges with more than two triangles"),
           describe(found.badly_oriented_edges, "edge between opposite sides", "edges between opposite sides"),
           describe(found.non_manifold_vertices, "vertex with several fans", "vertices with several fans")})
         if (!f.empty()) flaws += (flaws.empty() ? "" : ", ") + f;
@@ -309,8 +320,8 @@ double default_triangle_size(const Points& points, const std::vector<Triangle>& 
     return size_for(make_soup(points, triangles));
 }
 
-IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangles,
-                      const IsoMeshOptions& options, const MeshingControl& control) {
+IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangles, const IsoMeshOptions& options,
+                      const MeshingControl& control) {
     check(options);
     Watch watch(control, options.most_seconds);
     const Frame frame = frame_for(points, triangles, options.iso_value);
@@ -318,33 +329,33 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
     for (Vec3& p : near) p = frame.in(p);
     Soup soup = make_soup(near, triangles);
     if (!soup.is_closed && !(options.iso_value > 0))
-        throw Error(
-            "FE230",
-            "the mesh is open (" + std::to_string(soup.open_edges) +
-                " edges are not shared by triangles in opposite directions, the first between vertices " +
-                std::to_string(soup.first_open[0]) + " and " + std::to_string(soup.first_open[1]) +
-                "), so it has no inside for an iso value of " + short_number(options.iso_value),
-            "Give an isoValue above 0, or close the mesh.");
+        throw Error("FE230",
+                    "the mesh is open (" + std::to_string(soup.open_edges) +
+                        " edges are not shared by triangles in opposite directions, the first between vertices " +
+                        std::to_string(soup.first_open[0]) + " and " + std::to_string(soup.first_open[1]) +
+                        "), so it has no inside for an iso value of " + short_number(options.iso_value),
+                    "Give an isoValue above 0, or close the mesh.");
     if (!(options.iso_value > 0)) drop_opposite(soup);
     turn_outwards(soup.points, soup.triangles);
     const double iso = frame.in(options.iso_value);
     // Triangles larger than the level set are no different from one another.
     const double most_size = 2 * (bounding_box(soup.points).size().norm() + 4 * std::abs(iso));
-    const double size = options.triangle_size > 0 ? std::min(frame.in(options.triangle_size), most_size) : size_for(soup);
+    const double size =
+        options.triangle_size > 0 ? std::min(frame.in(options.triangle_size), most_size) : size_for(soup);
     check_precision(frame, frame.out(size));
     const DistanceGrid grid = make_distance_grid(soup, iso, options.resolution, watch.part(0, grid_share));
     IsoSeeds seeds = make_iso_seeds(grid, 1e300, {}, watch.part(0, 1));
     if (seeds.points.empty())
-        throw Error(
-            "FE231", "nothing lies at a distance of " + short_number(options.iso_value) + " from the mesh",
-            "A negative isoValue must be smaller in size than the mesh is thick; a thin mesh also needs a "
-            "higher resolution.");
+        throw Error("FE231", "nothing lies at a distance of " + short_number(options.iso_value) + " from the mesh",
+                    "A negative isoValue must be smaller in size than the mesh is thick; a thin mesh also needs a "
+                    "higher resolution.");
     check_count(seeds.area(), size);
 
     IsoMesh mesh;
     mesh.components = seeds.areas.size();
     std::vector<int> finer(seeds.areas.size(), 0);
-    const Scales scales{options.iso_value, frame.out(size), frame.out(grid.step), options.resolution, options.is_manifold};
+    const Scales scales{options.iso_value, frame.out(size), frame.out(grid.step), options.resolution,
+                        options.is_manifold};
     constexpr int attempts = 3;
     for (int attempt = 0; attempt < attempts; ++attempt) {
         seeds = make_iso_seeds(grid, size, finer, watch.part(0, 1));
@@ -361,8 +372,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
     }
     if (mesh.triangles.empty())
         throw Error("FE231",
-                    "all " + std::to_string(mesh.components) +
-                        " pieces of the level set are too small to be meshed",
+                    "all " + std::to_string(mesh.components) + " pieces of the level set are too small to be meshed",
                     "Choose a smaller triangleSize, a higher resolution or another isoValue.");
     if (options.is_manifold) check_manifold(mesh);
     for (Vec3& p : mesh.points) p = frame.out(p);

@@ -91,8 +91,7 @@ std::vector<Crossing> crossings(const DistanceGrid& grid, IsoSeeds& seeds, const
             for (int j = 0; j < cells; ++j)
                 for (int i = 0; i < cells; ++i) {
                     const float here = grid.at(slot, i, j, k);
-                    const Vec3 p =
-                        grid.position(block[0] * cells + i, block[1] * cells + j, block[2] * cells + k);
+                    const Vec3 p = grid.position(block[0] * cells + i, block[1] * cells + j, block[2] * cells + k);
                     if (here < 0 && !has_inside) seeds.inside = p, has_inside = true;
                     const std::array<float, 3> next{grid.at(slot, i + 1, j, k), grid.at(slot, i, j + 1, k),
                                                     grid.at(slot, i, j, k + 1)};
@@ -100,8 +99,7 @@ std::vector<Crossing> crossings(const DistanceGrid& grid, IsoSeeds& seeds, const
                         const double a = here, b = next[at(d)];
                         if ((a < 0) == (b < 0)) continue;
                         const std::uint32_t root = components.find(slot, {i, j, k});
-                        const auto [entry, is_new] =
-                            numbers.try_emplace(root, static_cast<int>(numbers.size()));
+                        const auto [entry, is_new] = numbers.try_emplace(root, static_cast<int>(numbers.size()));
                         Vec3 q = p;
                         q[d] += grid.step * (a / (a - b));
                         out.push_back({q, entry->second});
@@ -140,15 +138,14 @@ class Thinning {
 
   private:
     Index cell(const Vec3& p) const {
-        return {static_cast<int>(std::floor(p.x() / distance_)),
-                static_cast<int>(std::floor(p.y() / distance_)),
+        return {static_cast<int>(std::floor(p.x() / distance_)), static_cast<int>(std::floor(p.y() / distance_)),
                 static_cast<int>(std::floor(p.z() / distance_))};
     }
     /// Cells 2^21 apart share a key; their points are compared in vain, no more.
     static std::uint64_t key(const Index& c) {
         constexpr std::uint64_t mask = (1u << 21) - 1;
-        return (static_cast<std::uint64_t>(c[0]) & mask) << 42 |
-               (static_cast<std::uint64_t>(c[1]) & mask) << 21 | (static_cast<std::uint64_t>(c[2]) & mask);
+        return (static_cast<std::uint64_t>(c[0]) & mask) << 42 | (static_cast<std::uint64_t>(c[1]) & mask) << 21 |
+               (static_cast<std::uint64_t>(c[2]) & mask);
     }
     double distance_;
     std::unordered_map<std::uint64_t, std::vector<Vec3>> taken_;

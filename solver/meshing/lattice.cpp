@@ -38,8 +38,8 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
         const std::string count = along < 1e15 ? std::to_string(static_cast<long long>(along)) : "over 1e15";
         throw Error("FE210",
                     "the lattice would have " + count + " cubes along the longest side" +
-                        (levels > 0 ? ", refined " + std::to_string(levels) + " times" : "") +
-                        "; the limit is " + std::to_string(static_cast<long long>(limit)),
+                        (levels > 0 ? ", refined " + std::to_string(levels) + " times" : "") + "; the limit is " +
+                        std::to_string(static_cast<long long>(limit)),
                     levels > 0 ? "raise the tet size or the maximum resolution, or refine less"
                                : "raise the tet size or the maximum resolution");
     }
@@ -63,8 +63,8 @@ TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces,
     const double least = std::max(least_coverage, std::numeric_limits<double>::min());
     parallel_for(pieces.size(), 256, [&](std::size_t t) {
         for (std::size_t k = 0; k < 4; ++k)
-            mesh.tets[t][k] = static_cast<int>(
-                std::lower_bound(sorted.begin(), sorted.end(), numbers[4 * t + k]) - sorted.begin());
+            mesh.tets[t][k] =
+                static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), numbers[4 * t + k]) - sorted.begin());
         mesh.coverage[t] = std::max(pieces[t].share, least);
     });
     return mesh;
@@ -85,9 +85,7 @@ double excess(const BccGrid& finest, const std::vector<LatticePiece>& pieces, do
 struct Lattice {
     BccGrid finest;
     std::vector<LatticePiece> pieces;
-    bool is_sound(double least_coverage) const {
-        return excess(finest, pieces, least_coverage) <= most_excess;
-    }
+    bool is_sound(double least_coverage) const { return excess(finest, pieces, least_coverage) <= most_excess; }
 };
 
 Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
@@ -145,18 +143,17 @@ std::string finer_advice(const Solid& solid, const Paint& paint, double side, co
     const double heavier = excess(lattice.finest, lattice.pieces, options.least_coverage);
     throw Error("FE210",
                 "the tet size of " + number(side) + " is too large for this mesh: " +
-                    (std::isfinite(heavier)
-                         ? "with the least share of " + number(options.least_coverage) +
-                               " that every tet counts as solid, its volume would come out " +
-                               number(1 + heavier) + " times as large"
-                         : "no tet would hold a share of it"),
+                    (std::isfinite(heavier) ? "with the least share of " + number(options.least_coverage) +
+                                                  " that every tet counts as solid, its volume would come out " +
+                                                  number(1 + heavier) + " times as large"
+                                            : "no tet would hold a share of it"),
                 finer_advice(solid, paint, side, options, control));
 }
 
 } // namespace
 
-TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles,
-                     const LatticeOptions& options, const MeshingControl& control) {
+TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options,
+                     const MeshingControl& control) {
     const Solid solid = make_solid(points, triangles, options.fill, control);
     const Paint paint(solid, options.refinement, options.propagation);
     const double side = checked_side(solid, options, paint.highest());

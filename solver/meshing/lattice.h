@@ -10,9 +10,8 @@
 namespace sinew::solver {
 
 struct LatticeOptions {
-    double tet_size = 0; ///< cube side; 0 = longest side of the bounding box / 3.5
-    int max_resolution =
-        150; ///< refuse (FE210) a lattice with more of its finest cubes along the longest side
+    double tet_size = 0;      ///< cube side; 0 = longest side of the bounding box / 3.5
+    int max_resolution = 150; ///< refuse (FE210) a lattice with more of its finest cubes along the longest side
     /// Lower bound of a tet's coverage: a tet that the solid only grazes keeps this much mass and stiffness,
     /// so that vertices which hang on such tets alone do not fold. Costs about 1e-5 of the volume at the
     /// default size; a lattice that it makes more than a tenth too heavy is refused (FE210).
@@ -38,7 +37,7 @@ struct LatticeOptions {
 /// Error FE201 (empty), FE202 (not finite), FE203 (index), FE204 (count of refinement), FE206 (options),
 /// FE210 (too fine, or too coarse to know its volume), FE211 (flat, closed around no volume, or one-sided),
 /// FE220 (not watertight); Stopped.
-TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles,
-                     const LatticeOptions& options, const MeshingControl& control = {});
+TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options,
+                     const MeshingControl& control = {});
 
 } // namespace sinew::solver

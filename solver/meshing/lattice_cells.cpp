@@ -20,8 +20,7 @@ struct Contact {
 std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// All tets that one triangle touches.
-void find_contacts(const BccGrid& grid, const std::array<Vec3, 3>& corners, int triangle,
-                   std::vector<Contact>& out) {
+void find_contacts(const BccGrid& grid, const std::array<Vec3, 3>& corners, int triangle, std::vector<Contact>& out) {
     constexpr double reach = 1e-6; // more than touch_slack, in lattice coordinates
     const Vec3 low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
     const Vec3 high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
@@ -32,8 +31,7 @@ void find_contacts(const BccGrid& grid, const std::array<Vec3, 3>& corners, int 
         for (int d = 0; d < 3; ++d) {
             // Across the axis a group of four tets spans its face (2 units); along it, one unit to either
             // side.
-            const double below = d == axis ? low[d] - 1 : low[d] - 2,
-                         above = d == axis ? high[d] + 1 : high[d];
+            const double below = d == axis ? low[d] - 1 : low[d] - 2, above = d == axis ? high[d] + 1 : high[d];
             first[d] = std::max(d == axis ? 1 : 0, static_cast<int>(std::ceil((below - reach) / 2)));
             last[d] = std::min(grid.cubes[at(d)] - 1, static_cast<int>(std::floor((above + reach) / 2)));
         }
@@ -45,8 +43,7 @@ void find_contacts(const BccGrid& grid, const std::array<Vec3, 3>& corners, int 
                     // triangle's plane.
                     Vec3 middle(2 * x + 1, 2 * y + 1, 2 * z + 1);
                     middle[axis] -= 1;
-                    const double extent =
-                        std::max(std::abs(normal[axis]), std::abs(normal[u]) + std::abs(normal[v]));
+                    const double extent = std::max(std::abs(normal[axis]), std::abs(normal[u]) + std::abs(normal[v]));
                     if (std::abs(normal.dot(middle) - level) > extent + reach) continue;
                     const std::int64_t group = 12 * grid.cube_number({x, y, z}) + 4 * axis;
                     for (int edge = 0; edge < 4; ++edge)
@@ -158,10 +155,8 @@ class Finder {
         std::vector<signed char> is_inside(at(grid_.vertex_numbers()), unknown);
         std::vector<Untouched> kept;
         for_each_untouched([&](std::int64_t tet) {
-            signed char& inside =
-                is_inside[at(regions.root(grid_.vertex_number(grid_.tet_vertices(tet)[0])))];
-            if (inside == unknown)
-                inside = untouched_state(solid_, corner_positions(grid_, tet)) == CellState::inside;
+            signed char& inside = is_inside[at(regions.root(grid_.vertex_number(grid_.tet_vertices(tet)[0])))];
+            if (inside == unknown) inside = untouched_state(solid_, corner_positions(grid_, tet)) == CellState::inside;
             if (inside) kept.push_back({tet, CellState::inside});
         });
         return kept;
@@ -170,9 +165,7 @@ class Finder {
     /// An open surface has no regions: the winding number changes smoothly through its holes.
     std::vector<Untouched> inside_open() {
         std::vector<char> inside(at(grid_.vertex_numbers()), 0);
-        const auto is_vertex = [](const BccGrid::Key& k) {
-            return k[0] % 2 == k[1] % 2 && k[1] % 2 == k[2] % 2;
-        };
+        const auto is_vertex = [](const BccGrid::Key& k) { return k[0] % 2 == k[1] % 2 && k[1] % 2 == k[2] % 2; };
         const MeshingPhase phase{control_, 0.3, 0.45, "finding the inside"};
         phase.run(inside.size(), 256, [&](std::size_t i) {
             const BccGrid::Key key = grid_.vertex_key(static_cast<std::int64_t>(i));
@@ -204,14 +197,13 @@ std::vector<std::array<Vec3, 3>> lattice_corners(const Solid& solid, const BccGr
     return corners;
 }
 
-BarycentricTriangle seen_from(const BccGrid& grid, std::int64_t tet,
-                              const std::array<Vec3, 3>& lattice_triangle) {
+BarycentricTriangle seen_from(const BccGrid& grid, std::int64_t tet, const std::array<Vec3, 3>& lattice_triangle) {
     const BccGrid::Key upper = grid.tet_vertices(tet)[1];
     const BccGrid::Key cube{upper[0] / 2, upper[1] / 2, upper[2] / 2};
     BarycentricTriangle result;
     for (std::size_t c = 0; c < 3; ++c)
-        result[c] = bcc_barycentric(cube, static_cast<int>(tet % 12) / 4, static_cast<int>(tet % 4),
-                                    lattice_triangle[c]);
+        result[c] =
+            bcc_barycentric(cube, static_cast<int>(tet % 12) / 4, static_cast<int>(tet % 4), lattice_triangle[c]);
     return result;
 }
 
@@ -222,8 +214,7 @@ std::array<Vec3, 4> corner_positions(const BccGrid& grid, std::int64_t tet) {
 
 CellState untouched_state(const Solid& solid, const std::array<Vec3, 4>& c) {
     const auto is_inside = [&](const Vec3& p) { return solid.tree.inside_either_way(p); };
-    if (solid.is_closed)
-        return is_inside((c[0] + c[1] + c[2] + c[3]) / 4) ? CellState::inside : CellState::outside;
+    if (solid.is_closed) return is_inside((c[0] + c[1] + c[2] + c[3]) / 4) ? CellState::inside : CellState::outside;
     const auto count = std::count_if(c.begin(), c.end(), is_inside);
     return count == 4 ? CellState::inside : count > 0 ? CellState::mixed : CellState::outside;
 }

@@ -36,8 +36,7 @@ struct CoarseCells {
 std::vector<std::array<Vec3, 3>> lattice_corners(const Solid& solid, const BccGrid& grid);
 
 /// A triangle, given in the lattice's coordinates, as seen from a tet.
-BarycentricTriangle seen_from(const BccGrid& grid, std::int64_t tet,
-                              const std::array<Vec3, 3>& lattice_triangle);
+BarycentricTriangle seen_from(const BccGrid& grid, std::int64_t tet, const std::array<Vec3, 3>& lattice_triangle);
 
 std::array<Vec3, 4> corner_positions(const BccGrid& grid, std::int64_t tet);
 

@@ -36,8 +36,7 @@ struct MeshingPhase {
         for (std::size_t first = 0; first < count; first += block) {
             const std::size_t size = std::min(block, count - first);
             parallel_for(size, grain, [&](std::size_t i) { body(first + i); });
-            control.report(
-                from + (to - from) * static_cast<double>(first + size) / static_cast<double>(count), what);
+            control.report(from + (to - from) * static_cast<double>(first + size) / static_cast<double>(count), what);
         }
     }
 };

@@ -27,14 +27,13 @@ Paint::Paint(const Solid& solid, const std::vector<double>& levels, double propa
     const std::size_t count = solid.points.size();
     if (levels.size() > 1 && levels.size() != count)
         throw Error("FE204",
-                    std::to_string(levels.size()) + " refinement levels for a mesh of " +
-                        std::to_string(count) + " vertices",
+                    std::to_string(levels.size()) + " refinement levels for a mesh of " + std::to_string(count) +
+                        " vertices",
                     "give one per vertex, one for all, or none");
     if (!(propagation >= 0 && propagation <= 1))
         throw Error("FE206", "the refinement's propagation must lie in 0 to 1");
     for (double l : levels)
-        if (!(l >= 0) || !std::isfinite(l))
-            throw Error("FE206", "refinement levels must be finite and not negative");
+        if (!(l >= 0) || !std::isfinite(l)) throw Error("FE206", "refinement levels must be finite and not negative");
     if (levels.empty()) return;
     levels_.assign(count, 0.0);
     for (std::size_t v = 0; v < count; ++v) {
@@ -65,8 +64,7 @@ bool Paint::wants_more(int level, int triangle, const BarycentricTriangle& in_te
         if (above[c] > 0) part[size++] = in_tet[c];
         if ((above[c] > 0) == (above[next] > 0)) continue;
         const double t = above[c] / (above[c] - above[next]);
-        for (std::size_t k = 0; k < 4; ++k)
-            part[size][k] = in_tet[c][k] + t * (in_tet[next][k] - in_tet[c][k]);
+        for (std::size_t k = 0; k < 4; ++k) part[size][k] = in_tet[c][k] + t * (in_tet[next][k] - in_tet[c][k]);
         ++size;
     }
     return touches_tet({part[0], part[1], part[2]}, touch_slack) ||

@@ -70,9 +70,7 @@ std::vector<GreenPart> make_green_parts(unsigned pattern) {
     return parts;
 }
 
-BccGrid::Key sum(const BccGrid::Key& a, const BccGrid::Key& b) {
-    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
-}
+BccGrid::Key sum(const BccGrid::Key& a, const BccGrid::Key& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
 
 } // namespace
 
@@ -169,8 +167,7 @@ void RedGreen::settle(CellName name) {
     if (closed == all_edges) return make_red(name);
     const auto corners = here.grid.tet_vertices(cell.number);
     for (std::size_t e = 0; e < 6; ++e)
-        if ((closed & ~split) >> e & 1u)
-            split_edge({name.level, corners[edge_ends[e][0]], corners[edge_ends[e][1]]});
+        if ((closed & ~split) >> e & 1u) split_edge({name.level, corners[edge_ends[e][0]], corners[edge_ends[e][1]]});
 }
 
 void RedGreen::drain() {

@@ -56,8 +56,7 @@ class Refiner {
     }
 
     RefinedCells refined() {
-        if (paint_.highest() > 0)
-            cells_.refine([this](int level, std::size_t first) { return judge(level, first); });
+        if (paint_.highest() > 0) cells_.refine([this](int level, std::size_t first) { return judge(level, first); });
         std::vector<Leaf> leaves;
         for (std::size_t root = 0; root < cells_.levels()[0].cells.size(); ++root)
             collect(0, static_cast<int>(root), leaves);
@@ -92,8 +91,7 @@ class Refiner {
         for (const RedGreen::Level& l : cells_.levels()) cells += static_cast<std::int64_t>(l.cells.size());
         if (cells > options_.most_tets)
             throw Error("FE210",
-                        "the refined lattice would have more than " + std::to_string(options_.most_tets) +
-                            " tets",
+                        "the refined lattice would have more than " + std::to_string(options_.most_tets) + " tets",
                         "raise the tet size, or refine less or on a smaller part");
     }
 
@@ -176,9 +174,8 @@ class Refiner {
             int side = -1;
             for (std::int64_t c : corners[i]) side = std::max(side, facts.sides.find(c));
             const CellState state =
-                side >= 0
-                    ? (side == 1 ? CellState::inside : CellState::outside)
-                    : untouched_state(solid_, corner_positions(here.grid, here.cells[first + i].number));
+                side >= 0 ? (side == 1 ? CellState::inside : CellState::outside)
+                          : untouched_state(solid_, corner_positions(here.grid, here.cells[first + i].number));
             settle(i, state);
             spread();
         }
@@ -231,8 +228,7 @@ class Refiner {
         const auto keys = here.grid.tet_vertices(number);
         if (leaf.pattern == 0) {
             for (std::size_t k = 0; k < 4; ++k) out->corners[k] = times(keys[k], 1 << (finest - leaf.level));
-            out->share =
-                share(state, corner_positions(here.grid, number), {touching.begin(), touching.end()});
+            out->share = share(state, corner_positions(here.grid, number), {touching.begin(), touching.end()});
             return;
         }
         // Corners and midpoints in the coordinates of the next level.
@@ -285,8 +281,7 @@ class Refiner {
         return result;
     }
 
-    double share(CellState state, const std::array<Vec3, 4>& corners,
-                 const std::vector<int>& touching) const {
+    double share(CellState state, const std::array<Vec3, 4>& corners, const std::vector<int>& touching) const {
         constexpr double left_out = -1;
         if (state == CellState::outside) return left_out;
         if (state != CellState::touched && options_.is_surface_only) return left_out;
@@ -311,8 +306,8 @@ class Refiner {
 
 } // namespace
 
-RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse,
-                          const Paint& paint, const RefineOptions& options, const MeshingControl& control) {
+RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse, const Paint& paint,
+                          const RefineOptions& options, const MeshingControl& control) {
     return Refiner(solid, grid, coarse, paint, options, control).refined();
 }
 

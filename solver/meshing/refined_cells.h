@@ -27,7 +27,7 @@ struct RefineOptions {
 
 /// Refines and computes all shares. Order: coarse tets by number; inside one the tree of its parts, each cut
 /// as RedGreen says. Throws Error FE210 (too many tets), Stopped.
-RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse,
-                          const Paint& paint, const RefineOptions& options, const MeshingControl& control);
+RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse, const Paint& paint,
+                          const RefineOptions& options, const MeshingControl& control);
 
 } // namespace sinew::solver

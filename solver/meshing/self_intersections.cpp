@@ -27,12 +27,10 @@ class Finder {
         for (std::size_t v = 0; v < points.size(); ++v) {
             const Vec3& p = points[v];
             // + 0.0 makes -0 and 0 the same place.
-            place[v] = number.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(v))
-                           .first->second;
+            place[v] = number.try_emplace({p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(v)).first->second;
             points_.emplace_back(p.x(), p.y(), p.z());
         }
-        for (const auto& [a, b, c] : triangles)
-            triangles_.push_back({place[at(a)], place[at(b)], place[at(c)]});
+        for (const auto& [a, b, c] : triangles) triangles_.push_back({place[at(a)], place[at(b)], place[at(c)]});
     }
 
     std::vector<std::array<int, 2>> pairs() const {

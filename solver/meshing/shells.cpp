@@ -151,8 +151,8 @@ Nesting find_nesting(const Points& points, const std::vector<Shell>& shells) {
             }
     }
     for (std::size_t i = 0; i < shells.size(); ++i) {
-        const auto outermost = std::find_if(holders[i].begin(), holders[i].end(),
-                                            [&](std::size_t h) { return found.depth[h] == 0; });
+        const auto outermost =
+            std::find_if(holders[i].begin(), holders[i].end(), [&](std::size_t h) { return found.depth[h] == 0; });
         found.root.push_back(static_cast<int>(outermost == holders[i].end() ? i : *outermost));
     }
     return found;

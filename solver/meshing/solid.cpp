@@ -34,8 +34,7 @@ double area(const Points& points, const std::vector<Triangle>& triangles) {
 
 /// Looks just below and above each triangle, at points no farther apart than a twentieth of the mesh or so.
 std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Triangle>& triangles,
-                                     const SurfaceTree& tree, double longest_side,
-                                     const MeshingPhase& phase) {
+                                     const SurfaceTree& tree, double longest_side, const MeshingPhase& phase) {
     std::vector<Solid::Sides> result(triangles.size());
     phase.run(triangles.size(), 16, [&](std::size_t i) {
         const Vec3 &a = points[at(triangles[i][0])], u = points[at(triangles[i][1])] - a,

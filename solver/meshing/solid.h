@@ -21,8 +21,8 @@ struct Solid {
         bool are_known() const { return below != above; }
         bool operator==(const Sides& o) const { return below == o.below && above == o.above; }
     };
-    Points points;          ///< as given
-    std::vector<int> place; ///< first vertex at the same place, for each; the triangles use only these
+    Points points;                   ///< as given
+    std::vector<int> place;          ///< first vertex at the same place, for each; the triangles use only these
     std::vector<Triangle> triangles; ///< without those that have two corners in one place; lids at the end
     Box box;                         ///< of the triangles
     int border_edges = 0;            ///< before holes were closed
@@ -35,7 +35,7 @@ struct Solid {
 
 /// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, closed around no volume, or one-sided),
 /// FE220 (not watertight, where empty cavities ask for it); Stopped.
-Solid make_solid(const Points& points, const std::vector<Triangle>& triangles,
-                 Fill fill = Fill::filled_cavities, const MeshingControl& control = {});
+Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, Fill fill = Fill::filled_cavities,
+                 const MeshingControl& control = {});
 
 } // namespace sinew::solver

@@ -50,8 +50,7 @@ Soup make_soup(const Points& points, const std::vector<Triangle>& triangles) {
     Soup soup;
     soup.triangles = weld(points, triangles).triangles;
     if (soup.triangles.empty())
-        throw Error("FE201",
-                    "all " + std::to_string(triangles.size()) + " triangles have two corners in one place",
+        throw Error("FE201", "all " + std::to_string(triangles.size()) + " triangles have two corners in one place",
                     "Give a mesh with at least one triangle that has an area.");
     const std::vector<int> old = compact(soup, points);
     find_open_edges(soup);

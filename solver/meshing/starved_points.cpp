@@ -18,8 +18,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Inserter {
   public:
-    Inserter(TetComplex& complex, const InnerPoints& points, std::vector<int> hosts,
-             const MeshingControl& control)
+    Inserter(TetComplex& complex, const InnerPoints& points, std::vector<int> hosts, const MeshingControl& control)
         : complex_(complex)
         , cavity_(complex)
         , points_(points)

@@ -1,8 +1,8 @@
 // Points for the places that the guarded Delaunay triangulation had to leave empty.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/meshing/inner_points.h"
 #include "solver/mesh/tet_mesh.h"
+#include "solver/meshing/inner_points.h"
 
 namespace sinew::solver {
 

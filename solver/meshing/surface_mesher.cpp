@@ -41,8 +41,8 @@ class Stamped : public Base {
 
 using Traits = CGAL::Robust_circumcenter_traits_3<CGAL::Exact_predicates_inexact_constructions_kernel>;
 using VertexBase = Stamped<CGAL::Surface_mesh_vertex_base_3<Traits>>;
-using CellBase = Stamped<CGAL::Delaunay_triangulation_cell_base_with_circumcenter_3<
-    Traits, CGAL::Surface_mesh_cell_base_3<Traits>>>;
+using CellBase =
+    Stamped<CGAL::Delaunay_triangulation_cell_base_with_circumcenter_3<Traits, CGAL::Surface_mesh_cell_base_3<Traits>>>;
 using Triangulation =
     CGAL::Delaunay_triangulation_3<Traits, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 using Complex = CGAL::Complex_2_in_triangulation_3<Triangulation>;
@@ -91,8 +91,7 @@ void orient(const Points& points, std::vector<Triangle>& triangles, const Surfac
                 const EdgeUse &here = uses[0].triangle == t ? uses[0] : uses[1],
                               &there = uses[0].triangle == t ? uses[1] : uses[0];
                 if (turned[at(there.triangle)] >= 0) continue;
-                turned[at(there.triangle)] =
-                    static_cast<signed char>(turned[at(t)] ^ (here.forward == there.forward));
+                turned[at(there.triangle)] = static_cast<signed char>(turned[at(t)] ^ (here.forward == there.forward));
                 part.push_back(there.triangle);
             }
         }
@@ -111,8 +110,7 @@ SurfaceMesherOutput extract(const Complex& complex, const SurfaceMesherInput& in
         Triangle t;
         for (int k = 0; k < 3; ++k) {
             const auto v = f->first->vertex(Triangulation::vertex_triple_index(f->second, k));
-            const auto [entry, is_new] =
-                number.try_emplace(v->time_stamp(), static_cast<int>(out.points.size()));
+            const auto [entry, is_new] = number.try_emplace(v->time_stamp(), static_cast<int>(out.points.size()));
             if (is_new) out.points.emplace_back(v->point().x(), v->point().y(), v->point().z());
             t[at(k)] = entry->second;
         }
@@ -147,10 +145,8 @@ SurfaceMesherOutput mesh_level_set(const SurfaceMesherInput& in) {
     Complex complex(triangulation);
     // Crossings are found to a thousandth of the triangle size.
     const Surface surface([&in](const Point& p) { return in.field(Vec3(p.x(), p.y(), p.z())); },
-                          Traits::Sphere_3(point(in.inside), in.reach * in.reach),
-                          1e-3 * in.radius / in.reach);
-    const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(in.least_angle, in.radius,
-                                                                        in.distance);
+                          Traits::Sphere_3(point(in.inside), in.reach * in.reach), 1e-3 * in.radius / in.reach);
+    const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(in.least_angle, in.radius, in.distance);
     try {
         if (in.is_manifold)
             CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Manifold_tag(), 0);

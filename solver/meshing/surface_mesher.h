@@ -20,7 +20,7 @@ struct SurfaceMesherInput {
     double reach = 1;                         ///< everything lies within this distance of `inside`
     double least_angle = 30;                  ///< degrees; refinement may not end above 30
     double radius = 1;                        ///< upper bound of a triangle's Delaunay ball
-    double distance = 0.1; ///< upper bound from a triangle's circumcentre to the ball's centre on the surface
+    double distance = 0.1;   ///< upper bound from a triangle's circumcentre to the ball's centre on the surface
     bool is_manifold = true; ///< refine until every edge has two triangles and every vertex one fan
 };
 

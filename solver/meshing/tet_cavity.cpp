@@ -72,8 +72,7 @@ double TetCavity::grow_for(const Vec3& p, std::size_t most_tets) {
     double best = 0;
     std::size_t best_count = 0;
     while (tets_.size() <= most_tets) {
-        if (const double q = star_quality(p); q > best && q > present_quality())
-            best = q, best_count = tets_.size();
+        if (const double q = star_quality(p); q > best && q > present_quality()) best = q, best_count = tets_.size();
         double worst = std::numeric_limits<double>::infinity();
         int next = -1;
         for (const Wall& w : walls())

@@ -99,8 +99,7 @@ int TetComplex::beside(int t, int a, int b, int c) const {
 }
 
 bool TetComplex::has_edge(int a, int b) const {
-    return std::any_of(tets_of[at(a)].begin(), tets_of[at(a)].end(),
-                       [&](int t) { return has_corner(tet(t), b); });
+    return std::any_of(tets_of[at(a)].begin(), tets_of[at(a)].end(), [&](int t) { return has_corner(tet(t), b); });
 }
 
 bool TetComplex::has_face(int a, int b, int c) const { return beside(-1, a, b, c) >= 0; }

@@ -10,8 +10,7 @@ namespace sinew::solver {
 /// The faces of a tet, each seen from outside and followed by the corner across; its edges.
 inline constexpr std::array<std::array<std::size_t, 4>, 4> tet_faces{
     {{1, 2, 3, 0}, {0, 3, 2, 1}, {0, 1, 3, 2}, {0, 2, 1, 3}}};
-inline constexpr std::array<std::array<std::size_t, 2>, 6> tet_edges{
-    {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+inline constexpr std::array<std::array<std::size_t, 2>, 6> tet_edges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
 
 inline bool has_corner(const Tet& t, int v) { return t[0] == v || t[1] == v || t[2] == v || t[3] == v; }
 

@@ -196,9 +196,8 @@ class Improver {
             if (try_at(start + share * (middle - start))) break;
         if (best > fair) return;
         for (int step = 0; step < 4; ++step) {
-            const auto worst = *std::min_element(around.begin(), around.end(), [&](int s, int t) {
-                return quality(tet(s)) < quality(tet(t));
-            });
+            const auto worst = *std::min_element(around.begin(), around.end(),
+                                                 [&](int s, int t) { return quality(tet(s)) < quality(tet(t)); });
             const Vec3 up = rise(tet(worst), v);
             bool moved = false;
             for (const double share : {0.5, 0.2, 0.05})

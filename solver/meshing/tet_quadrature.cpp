@@ -27,8 +27,7 @@ double positive_share(const std::array<double, 4>& values) {
     if (f[3] > 0) return 1;
     if (f[2] > 0) return 1 - ratio(-f[3], -f[0]) * ratio(-f[3], -f[1]) * ratio(-f[3], -f[2]);
     if (f[1] > 0) {
-        const double a = ratio(f[0], f[2]), b = ratio(f[0], f[3]), c = ratio(f[1], f[2]),
-                     d = ratio(f[1], f[3]);
+        const double a = ratio(f[0], f[2]), b = ratio(f[0], f[3]), c = ratio(f[1], f[2]), d = ratio(f[1], f[3]);
         return a * b + (1 - a) * c * d + a * (1 - b) * d;
     }
     if (f[0] > 0) return ratio(f[0], f[1]) * ratio(f[0], f[2]) * ratio(f[0], f[3]);
@@ -54,8 +53,8 @@ double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, 
             for (int z = 0; z <= y; ++z, ++next) {
                 ClosestPoint nearest;
                 if (is_near) nearest = solid.tree.closest(points[next], radius);
-                samples[static_cast<std::size_t>(index(x, y, z))] = {
-                    std::abs(winding[next]) - 0.5, nearest.triangle >= 0 ? nearest.distance : radius};
+                samples[static_cast<std::size_t>(index(x, y, z))] = {std::abs(winding[next]) - 0.5,
+                                                                     nearest.triangle >= 0 ? nearest.distance : radius};
             }
 
     constexpr int walks[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};

@@ -63,8 +63,7 @@ Polygon clip_to_tet(const BarycentricTriangle& triangle, double slack) {
 }
 
 double determinant(const Barycentric& p, const Barycentric& q, const Barycentric& r) {
-    return p[1] * (q[2] * r[3] - q[3] * r[2]) + p[2] * (q[3] * r[1] - q[1] * r[3]) +
-           p[3] * (q[1] * r[2] - q[2] * r[1]);
+    return p[1] * (q[2] * r[3] - q[3] * r[2]) + p[2] * (q[3] * r[1] - q[1] * r[3]) + p[3] * (q[1] * r[2] - q[2] * r[1]);
 }
 
 } // namespace
@@ -153,18 +152,11 @@ std::array<std::array<Vec3, 4>, 8> split(const std::array<Vec3, 4>& c) {
     std::array<Vec3, 4> ring{m02, m12, m13, m03};
     if ((m02 - m13).squaredNorm() < (a - b).squaredNorm()) a = m02, b = m13, ring = {m01, m03, m23, m12};
     if ((m03 - m12).squaredNorm() < (a - b).squaredNorm()) a = m03, b = m12, ring = {m01, m13, m23, m02};
-    std::array<std::array<Vec3, 4>, 8> parts{{{c[0], m01, m02, m03},
-                                              {m01, c[1], m12, m13},
-                                              {m02, m12, c[2], m23},
-                                              {m03, m13, m23, c[3]},
-                                              {},
-                                              {},
-                                              {},
-                                              {}}};
+    std::array<std::array<Vec3, 4>, 8> parts{
+        {{c[0], m01, m02, m03}, {m01, c[1], m12, m13}, {m02, m12, c[2], m23}, {m03, m13, m23, c[3]}, {}, {}, {}, {}}};
     for (std::size_t k = 0; k < 4; ++k) {
         std::array<Vec3, 4> part{a, b, ring[k], ring[(k + 1) % 4]};
-        if ((part[1] - part[0]).dot((part[2] - part[0]).cross(part[3] - part[0])) < 0)
-            std::swap(part[0], part[1]);
+        if ((part[1] - part[0]).dot((part[2] - part[0]).cross(part[3] - part[0])) < 0) std::swap(part[0], part[1]);
         parts[4 + k] = part;
     }
     return parts;
@@ -173,9 +165,8 @@ std::array<std::array<Vec3, 4>, 8> split(const std::array<Vec3, 4>& c) {
 /// The winding numbers on both sides of all of the triangles, if they are known and the same for all.
 Solid::Sides common_sides(const Solid& solid, const std::vector<int>& triangles) {
     const Solid::Sides first = solid.sides[static_cast<std::size_t>(triangles[0])];
-    const bool is_same = std::all_of(triangles.begin(), triangles.end(), [&](int t) {
-        return solid.sides[static_cast<std::size_t>(t)] == first;
-    });
+    const bool is_same = std::all_of(triangles.begin(), triangles.end(),
+                                     [&](int t) { return solid.sides[static_cast<std::size_t>(t)] == first; });
     return is_same ? first : Solid::Sides{};
 }
 
@@ -219,8 +210,7 @@ double split_share(const Solid& solid, const std::array<Vec3, 4>& corners, const
 
 } // namespace
 
-double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners,
-                    const std::vector<int>& triangles) {
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles) {
     return split_share(solid, corners, triangles, 0);
 }
 

@@ -33,8 +33,7 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
 /// Exact up to rounding where all the triangles separate the same two winding numbers (1 and 0 on an ordinary
 /// surface); elsewhere, where parts cross, the tet is split three times into eight, and only small tets at
 /// the crossing itself are approximate.
-double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners,
-                    const std::vector<int>& triangles);
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles);
 
 /// The same for a surface with large holes, where the tet is so far from them that the winding number is
 /// whole but for a fifth on both sides of all of the triangles and at the tet's corners, and none of the

@@ -25,8 +25,7 @@ std::vector<int> first_at_place(const Points& points) {
     });
     std::vector<int> first(points.size());
     for (std::size_t i = 0; i < order.size(); ++i)
-        first[at(order[i])] =
-            i > 0 && key(order[i]) == key(order[i - 1]) ? first[at(order[i - 1])] : order[i];
+        first[at(order[i])] = i > 0 && key(order[i]) == key(order[i - 1]) ? first[at(order[i - 1])] : order[i];
     return first;
 }
 
@@ -40,8 +39,7 @@ void drop_repeated(std::vector<Triangle>& triangles) {
     }
     std::sort(keys.begin(), keys.end());
     std::vector<char> is_repeated(triangles.size(), 0);
-    for (std::size_t i = 1; i < keys.size(); ++i)
-        is_repeated[keys[i].second] = keys[i].first == keys[i - 1].first;
+    for (std::size_t i = 1; i < keys.size(); ++i) is_repeated[keys[i].second] = keys[i].first == keys[i - 1].first;
     std::size_t kept = 0;
     for (std::size_t t = 0; t < triangles.size(); ++t)
         if (!is_repeated[t]) triangles[kept++] = triangles[t];

@@ -11,7 +11,9 @@ namespace sinew::solver {
 
 namespace {
 
-Vec3 at(const std::vector<double>& values, std::size_t first) { return {values[first], values[first + 1], values[first + 2]}; }
+Vec3 at(const std::vector<double>& values, std::size_t first) {
+    return {values[first], values[first + 1], values[first + 2]};
+}
 
 /// Of the squares of a direction's turn: what may be left beside it.
 constexpr double mostly_rigid = 0.01;
@@ -23,7 +25,8 @@ Vec3 turn_rate(const Mat3& inertia, const Vec3& momentum) {
     const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
     Vec3 rate = Vec3::Zero();
     for (int i = 0; i < 3; ++i)
-        if (axes.eigenvalues()[i] > 1e-9 * axes.eigenvalues()[2]) rate += axes.eigenvectors().col(i).dot(momentum) / axes.eigenvalues()[i] * axes.eigenvectors().col(i);
+        if (axes.eigenvalues()[i] > 1e-9 * axes.eigenvalues()[2])
+            rate += axes.eigenvectors().col(i).dot(momentum) / axes.eigenvalues()[i] * axes.eigenvectors().col(i);
     return rate;
 }
 
@@ -43,7 +46,8 @@ void Arcs::fit(const Potential& potential, const std::vector<double>& x, const s
             const std::size_t v = first + i;
             const Vec3 p = weight[v] * at(x, 3 * v), d = weight[v] * moves_by(v);
             sums[0] += weight[v];
-            for (std::size_t c = 0; c < 3; ++c) sums[1 + c] += p[static_cast<Eigen::Index>(c)], sums[4 + c] += d[static_cast<Eigen::Index>(c)];
+            for (std::size_t c = 0; c < 3; ++c)
+                sums[1 + c] += p[static_cast<Eigen::Index>(c)], sums[4 + c] += d[static_cast<Eigen::Index>(c)];
         });
         Turn& turn = turns_[t];
         turn = {Vec3::Zero(), Vec3::Zero()};
@@ -66,16 +70,17 @@ void Arcs::fit(const Potential& potential, const std::vector<double>& x, const s
         if (!inertia.allFinite()) continue;
         const Vec3 momentum(angular[6], angular[7], angular[8]), rate = turn_rate(inertia, momentum);
         const double turning = rate.dot(momentum), bending = angular[9] - turning; // summed squares of both parts
-        // A straight move by the angle theta strains what it should turn by theta^2/2. Where more than that is bent, an arc
-        // would strain what does not turn with the rest, such as the tets about held vertices.
+        // A straight move by the angle theta strains what it should turn by theta^2/2. Where more than that is bent, an
+        // arc would strain what does not turn with the rest, such as the tets about held vertices.
         const double theta = rate.norm(), strain = 0.5 * theta * theta;
-        if (bending < std::min(mostly_rigid, 0.25 * theta * theta) * turning && 0.5 * linear[0] * strain * strain > worth_turning * gain[t])
+        if (bending < std::min(mostly_rigid, 0.25 * theta * theta) * turning &&
+            0.5 * linear[0] * strain * strain > worth_turning * gain[t])
             turn.rate = rate;
     }
 }
 
-void Arcs::move(const Potential& potential, const std::vector<double>& x, const std::vector<double>& direction, double share,
-                std::vector<double>& out) const {
+void Arcs::move(const Potential& potential, const std::vector<double>& x, const std::vector<double>& direction,
+                double share, std::vector<double>& out) const {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
     out = x;
     for (std::size_t t = 0; t < turns_.size(); ++t) {

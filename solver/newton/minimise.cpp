@@ -22,16 +22,18 @@ double forcing(double residual, double tolerance) { return std::clamp(0.2 * tole
 
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
 /// projected one; `definite` says which. Returns the slope along it.
-double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual, int iteration,
-                      const std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record) {
+double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
+                      int iteration, const std::vector<double>& x, LinearMemory& memory, bool& definite,
+                      StepRecord& record) {
     for (const bool project : {false, true}) {
         definite = !project;
         {
             const Stopwatch timer(record.seconds_assembly);
             potential.assemble(x, project, w.hessian);
         }
-        const LinearSolver::Outcome outcome = w.linear.solve(options.method, w.hessian, w.gradient, w.direction,
-                                                             forcing(residual, options.tolerance), iteration, project, memory);
+        const LinearSolver::Outcome outcome =
+            w.linear.solve(options.method, w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance),
+                           iteration, project, memory);
         record.linear_iterations += outcome.iterations;
         record.seconds_factor += outcome.seconds_factor;
         record.seconds_solve += outcome.seconds_solve;
@@ -40,9 +42,10 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
         const double slope = dot(w.gradient, w.direction);
         if (slope < 0) return slope;
     }
-    throw Error("FE302", "the stiffness matrix is not positive definite even with every element projected",
-                "a body may be free to move without any force to hold it (attach it to a bone), a material value may be "
-                "zero, or stiffnesses may lie too far apart for double precision");
+    throw Error(
+        "FE302", "the stiffness matrix is not positive definite even with every element projected",
+        "a body may be free to move without any force to hold it (attach it to a bone), a material value may be "
+        "zero, or stiffnesses may lie too far apart for double precision");
 }
 
 /// How one run of Newton's method ended.
@@ -79,11 +82,12 @@ struct RelaxedVolume {
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
-/// Newton's method from x, where the potential's value is `value` and gradient and forces are in the workspace. `may_stall`
-/// returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the exact Hessian was
-/// positive definite at the last one.
-End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value, bool may_stall, const StepControl& control,
-            std::vector<double>& x, LinearMemory& memory, bool& definite, StepRecord& record, double& r) {
+/// Newton's method from x, where the potential's value is `value` and gradient and forces are in the workspace.
+/// `may_stall` returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the
+/// exact Hessian was positive definite at the last one.
+End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value, bool may_stall,
+            const StepControl& control, std::vector<double>& x, LinearMemory& memory, bool& definite,
+            StepRecord& record, double& r) {
     definite = false;
     bool converged = false;
     const auto judge = [&] {
@@ -95,9 +99,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     for (int iteration = 0; !converged; ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
-            throw Error("FE302", "the energy of the step is not a finite number",
-                        "check for extreme material values, bone positions or step sizes at this frame, and for inverted "
-                        "tets under LogNeoHookean, which it does not know");
+            throw Error(
+                "FE302", "the energy of the step is not a finite number",
+                "check for extreme material values, bone positions or step sizes at this frame, and for inverted "
+                "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
         const double slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
@@ -148,13 +153,14 @@ bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions&
         if (least_j > 0) return false;
         potential.assemble(x, false, w.hessian);
     }
-    // Any right-hand side that leaves out no direction shows negative curvature to conjugate gradients; what they say is
-    // checked by a factorisation, unless the scene forbids factors.
+    // Any right-hand side that leaves out no direction shows negative curvature to conjugate gradients; what they say
+    // is checked by a factorisation, unless the scene forbids factors.
     std::vector<double> probe(w.gradient.size());
     for (std::size_t i = 0; i < probe.size(); ++i) probe[i] = 1 + 0.5 * std::sin(static_cast<double>(i));
     for (const LinearMethod method : {options.method, LinearMethod::direct}) {
         LinearMemory unchanged = memory;
-        const LinearSolver::Outcome outcome = w.linear.solve(method, w.hessian, probe, w.direction, 1e-3, 0, false, unchanged);
+        const LinearSolver::Outcome outcome =
+            w.linear.solve(method, w.hessian, probe, w.direction, 1e-3, 0, false, unchanged);
         record.linear_iterations += outcome.iterations;
         record.seconds_factor += outcome.seconds_factor;
         record.seconds_solve += outcome.seconds_solve;
@@ -178,31 +184,36 @@ std::vector<double> nudged(const Potential& potential, const std::vector<double>
     for (std::size_t u = 0; u < vertex_of.size(); ++u) {
         const std::size_t body = static_cast<std::size_t>(places.body[u]);
         const Vec3 shift = nudge * (places.points[u] - centre[body] / count[body]);
-        for (std::size_t c = 0; c < 3; ++c) out[3 * static_cast<std::size_t>(vertex_of[u]) + c] += shift[static_cast<Eigen::Index>(c)];
+        for (std::size_t c = 0; c < 3; ++c)
+            out[3 * static_cast<std::size_t>(vertex_of[u]) + c] += shift[static_cast<Eigen::Index>(c)];
     }
     return out;
 }
 
-/// From a point without force that may be a ridge of the potential down to a lower minimum, if there is one. A ridge that
-/// cannot be left is not called converged. Where Newton's last step saw a definite Hessian there is nothing to ask.
+/// From a point without force that may be a ridge of the potential down to a lower minimum, if there is one. A ridge
+/// that cannot be left is not called converged. Where Newton's last step saw a definite Hessian there is nothing to
+/// ask.
 End leave_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
                 std::vector<double>& x, LinearMemory& memory, StepRecord& record, double& r) {
     bool definite = true;
     if (!may_be_ridge(potential, w, options, x, memory, definite, record)) return End::converged;
-    const double before = evaluate(potential, w, x, record), before_rounding = potential.energy_rounding(), before_r = r;
+    const double before = evaluate(potential, w, x, record), before_rounding = potential.energy_rounding(),
+                 before_r = r;
     std::vector<double> lower = nudged(potential, x);
     LinearMemory lower_memory = memory;
     bool lower_definite = false;
     End end = End::out_of_iterations;
     try {
-        end = iterate(potential, w, options, evaluate(potential, w, lower, record), false, control, lower, lower_memory, lower_definite, record, r);
+        end = iterate(potential, w, options, evaluate(potential, w, lower, record), false, control, lower, lower_memory,
+                      lower_definite, record, r);
     } catch (const Error&) { // no way down from there: what is left is the point itself
         lower = x;
     }
     if (evaluate(potential, w, lower, record) < before - before_rounding) {
         x = std::move(lower);
         memory = lower_memory;
-        if (end == End::converged && !lower_definite && may_be_ridge(potential, w, options, x, memory, definite, record) && !definite)
+        if (end == End::converged && !lower_definite &&
+            may_be_ridge(potential, w, options, x, memory, definite, record) && !definite)
             end = End::out_of_iterations;
         return end;
     }
@@ -218,7 +229,8 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
     double r = 0;
     const int levels = potential.volume_levels();
     bool definite = false;
-    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory, definite, record, r);
+    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory,
+                      definite, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only
         // small ones. With the volume let go tenfold more gently the path is found in a few steps and then tightened.
@@ -228,10 +240,12 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
             const RelaxedVolume guard{potential};
             for (int level = levels; level > 0; --level) {
                 potential.relax_volume(level);
-                iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, definite, record, r);
+                iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, definite,
+                        record, r);
             }
         }
-        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite, record, r);
+        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite,
+                      record, r);
     }
     if (end == End::converged && !definite) end = leave_ridge(potential, w, options, control, x, memory, record, r);
     record.residual = std::max(record.residual, r);

@@ -1,7 +1,7 @@
 // Newton's method with line search on the incremental potential. Hessians are exact; only where one is not positive
 // definite is it assembled again with every element's eigenvalues clamped (always clamping costs 2 to 2.4 times the
-// iterations: `sinew bench levers`). Converged: on every tissue |gradient| <= tolerance x the forces at work there, or down to what rounding
-// makes of zero.
+// iterations: `sinew bench levers`). Converged: on every tissue |gradient| <= tolerance x the forces at work there, or
+// down to what rounding makes of zero.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/linear_solver.h"
@@ -25,11 +25,14 @@ struct NewtonWorkspace {
     std::vector<double> gain; ///< that the direction promises each tissue [J]
     Arcs arcs;
     std::vector<BodyForces> forces; ///< at the last evaluation with gradient
-    explicit NewtonWorkspace(const Potential& potential) : hessian(potential.pattern()), linear(potential.pattern(), potential.places()) {}
+    explicit NewtonWorkspace(const Potential& potential)
+        : hessian(potential.pattern())
+        , linear(potential.pattern(), potential.places()) {}
 };
 
 /// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value. Adds to the
-/// record's iterations and seconds; residual and converged are kept at the worst over several calls. Throws Error FE302 on NaN, Stopped when asked to.
+/// record's iterations and seconds; residual and converged are kept at the worst over several calls. Throws Error FE302
+/// on NaN, Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record);
 

@@ -9,7 +9,10 @@
 
 namespace sinew::solver {
 
-Potential::Potential(const Scene& scene) : scene_(scene), system_(scene.system()), tissues_(scene) {}
+Potential::Potential(const Scene& scene)
+    : scene_(scene)
+    , system_(scene.system())
+    , tissues_(scene) {}
 
 bool Potential::set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs) {
     const bool new_couplings = tissues_.set_values(inputs);
@@ -35,13 +38,17 @@ UnknownPlaces Potential::places() const {
         double volume = 0;
         const TissueRest& rest = *scene_.tissue(t.body);
         for (const Tet& tet : rest.tets.tets)
-            volume += tet_volume(rest.tets.vertices[static_cast<std::size_t>(tet[0])], rest.tets.vertices[static_cast<std::size_t>(tet[1])],
-                                 rest.tets.vertices[static_cast<std::size_t>(tet[2])], rest.tets.vertices[static_cast<std::size_t>(tet[3])]);
+            volume += tet_volume(rest.tets.vertices[static_cast<std::size_t>(tet[0])],
+                                 rest.tets.vertices[static_cast<std::size_t>(tet[1])],
+                                 rest.tets.vertices[static_cast<std::size_t>(tet[2])],
+                                 rest.tets.vertices[static_cast<std::size_t>(tet[3])]);
         out.spacing.push_back(std::cbrt(volume / static_cast<double>(scene_.vertex_count(t.body))));
     }
     std::size_t tissue = 0;
     for (const int v : system_.vertex_of_unknown) {
-        while (v >= scene_.first_vertex(system_.tissues[tissue].body) + static_cast<int>(scene_.vertex_count(system_.tissues[tissue].body))) ++tissue;
+        while (v >= scene_.first_vertex(system_.tissues[tissue].body) +
+                        static_cast<int>(scene_.vertex_count(system_.tissues[tissue].body)))
+            ++tissue;
         const double* x = system_.rest.data() + 3 * static_cast<std::size_t>(v);
         out.points.emplace_back(x[0], x[1], x[2]);
         out.body.push_back(static_cast<int>(tissue));
@@ -104,11 +111,13 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
     tissues_.mass().solve(gradient, solved);
     out.assign(before.x.size(), 0.0);
     for (std::size_t u = 0; u < unknown_count(); ++u)
-        for (std::size_t c = 0; c < 3; ++c) out[3 * static_cast<std::size_t>(system_.vertex_of_unknown[u]) + c] = solved[3 * u + c];
+        for (std::size_t c = 0; c < 3; ++c)
+            out[3 * static_cast<std::size_t>(system_.vertex_of_unknown[u]) + c] = solved[3 * u + c];
     form_ = nullptr;
 }
 
-double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gradient, std::vector<BodyForces>* forces) {
+double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gradient,
+                           std::vector<BodyForces>* forces) {
     const double elastic = tissues_.evaluate(x);
     const MassMatrix& masses = tissues_.mass();
     const std::vector<double>& weight = masses.weight();
@@ -125,18 +134,21 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     // Inertia and mass damping: M (m (x - target) + alpha v), its energy on the way.
     offset_.resize(3 * n);
     parallel_for(n, 4096, [&](std::size_t u) {
-        for (std::size_t c = 0; c < 3; ++c) offset_[3 * u + c] = x[3 * vertex(u) + c] - form_->target[3 * vertex(u) + c];
+        for (std::size_t c = 0; c < 3; ++c)
+            offset_[3 * u + c] = x[3 * vertex(u) + c] - form_->target[3 * vertex(u) + c];
     });
     double inertia_energy = 0;
     if (form_->mass_factor > 0) {
         masses.multiply(offset_, inertia_);
-        inertia_energy = 0.5 * form_->mass_factor * ordered_sum(3 * n, [&](std::size_t i) { return offset_[i] * inertia_[i]; });
+        inertia_energy =
+            0.5 * form_->mass_factor * ordered_sum(3 * n, [&](std::size_t i) { return offset_[i] * inertia_[i]; });
     }
     if (alpha > 0) {
         velocity_.resize(3 * n);
         parallel_for(n, 4096, [&](std::size_t u) {
             const std::size_t v = 3 * vertex(u);
-            for (std::size_t c = 0; c < 3; ++c) velocity_[3 * u + c] = form_->velocity_factor * x[v + c] + form_->velocity_offset[v + c];
+            for (std::size_t c = 0; c < 3; ++c)
+                velocity_[3 * u + c] = form_->velocity_factor * x[v + c] + form_->velocity_offset[v + c];
         });
         masses.multiply(velocity_, drag_);
         inertia_energy += 0.5 * alpha / form_->velocity_factor *
@@ -155,7 +167,8 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
         for (std::size_t c = v; c < v + 3; ++c) w += loads_[c] * (x[c] - x_before_[c]);
         return w;
     });
-    energy_scale_ = std::abs(elastic) + spring_energy + inertia_energy + std::abs(gravity_energy) + std::abs(load_energy);
+    energy_scale_ =
+        std::abs(elastic) + spring_energy + inertia_energy + std::abs(gravity_energy) + std::abs(load_energy);
     const double total = elastic + spring_energy + inertia_energy + gravity_energy + load_energy;
     if (!gradient) return total;
 
@@ -177,7 +190,8 @@ double Potential::evaluate(const std::vector<double>& x, std::vector<double>* gr
     return total;
 }
 
-void Potential::set_forces(const std::vector<double>& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
+void Potential::set_forces(const std::vector<double>& x, const std::vector<double>& gradient,
+                           std::vector<BodyForces>& forces) {
     const std::vector<double>& weight = tissues_.mass().weight();
     const double g = inputs_->gravity.norm();
     of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
@@ -189,19 +203,22 @@ void Potential::set_forces(const std::vector<double>& x, const std::vector<doubl
         const auto norm = [&](const std::vector<double>& v) {
             return std::sqrt(ordered_sum(count, [&](std::size_t i) { return v[first + i] * v[first + i]; }));
         };
-        const auto vertex = [&](std::size_t u) { return static_cast<std::size_t>(system_.vertex_of_unknown[tissue.first_unknown + u]); };
-        const double gravity = g > 0 ? g * std::sqrt(ordered_sum(tissue.unknown_count, [&](std::size_t u) {
-            return weight[vertex(u)] * weight[vertex(u)];
-        })) : 0;
+        const auto vertex = [&](std::size_t u) {
+            return static_cast<std::size_t>(system_.vertex_of_unknown[tissue.first_unknown + u]);
+        };
+        const double gravity =
+            g > 0 ? g * std::sqrt(ordered_sum(tissue.unknown_count,
+                                              [&](std::size_t u) { return weight[vertex(u)] * weight[vertex(u)]; }))
+                  : 0;
         const double loads = loads_.empty() ? 0 : std::sqrt(ordered_sum(tissue.unknown_count, [&](std::size_t u) {
             const std::size_t v = 3 * vertex(u);
             return loads_[v] * loads_[v] + loads_[v + 1] * loads_[v + 1] + loads_[v + 2] * loads_[v + 2];
         }));
         forces[t].sum = norm(gradient);
-        forces[t].at_work = std::max({tissues_.force_norm(t), tissues_.fiber_norm(t), gravity, loads,
-                                      form_->mass_factor > 0 ? form_->mass_factor * norm(inertia_) : 0,
-                                      std::sqrt(of_body_[static_cast<std::size_t>(tissue.body)]),
-                                      tissues_.force_floor(t)});
+        forces[t].at_work =
+            std::max({tissues_.force_norm(t), tissues_.fiber_norm(t), gravity, loads,
+                      form_->mass_factor > 0 ? form_->mass_factor * norm(inertia_) : 0,
+                      std::sqrt(of_body_[static_cast<std::size_t>(tissue.body)]), tissues_.force_floor(t)});
     }
 }
 
@@ -213,10 +230,11 @@ Balance Potential::balance(const std::vector<double>& x, const std::vector<BodyF
     Balance out{0, true};
     for (std::size_t t = 0; t < forces.size(); ++t) {
         const double residual = forces[t].sum / forces[t].at_work;
-        // What rounding of positions does to the forces [N]: no gradient can be made smaller. It excuses a small residual,
-        // never one of the size of the forces themselves.
-        const double rounding = 2.3e-16 * largest *
-                                (tissues_.stiffness_scale(t) + std::sqrt(of_body_[static_cast<std::size_t>(system_.tissues[t].body)]));
+        // What rounding of positions does to the forces [N]: no gradient can be made smaller. It excuses a small
+        // residual, never one of the size of the forces themselves.
+        const double rounding =
+            2.3e-16 * largest *
+            (tissues_.stiffness_scale(t) + std::sqrt(of_body_[static_cast<std::size_t>(system_.tissues[t].body)]));
         out.reached = out.reached && (residual <= tolerance || (residual <= 1e-3 && forces[t].sum <= rounding));
         // Written so that a residual that is no number is kept.
         if (!(residual <= out.residual)) out.residual = residual;
@@ -224,7 +242,8 @@ Balance Potential::balance(const std::vector<double>& x, const std::vector<BodyF
     return out;
 }
 
-bool Potential::free_flight(const std::vector<double>& x, std::vector<double>& direction, std::vector<double>& gain) const {
+bool Potential::free_flight(const std::vector<double>& x, std::vector<double>& direction,
+                            std::vector<double>& gain) const {
     if (!(form_->mass_factor > 0)) return false;
     const std::vector<double>& weight = tissues_.mass().weight();
     direction.resize(3 * unknown_count());
@@ -236,7 +255,8 @@ bool Potential::free_flight(const std::vector<double>& x, std::vector<double>& d
             const std::size_t u = first + i, v = static_cast<std::size_t>(system_.vertex_of_unknown[u]);
             double squares = 0;
             for (std::size_t c = 0; c < 3; ++c) {
-                const double d = form_->target[3 * v + c] + inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor - x[3 * v + c];
+                const double d = form_->target[3 * v + c] +
+                                 inputs_->gravity[static_cast<Eigen::Index>(c)] / form_->mass_factor - x[3 * v + c];
                 direction[3 * u + c] = d;
                 squares += d * d;
             }
@@ -247,11 +267,13 @@ bool Potential::free_flight(const std::vector<double>& x, std::vector<double>& d
     return moves;
 }
 
-void Potential::work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const {
+void Potential::work(const std::vector<double>& force, const std::vector<double>& direction,
+                     std::vector<double>& out) const {
     out.resize(tissue_count());
     for (std::size_t t = 0; t < tissue_count(); ++t) {
         const auto [first, count] = unknowns_of(t);
-        out[t] = ordered_sum(3 * count, [&](std::size_t i) { return -force[3 * first + i] * direction[3 * first + i]; });
+        out[t] =
+            ordered_sum(3 * count, [&](std::size_t i) { return -force[3 * first + i] * direction[3 * first + i]; });
     }
 }
 

@@ -34,7 +34,8 @@ class Potential {
     /// Takes the step's material values and makes the pattern for them and for these anchors, if it is not there yet.
     /// Returns true if the pattern is new.
     bool set_structure(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& inputs);
-    /// Fixes everything that is constant over the step from `before`, after set_structure. `inputs` must outlive the step.
+    /// Fixes everything that is constant over the step from `before`, after set_structure. `inputs` must outlive the
+    /// step.
     void begin_step(const State& before, const StepInputs& inputs);
     /// Takes other values than those of begin_step for what follows; they may not change the structure.
     void set_values(const StepInputs& inputs);
@@ -50,7 +51,9 @@ class Potential {
     struct Range {
         std::size_t first, count;
     };
-    Range unknowns_of(std::size_t tissue) const { return {system_.tissues[tissue].first_unknown, system_.tissues[tissue].unknown_count}; }
+    Range unknowns_of(std::size_t tissue) const {
+        return {system_.tissues[tissue].first_unknown, system_.tissues[tissue].unknown_count};
+    }
     Range vertices_of(std::size_t tissue) const {
         const int body = system_.tissues[tissue].body;
         return {static_cast<std::size_t>(scene_.first_vertex(body)), scene_.vertex_count(body)};
@@ -63,12 +66,14 @@ class Potential {
     const BlockPattern& pattern() const { return *pattern_; }
     UnknownPlaces places() const; ///< of the unknowns at rest
 
-    /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each tissue's
-    /// gain by going there, were it not elastic [J]. False, with nothing set, for a step without inertia, or if that is nowhere.
+    /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each
+    /// tissue's gain by going there, were it not elastic [J]. False, with nothing set, for a step without inertia, or
+    /// if that is nowhere.
     bool free_flight(const std::vector<double>& x, std::vector<double>& direction, std::vector<double>& gain) const;
     /// Work of a force, 3 an unknown, against a direction, for each tissue.
     void work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const;
-    /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `forces`, one a tissue.
+    /// Value at x (3 a vertex, all vertices). With `gradient` (3 an unknown) also the gradient and `forces`, one a
+    /// tissue.
     double evaluate(const std::vector<double>& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each tissue by its own: a stiff one does not excuse a soft one.
     Balance balance(const std::vector<double>& x, const std::vector<BodyForces>& forces, double tolerance);
@@ -103,7 +108,7 @@ class Potential {
     std::vector<double> loads_; ///< dead loads, 3 a vertex [N]; empty = none
     std::vector<double> spring_gradient_, velocity_;
     std::vector<double> offset_, inertia_, drag_; ///< x - target, M times it, M times the velocity, 3 an unknown
-    std::vector<double> of_body_; ///< sums over springs, per body
+    std::vector<double> of_body_;                 ///< sums over springs, per body
 };
 
 } // namespace sinew::solver

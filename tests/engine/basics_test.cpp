@@ -162,10 +162,7 @@ TEST_CASE("codes are unique, sorted and documented") {
         CHECK(c.code.size() == 5);
         CHECK_FALSE(c.title.empty());
         CHECK_FALSE(c.remedy.empty());
-        const std::string order = (c.code[0] == 'D'   ? "0"
-                                   : c.code[0] == 'F' ? "1"
-                                                      : "2") +
-                                  std::string(c.code);
+        const std::string order = (c.code[0] == 'D' ? "0" : c.code[0] == 'F' ? "1" : "2") + std::string(c.code);
         CHECK(before < order);
         before = order;
     }
@@ -174,8 +171,7 @@ TEST_CASE("codes are unique, sorted and documented") {
 TEST_CASE("declarations that contradict themselves are refused") {
     const Output<double> out{.name = "out", .doc = "Result."};
     const auto refuses = [&](AttributeInfo a, const std::string& why, bool uses_output = true) {
-        NodeType t{
-            .name = "t", .doc = "A type.", .inputs = {std::move(a)}, .compute = [](const Reads&, Writes&) {}};
+        NodeType t{.name = "t", .doc = "A type.", .inputs = {std::move(a)}, .compute = [](const Reads&, Writes&) {}};
         if (uses_output) t.outputs = {describe(out)};
         Registry r;
         CHECK_THROWS_WITH(r.add(std::move(t)), Catch::Contains(why));
@@ -183,15 +179,14 @@ TEST_CASE("declarations that contradict themselves are refused") {
     const Limits unit_interval{.min = 0, .max = 1};
     refuses(describe(Input<double>{.name = "a", .def = 2, .limits = unit_interval, .doc = "x"}),
             "default is outside the limits");
-    refuses(
-        describe(Input<double>{.name = "a", .def = 0, .limits = {.min = 0, .open_min = true}, .doc = "x"}),
-        "default is outside the limits");
+    refuses(describe(Input<double>{.name = "a", .def = 0, .limits = {.min = 0, .open_min = true}, .doc = "x"}),
+            "default is outside the limits");
     refuses(describe(Input<double>{.name = "a", .def = 0}), "has no doc");
     refuses(describe(Input<double>{.name = "a.b", .def = 0, .doc = "x"}), "without a dot");
     refuses(describe(Input<double>{.name = "a", .def = 0, .unit = "furlong", .doc = "x"}), "is no unit");
-    refuses(describe(Input<double>{
-                .name = "a", .def = 0, .limits = unit_interval, .doc = "x", .presets = {{"big", 2}}}),
-            "preset \"big\"");
+    refuses(
+        describe(Input<double>{.name = "a", .def = 0, .limits = unit_interval, .doc = "x", .presets = {{"big", 2}}}),
+        "preset \"big\"");
     refuses(describe(Input<std::string>{.name = "a", .def = "x", .doc = "x", .options = {"y"}}),
             "not among the options");
     refuses(describe(Input<double>{.name = "a", .def = 0, .doc = "x", .affects = Affects::initial_state}),

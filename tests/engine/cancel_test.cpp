@@ -39,9 +39,8 @@ TEST_CASE("a pull that is cancelled before it begins computes nothing") {
 
 TEST_CASE("a cancel between nodes stops the rest of a chain") {
     auto counts = std::make_shared<Counts>();
-    const auto g =
-        graph(registry(counts),
-              R"("n": {"type": "number"}, "a": {"type": "relay", "inputs": {"in": {"from": "n.out"}}},
+    const auto g = graph(registry(counts),
+                         R"("n": {"type": "number"}, "a": {"type": "relay", "inputs": {"in": {"from": "n.out"}}},
         "b": {"type": "relay", "inputs": {"in": {"from": "a.out"}}})");
     std::stop_source stop;
     counts->on_compute = [&] { stop.request_stop(); };
@@ -65,9 +64,7 @@ TEST_CASE("a pull that waits for a cancelled one takes the work over") {
         stop.request_stop();
     };
     Evaluator e({}, 2);
-    std::thread cancelled([&] {
-        CHECK_THROWS_AS(e.pull({g, {"sim", "out"}, 20, stop.get_token()}), Cancelled);
-    });
+    std::thread cancelled([&] { CHECK_THROWS_AS(e.pull({g, {"sim", "out"}, 20, stop.get_token()}), Cancelled); });
     stepping.wait();
     double value = 0;
     std::thread other([&] {

@@ -34,8 +34,7 @@ TEST_CASE("every kind of edit has an inverse") {
     CHECK(there_and_back(g, Edit(g).add_node("new", "clock"))->find("new")->type_name == "clock");
     CHECK(number(e, there_and_back(g, Edit(g).set_json({"a", "value"}, "{\"value\": 1, \"unit\": \"kPa\"}")),
                  {"a", "out"}, 1) == 2000);
-    CHECK(number(e, there_and_back(g, Edit(g).set({"a", "value"}, Value::of<std::int64_t>(7))), {"a", "out"},
-                 1) == 14);
+    CHECK(number(e, there_and_back(g, Edit(g).set({"a", "value"}, Value::of<std::int64_t>(7))), {"a", "out"}, 1) == 14);
     CHECK(number(e, there_and_back(g, Edit(g).set({"a", "value"}, Plug{"b", "out"})), {"a", "out"}, 1) == 4);
     CHECK(number(e, there_and_back(g, Edit(g).reset({"a", "times"})), {"a", "out"}, 1) == 3);
     CHECK(number(e, there_and_back(g, Edit(g).set_key({"b", "value"}, 3, 9)), {"b", "out"}, 3) == 9);
@@ -55,8 +54,7 @@ TEST_CASE("a removed node leaves no connection behind and comes back with all of
     const auto g = graph(registry(), scene);
     const auto without = there_and_back(g, Edit(g).remove_node("a"));
     CHECK(without->node_names() == std::vector<std::string>{"b", "s", "r", "odd"});
-    CHECK(std::get<std::vector<Plug>>(without->find("s")->inputs.at("terms")) ==
-          std::vector<Plug>{{"b", "out"}});
+    CHECK(std::get<std::vector<Plug>>(without->find("s")->inputs.at("terms")) == std::vector<Plug>{{"b", "out"}});
     CHECK(without->find("r")->inputs.empty());
 }
 
@@ -97,13 +95,10 @@ TEST_CASE("all problems of an edit come at once and the base stays") {
                     .add_node("a", "clock")
                     .add_node("n", "clokc")
                     .add_node("a.b", "clock")) == "DG040 DG040 DG041 DG010 DG028");
-    CHECK(codes(Edit(g)
-                    .set_json({"a", "valeu"}, "3")
-                    .set_json({"a", "value"}, "-3")
-                    .set_json({"b", "mode"}, "{")) == "DG011 DG001 DG013");
+    CHECK(codes(Edit(g).set_json({"a", "valeu"}, "3").set_json({"a", "value"}, "-3").set_json({"b", "mode"}, "{")) ==
+          "DG011 DG001 DG013");
     CHECK(codes(Edit(g).set({"a", "value"}, Value::of<std::string>("x"))) == "DG012");
-    CHECK(codes(Edit(g).set({"a", "value"}, Value::of<double>(std::numeric_limits<double>::infinity()))) ==
-          "DG027");
+    CHECK(codes(Edit(g).set({"a", "value"}, Value::of<double>(std::numeric_limits<double>::infinity()))) == "DG027");
     CHECK(codes(Edit(g).set({"a", "value"}, Plug{"s", "text"})) == "DG024");
     CHECK(codes(Edit(g).set({"a", "value"}, Curve{})) == "DG017");
     CHECK(codes(Edit(g).set({"r", "in"}, std::vector<Plug>{{"a", "out"}})) == "DG020");

@@ -82,12 +82,10 @@ TEST_CASE("five consumers of one frame run it once") {
     auto counts = std::make_shared<Counts>();
     std::string nodes = R"("sim": {"type": "sim"})", terms;
     for (int i = 0; i < 5; ++i) {
-        nodes +=
-            ",\"c" + std::to_string(i) + R"(": {"type": "relay", "inputs": {"in": {"from": "sim.out"}}})";
+        nodes += ",\"c" + std::to_string(i) + R"(": {"type": "relay", "inputs": {"in": {"from": "sim.out"}}})";
         terms += std::string(i ? "," : "") + R"({"from": "c)" + std::to_string(i) + ".out\"}";
     }
-    const auto g =
-        graph(registry(counts), nodes + R"(, "s": {"type": "sum", "inputs": {"terms": [)" + terms + "]}}");
+    const auto g = graph(registry(counts), nodes + R"(, "s": {"type": "sum", "inputs": {"terms": [)" + terms + "]}}");
     Evaluator e;
     number(e, g, {"s", "out"}, 20);
     CHECK(counts->advances == 19);
@@ -96,8 +94,7 @@ TEST_CASE("five consumers of one frame run it once") {
 
 TEST_CASE("the same frames asked by five threads at once run once") {
     auto counts = std::make_shared<Counts>();
-    const auto g =
-        graph(registry(counts), R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [40, 3]]}}},
+    const auto g = graph(registry(counts), R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [40, 3]]}}},
         "sim": {"type": "sim", "inputs": {"target": {"from": "a.out"}}}, "r": {"type": "relay", "inputs": {"in": {"from": "sim.out"}}})");
     Evaluator e({}, 2);
     std::barrier gate(5);
@@ -123,8 +120,7 @@ TEST_CASE("many threads pull overlapping parts of a wide graph, each node runs o
     for (int i = 0; i < width; ++i)
         for (int level = 0; level < 5; ++level) {
             const std::string name = "m" + std::to_string(i) + "_" + std::to_string(level);
-            const std::string below =
-                level == 0 ? "n" : "m" + std::to_string(i) + "_" + std::to_string(level - 1);
+            const std::string below = level == 0 ? "n" : "m" + std::to_string(i) + "_" + std::to_string(level - 1);
             const std::string beside =
                 level == 0 ? "n" : "m" + std::to_string((i + 1) % width) + "_" + std::to_string(level - 1);
             nodes += ", \"" + name + R"(": {"type": "sum", "inputs": {"terms": [{"from": ")" + below +
@@ -174,8 +170,7 @@ TEST_CASE("a chain of 100000 nodes that changes over time is pulled") {
 
 TEST_CASE("with no budget at all every pull computes and is right") {
     auto counts = std::make_shared<Counts>();
-    const auto g =
-        graph(registry(counts), R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [9, 5]]}}},
+    const auto g = graph(registry(counts), R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [9, 5]]}}},
         "sim": {"type": "sim", "inputs": {"target": {"from": "a.out"}}}, "r": {"type": "relay", "inputs": {"in": {"from": "sim.out"}}})");
     Evaluator none({.value_bytes = 0, .state_bytes = 0}), plenty;
     for (int f : {3, 9, 5}) CHECK(number(none, g, {"r", "out"}, f) == number(plenty, g, {"r", "out"}, f));
@@ -184,8 +179,7 @@ TEST_CASE("with no budget at all every pull computes and is right") {
 TEST_CASE("the value budget holds and evicts what was used longest ago") {
     auto counts = std::make_shared<Counts>();
     const auto types = registry(counts);
-    const auto g =
-        graph(types, R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [100, 100]]}}})");
+    const auto g = graph(types, R"("a": {"type": "number", "inputs": {"value": {"keys": [[1, 1], [100, 100]]}}})");
     Evaluator e({.value_bytes = 4000});
     for (int f = 1; f <= 100; ++f) {
         number(e, g, {"a", "out"}, f);
@@ -242,16 +236,14 @@ TEST_CASE("a bug in a node passes through as it is") {
     const auto types = registry();
     Evaluator e;
     const auto pull = [&](const char* type) {
-        return e.pull(
-            {graph(types, std::string(R"("x": {"type": ")") + type +
-                              R"("}, "s": {"type": "sum", "inputs": {"terms": [{"from": "x.out"}]}})"),
-             {"s", "out"},
-             1,
-             {}});
+        return e.pull({graph(types, std::string(R"("x": {"type": ")") + type +
+                                        R"("}, "s": {"type": "sum", "inputs": {"terms": [{"from": "x.out"}]}})"),
+                       {"s", "out"},
+                       1,
+                       {}});
     };
     CHECK_THROWS_AS(pull("crasher"), std::out_of_range);
-    CHECK_THROWS_WITH(pull("undeclared"),
-                      Catch::Contains("undeclared read \"other\", which it did not declare"));
+    CHECK_THROWS_WITH(pull("undeclared"), Catch::Contains("undeclared read \"other\", which it did not declare"));
     CHECK_THROWS_WITH(pull("peek"), Catch::Contains("affects nothing"));
     CHECK_THROWS_WITH(pull("timeThief"), Catch::Contains("without declaring uses_time"));
     CHECK_THROWS_WITH(pull("forgetful"), Catch::Contains("did not write output \"out\""));
@@ -262,9 +254,7 @@ TEST_CASE("wrong requests are refused with a suggestion") {
         registry(),
         R"("number1": {"type": "number"}, "x": {"type": "mystery"}, "r": {"type": "relay", "inputs": {"in": {"from": "x.out"}}})");
     Evaluator e;
-    const auto codes = [&](const Plug& p, double frame) {
-        return codes_of([&] { e.pull({g, p, frame, {}}); });
-    };
+    const auto codes = [&](const Plug& p, double frame) { return codes_of([&] { e.pull({g, p, frame, {}}); }); };
     CHECK(codes({"numbr1", "out"}, 1) == "DG102");
     CHECK(codes({"number1", "outt"}, 1) == "DG102");
     CHECK(codes({"number1", "out"}, std::numeric_limits<double>::quiet_NaN()) == "DG104");

@@ -86,10 +86,9 @@ TEST_CASE("a locale with a decimal comma changes nothing") {
     const auto schema = graph_schema(*types);
     std::string message;
     try {
-        read_graph(
-            types,
-            R"({"format": "sinew 1", "nodes": {"n": {"type": "number", "inputs": {"value": -1234567.5}}}})",
-            "t.json");
+        read_graph(types,
+                   R"({"format": "sinew 1", "nodes": {"n": {"type": "number", "inputs": {"value": -1234567.5}}}})",
+                   "t.json");
     } catch (const Failure& f) {
         message = f.diagnostics()[0].message;
     }

@@ -76,8 +76,7 @@ TEST_CASE("syntax errors have line and column") {
 }
 
 TEST_CASE("duplicate keys, depth and huge numbers are errors") {
-    CHECK(places(
-              problems_of("{\"format\": \"sinew 1\",\n \"nodes\": {\"a\": 1,\n \"a\": 2}, \"format\": 3}")) ==
+    CHECK(places(problems_of("{\"format\": \"sinew 1\",\n \"nodes\": {\"a\": 1,\n \"a\": 2}, \"format\": 3}")) ==
           "DG002@3:2 DG002@3:11");
     CHECK(places(problems_of(std::string(100, '['))) == "DG003@1:66");
     CHECK(places(problems_of("{\"a\": 1e999}")) == "DG027@1:7");
@@ -158,12 +157,10 @@ TEST_CASE("units are converted and their dimension is checked") {
         return std::get<Value>(g->find("n")->inputs.at(name));
     };
     CHECK(value("value", "{\"value\": 12, \"unit\": \"kPa\"}").as<double>() == 12000);
-    CHECK(value("value", "{\"value\": 3, \"unit\": \"N/cm^2\"}").as<double>() ==
-          Approx(30000).epsilon(1e-15));
+    CHECK(value("value", "{\"value\": 3, \"unit\": \"N/cm^2\"}").as<double>() == Approx(30000).epsilon(1e-15));
     CHECK(value("axis", "{\"value\": [1, 2, 3], \"unit\": \"mm\"}").as<Vec3>() == Vec3{0.001, 0.002, 0.003});
     CHECK(input_problem("value", "{\"value\": 1, \"unit\": \"cm\"}") == "DG015@2:71");
-    CHECK(hint_of(with_input("value", "{\"value\": 1, \"unit\": \"cm\"}")) ==
-          "usual units here: Pa, kPa or MPa");
+    CHECK(hint_of(with_input("value", "{\"value\": 1, \"unit\": \"cm\"}")) == "usual units here: Pa, kPa or MPa");
     CHECK(input_problem("value", "{\"value\": 1, \"unit\": \"parsec\"}") == "DG015@2:71");
     CHECK(input_problem("value", "{\"value\": 1, \"unit\": 3}") == "DG015@2:71");
     CHECK(input_problem("times", "{\"value\": 1, \"unit\": \"m\"}") == "DG015@2:71");
@@ -174,8 +171,7 @@ TEST_CASE("units are converted and their dimension is checked") {
 }
 
 TEST_CASE("keyframes are checked") {
-    CHECK(input_problem("value",
-                        "{\"keys\": [[1, 2], [5, 3, {\"in\": 0, \"out\": 1}]], \"interp\": \"smooth\"}")
+    CHECK(input_problem("value", "{\"keys\": [[1, 2], [5, 3, {\"in\": 0, \"out\": 1}]], \"interp\": \"smooth\"}")
               .empty());
     CHECK(input_problem("value", "{\"keys\": []}") == "DG017@2:59");
     CHECK(input_problem("value", "{\"keys\": 3}") == "DG012@2:59");
@@ -186,8 +182,7 @@ TEST_CASE("keyframes are checked") {
     CHECK(input_problem("value", "{\"keys\": [[1, 2], [2, -7]]}") == "DG013@2:72");
     CHECK(input_problem("value", "{\"keys\": [[1, 2]], \"interp\": \"cubic\"}") == "DG017@2:79");
     CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"in\": 1}]]}") == "DG017@2:67");
-    CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"inn\": 1}]], \"interp\": \"smooth\"}") ==
-          "DG007@2:75");
+    CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"inn\": 1}]], \"interp\": \"smooth\"}") == "DG007@2:75");
     CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"], [4, \"double\"]]}").empty());
     CHECK(input_problem("mode", "{\"keys\": [[1, \"plain\"], [4, \"duoble\"]]}") == "DG014@2:78");
     CHECK(input_problem("mode", "{\"keys\": [[1, 0]]}") == "DG012@2:64");
@@ -221,8 +216,7 @@ TEST_CASE("connections are checked") {
     CHECK(places(relay("[{\"from\": \"number1.out\"}]")) == "DG020@3:41");
     const auto sum = [](const std::string& terms) {
         return places(problems_of(in_document(
-            "\"n\": {\"type\": \"number\"},\n\"s\": {\"type\": \"sum\", \"inputs\": {\"terms\": " + terms +
-            "}}")));
+            "\"n\": {\"type\": \"number\"},\n\"s\": {\"type\": \"sum\", \"inputs\": {\"terms\": " + terms + "}}")));
     };
     CHECK(sum("{\"from\": \"n.out\"}") == "DG020@3:42");
     CHECK(sum("[]") == "DG021@3:42");
@@ -232,21 +226,17 @@ TEST_CASE("connections are checked") {
 }
 
 TEST_CASE("required inputs, start frames and sub-steps") {
-    CHECK(places(problems_of(
-              in_document("\"r\": {\"type\": \"relay\"}, \"s\": {\"type\": \"sum\", \"inputs\": {}}"))) ==
-          "DG019@2:1 DG019@2:25");
+    CHECK(places(problems_of(in_document(
+              "\"r\": {\"type\": \"relay\"}, \"s\": {\"type\": \"sum\", \"inputs\": {}}"))) == "DG019@2:1 DG019@2:25");
     CHECK(places(problems_of(in_document("\"f\": {\"type\": \"fileSize\"}"))) == "DG019@2:1");
     CHECK(places(problems_of(in_document("\"f\": {\"type\": \"fileSize\", \"inputs\": {\"file\": \"\"}}"))) ==
           "DG019@2:46");
     CHECK(places(problems_of(in_document("\"n\": {\"type\": \"number\"},\n\"sim\": {\"type\": \"sim\", "
-                                         "\"inputs\": {\"startFrame\": {\"from\": \"n.out\"}}}"))) ==
-          "DG029@3:49");
+                                         "\"inputs\": {\"startFrame\": {\"from\": \"n.out\"}}}"))) == "DG029@3:49");
     CHECK(places(problems_of(in_document(
-              "\"sim\": {\"type\": \"sim\", \"inputs\": {\"startFrame\": {\"keys\": [[1, 1]]}}}"))) ==
-          "DG018@2:49");
+              "\"sim\": {\"type\": \"sim\", \"inputs\": {\"startFrame\": {\"keys\": [[1, 1]]}}}"))) == "DG018@2:49");
     const auto half =
-        read_graph(types(), in_document("\"sim\": {\"type\": \"sim\", \"inputs\": {\"startFrame\": 1.5}}"),
-                   "t.json")
+        read_graph(types(), in_document("\"sim\": {\"type\": \"sim\", \"inputs\": {\"startFrame\": 1.5}}"), "t.json")
             .graph;
     Evaluator e;
     CHECK(codes_of([&] { e.pull({half, {"sim", "out"}, 3, {}}); }) == "DG107");
@@ -273,14 +263,13 @@ TEST_CASE("files must exist, paths start at the graph's folder") {
 }
 
 TEST_CASE("a cycle is reported as a path, at one of its nodes") {
-    const auto all = problems_of(
-        in_document("\"n\": {\"type\": \"number\"},\n\"a\": {\"type\": \"sum\", \"inputs\": {\"terms\": "
-                    "[{\"from\": \"n.out\"}, {\"from\": \"b.out\"}]}},\n"
-                    "\"b\": {\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"c.out\"}}},\n\"c\": "
-                    "{\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"a.out\"}}}"));
+    const auto all =
+        problems_of(in_document("\"n\": {\"type\": \"number\"},\n\"a\": {\"type\": \"sum\", \"inputs\": {\"terms\": "
+                                "[{\"from\": \"n.out\"}, {\"from\": \"b.out\"}]}},\n"
+                                "\"b\": {\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"c.out\"}}},\n\"c\": "
+                                "{\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"a.out\"}}}"));
     CHECK(places(all) == "DG030@3:1");
-    CHECK(all[0].message ==
-          "connections form a cycle: a.out -> c.in -> c.out -> b.in -> b.out -> a.terms -> a");
+    CHECK(all[0].message == "connections form a cycle: a.out -> c.in -> c.out -> b.in -> b.out -> a.terms -> a");
 }
 
 TEST_CASE("all problems are reported at once") {
@@ -292,13 +281,12 @@ TEST_CASE("all problems are reported at once") {
 }
 
 TEST_CASE("an unknown type is kept as it is, with a note") {
-    const std::string odd =
-        R"({ "type": "numbr",   "inputs": {"from": 1, "b": [1,{"x":"é"}]}, "extra": null })";
-    const Loaded l = read_graph(
-        types(),
-        in_document("\"odd\": " + odd +
-                    ",\n\"r\": {\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"odd.thing\"}}}"),
-        "t.json");
+    const std::string odd = R"({ "type": "numbr",   "inputs": {"from": 1, "b": [1,{"x":"é"}]}, "extra": null })";
+    const Loaded l =
+        read_graph(types(),
+                   in_document("\"odd\": " + odd +
+                               ",\n\"r\": {\"type\": \"relay\", \"inputs\": {\"in\": {\"from\": \"odd.thing\"}}}"),
+                   "t.json");
     REQUIRE(l.notes.size() == 1);
     CHECK(places(l.notes) == "DG010@2:18");
     CHECK(l.notes[0].severity == Severity::warning);
@@ -348,8 +336,7 @@ TEST_CASE("what is written reads back as the same graph") {
 
 TEST_CASE("values that equal the default are not written") {
     const auto g =
-        read_graph(types(), with_input("value", "1, \"mode\": \"plain\", \"axis\": [0, 1, 0], \"times\": 2"),
-                   "t.json")
+        read_graph(types(), with_input("value", "1, \"mode\": \"plain\", \"axis\": [0, 1, 0], \"times\": 2"), "t.json")
             .graph;
     const std::string text = write_graph(*g);
     CHECK(text.find("value") == std::string::npos);
@@ -369,13 +356,11 @@ TEST_CASE("the schema is JSON and knows every type and input") {
             CHECK(node["properties"]["inputs"]["properties"].contains(std::string(a.name)));
     }
     const auto& inputs = schema["$defs"]["node_number"]["properties"]["inputs"]["properties"];
-    CHECK(inputs["value"]["anyOf"][0] ==
-          nlohmann::json::parse(R"({"type": "number", "minimum": 0, "maximum": 1e9})"));
+    CHECK(inputs["value"]["anyOf"][0] == nlohmann::json::parse(R"({"type": "number", "minimum": 0, "maximum": 1e9})"));
     CHECK(inputs["mode"]["anyOf"][0]["enum"] == nlohmann::json::parse(R"(["plain", "double"])"));
     CHECK(inputs["axis"]["anyOf"][0]["minItems"] == 3);
     CHECK(inputs["axis"]["default"] == nlohmann::json::parse("[0, 1, 0]"));
-    CHECK(inputs["value"]["anyOf"][2]["properties"]["preset"]["enum"] ==
-          nlohmann::json::parse(R"(["fat", "muscle"])"));
+    CHECK(inputs["value"]["anyOf"][2]["properties"]["preset"]["enum"] == nlohmann::json::parse(R"(["fat", "muscle"])"));
     CHECK(schema["$defs"]["node_relay"]["required"] == nlohmann::json::parse(R"(["type", "inputs"])"));
     CHECK(schema["$defs"]["node_sum"]["properties"]["inputs"]["properties"]["terms"]["minItems"] == 1);
     CHECK(schema["properties"]["nodes"]["additionalProperties"]["oneOf"].size() == types()->names().size());

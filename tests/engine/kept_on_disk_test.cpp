@@ -44,13 +44,13 @@ struct Visit {
     int computes = 0;
     double result = 0;
     Watcher watcher;
-    Visit(const fs::path& folder, const std::string& name, double given, Codec codec = make_codec<double>(1, write, read),
-          bool kept = true) {
+    Visit(const fs::path& folder, const std::string& name, double given,
+          Codec codec = make_codec<double>(1, write, read), bool kept = true) {
         auto r = std::make_shared<Registry>();
         r->add(std::move(codec));
         r->add(keeper(&computes));
-        const auto g = graph(r, "\"" + name + R"(": {"type": "keeper", "inputs": {"keep": )" + (kept ? "true" : "false") +
-                                    R"(, "value": )" + std::to_string(given) + "}}");
+        const auto g = graph(r, "\"" + name + R"(": {"type": "keeper", "inputs": {"keep": )" +
+                                    (kept ? "true" : "false") + R"(, "value": )" + std::to_string(given) + "}}");
         StorePolicy policy;
         policy.disk_folder = folder.string();
         Evaluator e(policy, 1, &watcher);
@@ -75,7 +75,8 @@ TEST_CASE("what was kept is found under its key alone, with its warnings, under 
     CHECK(second.watcher.warnings[0].hint == "or not");
     CHECK(second.watcher.reused_count == 1);
     CHECK(Visit(folder.path, "a", 3).computes == 1);
-    CHECK(Visit(folder.path, "a", 2.5, make_codec<double>(1, write, read), false).computes == 1); // off looks at nothing
+    CHECK(Visit(folder.path, "a", 2.5, make_codec<double>(1, write, read), false).computes ==
+          1); // off looks at nothing
 }
 
 TEST_CASE("values of another codec version, or that come back different, are made anew") {
@@ -112,7 +113,9 @@ TEST_CASE("the switch that keeps outputs takes a plain value alone") {
     r->add(make_codec<double>(1, write, read));
     r->add(keeper(&computes));
     static const Output<bool> yes{.name = "yes", .doc = "True."};
-    r->add({.name = "truth", .doc = "True.", .outputs = {describe(yes)}, .compute = [](const Reads&, Writes& w) { w.set(yes, true); }});
+    r->add({.name = "truth", .doc = "True.", .outputs = {describe(yes)}, .compute = [](const Reads&, Writes& w) {
+                w.set(yes, true);
+            }});
     CHECK(codes_of([&] {
               graph(r, R"("t": {"type": "truth"}, "k": {"type": "keeper", "inputs": {"keep": {"from": "t.yes"}}})");
           }) == "DG029");

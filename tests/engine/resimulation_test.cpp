@@ -40,9 +40,7 @@ double from_nothing(const std::shared_ptr<const Graph>& g, double frame) {
     return number(fresh, g, plug, frame);
 }
 
-bool same_bits(double a, double b) {
-    return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
-}
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 } // namespace
 
@@ -68,11 +66,8 @@ TEST_CASE("a display-only edit and a rename take no step") {
     Scene s;
     s.steps(100);
     const int computes = s.counts->computes;
-    const auto painted = Edit(s.graph)
-                             .set_json({"sim", "color"}, "\"blue\"")
-                             .set_json({"stiff", "show"}, "false")
-                             .commit()
-                             .graph;
+    const auto painted =
+        Edit(s.graph).set_json({"sim", "color"}, "\"blue\"").set_json({"stiff", "show"}, "false").commit().graph;
     CHECK(s.steps(painted, 100) == 0);
     const auto renamed = Edit(s.graph).rename_node("stiff", "pullTo").commit().graph;
     CHECK(s.steps(renamed, 100) == 0);
@@ -108,8 +103,7 @@ TEST_CASE("a key that changes no sampled value takes no step") {
 }
 
 TEST_CASE("a literal in place of a flat curve takes no step") {
-    Scene s(
-        R"("sim": {"type": "sim", "inputs": {"stiffness": {"keys": [[1, 3], [50, 3]], "interp": "smooth"}}})");
+    Scene s(R"("sim": {"type": "sim", "inputs": {"stiffness": {"keys": [[1, 3], [50, 3]], "interp": "smooth"}}})");
     s.steps(100);
     CHECK(s.steps(Edit(s.graph).set_json({"sim", "stiffness"}, "3").commit().graph, 100) == 0);
 }
@@ -157,8 +151,7 @@ TEST_CASE("an upstream edit that gives the same content is cut off") {
     Scene s(R"("a": {"type": "number", "inputs": {"value": 6, "times": 1}},
                "sim": {"type": "sim", "inputs": {"target": {"from": "a.out"}}})");
     s.steps(100);
-    const auto same =
-        Edit(s.graph).set_json({"a", "value"}, "3").set_json({"a", "times"}, "2").commit().graph;
+    const auto same = Edit(s.graph).set_json({"a", "value"}, "3").set_json({"a", "times"}, "2").commit().graph;
     CHECK(s.steps(same, 100) == 0);
     CHECK(s.counts->computes == 2);
 }
@@ -216,8 +209,7 @@ TEST_CASE("two graphs that share a beginning share its frames") {
     CHECK(s.steps(copy, 60) == 10);
 }
 
-TEST_CASE(
-    "after the state budget is spent, old states are thinned, the newest stays and results do not change") {
+TEST_CASE("after the state budget is spent, old states are thinned, the newest stays and results do not change") {
     Scene s(scene, {.state_bytes = 2500});
     for (int f = 1; f <= 100; ++f) s.steps(f);
     CHECK(s.counts->advances == 99);

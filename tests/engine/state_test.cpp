@@ -35,8 +35,7 @@ TEST_CASE("a saved state that does not fit is refused") {
     const auto g = graph(registry(), scene);
     Evaluator e;
     auto bytes = e.save_state({g, plug, 10, {}});
-    const auto load = [&](const std::shared_ptr<const Graph>& into, double frame,
-                          std::span<const std::byte> data) {
+    const auto load = [&](const std::shared_ptr<const Graph>& into, double frame, std::span<const std::byte> data) {
         return codes_of([&] { e.load_state({into, plug, frame, {}}, data); });
     };
     CHECK(load(g, 10, bytes).empty());

@@ -17,13 +17,10 @@ void add_number(Registry& r, std::shared_ptr<Counts> counts) {
                                      .limits = {.min = 0, .max = 1e9},
                                      .doc = "A number.",
                                      .presets = {{"fat", 500.0}, {"muscle", 12000.0}}};
-    static const Input<bool> show{
-        .name = "show", .def = true, .doc = "Viewport only.", .affects = Affects::nothing};
-    static const Input<std::string> mode{
-        .name = "mode", .def = "plain", .doc = "How.", .options = {"plain", "double"}};
+    static const Input<bool> show{.name = "show", .def = true, .doc = "Viewport only.", .affects = Affects::nothing};
+    static const Input<std::string> mode{.name = "mode", .def = "plain", .doc = "How.", .options = {"plain", "double"}};
     static const Input<Vec3> axis{.name = "axis", .def = {0, 1, 0}, .unit = "m", .doc = "A vector."};
-    static const Input<std::int64_t> times{
-        .name = "times", .def = 1, .limits = {.min = 1}, .doc = "A factor."};
+    static const Input<std::int64_t> times{.name = "times", .def = 1, .limits = {.min = 1}, .doc = "A factor."};
     static const Input<bool> negate{.name = "negate", .def = false, .doc = "The other sign."};
     static const Input<NumberList> weights{
         .name = "weights", .def = {}, .limits = {.min = 0, .max = 1}, .doc = "A list."};
@@ -50,9 +47,7 @@ void add_arithmetic(Registry& r, std::shared_ptr<Counts> counts) {
            .doc = "Adds 1.",
            .inputs = {describe(in_wire)},
            .outputs = {describe(out)},
-           .compute = [counts](const Reads& in, Writes& w) {
-               ++counts->computes, w.set(out, in[in_wire] + 1);
-           }});
+           .compute = [counts](const Reads& in, Writes& w) { ++counts->computes, w.set(out, in[in_wire] + 1); }});
     r.add({.name = "sum",
            .doc = "Adds.",
            .inputs = {describe(terms)},
@@ -68,16 +63,13 @@ void add_arithmetic(Registry& r, std::shared_ptr<Counts> counts) {
            .doc = "The time.",
            .outputs = {describe(out)},
            .uses_time = true,
-           .compute = [counts](const Reads& in, Writes& w) {
-               ++counts->computes, w.set(out, in.frame() / in.fps());
-           }});
+           .compute = [counts](const Reads& in, Writes& w) { ++counts->computes, w.set(out, in.frame() / in.fps()); }});
 }
 
 void add_troublemakers(Registry& r, std::shared_ptr<Counts> counts) {
     static const Input<double> value{.name = "value", .def = 1, .doc = "A number."};
     static const Input<double> other{.name = "other", .def = 1, .doc = "Declared elsewhere."};
-    static const Input<bool> show{
-        .name = "show", .def = true, .doc = "Viewport only.", .affects = Affects::nothing};
+    static const Input<bool> show{.name = "show", .def = true, .doc = "Viewport only.", .affects = Affects::nothing};
     static const Input<File> file{.name = "file", .def = {}, .doc = "A file.", .required = true};
     r.add({.name = "warner",
            .doc = "Warns.",
@@ -96,10 +88,9 @@ void add_troublemakers(Registry& r, std::shared_ptr<Counts> counts) {
                ++counts->computes;
                in.fail("value", "FE201", "nothing to work on");
            }});
-    r.add({.name = "crasher",
-           .doc = "Has a bug.",
-           .outputs = {describe(out)},
-           .compute = [](const Reads&, Writes&) { throw std::out_of_range("a bug"); }});
+    r.add({.name = "crasher", .doc = "Has a bug.", .outputs = {describe(out)}, .compute = [](const Reads&, Writes&) {
+               throw std::out_of_range("a bug");
+           }});
     r.add({.name = "undeclared",
            .doc = "Reads what it did not declare.",
            .inputs = {describe(value)},
@@ -132,16 +123,14 @@ void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
     static const Input<double> start{.name = "startFrame", .def = 1, .doc = "First frame.", .keyable = false};
     static const Input<std::int64_t> substeps{
         .name = "substeps", .def = 1, .limits = {.min = 1}, .doc = "Steps a frame."};
-    static const Input<double> stiffness{
-        .name = "stiffness", .def = 1, .limits = {.min = 0}, .doc = "Of the spring."};
+    static const Input<double> stiffness{.name = "stiffness", .def = 1, .limits = {.min = 0}, .doc = "Of the spring."};
     static const Input<double> height{
         .name = "height", .def = 2, .doc = "Where it starts.", .affects = Affects::initial_state};
     static const Input<std::string> color{
         .name = "color", .def = "red", .doc = "Viewport only.", .affects = Affects::nothing};
     static const Input<double> fail_at{
         .name = "failAt", .def = 1e6, .doc = "Frame that does not work.", .keyable = false};
-    static const Input<bool> nosy{
-        .name = "nosy", .def = false, .doc = "Reads the initial state while stepping."};
+    static const Input<bool> nosy{.name = "nosy", .def = false, .doc = "Reads the initial state while stepping."};
     static const Input<double> gain{.name = "gain", .def = 0, .doc = "Of the output.", .keyable = true};
     static const Wire<double> target{.name = "target", .doc = "What it is pulled to.", .required = false};
     struct Buffer {
@@ -150,9 +139,8 @@ void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
     SimulationType<ToyState> t;
     t.base = {.name = "sim",
               .doc = "A damped spring with history.",
-              .inputs = {describe(start), describe(substeps), describe(stiffness), describe(height),
-                         describe(color), describe(fail_at), describe(nosy), describe(gain),
-                         describe(target)},
+              .inputs = {describe(start), describe(substeps), describe(stiffness), describe(height), describe(color),
+                         describe(fail_at), describe(nosy), describe(gain), describe(target)},
               .outputs = {describe(out)}};
     t.initial = [counts](const Reads& in) {
         ++counts->initials;
@@ -209,10 +197,9 @@ std::shared_ptr<const Registry> registry(std::shared_ptr<Counts> counts) {
 }
 
 std::shared_ptr<const Graph> graph(const std::shared_ptr<const Registry>& r, const std::string& nodes) {
-    return read_graph(r,
-                      R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 100}, "nodes": {)" +
-                          nodes + "}}",
-                      "toy.json")
+    return read_graph(
+               r, R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 100}, "nodes": {)" + nodes + "}}",
+               "toy.json")
         .graph;
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -101,12 +102,29 @@ TEST_CASE("no source is longer than 600 lines") {
     }
 }
 
+TEST_CASE("sources are formatted as .clang-format says") {
+    const std::string root = SINEW_SOURCE_DIR;
+    const std::string command =
+        "cd '" + root +
+        "' && find engine nodes solver tests tools -name '*.cpp' -o -name '*.h' | "
+        "grep -v node_modules | xargs clang-format --dry-run --Werror 2>&1 | grep -E 'error|not found' | head -20";
+    FILE* out = popen(command.c_str(), "r");
+    REQUIRE(out);
+    std::string found;
+    char line[512];
+    while (std::fgets(line, sizeof line, out)) found += line;
+    pclose(out);
+    CHECK(found == "");
+}
+
 TEST_CASE("node types are registered by name, not by static initialisers") {
-    CHECK(offenders(sources({"engine", "nodes"}), R"(^\s*(static|inline)\s+[^(]*\b(registrar|registration|register_\w+)\b.*[={])") == "");
+    CHECK(offenders(sources({"engine", "nodes"}),
+                    R"(^\s*(static|inline)\s+[^(]*\b(registrar|registration|register_\w+)\b.*[={])") == "");
 }
 
 TEST_CASE("no mutable globals") {
     // The one exception is the lock around METIS, which draws from the C library's own global random numbers.
-    CHECK(offenders(sources({"engine", "solver", "nodes"}), R"(^\s*(static|thread_local)\s+(?!const\b|constexpr\b)[^()]*[;={])",
+    CHECK(offenders(sources({"engine", "solver", "nodes"}),
+                    R"(^\s*(static|thread_local)\s+(?!const\b|constexpr\b)[^()]*[;={])",
                     {"solver/linear/cholmod_threads.cpp"}) == "");
 }

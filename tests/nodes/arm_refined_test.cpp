@@ -59,50 +59,41 @@ EdgeLengths edge_lengths(const solver::TetMesh& tets, const solver::Points& pain
 
 } // namespace
 
-TEST_CASE("the refined arm's tets are fine at its tendons and attachments and coarse in the bellies",
-          "[nodes][arm]") {
+TEST_CASE("the refined arm's tets are fine at its tendons and attachments and coarse in the bellies", "[nodes][arm]") {
     const auto graph = scene("arm_refined.json"), plain = scene("arm.json");
     engine::Evaluator evaluator;
     std::size_t count = 0, plain_count = 0;
     for (const auto& [muscle, file] : muscles) {
         INFO(muscle);
-        const auto tets =
-            evaluator.pull({graph, {muscle + "Tets", "outTets"}, 1}).as<nodes::TetMeshValue>().mesh;
-        const auto surface =
-            evaluator.pull({graph, {muscle + "Mesh", "outMesh"}, 1}).as<nodes::Mesh>().points;
-        const auto& paint =
-            std::get<engine::Plug>(graph->find(muscle + "Tets")->inputs.find("weights")->second);
+        const auto tets = evaluator.pull({graph, {muscle + "Tets", "outTets"}, 1}).as<nodes::TetMeshValue>().mesh;
+        const auto surface = evaluator.pull({graph, {muscle + "Mesh", "outMesh"}, 1}).as<nodes::Mesh>().points;
+        const auto& paint = std::get<engine::Plug>(graph->find(muscle + "Tets")->inputs.find("weights")->second);
         const auto weights = evaluator.pull({graph, paint, 1}).as<engine::NumberList>();
         solver::Points painted;
         for (std::size_t v = 0; v < surface->size(); ++v)
             if (weights.at(v) > 0) painted.push_back((*surface)[v]);
-        const auto& size =
-            std::get<engine::Value>(graph->find(muscle + "Tets")->inputs.find("tetSize")->second);
+        const auto& size = std::get<engine::Value>(graph->find(muscle + "Tets")->inputs.find("tetSize")->second);
         const EdgeLengths edges = edge_lengths(*tets, painted, size.as<double>());
         CAPTURE(edges.near, edges.far, edges.tets_near, edges.tets_far);
         CHECK(edges.tets_near > 50);
         CHECK(edges.tets_far > 5); // the medial head grows from the bone nearly everywhere
         CHECK(edges.near < 0.7 * edges.far);
         count += tets->tets.size();
-        plain_count += evaluator.pull({plain, {muscle + "Tets", "outTets"}, 1})
-                           .as<nodes::TetMeshValue>()
-                           .mesh->tets.size();
+        plain_count +=
+            evaluator.pull({plain, {muscle + "Tets", "outTets"}, 1}).as<nodes::TetMeshValue>().mesh->tets.size();
     }
     CAPTURE(count, plain_count);
     CHECK(std::abs(double(count) / double(plain_count) - 1) < 0.2); // about as many as the arm has
 }
 
-TEST_CASE("the refined arm's paint covers every attachment of its muscles to bones and tendons",
-          "[nodes][arm]") {
+TEST_CASE("the refined arm's paint covers every attachment of its muscles to bones and tendons", "[nodes][arm]") {
     const auto graph = scene("arm_refined.json");
     engine::Evaluator evaluator;
     for (const nlohmann::json& a : read_json(folder + "arm_ziva/attachments.json")["attachments"]) {
         const std::string of = a["muscle"];
-        const auto muscle =
-            std::find_if(muscles.begin(), muscles.end(), [&](const auto& m) { return m.second == of; });
+        const auto muscle = std::find_if(muscles.begin(), muscles.end(), [&](const auto& m) { return m.second == of; });
         REQUIRE(muscle != muscles.end());
-        const auto& paint =
-            std::get<engine::Plug>(graph->find(muscle->first + "Tets")->inputs.find("weights")->second);
+        const auto& paint = std::get<engine::Plug>(graph->find(muscle->first + "Tets")->inputs.find("weights")->second);
         const auto weights = evaluator.pull({graph, paint, 1}).as<engine::NumberList>();
         INFO(of << " at " << std::string(a["target"]));
         int bare = 0;
@@ -117,19 +108,15 @@ TEST_CASE("the refined arm moves as the arm does, converged and with no tet inve
     constexpr int last = 28;
     for (int frame = 2; frame <= last; ++frame) {
         INFO("frame " << frame);
-        const auto report =
-            evaluator.pull({refined, {"solver", "outReport"}, double(frame)}).as<nodes::SolveReport>();
+        const auto report = evaluator.pull({refined, {"solver", "outReport"}, double(frame)}).as<nodes::SolveReport>();
         CHECK(report.record.converged);
         CHECK(report.record.inverted == 0);
     }
     const auto meshes = [&](const auto& graph, int frame) {
-        return evaluator.pull({graph, {"solver", "outMeshes"}, double(frame)})
-            .template as<nodes::MeshList>()
-            .meshes;
+        return evaluator.pull({graph, {"solver", "outMeshes"}, double(frame)}).template as<nodes::MeshList>().meshes;
     };
     const auto rest = meshes(plain, 1), a = meshes(plain, last), b = meshes(refined, last);
-    const auto& bodies =
-        std::get<std::vector<engine::Plug>>(plain->find("solver")->inputs.find("bodies")->second);
+    const auto& bodies = std::get<std::vector<engine::Plug>>(plain->find("solver")->inputs.find("bodies")->second);
     REQUIRE(a.size() == bodies.size());
     REQUIRE(b.size() == bodies.size());
     double difference = 0, way = 0;
@@ -139,8 +126,7 @@ TEST_CASE("the refined arm moves as the arm does, converged and with no tet inve
         const solver::Points &p = *a[body].points, &q = *b[body].points, &r = *rest[body].points;
         REQUIRE(p.size() == q.size());
         double apart = 0, moved = 0;
-        for (std::size_t v = 0; v < p.size(); ++v)
-            apart += (p[v] - q[v]).norm(), moved += (p[v] - r[v]).norm();
+        for (std::size_t v = 0; v < p.size(); ++v) apart += (p[v] - q[v]).norm(), moved += (p[v] - r[v]).norm();
         difference = std::max(difference, apart / static_cast<double>(p.size()));
         way = std::max(way, moved / static_cast<double>(p.size()));
     }

@@ -56,7 +56,8 @@ solver::Vec3 mean(const solver::Points& points, const std::vector<int>& vertices
 }
 
 /// Length from origin to insertion, and the largest radius of gyration of a twelfth of it.
-std::pair<double, double> length_and_girth(const solver::Points& points, const solver::Vec3& from, const solver::Vec3& to) {
+std::pair<double, double> length_and_girth(const solver::Points& points, const solver::Vec3& from,
+                                           const solver::Vec3& to) {
     const double length = (to - from).norm();
     const solver::Vec3 axis = (to - from) / length;
     double girth = 0;
@@ -122,7 +123,9 @@ TEST_CASE("the arm flexes: converged, nothing inverted, muscles on their bones, 
 TEST_CASE("the arm gives the same bits with one and two threads") {
     Arm one(1), two(2);
     for (const int frame : {8, 20}) {
-        const auto digest = [&](Arm& arm) { return arm.evaluator.pull({arm.graph, {"solver", "outMeshes"}, double(frame)}).digest(); };
+        const auto digest = [&](Arm& arm) {
+            return arm.evaluator.pull({arm.graph, {"solver", "outMeshes"}, double(frame)}).digest();
+        };
         CHECK(digest(one) == digest(two));
     }
 }

@@ -71,9 +71,8 @@ inline std::vector<std::string> codes(const std::function<void()>& run, std::str
 }
 
 /// The codes that reading and pulling a graph gives.
-inline std::vector<std::string> codes(const std::string& nodes, const std::string& node,
-                                      const std::string& output, std::string* text = nullptr,
-                                      double frame = 1) {
+inline std::vector<std::string> codes(const std::string& nodes, const std::string& node, const std::string& output,
+                                      std::string* text = nullptr, double frame = 1) {
     return codes([&] { Session(nodes).pull(node, output, frame); }, text);
 }
 

@@ -38,9 +38,7 @@ const solver::TissueRest& rest_of(const nodes::Body& body) {
 /// Counts how often a node said that it is meshing.
 class MeshingCounter : public engine::Observer {
   public:
-    void progress(const std::string&, double, std::string_view what) override {
-        meshings += what == "meshing";
-    }
+    void progress(const std::string&, double, std::string_view what) override { meshings += what == "meshing"; }
     void computed(const std::string& node, double, double) override { computes += node == "t"; }
     int meshings = 0, computes = 0;
 };
@@ -108,9 +106,7 @@ TEST_CASE("keyed values change the body but mesh it only once", "[nodes]") {
     MeshingCounter counter;
     engine::Evaluator evaluator({}, 1, &counter);
     const auto g = graph(tissue(layers + R"(, "fibers": [{"from": "fiber.outFiber"}])"));
-    const auto body = [&](double frame) {
-        return evaluator.pull({g, {"t", "outBody"}, frame}).as<nodes::Body>();
-    };
+    const auto body = [&](double frame) { return evaluator.pull({g, {"t", "outBody"}, frame}).as<nodes::Body>(); };
     const nodes::Body first = body(1), later = body(6);
     CHECK(std::get<solver::TissueInputs>(first.values).fibers[0].excitation == 0);
     CHECK(std::get<solver::TissueInputs>(later.values).fibers[0].excitation == 0.5);
@@ -163,8 +159,8 @@ TEST_CASE("a tissue may bring its own tets", "[nodes]") {
 }
 
 TEST_CASE("an attachment hands on weights for every vertex", "[nodes]") {
-    Session s(attached(
-        both + R"(, "weights": {"from": "left.outWeights"}, "stiffness": {"value": 1, "unit": "N/cm^3"})"));
+    Session s(
+        attached(both + R"(, "weights": {"from": "left.outWeights"}, "stiffness": {"value": 1, "unit": "N/cm^3"})"));
     const auto a = s.get<nodes::Attachment>("a", "outAttachment");
     CHECK(a.rest.source_weights == s.get<engine::NumberList>("left", "outWeights"));
     CHECK(a.rest.target_weights == std::vector<double>(8, 1.0));
@@ -180,17 +176,14 @@ TEST_CASE("attachments that cannot hold are refused", "[nodes]") {
     std::string text;
     CHECK(codes(attached(both + R"(, "weights": [1, 1, 0])"), "a", "outAttachment", &text) == Codes{"FE204"});
     CHECK(text.find("weights for t: 3 numbers") != std::string::npos);
-    CHECK(codes(attached(both + R"(, "targetWeights": [1, 1, 0])"), "a", "outAttachment", &text) ==
-          Codes{"FE204"});
+    CHECK(codes(attached(both + R"(, "targetWeights": [1, 1, 0])"), "a", "outAttachment", &text) == Codes{"FE204"});
     CHECK(text.find("targetWeights for bone: 3 numbers for a mesh of 8") != std::string::npos);
     CHECK(codes(attached(both + R"(, "weights": [0])"), "a", "outAttachment") == Codes{"FE212"});
     CHECK(codes(attached(both + R"(, "targetWeights": [0])"), "a", "outAttachment") == Codes{"FE212"});
-    CHECK(codes(attached(both + R"(, "correspondence": "vertexID")"), "a", "outAttachment") ==
-          Codes{"FE217"});
+    CHECK(codes(attached(both + R"(, "correspondence": "vertexID")"), "a", "outAttachment") == Codes{"FE217"});
     CHECK(codes(attached(R"("source": {"from": "t.outBody"}, "target": {"from": "t.outBody"})"), "a",
                 "outAttachment") == Codes{"FE219"});
-    CHECK(codes(attached(both + R"(, "attachmentMode": "none", "weights": [0])"), "a", "outAttachment")
-              .empty());
+    CHECK(codes(attached(both + R"(, "attachmentMode": "none", "weights": [0])"), "a", "outAttachment").empty());
 }
 
 TEST_CASE("an attachment between two bones warns and does nothing", "[nodes]") {

@@ -18,8 +18,7 @@ solver::Points affine(solver::Points p) {
 }
 
 const engine::Wire<nodes::Body> body_in{.name = "body", .doc = "The body to deform."};
-const engine::Output<nodes::Solved> solved_out{.name = "outSolved",
-                                               .doc = "Its tets, moved by an affine map."};
+const engine::Output<nodes::Solved> solved_out{.name = "outSolved", .doc = "Its tets, moved by an affine map."};
 
 /// All node types and one more that moves a tissue's tets by a given affine map.
 std::shared_ptr<const engine::Registry> registry_with_affine() {
@@ -89,9 +88,8 @@ TEST_CASE("a simulated tissue's own mesh comes out of embedder and solver alike"
 }
 
 TEST_CASE("an embedder refuses bones and bodies of other solvers", "[nodes]") {
-    Session s(
-        scene +
-        R"(, "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "bone.outBody"}]}},
+    Session s(scene +
+              R"(, "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "bone.outBody"}]}},
         "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "t.outBody"}}},
         "b": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "bone.outBody"}}})");
     CHECK(codes([&] { s.pull("e", "outMeshes"); }) == Codes{"FE209"});
@@ -100,8 +98,10 @@ TEST_CASE("an embedder refuses bones and bodies of other solvers", "[nodes]") {
 
 TEST_CASE("a tissue's collision surface follows an affine motion exactly, with linear and quadratic tets", "[nodes]") {
     for (const std::string element : {"linear", "quadratic"}) {
-        const std::string text = R"({"format": "sinew 1", "nodes": {)" + scene +
-                                 R"(, "tets": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}, "element": ")" + element + R"("}},
+        const std::string text =
+            R"({"format": "sinew 1", "nodes": {)" + scene +
+            R"(, "tets": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}, "element": ")" + element +
+            R"("}},
             "shell": {"type": "polySphere", "inputs": {"radius": 2.1, "subdivisionsAxis": 9, "subdivisionsHeight": 7}},
             "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "tets": {"from": "tets.outTets"},
                   "materials": [{"from": "flesh.outMaterial"}], "collisionShape": {"from": "shell.outMesh"}}},
@@ -145,7 +145,8 @@ TEST_CASE("another collision surface simulates nothing again, and what rides is 
 
 TEST_CASE("collision surfaces that cannot ride are refused at their input, and far vertices are warned of", "[nodes]") {
     const auto with = [](const std::string& shape) {
-        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + shape + R"(}},
+        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + shape +
+               R"(}},
             "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}],
                   "collisionShape": {"from": "place.outMesh"}}})";
     };
@@ -154,7 +155,8 @@ TEST_CASE("collision surfaces that cannot ride are refused at their input, and f
     CHECK(text.find("collisionShape") != std::string::npos);
     CHECK(codes(scene + R"(, "nothing": {"type": "transform"},
             "s": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}],
-                  "collisionShape": {"from": "nothing.outMesh"}}})", "s", "outBody", &text) == Codes{"FE201"});
+                  "collisionShape": {"from": "nothing.outMesh"}}})",
+                "s", "outBody", &text) == Codes{"FE201"});
     CHECK(text.find("collisionShape") != std::string::npos);
     Session wide(with(R"("scale": [4, 1, 1])"));
     wide.pull("s", "outBody");
@@ -168,7 +170,8 @@ TEST_CASE("collision surfaces that cannot ride are refused at their input, and f
 
 TEST_CASE("meshes that stand far from the tissue are not carried, and far vertices are warned of", "[nodes]") {
     const auto with = [](const std::string& place) {
-        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + place + R"(}},
+        return scene + R"(, "place": {"type": "transform", "inputs": {"mesh": {"from": "ball.outMesh"}, )" + place +
+               R"(}},
             "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "t.outBody"}]}},
             "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "t.outBody"},
                   "meshes": [{"from": "ball.outMesh"}, {"from": "place.outMesh"}]}})";

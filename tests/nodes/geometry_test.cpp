@@ -48,10 +48,10 @@ TEST_CASE("a mesh file that cannot be used says why", "[nodes]") {
     CHECK(codes(mesh_file(folder.path("none.obj")), "m", "outMesh") == Codes{"IO401"});
     CHECK(codes(mesh_file(folder.write("a.xyz", "1 2 3\n")), "m", "outMesh") == Codes{"IO404"});
     CHECK(codes(mesh_file(folder.write("empty.obj", "# nothing\n")), "m", "outMesh") == Codes{"FE201"});
-    CHECK(codes(mesh_file(folder.write("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n")), "m",
-                "outMesh") == Codes{"FE202"});
-    CHECK(codes(mesh_file(folder.write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")), "m",
-                "outMesh") == Codes{"FE203"});
+    CHECK(codes(mesh_file(folder.write("nan.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n")), "m", "outMesh") ==
+          Codes{"FE202"});
+    CHECK(codes(mesh_file(folder.write("index.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n")), "m", "outMesh") ==
+          Codes{"FE203"});
     CHECK(codes(R"("m": {"type": "meshFile"})", "m", "outMesh") == Codes{"DG019"});
 }
 
@@ -67,8 +67,7 @@ TEST_CASE("a tet mesh file gives tets and their boundary", "[nodes]") {
     const solver::Tet& t = tets.mesh->tets.front();
     const auto& x = tets.mesh->vertices;
     CHECK(solver::tet_volume(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])],
-                             x[static_cast<std::size_t>(t[2])],
-                             x[static_cast<std::size_t>(t[3])]) == Approx(1.0 / 6));
+                             x[static_cast<std::size_t>(t[2])], x[static_cast<std::size_t>(t[3])]) == Approx(1.0 / 6));
     CHECK(s.get<nodes::Mesh>("t", "outMesh").topology->triangles.size() == 4);
     CHECK(s.get<nodes::TetMeshValue>("own", "outTets").digest == tets.digest);
     CHECK(codes([&] { s.pull("none", "outTets"); }) == Codes{"DG110"});
@@ -79,8 +78,7 @@ TEST_CASE("a lattice has its default size and refuses to grow beyond its limit",
                  "a": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}}},
                  "b": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}, "tetSize": 1}},
                  "c": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}, "tetSize": 0.01}})");
-    CHECK(s.get<nodes::TetMeshValue>("a", "outTets").digest ==
-          s.get<nodes::TetMeshValue>("b", "outTets").digest);
+    CHECK(s.get<nodes::TetMeshValue>("a", "outTets").digest == s.get<nodes::TetMeshValue>("b", "outTets").digest);
     CHECK(codes([&] { s.pull("c", "outTets"); }) == Codes{"FE210"});
 }
 
@@ -149,8 +147,8 @@ TEST_CASE("tets written in every format come back as they were", "[nodes]") {
         const auto file = s.get<nodes::FileContent>("write", "outFile");
         CHECK(file.ending == format);
         const auto before = s.get<nodes::TetMeshValue>("fill", "outTets");
-        Session back(R"("t": {"type": "tetMeshFile", "inputs": {"file": ")" +
-                     folder.write("t." + format, file.bytes) + R"("}})");
+        Session back(R"("t": {"type": "tetMeshFile", "inputs": {"file": ")" + folder.write("t." + format, file.bytes) +
+                     R"("}})");
         const auto after = back.get<nodes::TetMeshValue>("t", "outTets");
         CHECK(after.mesh->vertices == before.mesh->vertices);
         CHECK(after.mesh->tets == before.mesh->tets);

@@ -87,7 +87,8 @@ TEST_CASE("damaged, cut and foreign files are told and remade", "[nodes][kept]")
     const fs::path file = files_in(cache)[0];
     const std::string whole = bytes_of(file);
     std::vector<std::string> wrong{"", "hello", whole.substr(0, 30), whole.substr(0, whole.size() / 2), whole + "x"};
-    for (const std::size_t at : {std::size_t{3}, std::size_t{20}, std::size_t{40}, std::size_t{50}, whole.size() / 3, whole.size() - 1}) {
+    for (const std::size_t at :
+         {std::size_t{3}, std::size_t{20}, std::size_t{40}, std::size_t{50}, whole.size() / 3, whole.size() - 1}) {
         wrong.push_back(whole);
         wrong.back()[at] = static_cast<char>(wrong.back()[at] ^ 1);
     }
@@ -107,8 +108,9 @@ TEST_CASE("damaged, cut and foreign files are told and remade", "[nodes][kept]")
 TEST_CASE("a folder that cannot be written is warned about once, and all goes on", "[nodes][kept]") {
     const Folder folder;
     const std::string in_the_way = folder.write("file", "not a folder"); // holds for root too, unlike permissions
-    const Visit visit(tets() + R"(, "more": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}, "cacheTetMesh": true}})",
-                      in_the_way);
+    const Visit visit(
+        tets() + R"(, "more": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}, "cacheTetMesh": true}})",
+        in_the_way);
     CHECK(visit.made() == 1);
     REQUIRE(visit.counter.warnings.size() == 1);
     CHECK(visit.counter.warnings[0].code == "IO407");

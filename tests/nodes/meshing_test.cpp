@@ -16,8 +16,7 @@ std::string iso(const std::string& inputs) {
     return two_balls + R"("iso": {"type": "zIsoMesh", "inputs": {)" + inputs + "}}";
 }
 
-const std::string both =
-    R"("meshes": [{"from": "ball.outMesh"}, {"from": "other.outMesh"}], "resolution": 64)";
+const std::string both = R"("meshes": [{"from": "ball.outMesh"}, {"from": "other.outMesh"}], "resolution": 64)";
 
 } // namespace
 
@@ -71,8 +70,8 @@ TEST_CASE("zDelaunayTetMesh fills an iso mesh and leaves its triangles as they a
     CHECK(s.counter.warnings.empty());
     std::string text;
     const auto refused = [&](const std::string& mesh) {
-        return codes(two_balls + R"("tets": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": ")" +
-                         mesh + R"("}}})",
+        return codes(two_balls + R"("tets": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": ")" + mesh +
+                         R"("}}})",
                      "tets", "outTets", &text);
     };
     CHECK(refused("plane.outMesh") == Codes{"FE230"});

@@ -111,8 +111,7 @@ TEST_CASE("between samples half a turn, mirrors and tiny turns are met", "[nodes
     SECTION("a mirrored bone stays mirrored") {
         Eigen::Matrix4d mirror = Eigen::Matrix4d::Identity();
         mirror(0, 0) = -1;
-        const nodes::MatrixTrack track{{0, 1},
-                                       {plain(mirror), plain(hinge({0, 1, 0}, {0, 0, 0}, 40) * mirror)}};
+        const nodes::MatrixTrack track{{0, 1}, {plain(mirror), plain(hinge({0, 1, 0}, {0, 0, 0}, 40) * mirror)}};
         CHECK(distance(eigen(track.at(0.25)), hinge({0, 1, 0}, {0, 0, 0}, 10) * mirror) < 1e-12);
     }
     SECTION("a turn of a millionth of a degree") {
@@ -155,9 +154,8 @@ TEST_CASE("a motion file that cannot be used says why", "[nodes]") {
     const Folder folder;
     const auto pulled = [&](const std::string& text) {
         const std::string path = folder.write("m.json", text);
-        return codes(R"("t": {"type": "transform", "inputs": {"track": ")" + path +
-                         R"(", "trackName": "b"}})",
-                     "t", "outMatrix");
+        return codes(R"("t": {"type": "transform", "inputs": {"track": ")" + path + R"(", "trackName": "b"}})", "t",
+                     "outMatrix");
     };
     CHECK(pulled("{") == Codes{"IO403"});
     CHECK(pulled("{}") == Codes{"IO403"});
@@ -167,8 +165,8 @@ TEST_CASE("a motion file that cannot be used says why", "[nodes]") {
     CHECK(pulled(R"({"frames": [{"frame": 1, "bones": {"b": "x"}}]})") == Codes{"IO403"});
     CHECK(pulled(R"({"frames": [{"frame": 1}]})") == Codes{"IO403"});
     const std::string m = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
-    CHECK(pulled(R"({"frames": [{"frame": 2, "bones": {"b": )" + m + R"(}}, {"frame": 2, "bones": {"b": )" +
-                 m + "}}]}") == Codes{"IO403"});
+    CHECK(pulled(R"({"frames": [{"frame": 2, "bones": {"b": )" + m + R"(}}, {"frame": 2, "bones": {"b": )" + m +
+                 "}}]}") == Codes{"IO403"});
     CHECK(codes(R"("t": {"type": "transform", "inputs": {"track": ")" + folder.path("none.json") +
                     R"(", "trackName": "b"}})",
                 "t", "outMatrix") == Codes{"IO401"});
@@ -196,8 +194,7 @@ TEST_CASE("a channel maps recorded numbers to the range of an attribute", "[node
     CHECK(s.get<double>("extend", "outValue", 3) == 0);
     CHECK(s.get<double>("raw", "outValue", 1.5) == 33.75);
     CHECK(s.get<double>("raw", "outValue", 4.3) == 200);
-    CHECK(s.get<nodes::Fiber>("fiber", "outFiber", 2).values.excitation ==
-          s.get<double>("flex", "outValue", 2));
+    CHECK(s.get<nodes::Fiber>("fiber", "outFiber", 2).values.excitation == s.get<double>("flex", "outValue", 2));
     CHECK(codes([&] { s.pull("same", "outValue"); }) == Codes{"DG110"});
     CHECK(codes([&] { s.pull("none", "outValue"); }) == Codes{"IO403"});
 }

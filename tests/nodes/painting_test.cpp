@@ -13,8 +13,7 @@ const std::string strip =
     "strip": {"type": "transform", "inputs": {"mesh": {"from": "line.outMesh"}, "translate": [2, 0, 0]}},)";
 
 std::string weights(const std::string& inputs) {
-    return strip + R"("w": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, )" + inputs +
-           "}}";
+    return strip + R"("w": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, )" + inputs + "}}";
 }
 
 /// The weight at each x = 0…4, after checking that both rows agree.
@@ -47,8 +46,7 @@ TEST_CASE("a constant map is adjusted by invert, scale and offset and kept withi
 TEST_CASE("a ramp rises between two coordinates, straight or smooth, either way", "[nodes]") {
     CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4)") == Line{0, 0.25, 0.5, 0.75, 1});
     CHECK(by_x(R"("mode": "ramp", "start": 3, "end": 1)") == Line{1, 1, 0.5, 0, 0});
-    CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4, "smooth": true)") ==
-          Line{0, 0.15625, 0.5, 0.84375, 1});
+    CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4, "smooth": true)") == Line{0, 0.15625, 0.5, 0.84375, 1});
     CHECK(codes(weights(R"("mode": "ramp", "start": 2, "end": 2)"), "w", "outWeights") == Codes{"DG110"});
 }
 
@@ -118,9 +116,8 @@ TEST_CASE("end points mark source and sink, which must not meet", "[nodes]") {
         R"("from": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [0]}},
         "to": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [4, 9]}},)";
     const auto ends = [&](const std::string& from, const std::string& to) {
-        return maps +
-               R"("e": {"type": "endPoints", "inputs": {"mesh": {"from": "strip.outMesh"}, "source": )" +
-               from + R"(, "sink": )" + to + "}}";
+        return maps + R"("e": {"type": "endPoints", "inputs": {"mesh": {"from": "strip.outMesh"}, "source": )" + from +
+               R"(, "sink": )" + to + "}}";
     };
     Session s(ends(R"({"from": "from.outWeights"})", R"({"from": "to.outWeights"})"));
     CHECK(s.get<NumberList>("e", "outEndPoints") == NumberList{0, 0.5, 0.5, 0.5, 1, 0.5, 0.5, 0.5, 0.5, 1});
@@ -142,8 +139,7 @@ TEST_CASE("a painted map is carried over to an iso mesh, and one that does not f
     for (std::size_t v = 0; v < linear.size(); ++v)
         CHECK(linear[v] == Approx(0.5 + 0.5 * (*mesh.points)[v].y()).margin(0.02));
     s.set("moved", "mode", "\"endPoints\"");
-    for (const double end : s.get<NumberList>("moved", "outWeights"))
-        CHECK((end == 0 || end == 0.5 || end == 1));
+    for (const double end : s.get<NumberList>("moved", "outWeights")) CHECK((end == 0 || end == 0.5 || end == 1));
     s.set("moved", "weights", "[0.25]");
     for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 0.5);
     s.set("moved", "weights", "[1, 0]");

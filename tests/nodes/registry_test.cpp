@@ -9,11 +9,10 @@ using namespace bench;
 namespace {
 
 const std::vector<std::string> all_types = {
-    "curve",        "endPoints",    "meshFile",         "meshWriter", "polyCube",
-    "polyCylinder", "polyHelix",    "polyPlane",        "polySphere", "tetMeshFile",
-    "tetWriter",    "trackChannel", "transferWeights",  "transform",  "weights",
-    "zAttachment",  "zBone",        "zDelaunayTetMesh", "zEmbedder",  "zFiber",
-    "zIsoMesh",     "zMaterial",    "zSolver",          "zTet",       "zTissue"};
+    "curve",     "endPoints",   "meshFile",    "meshWriter",       "polyCube",     "polyCylinder",    "polyHelix",
+    "polyPlane", "polySphere",  "tetMeshFile", "tetWriter",        "trackChannel", "transferWeights", "transform",
+    "weights",   "zAttachment", "zBone",       "zDelaunayTetMesh", "zEmbedder",    "zFiber",          "zIsoMesh",
+    "zMaterial", "zSolver",     "zTet",        "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -46,8 +45,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
     };
     return {
         {"curve", node("curve", R"("points": [0,0,0, 1,0,0])")},
-        {"endPoints",
-         node("endPoints", R"("mesh": {"from": "cube.outMesh"}, "source": {"from": "half.outWeights"},
+        {"endPoints", node("endPoints", R"("mesh": {"from": "cube.outMesh"}, "source": {"from": "half.outWeights"},
                                                "sink": {"from": "rest.outWeights"})")},
         {"meshFile", node("meshFile", R"("file": ")" + obj + "\"")},
         {"meshWriter", node("meshWriter", R"("mesh": {"from": "cube.outMesh"})")},
@@ -59,24 +57,20 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"tetMeshFile", node("tetMeshFile", R"("file": ")" + tets + "\"")},
         {"tetWriter", base + R"("fill": {"type": "zTet", "inputs": {"mesh": {"from": "cube.outMesh"}}},
                    "n": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}}})"},
-        {"trackChannel",
-         node("trackChannel", R"("channel": "angle", "inMax": 10, "file": ")" + track + "\"")},
+        {"trackChannel", node("trackChannel", R"("channel": "angle", "inMax": 10, "file": ")" + track + "\"")},
         {"transferWeights",
          node("transferWeights", R"("oldMesh": {"from": "cube.outMesh"}, "newMesh": {"from": "far.outMesh"},
                                     "weights": {"from": "half.outWeights"})")},
         {"transform",
-         node("transform",
-              R"("mesh": {"from": "cube.outMesh"}, "trackName": "ulna", "track": ")" + track + "\"")},
+         node("transform", R"("mesh": {"from": "cube.outMesh"}, "trackName": "ulna", "track": ")" + track + "\"")},
         {"weights", node("weights", R"("mesh": {"from": "cube.outMesh"})")},
         {"zAttachment",
          node("zAttachment", R"("source": {"from": "tissue.outBody"}, "target": {"from": "bone.outBody"})")},
         {"zBone", node("zBone", R"("mesh": {"from": "cube.outMesh"})")},
-        {"zEmbedder",
-         node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
+        {"zEmbedder", node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},
         {"zFiber", node("zFiber", "")},
-        {"zDelaunayTetMesh",
-         base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
+        {"zDelaunayTetMesh", base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
                    "n": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": "skin.outMesh"}}})"},
         {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},
         {"zMaterial", node("zMaterial", "")},
@@ -84,8 +78,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
                                            "attachments": [{"from": "tie.outAttachment"}])")},
         {"zTet", node("zTet", R"("mesh": {"from": "cube.outMesh"})")},
         {"zTissue",
-         node("zTissue",
-              R"("mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])")}};
+         node("zTissue", R"("mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])")}};
 }
 
 /// Another value that the attribute allows; empty if there is none to be made up (files).
@@ -98,9 +91,7 @@ std::string another(const engine::AttributeInfo& a) {
     }
     if (a.def.is<std::string>() && a.options.empty()) return "\"hand\"";
     if (a.def.is<std::string>())
-        return "\"" +
-               std::string(a.def.as<std::string>() == a.options.back() ? a.options.front()
-                                                                       : a.options.back()) +
+        return "\"" + std::string(a.def.as<std::string>() == a.options.back() ? a.options.front() : a.options.back()) +
                "\"";
     if (a.def.is<engine::Vec3>()) return "[0.5, 0.25, 0.125]";
     if (a.def.is<engine::Matrix4>()) return "[1,0,0,5, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
@@ -124,8 +115,8 @@ TEST_CASE("every node type, input and output is documented, every number with it
             for (const engine::AttributeInfo& a : *list) {
                 INFO(a.name);
                 CHECK(a.doc.ends_with('.'));
-                const bool number = a.kind == engine::AttributeKind::literal &&
-                                    (a.def.is<double>() || a.def.is<engine::Vec3>());
+                const bool number =
+                    a.kind == engine::AttributeKind::literal && (a.def.is<double>() || a.def.is<engine::Vec3>());
                 // Lengths in the scene have no unit that could be converted; then the words must say what
                 // they are.
                 if (number && a.unit.empty() && !counted.contains(a.name))
@@ -151,10 +142,8 @@ TEST_CASE("every type computes in its smallest graph, and a change of any input 
             if (a.kind != engine::AttributeKind::literal || another(a).empty()) continue;
             if (name == "zSolver" && a.name == "startFrame") continue; // tested with the frames it moves
             INFO(a.name << " = " << another(a));
-            const auto edited =
-                engine::Edit(s.graph).set_json({"n", std::string(a.name)}, another(a)).commit().graph;
-            const bool ready =
-                s.evaluator.explain({edited, plug, frame}).readiness == engine::Readiness::ready;
+            const auto edited = engine::Edit(s.graph).set_json({"n", std::string(a.name)}, another(a)).commit().graph;
+            const bool ready = s.evaluator.explain({edited, plug, frame}).readiness == engine::Readiness::ready;
             CHECK(ready == (a.affects == engine::Affects::nothing));
         }
         CHECK(s.counter.warnings.empty());

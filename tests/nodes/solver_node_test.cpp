@@ -19,9 +19,8 @@ std::string beam(double u, const std::string& solver_inputs = "", const std::str
     const std::string size = R"("inputs": {"width": )" + number(u) + R"(, "height": )" + number(u / 4) +
                              R"(, "depth": )" + number(u / 4) +
                              R"(, "subdivisionsWidth": 8, "subdivisionsHeight": 2, "subdivisionsDepth": 2}})";
-    return R"("mesh": {"type": "polyCube", )" + size +
-           R"(, "box": {"type": "polyCube", "inputs": {"width": )" + number(u / 4) + R"(, "height": )" +
-           number(u / 4) + R"(, "depth": )" + number(u / 4) + R"(}},
+    return R"("mesh": {"type": "polyCube", )" + size + R"(, "box": {"type": "polyCube", "inputs": {"width": )" +
+           number(u / 4) + R"(, "height": )" + number(u / 4) + R"(, "depth": )" + number(u / 4) + R"(}},
         "place": {"type": "transform", "inputs": {"translate": {"keys": [[1, [)" +
            number(-0.625 * u) + R"(, 0, 0]], [4, [)" + number(-0.625 * u) + ", " + number(0.05 * u) +
            R"(, 0]]]}}},
@@ -61,14 +60,13 @@ TEST_CASE("a beam sags under gravity, follows its bone and reports how it conver
     CHECK(report.record.converged);
     CHECK(report.record.inverted == 0);
     CHECK(report.bodies == 2);
-    CHECK(report.tets ==
-          static_cast<std::int64_t>(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->tets.size()));
+    CHECK(report.tets == static_cast<std::int64_t>(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->tets.size()));
     CHECK(report.dofs ==
           3 * static_cast<std::int64_t>(s.get<nodes::TetMeshValue>("tets", "outTets").mesh->vertices.size()));
     CHECK(report.triangles == 12 + 144);
     CHECK(report.attachments == 1);
-    CHECK(report.terms == std::vector<std::string>{"StVK", "compressionResistance", "gravity", "inertia",
-                                                   "damping", "attachment"});
+    CHECK(report.terms ==
+          std::vector<std::string>{"StVK", "compressionResistance", "gravity", "inertia", "damping", "attachment"});
     CHECK(s.counter.warnings.empty());
     CHECK(s.counter.steps["solver"] == 8); // the start state and seven steps
 }
@@ -132,8 +130,7 @@ TEST_CASE("QuasiStatic needs every tissue tied to a bone by some chain", "[nodes
     points(s, 2);
     CHECK(s.get<nodes::SolveReport>("solver", "outReport", 2).terms ==
           std::vector<std::string>{"StVK", "compressionResistance", "gravity", "attachment"});
-    s.set("solver", "bodies",
-          R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "ball.outBody"}])");
+    s.set("solver", "bodies", R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "ball.outBody"}])");
     std::string text;
     CHECK(codes([&] { s.pull("solver", "outMeshes", 2); }, &text) == Codes{"FE303"});
     CHECK(text.find("ball floats") != std::string::npos);
@@ -150,8 +147,7 @@ TEST_CASE("bodies and attachments that do not fit together are refused by name",
     s.set("solver", "bodies", R"([{"from": "beam.outBody"}])");
     CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
     CHECK(text.find("the target of tie") != std::string::npos);
-    s.set("solver", "bodies",
-          R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "beam.outBody"}])");
+    s.set("solver", "bodies", R"([{"from": "bone.outBody"}, {"from": "beam.outBody"}, {"from": "beam.outBody"}])");
     CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE213"});
     CHECK(text.find("beam and beam") != std::string::npos);
     s.set("solver", "bodies", "[]");
@@ -195,13 +191,11 @@ TEST_CASE("two bones of one mesh are told apart by where they stand", "[nodes]")
     const std::string extra = R"(, "away": {"type": "transform", "inputs": {"translate": [0, 9, 0]}},
         "twin": {"type": "zBone", "inputs": {"mesh": {"from": "box.outMesh"}, "matrix": {"from": "away.outMatrix"}}})";
     Session plain(beam(1)), twins(beam(1, "", extra));
-    twins.set("solver", "bodies",
-              R"([{"from": "twin.outBody"}, {"from": "bone.outBody"}, {"from": "beam.outBody"}])");
+    twins.set("solver", "bodies", R"([{"from": "twin.outBody"}, {"from": "bone.outBody"}, {"from": "beam.outBody"}])");
     CHECK(points(plain, 3, 1) == points(twins, 3, 2));
 }
 
-TEST_CASE("a simulation gives the same bits with one thread, two threads and without any kept scratch",
-          "[nodes]") {
+TEST_CASE("a simulation gives the same bits with one thread, two threads and without any kept scratch", "[nodes]") {
     Session one(beam(1), 1), two(beam(1), 2), forgetful(beam(1), 1);
     const engine::Digest expected = one.pull("solver", "outMeshes", 6).digest();
     CHECK(two.pull("solver", "outMeshes", 6).digest() == expected);
@@ -216,8 +210,7 @@ TEST_CASE("a saved simulation goes on bit for bit", "[nodes]") {
     Session first(beam(1)), second(beam(1));
     const engine::Digest expected = first.pull("solver", "outMeshes", 6).digest();
     for (double frame : {1.0, 3.0, 5.0}) {
-        const std::vector<std::byte> bytes =
-            first.evaluator.save_state({first.graph, {"solver", "outMeshes"}, frame});
+        const std::vector<std::byte> bytes = first.evaluator.save_state({first.graph, {"solver", "outMeshes"}, frame});
         Session resumed(beam(1));
         resumed.evaluator.load_state({resumed.graph, {"solver", "outMeshes"}, frame}, bytes);
         CHECK(resumed.pull("solver", "outMeshes", 6).digest() == expected);
@@ -238,8 +231,7 @@ TEST_CASE("a stop reaches into the solve and keeps the finished frames", "[nodes
     stopper.at_frame = 3; // the start state and two steps are done
     engine::Evaluator evaluator({}, 1, &stopper);
     const auto g = graph(beam(1));
-    CHECK_THROWS_AS(evaluator.pull({g, {"solver", "outMeshes"}, 6, stopper.source.get_token()}),
-                    engine::Cancelled);
+    CHECK_THROWS_AS(evaluator.pull({g, {"solver", "outMeshes"}, 6, stopper.source.get_token()}), engine::Cancelled);
     CHECK(stopper.steps["solver"] == 3);
     CHECK(stopper.warnings.empty());
     const engine::Digest resumed = evaluator.pull({g, {"solver", "outMeshes"}, 6}).digest();

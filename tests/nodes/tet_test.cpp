@@ -82,8 +82,7 @@ TEST_CASE("zTet's border is a closed mesh on the tets' vertices, of the user's t
         const auto at = [&](int v) { return tets->vertices[static_cast<std::size_t>(v)]; };
         volume += solver::tet_volume(at(t[0]), at(t[1]), at(t[2]), at(t[3]));
     }
-    CHECK(solver::enclosed_volume(*border.points, border.topology->triangles) ==
-          Approx(volume).epsilon(1e-12));
+    CHECK(solver::enclosed_volume(*border.points, border.topology->triangles) == Approx(volume).epsilon(1e-12));
     CHECK(s.pull("own", "outMesh").digest() == s.pull("t", "outMesh").digest());
 }
 

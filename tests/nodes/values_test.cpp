@@ -90,11 +90,10 @@ TEST_CASE("a saved state loads bit for bit, and damaged bytes are refused", "[no
     CHECK(codes([&] { nodes::load_simulation(wrong); }) == Codes{"IO403"});
 }
 
-TEST_CASE("a mesh's digest sees points and connectivity, and only its maker pays for the connectivity",
-          "[nodes]") {
+TEST_CASE("a mesh's digest sees points and connectivity, and only its maker pays for the connectivity", "[nodes]") {
     const auto mesh = [](double z, int last) {
-        return nodes::Mesh::from(solver::SurfaceMesh::from_triangles(
-            {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, z}}, {{0, 1, 2}, {0, 1, last}}));
+        return nodes::Mesh::from(solver::SurfaceMesh::from_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, z}},
+                                                                     {{0, 1, 2}, {0, 1, last}}));
     };
     CHECK(digest(mesh(1, 3)) == digest(mesh(1, 3)));
     CHECK(digest(mesh(1, 3)) != digest(mesh(2, 3)));

@@ -45,9 +45,11 @@ TEST_CASE("a steady step allocates nothing, whatever the scheme, the element and
     if (!counts_allocations()) return;
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const Swing swing(kind, kind == ElementKind::linear ? 6 : 3);
-        for (const Integrator integrator : {Integrator::backward_euler, Integrator::bdf2, Integrator::tr_bdf2, Integrator::quasi_static})
+        for (const Integrator integrator :
+             {Integrator::backward_euler, Integrator::bdf2, Integrator::tr_bdf2, Integrator::quasi_static})
             for (const LinearMethod method : {LinearMethod::iterative, LinearMethod::automatic, LinearMethod::direct})
-                DYNAMIC_SECTION("element " << int(kind) << ", integrator " << int(integrator) << ", linear solver " << int(method)) {
+                DYNAMIC_SECTION("element " << int(kind) << ", integrator " << int(integrator) << ", linear solver "
+                                           << int(method)) {
                     const Allocations taken = of_steps(swing, 6, [&](StepInputs& in) {
                         in.integrator = integrator;
                         in.linear_method = method;

@@ -60,7 +60,8 @@ TEST_CASE("a rigid direction moves a body rigidly by any angle, and straight whe
                     const Vec3 p = turning.place(v), r = p - turning.centre();
                     const Vec3 expected = dear ? Vec3(turning.centre() + turn * r + share * turning.shift)
                                                : Vec3(p + share * (angle * turning.axis.cross(r) + turning.shift));
-                    const Vec3 got(out[3 * static_cast<std::size_t>(v)], out[3 * static_cast<std::size_t>(v) + 1], out[3 * static_cast<std::size_t>(v) + 2]);
+                    const Vec3 got(out[3 * static_cast<std::size_t>(v)], out[3 * static_cast<std::size_t>(v) + 1],
+                                   out[3 * static_cast<std::size_t>(v) + 2]);
                     CHECK((got - expected).norm() < 1e-14);
                 }
             }
@@ -87,7 +88,8 @@ TEST_CASE("a stiff body that spins fast is not strained by its own damping, howe
             }
             for (int step = 0; step < 12; ++step) {
                 t.state = advance(*t.workspace, t.state, std::span(&t.in, 1));
-                INFO("quadratic " << (kind == ElementKind::quadratic) << " scheme " << static_cast<int>(scheme) << ", step " << step << ", moving with about " << energy << " J");
+                INFO("quadratic " << (kind == ElementKind::quadratic) << " scheme " << static_cast<int>(scheme)
+                                  << ", step " << step << ", moving with about " << energy << " J");
                 CHECK(t.state.record.converged);
                 if (step > 2) CHECK(t.state.record.energy < 1e-4 * energy);
             }
@@ -120,9 +122,11 @@ TEST_CASE("a free stiff body that spins fast takes few Newton iterations and kee
             CHECK(t.state.record.newton_iterations <= 16); // of two stages
             const Vec3 now = position(t.state, static_cast<int>(mesh.vertices.size()) - 1) - position(t.state, 0);
             CHECK(now.norm() == Approx(length).epsilon(modulus < 1e8 ? 1e-2 : 1e-4));
-            turned += std::atan2(before.head<2>().x() * now.y() - before.y() * now.x(), before.head<2>().dot(now.head<2>()));
+            turned +=
+                std::atan2(before.head<2>().x() * now.y() - before.y() * now.x(), before.head<2>().dot(now.head<2>()));
             before = now;
         }
-        CHECK(turned == Approx(5.0).epsilon(0.06)); // 12 steps of 10/24 rad; the scheme's own phase error is 4.6 % of that
+        CHECK(turned ==
+              Approx(5.0).epsilon(0.06)); // 12 steps of 10/24 rad; the scheme's own phase error is 4.6 % of that
     }
 }

@@ -9,11 +9,13 @@
 using namespace sinew::solver;
 using namespace sinew::test;
 
-TEST_CASE("values that are no numbers are refused with the body they belong to, and the state goes on as if never asked") {
+TEST_CASE(
+    "values that are no numbers are refused with the body they belong to, and the state goes on as if never asked") {
     const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
     using Break = std::function<void(StepInputs&, double)>;
     const auto tissue_of = [](StepInputs& in) -> TissueInputs& { return std::get<TissueInputs>(in.bodies[1]); };
-    const std::pair<Break, int> breaks[] = { // and the body to blame; -1: the scene
+    const std::pair<Break, int> breaks[] = {
+        // and the body to blame; -1: the scene
         {[&](StepInputs& in, double v) { tissue_of(in).layers[0].youngs_modulus = v; }, 1},
         {[&](StepInputs& in, double v) { tissue_of(in).layers[0].poissons_ratio = v; }, 1},
         {[&](StepInputs& in, double v) { tissue_of(in).layers[0].mass_density = v; }, 1},
@@ -79,9 +81,18 @@ TEST_CASE("meshes that are empty, collapsed or no numbers are refused with the b
         {[](TissueRest& t) { t.tets.vertices.clear(); }, "FE203"},
         {[&](TissueRest& t) { t.tets.vertices[2].x() = nan; }, "FE202"},
         {[](TissueRest& t) { t.tets.vertices[2].x() = std::numeric_limits<double>::infinity(); }, "FE202"},
-        {[](TissueRest& t) { for (Vec3& p : t.tets.vertices) p.z() = 0; }, "FE215"},
-        {[](TissueRest& t) { for (Vec3& p : t.tets.vertices) p = Vec3(1, 2, 3); }, "FE215"},
-        {[](TissueRest& t) { for (Vec3& p : t.tets.vertices) p.x() = -p.x(); }, "FE215"},
+        {[](TissueRest& t) {
+             for (Vec3& p : t.tets.vertices) p.z() = 0;
+         },
+         "FE215"},
+        {[](TissueRest& t) {
+             for (Vec3& p : t.tets.vertices) p = Vec3(1, 2, 3);
+         },
+         "FE215"},
+        {[](TissueRest& t) {
+             for (Vec3& p : t.tets.vertices) p.x() = -p.x();
+         },
+         "FE215"},
         {[&](TissueRest& t) { t.tets.coverage[1] = nan; }, "FE202"},
         {[&](TissueRest& t) { t.layer_weights[0][1] = nan; }, "FE204"},
         {[&](TissueRest& t) { t.fibers[0].weights[1] = nan; }, "FE204"},

@@ -75,7 +75,8 @@ struct Oscillator {
 TEST_CASE("the one-tet oscillator follows each scheme's exact sequence, digit by digit") {
     const Oscillator o;
     const auto check = [&](const nlohmann::json& runs, double damping) {
-        for (const auto& [title, steps] : {std::pair{"dt=1/24", 24}, {"dt=1/48", 48}, {"dt=1/96", 96}, {"dt=1/240", 240}}) {
+        for (const auto& [title, steps] :
+             {std::pair{"dt=1/24", 24}, {"dt=1/48", 48}, {"dt=1/96", 96}, {"dt=1/240", 240}}) {
             if (!runs.contains(title)) continue;
             for (const Scheme& scheme : schemes) {
                 INFO(title << " " << scheme.name << " damping " << damping);
@@ -88,7 +89,8 @@ TEST_CASE("the one-tet oscillator follows each scheme's exact sequence, digit by
                     s = advance(w, s, std::span(&in, 1));
                     if (i + 1 < static_cast<int>(first.size()))
                         for (int v = 0; v < 4; ++v)
-                            CHECK(o.height(s, v) == Approx(double(first[static_cast<std::size_t>(i) + 1])).epsilon(1e-8));
+                            CHECK(o.height(s, v) ==
+                                  Approx(double(first[static_cast<std::size_t>(i) + 1])).epsilon(1e-8));
                 }
                 CHECK(o.height(s) == Approx(double(expected["z_end"])).epsilon(1e-7));
             }
@@ -116,7 +118,8 @@ TEST_CASE("each scheme amplifies the undamped oscillator by its closed form") {
             const Complex r = factor(scheme.integrator, Complex(0, omega * h));
             Workspace w(o.scene);
             const StepInputs in = o.inputs(scheme.integrator, h);
-            // y = (x - sag) + v / (i omega) is multiplied by r in every step. BDF2's history is set to its principal root.
+            // y = (x - sag) + v / (i omega) is multiplied by r in every step. BDF2's history is set to its principal
+            // root.
             State s = initial_state(*o.scene, in);
             const double start = 1e-3;
             const auto set = [&](std::vector<double>& x, std::vector<double>& v, Complex y) {
@@ -141,7 +144,8 @@ TEST_CASE("each scheme amplifies the undamped oscillator by its closed form") {
 TEST_CASE("schemes converge at their orders, also over changes of scheme and of step size") {
     const Oscillator o;
     const double omega = o.reference["omega"], sag = double(o.reference["static_sag"]), end = 0.25;
-    const auto error = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share, int steps) {
+    const auto error = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share,
+                           int steps) {
         Workspace w(o.scene);
         StepInputs in = o.inputs(Integrator::backward_euler, 1);
         State s = initial_state(*o.scene, in);
@@ -154,7 +158,8 @@ TEST_CASE("schemes converge at their orders, also over changes of scheme and of 
         }
         return std::abs(o.height(s) + sag * (1 - std::cos(omega * end)));
     };
-    const auto order = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share, int steps) {
+    const auto order = [&](const std::function<Integrator(int)>& scheme, const std::function<double(int)>& share,
+                           int steps) {
         return std::log2(error(scheme, share, steps) / error(scheme, share, 2 * steps));
     };
     const auto even = [](int) { return 1.0; };
@@ -163,7 +168,8 @@ TEST_CASE("schemes converge at their orders, also over changes of scheme and of 
         CHECK(order([&](int) { return scheme.integrator; }, even, 4000) == Approx(scheme.order).margin(0.1));
     }
     const auto bdf2 = [](int) { return Integrator::bdf2; };
-    CHECK(order(bdf2, [](int i) { return i % 3 == 0 ? 1.5 : 1.0; }, 3000) == Approx(2).margin(0.1));
+    CHECK(order(
+              bdf2, [](int i) { return i % 3 == 0 ? 1.5 : 1.0; }, 3000) == Approx(2).margin(0.1));
     // Restarts: from TR-BDF2 to BDF2 and back, a fixed number of times whatever the step.
     for (const int steps : {2000}) {
         const auto mixed = [&](int n) {
@@ -229,7 +235,8 @@ TEST_CASE("free fall is exact to each scheme and does not deform the body") {
                 const double fall = expected[title][scheme.name]["x"];
                 double worst = 0;
                 for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-                    worst = std::max(worst, (position(s, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, fall, 0)).norm());
+                    worst = std::max(worst,
+                                     (position(s, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, fall, 0)).norm());
                 CHECK(worst < 1e-9);
             }
 }
@@ -262,7 +269,8 @@ TEST_CASE("without inertia only a step that moves bones is halved, else what it 
     in.max_halvings = 6;
     const State turned = advance(w, initial_state(*swing.scene, swing.inputs(0)), std::span(&in, 1));
     CHECK(turned.record.halvings > 0);
-    INFO(turned.record.newton_iterations << " iterations, " << turned.record.halvings << " halvings, residual " << turned.record.residual);
+    INFO(turned.record.newton_iterations << " iterations, " << turned.record.halvings << " halvings, residual "
+                                         << turned.record.residual);
     CHECK(turned.record.converged);
 
     State still = initial_state(*swing.scene, in); // the bones are there already, the muscle is not
@@ -297,7 +305,8 @@ TEST_CASE("stiffness damping leaves volume conservation alone: a beam sags as fa
                 s = advance(w, s, std::span(&in, 1));
                 CHECK(s.record.converged);
             }
-            const int tip = vertices_where(t->tets.vertices, [](const Vec3& p) { return (p - Vec3(1, 0.1, 0.1)).norm() < 1e-9; })[0];
+            const int tip = vertices_where(t->tets.vertices,
+                                           [](const Vec3& p) { return (p - Vec3(1, 0.1, 0.1)).norm() < 1e-9; })[0];
             drop[conserves][damped] = 0.1 - position(s, tip).y();
         }
     CHECK(drop[0][0] > 0.2);
@@ -334,7 +343,8 @@ TEST_CASE("attachment damping damps one degree of freedom by c / (2 sqrt(k m))")
     d.attachments = {a};
     auto scene = std::make_shared<const Scene>(d);
     Workspace w(scene);
-    const double k = 5e4, c = 100, area = std::sqrt(3.0) * 0.01, mass = 1000 * 0.001 / (6 * std::sqrt(2.0)), h = 1.0 / 240;
+    const double k = 5e4, c = 100, area = std::sqrt(3.0) * 0.01, mass = 1000 * 0.001 / (6 * std::sqrt(2.0)),
+                 h = 1.0 / 240;
     StepInputs in = still_inputs();
     in.bodies = {material(1e5, 0.3, 1000), BoneInputs{mesh.vertices}};
     in.attachments = {{k, 1, c}};
@@ -361,7 +371,8 @@ TEST_CASE("the whole potential's gradient and Hessian converge to finite differe
     ImplicitForm form;
     backward_euler_form(s, in.step_size, form);
     std::vector<Points> bones(3);
-    for (const int b : {1, 2}) bones[static_cast<std::size_t>(b)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(b)]).positions;
+    for (const int b : {1, 2})
+        bones[static_cast<std::size_t>(b)] = std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(b)]).positions;
     potential.set_structure(s.anchors, in);
     potential.begin_step(s, in);
     potential.begin_stage(s, form, bones);
@@ -383,10 +394,12 @@ TEST_CASE("the whole potential's gradient and Hessian converge to finite differe
     for (std::size_t i = 0; i < g.size(); ++i) slope += g[i] * direction[i];
     for (int i = 0; i < 2; ++i) {
         const double t = i ? 0.5 : 1;
-        const double up = potential.evaluate(moved(t), &plus, nullptr), down = potential.evaluate(moved(-t), &minus, nullptr);
+        const double up = potential.evaluate(moved(t), &plus, nullptr),
+                     down = potential.evaluate(moved(-t), &minus, nullptr);
         gradient_error[i] = std::abs((up - down) / (2 * t) - slope);
         hessian_error[i] = 0;
-        for (std::size_t k = 0; k < g.size(); ++k) hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * t) - hd[k], 2);
+        for (std::size_t k = 0; k < g.size(); ++k)
+            hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * t) - hd[k], 2);
     }
     INFO(gradient_error[0] << " " << gradient_error[1] << " of " << slope);
     CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.15));

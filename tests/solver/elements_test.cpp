@@ -32,7 +32,8 @@ struct Block {
         nodes = mesh.vertices;
         if (kind == ElementKind::quadratic)
             for (const auto& [a, b] : edges_of(mesh.tets))
-                nodes.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+                nodes.push_back(
+                    0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
         rest->fixed_vertices = vertices_where(nodes, held);
         scene = std::make_shared<const Scene>(SceneDescription{{rest}, {}});
         in.integrator = Integrator::quasi_static;
@@ -61,18 +62,22 @@ Block cook(int n, int m, double nu, ElementKind kind, ElasticLaw law = ElasticLa
     TetMesh mesh = box_mesh({1, 1, 1}, n, n, m);
     for (Vec3& p : mesh.vertices)
         p = Vec3(0.48 * p.x(), 0.44 * p.x() * (1 - p.y()) + p.y() * (0.44 + 0.16 * p.x()), 0.1 * p.z() - 0.05);
-    Block b(mesh, law, kind, [](const Vec3& p) { return p.x() < 1e-12; }, material(1e5, nu));
+    Block b(
+        mesh, law, kind, [](const Vec3& p) { return p.x() < 1e-12; }, material(1e5, nu));
     b.values().forces.assign(b.nodes.size(), Vec3::Zero());
     const std::vector<std::array<int, 2>> edges = edges_of(mesh.tets);
     for (const Triangle& t : boundary_triangles(mesh.tets)) {
-        const Vec3 &p = mesh.vertices[static_cast<std::size_t>(t[0])], &q = mesh.vertices[static_cast<std::size_t>(t[1])],
+        const Vec3 &p = mesh.vertices[static_cast<std::size_t>(t[0])],
+                   &q = mesh.vertices[static_cast<std::size_t>(t[1])],
                    &r = mesh.vertices[static_cast<std::size_t>(t[2])];
         if (std::min({p.x(), q.x(), r.x()}) < 0.48 - 1e-9) continue;
         const Vec3 load = Vec3(0, 3125, 0) * 0.5 * (q - p).cross(r - p).norm() / 3;
         // A uniform traction loads a linear triangle's corners and a quadratic one's edge midpoints, a third each.
         for (std::size_t i = 0; i < 3; ++i) {
             const std::array<int, 2> edge{std::min(t[i], t[(i + 1) % 3]), std::max(t[i], t[(i + 1) % 3])};
-            const std::size_t midpoint = mesh.vertices.size() + static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
+            const std::size_t midpoint =
+                mesh.vertices.size() +
+                static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin());
             b.values().forces[kind == ElementKind::linear ? static_cast<std::size_t>(t[i]) : midpoint] += load;
         }
     }
@@ -85,7 +90,8 @@ Block cantilever(int nx, int ny, ElementKind kind, ElasticLaw law, double nu, do
                  double youngs_modulus = 1e6) {
     TissueInputs values = material(youngs_modulus, nu);
     values.layers[0].volume_conservation = volume_conservation;
-    Block b(box_mesh({0.8, 0.1, 0.1}, nx, ny, ny), law, kind, [](const Vec3& p) { return p.x() < 1e-12; }, values);
+    Block b(
+        box_mesh({0.8, 0.1, 0.1}, nx, ny, ny), law, kind, [](const Vec3& p) { return p.x() < 1e-12; }, values);
     b.in.gravity = Vec3(0, 0, -9.81);
     b.solve();
     return b;
@@ -99,23 +105,29 @@ TEST_CASE("patch test: quadratic tets and volume patches reproduce a linear disp
     std::mt19937 random(3);
     std::uniform_real_distribution<double> shift(-0.01, 0.01);
     const auto inside = [](const Vec3& p) {
-        return p.x() > 1e-9 && p.x() < 0.3 - 1e-9 && p.y() > 1e-9 && p.y() < 0.2 - 1e-9 && p.z() > 1e-9 && p.z() < 0.2 - 1e-9;
+        return p.x() > 1e-9 && p.x() < 0.3 - 1e-9 && p.y() > 1e-9 && p.y() < 0.2 - 1e-9 && p.z() > 1e-9 &&
+               p.z() < 0.2 - 1e-9;
     };
     for (Vec3& p : mesh.vertices)
         if (inside(p)) p += Vec3(shift(random), shift(random), shift(random));
     Mat3 f;
     f << 1.1, 0.2, 0, -0.1, 0.9, 0.1, 0.05, 0, 1.05;
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
-        for (const ElasticLaw law : {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean, ElasticLaw::corotational})
+        for (const ElasticLaw law :
+             {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean, ElasticLaw::corotational})
             for (const double nu : {0.3, 0.49}) {
                 TissueInputs values = material(1e4, nu);
                 values.layers[0].volume_conservation = 3e5;
-                Block b(mesh, law, kind, [&](const Vec3& p) { return !inside(p); }, values);
+                Block b(
+                    mesh, law, kind, [&](const Vec3& p) { return !inside(p); }, values);
                 b.in.tolerance_factor = 1e-6;
-                for (std::size_t v = 0; v < b.nodes.size(); ++v) set_position(b.state, static_cast<int>(v), f * b.nodes[v]);
+                for (std::size_t v = 0; v < b.nodes.size(); ++v)
+                    set_position(b.state, static_cast<int>(v), f * b.nodes[v]);
                 std::normal_distribution<double> normal;
                 for (std::size_t v = 0; v < b.nodes.size(); ++v)
-                    if (inside(b.nodes[v])) set_position(b.state, static_cast<int>(v), f * b.nodes[v] + 0.002 * Vec3(normal(random), normal(random), normal(random)));
+                    if (inside(b.nodes[v]))
+                        set_position(b.state, static_cast<int>(v),
+                                     f * b.nodes[v] + 0.002 * Vec3(normal(random), normal(random), normal(random)));
                 b.solve();
                 double worst = 0;
                 for (std::size_t v = 0; v < b.nodes.size(); ++v)
@@ -125,22 +137,28 @@ TEST_CASE("patch test: quadratic tets and volume patches reproduce a linear disp
             }
 }
 
-TEST_CASE("quadratic tets hold pure bending exactly: a parabolic displacement has its exact energy and is in equilibrium") {
+TEST_CASE(
+    "quadratic tets hold pure bending exactly: a parabolic displacement has its exact energy and is in equilibrium") {
     const double e = 1e5, nu = 0.3, k = 1e-4, half = 0.05;
     const auto bent = [&](const Vec3& p) {
         const double y = p.y() - half, z = p.z() - half;
-        return Vec3(p.x() + k * p.x() * y, p.y() - 0.5 * k * (p.x() * p.x() + nu * (y * y - z * z)), p.z() - nu * k * y * z);
+        return Vec3(p.x() + k * p.x() * y, p.y() - 0.5 * k * (p.x() * p.x() + nu * (y * y - z * z)),
+                    p.z() - nu * k * y * z);
     };
     const auto inside = [](const Vec3& p) {
-        return p.x() > 1e-9 && p.x() < 0.2 - 1e-9 && p.y() > 1e-9 && p.y() < 0.1 - 1e-9 && p.z() > 1e-9 && p.z() < 0.1 - 1e-9;
+        return p.x() > 1e-9 && p.x() < 0.2 - 1e-9 && p.y() > 1e-9 && p.y() < 0.1 - 1e-9 && p.z() > 1e-9 &&
+               p.z() < 0.1 - 1e-9;
     };
-    Block b(box_mesh({0.2, 0.1, 0.1}, 4, 2, 2), ElasticLaw::corotational, ElementKind::quadratic,
-            [&](const Vec3& p) { return !inside(p); }, material(e, nu));
-    for (std::size_t v = 0; v < b.nodes.size(); ++v) set_position(b.state, static_cast<int>(v), inside(b.nodes[v]) ? b.nodes[v] : bent(b.nodes[v]));
+    Block b(
+        box_mesh({0.2, 0.1, 0.1}, 4, 2, 2), ElasticLaw::corotational, ElementKind::quadratic,
+        [&](const Vec3& p) { return !inside(p); }, material(e, nu));
+    for (std::size_t v = 0; v < b.nodes.size(); ++v)
+        set_position(b.state, static_cast<int>(v), inside(b.nodes[v]) ? b.nodes[v] : bent(b.nodes[v]));
     b.in.tolerance_factor = 1e-6;
     b.solve();
     double worst = 0;
-    for (std::size_t v = 0; v < b.nodes.size(); ++v) worst = std::max(worst, (position(b.state, static_cast<int>(v)) - bent(b.nodes[v])).norm());
+    for (std::size_t v = 0; v < b.nodes.size(); ++v)
+        worst = std::max(worst, (position(b.state, static_cast<int>(v)) - bent(b.nodes[v])).norm());
     CHECK(worst < 1e-3 * k * 0.02);
     const double second_moment = std::pow(0.1, 4) / 12;
     CHECK(b.state.record.energy == Approx(0.5 * e * second_moment * k * k * 0.2).epsilon(1e-4));
@@ -149,11 +167,13 @@ TEST_CASE("quadratic tets hold pure bending exactly: a parabolic displacement ha
 TEST_CASE("with means, patches and fibres the gradient and Hessian converge to finite differences at second order") {
     const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, 3, 2, 2);
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
-        for (const ElasticLaw law : {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean, ElasticLaw::corotational, ElasticLaw::anisotropic}) {
+        for (const ElasticLaw law : {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean,
+                                     ElasticLaw::corotational, ElasticLaw::anisotropic}) {
             auto rest = tissue(mesh, law);
             rest->element = kind;
             rest->stiff_directions.assign(mesh.tets.size(), Vec3(1, 1, 0).normalized());
-            rest->fibers = {{Points(mesh.tets.size(), Vec3(0, 1, 1).normalized()), std::vector<double>(mesh.tets.size(), 1.0)}};
+            rest->fibers = {
+                {Points(mesh.tets.size(), Vec3(0, 1, 1).normalized()), std::vector<double>(mesh.tets.size(), 1.0)}};
             const Scene scene(SceneDescription{{rest}, {}});
             StepInputs in = still_inputs();
             TissueInputs values = material(1e4, 0.47);
@@ -186,20 +206,27 @@ TEST_CASE("with means, patches and fibres the gradient and Hessian converge to f
             for (std::size_t i = 0; i < g.size(); ++i) slope += g[i] * direction[i];
             for (int i = 0; i < 2; ++i) {
                 const double t = i ? 5e-5 : 1e-4;
-                const double up = potential.evaluate(moved(t), &plus, nullptr), down = potential.evaluate(moved(-t), &minus, nullptr);
+                const double up = potential.evaluate(moved(t), &plus, nullptr),
+                             down = potential.evaluate(moved(-t), &minus, nullptr);
                 gradient_error[i] = std::abs((up - down) / (2 * t) - slope);
                 hessian_error[i] = 0;
-                for (std::size_t k = 0; k < g.size(); ++k) hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * t) - hd[k], 2);
+                for (std::size_t k = 0; k < g.size(); ++k)
+                    hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * t) - hd[k], 2);
             }
-            INFO(static_cast<int>(kind) << " law " << static_cast<int>(law) << ": " << gradient_error[1] << " of " << slope);
+            INFO(static_cast<int>(kind) << " law " << static_cast<int>(law) << ": " << gradient_error[1] << " of "
+                                        << slope);
             CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.15));
             CHECK(std::log2(hessian_error[0] / hessian_error[1]) / 2 == Approx(2).margin(0.15));
         }
 }
 
-TEST_CASE("quadratic tets: the gravity cantilever is within 4 % of the converged value on 192 tets and 1.2 % on 1,536") {
+TEST_CASE(
+    "quadratic tets: the gravity cantilever is within 4 % of the converged value on 192 tets and 1.2 % on 1,536") {
     const auto reference = accuracy()["cantilever_gravity"]["continuum"];
-    for (const auto& [law, name] : {std::pair{ElasticLaw::stvk, "stvk"}, {ElasticLaw::neo_hookean, "snh"}, {ElasticLaw::log_neo_hookean, "nh"}, {ElasticLaw::corotational, "corot"}}) {
+    for (const auto& [law, name] : {std::pair{ElasticLaw::stvk, "stvk"},
+                                    {ElasticLaw::neo_hookean, "snh"},
+                                    {ElasticLaw::log_neo_hookean, "nh"},
+                                    {ElasticLaw::corotational, "corot"}}) {
         const double converged = reference[name]["tip_uz"]["value"];
         const Block b = cantilever(8, 2, ElementKind::quadratic, law, 0.4);
         INFO(name);
@@ -210,7 +237,8 @@ TEST_CASE("quadratic tets: the gravity cantilever is within 4 % of the converged
     CHECK(finer.displacement(Vec3(tip[0], tip[1], tip[2])).z() == Approx(converged).epsilon(0.012));
 }
 
-TEST_CASE("Cook's panel does not lock: quadratic tets stay within 3 % from nu = 0.3 to 0.499, where linear ones lose half") {
+TEST_CASE(
+    "Cook's panel does not lock: quadratic tets stay within 3 % from nu = 0.3 to 0.499, where linear ones lose half") {
     const auto reference = accuracy()["cook_3d"]["continuum"];
     for (const char* nu : {"0.3", "0.45", "0.49", "0.499"}) {
         const double converged = reference[std::string("nu=") + nu]["uy_mid"]["value"];
@@ -225,8 +253,9 @@ TEST_CASE("Cook's panel does not lock: quadratic tets stay within 3 % from nu = 
 TEST_CASE("a nearly incompressible step that is stopped midway leaves nothing behind in the workspace") {
     TissueInputs values = material(1e6, 0.3);
     values.layers[0].volume_conservation = 1e9;
-    Block b(box_mesh({0.8, 0.1, 0.1}, 8, 1, 1), ElasticLaw::neo_hookean, ElementKind::linear,
-            [](const Vec3& p) { return p.x() < 1e-12; }, values);
+    Block b(
+        box_mesh({0.8, 0.1, 0.1}, 8, 1, 1), ElasticLaw::neo_hookean, ElementKind::linear,
+        [](const Vec3& p) { return p.x() < 1e-12; }, values);
     b.in.gravity = Vec3(0, 0, -9.81);
     Workspace fresh(b.scene), used(b.scene);
     int asked = 0;
@@ -245,8 +274,8 @@ TEST_CASE("a nearly incompressible step that is stopped midway leaves nothing be
 
 namespace {
 
-/// The volume inside the faces of all tets, each taken as n x n flat triangles between points that ride on it; those that
-/// two tets share cancel.
+/// The volume inside the faces of all tets, each taken as n x n flat triangles between points that ride on it; those
+/// that two tets share cancel.
 double carried_volume(const Block& b, int n) {
     double volume = 0;
     constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -281,7 +310,8 @@ TEST_CASE("volume conservation keeps the volume of curved quadratic tets to the 
         double rest = 0;
         for (const Tet& t : b.rest->tets.tets) {
             const auto& x = b.rest->tets.vertices;
-            rest += tet_volume(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])], x[static_cast<std::size_t>(t[2])], x[static_cast<std::size_t>(t[3])]);
+            rest += tet_volume(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])],
+                               x[static_cast<std::size_t>(t[2])], x[static_cast<std::size_t>(t[3])]);
         }
         INFO("volumeConservation " << factor << " E");
         CHECK(std::abs(exact / rest - 1) < 1e-6);
@@ -292,14 +322,18 @@ TEST_CASE("volume conservation keeps the volume and does not lock, on linear pat
     const Vec3 at(tip[0], tip[1], tip[2]);
     // The incompressible limit has the same shear modulus: Young's modulus 3 mu. On quadratic tets with nu = 0.4999.
     const double mu = lame(1e6, 0.3).mu;
-    const double incompressible = cantilever(12, 3, ElementKind::quadratic, ElasticLaw::neo_hookean, 0.4999, 0, 2 * 1.4999 * mu).displacement(at).z();
+    const double incompressible =
+        cantilever(12, 3, ElementKind::quadratic, ElasticLaw::neo_hookean, 0.4999, 0, 2 * 1.4999 * mu)
+            .displacement(at)
+            .z();
     const auto check_volume = [](const Block& b) {
         double before = 0, after = 0;
         for (const Tet& t : b.rest->tets.tets) {
             Vec3 p[4];
             for (std::size_t i = 0; i < 4; ++i) p[i] = position(b.state, t[i]);
             const auto& x = b.rest->tets.vertices;
-            before += tet_volume(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])], x[static_cast<std::size_t>(t[2])], x[static_cast<std::size_t>(t[3])]);
+            before += tet_volume(x[static_cast<std::size_t>(t[0])], x[static_cast<std::size_t>(t[1])],
+                                 x[static_cast<std::size_t>(t[2])], x[static_cast<std::size_t>(t[3])]);
             after += tet_volume(p[0], p[1], p[2], p[3]);
         }
         CHECK(std::abs(after / before - 1) < 2e-3);
@@ -310,9 +344,11 @@ TEST_CASE("volume conservation keeps the volume and does not lock, on linear pat
         CHECK(quadratic.displacement(at).z() == Approx(incompressible).epsilon(0.05));
         // Linear tets are too stiff in bending anyway. Volume conservation must not make that worse: on every tet of
         // its own it would lock them to less than a tenth.
-        const double free = cantilever(32, 4, ElementKind::linear, ElasticLaw::neo_hookean, 0.3, 0, 3 * mu).displacement(at).z();
+        const double free =
+            cantilever(32, 4, ElementKind::linear, ElasticLaw::neo_hookean, 0.3, 0, 3 * mu).displacement(at).z();
         const Block patches = cantilever(32, 4, ElementKind::linear, ElasticLaw::neo_hookean, 0.3, factor * 1e6);
-        INFO("linear " << free << ", with volume conservation " << patches.displacement(at).z() << ", converged " << incompressible);
+        INFO("linear " << free << ", with volume conservation " << patches.displacement(at).z() << ", converged "
+                       << incompressible);
         CHECK(std::abs(patches.displacement(at).z()) > 0.95 * std::abs(free));
         check_volume(patches);
     }

@@ -18,7 +18,8 @@ TEST_CASE("log neo-Hookean and transverse isotropy give the trusted stresses and
         const Row3 f = matrix(c["F"]);
         Row3 stress;
         double energy = 0;
-        elastic_stress(ElasticLaw::anisotropic, l.mu, l.lambda, 0, f.data(), stress.data(), &energy, direction, p["tistvk"]["t"]);
+        elastic_stress(ElasticLaw::anisotropic, l.mu, l.lambda, 0, f.data(), stress.data(), &energy, direction,
+                       p["tistvk"]["t"]);
         CHECK(energy == Approx(double(c["tistvk"]["W"])).epsilon(1e-10).margin(1e-9));
         CHECK((stress - matrix(c["tistvk"]["P"])).norm() < 1e-9 * std::max(1.0, stress.norm()));
         elastic_stress(ElasticLaw::log_neo_hookean, l.mu, l.lambda, 0, f.data(), stress.data(), &energy);
@@ -33,7 +34,9 @@ TEST_CASE("log neo-Hookean and transverse isotropy give the trusted stresses and
 
 TEST_CASE("their gradients and Hessians converge to finite differences at second order, projected ones are definite") {
     std::mt19937 random(5);
-    for (const auto& [law, t] : {std::pair{ElasticLaw::log_neo_hookean, 1.0}, {ElasticLaw::anisotropic, 0.05}, {ElasticLaw::anisotropic, 4.0}}) {
+    for (const auto& [law, t] : {std::pair{ElasticLaw::log_neo_hookean, 1.0},
+                                 {ElasticLaw::anisotropic, 0.05},
+                                 {ElasticLaw::anisotropic, 4.0}}) {
         const OneTet tet(law, 0, t);
         for (const double spread : {0.1, 0.3}) {
             Row3 f = random_matrix(random, spread);
@@ -44,8 +47,10 @@ TEST_CASE("their gradients and Hessians converge to finite differences at second
             double gradient_error[2], hessian_error[2];
             for (int i = 0; i < 2; ++i) {
                 const double step = i ? 5e-4 : 1e-3;
-                gradient_error[i] = std::abs((tet.energy(x + step * d) - tet.energy(x - step * d)) / (2 * step) - g.dot(d));
-                hessian_error[i] = ((tet.gradient(x + step * d) - tet.gradient(x - step * d)) / (2 * step) - h * d).norm();
+                gradient_error[i] =
+                    std::abs((tet.energy(x + step * d) - tet.energy(x - step * d)) / (2 * step) - g.dot(d));
+                hessian_error[i] =
+                    ((tet.gradient(x + step * d) - tet.gradient(x - step * d)) / (2 * step) - h * d).norm();
             }
             INFO(t << " " << spread);
             CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.1));
@@ -64,7 +69,8 @@ TEST_CASE("their gradients and Hessians converge to finite differences at second
     }
 }
 
-TEST_CASE("with equal stiffness across and along, the anisotropic law is StVK, each side of 1 moves the right modulus") {
+TEST_CASE(
+    "with equal stiffness across and along, the anisotropic law is StVK, each side of 1 moves the right modulus") {
     std::mt19937 random(9);
     const Lame l = lame(1000, 0.3);
     const Vec3 a = Vec3(0.3, -1, 0.4).normalized();

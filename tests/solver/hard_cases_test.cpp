@@ -52,8 +52,10 @@ TEST_CASE("a free body squeezed into a plane or a point comes back to its rest s
                         INFO(where << ", resistance " << resistance << ", step " << i << ", " << t.name());
                         CHECK(converged);
                     }
-                    INFO(where << ", resistance " << resistance << ", " << t.name() << ", energy " << t.state.record.energy);
-                    if (twins) CHECK(std::abs(t.state.record.min_j) > 0.1);
+                    INFO(where << ", resistance " << resistance << ", " << t.name() << ", energy "
+                               << t.state.record.energy);
+                    if (twins)
+                        CHECK(std::abs(t.state.record.min_j) > 0.1);
                     else {
                         CHECK(t.distortion() < 1e-9);
                         CHECK(t.state.record.min_j > 0.999);
@@ -71,7 +73,8 @@ TEST_CASE("a body held at one face and squeezed into its plane comes back, out o
                     t.place(loose, squeeze);
                     bool converged = true;
                     for (int i = 0; i < 8; ++i) converged = t.step(twins) && converged;
-                    INFO(where << ", resistance " << resistance << ", " << t.name() << ", energy " << t.state.record.energy);
+                    INFO(where << ", resistance " << resistance << ", " << t.name() << ", energy "
+                               << t.state.record.energy);
                     // Out of a point tets may come the wrong way past each other, into another equilibrium.
                     if (twins || (std::string(where) == "point" && law != ElasticLaw::corotational)) continue;
                     CHECK(converged);
@@ -93,7 +96,8 @@ TEST_CASE("from random vertices corotational bodies come back, and no body but o
                         return p;
                     });
                     for (int i = 0; i < 7; ++i) t.step();
-                    INFO("resistance " << resistance << ", held " << held << ", " << t.name() << ", energy " << t.state.record.energy);
+                    INFO("resistance " << resistance << ", held " << held << ", " << t.name() << ", energy "
+                                       << t.state.record.energy);
                     const double off = held ? t.distance_from(in_place) : t.distortion();
                     // Of StVK without resistance a mirrored tet holds no energy either.
                     if (t.state.record.converged && (law != ElasticLaw::stvk || resistance > 0))
@@ -104,9 +108,10 @@ TEST_CASE("from random vertices corotational bodies come back, and no body but o
                 }
 }
 
-TEST_CASE("scrambled by a quarter of the distance of its nodes a free body of quadratic tets comes back to its rest shape") {
-    // Three times as far, a tet on the border may stay bent so that its strain lies between its integration points, at which
-    // det F is near 1 all the same: a minimum of its own, that of too few points.
+TEST_CASE(
+    "scrambled by a quarter of the distance of its nodes a free body of quadratic tets comes back to its rest shape") {
+    // Three times as far, a tet on the border may stay bent so that its strain lies between its integration points, at
+    // which det F is near 1 all the same: a minimum of its own, that of too few points.
     for (const ElasticLaw law : laws)
         for (const double resistance : {0.0, 20000.0})
             for (unsigned seed = 1; seed <= 4; ++seed) {
@@ -119,7 +124,8 @@ TEST_CASE("scrambled by a quarter of the distance of its nodes a free body of qu
                     return moved;
                 });
                 for (int i = 0; i < 8; ++i) t.step(i == 7);
-                INFO("resistance " << resistance << ", seed " << seed << ", " << t.name() << ", energy " << t.state.record.energy);
+                INFO("resistance " << resistance << ", seed " << seed << ", " << t.name() << ", energy "
+                                   << t.state.record.energy);
                 CHECK(t.state.record.converged);
                 CHECK(t.distortion() < 1e-9);
             }
@@ -165,7 +171,8 @@ TEST_CASE("held ends pulled to twenty times the length: closed form, and one fra
                 if (law == ElasticLaw::neo_hookean || nu > 0) continue;
                 CHECK(slow.distance_from(stretched(20)) < 1e-9);
                 const double strain = law == ElasticLaw::stvk ? 0.5 * (20 * 20 - 1) : 19;
-                CHECK(fast.state.record.energy == Approx(0.5 * 1e4 * strain * strain * bar_length * 0.01).epsilon(1e-9));
+                CHECK(fast.state.record.energy ==
+                      Approx(0.5 * 1e4 * strain * strain * bar_length * 0.01).epsilon(1e-9));
             }
 }
 
@@ -190,7 +197,8 @@ TEST_CASE("two turns of twist: 45 and 90 degrees a frame end at the same energy"
     }
 }
 
-TEST_CASE("squashed to a twentieth between held plates a body keeps its plates and ends in balance, or says that it did not") {
+TEST_CASE("squashed to a twentieth between held plates a body keeps its plates and ends in balance, or says that it "
+          "did not") {
     const Where top = [](const Vec3& p) { return p.x() > 0.1 - 1e-9; };
     for (const ElementKind kind : kinds)
         for (const ElasticLaw law : laws)
@@ -199,17 +207,21 @@ TEST_CASE("squashed to a twentieth between held plates a body keeps its plates a
                 if (law == ElasticLaw::corotational) t.in.max_newton_iterations = 20;
                 t.start();
                 int missed = 0;
-                for (const double height : slow ? std::vector<double>{0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05} : std::vector<double>{0.05}) {
+                for (const double height :
+                     slow ? std::vector<double>{0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.05}
+                          : std::vector<double>{0.05}) {
                     t.place(top, [&](const Vec3& p) { return Vec3(height * p.x(), p.y(), p.z()); });
                     if (!t.step()) ++missed;
                     for (std::size_t v = 0; v < t.nodes.size(); ++v)
-                        if (top(t.nodes[v])) CHECK(position(t.state, static_cast<int>(v)).x() == height * t.nodes[v].x());
+                        if (top(t.nodes[v]))
+                            CHECK(position(t.state, static_cast<int>(v)).x() == height * t.nodes[v].x());
                 }
                 INFO((slow ? "slow, " : "at once, ") << t.name() << ", missed " << missed);
-                // Corotational flesh turns inside out instead of resisting, and its energy has kinks there. Others may miss a
-                // frame where they buckle.
+                // Corotational flesh turns inside out instead of resisting, and its energy has kinks there. Others may
+                // miss a frame where they buckle.
                 if (law == ElasticLaw::corotational) continue;
-                // Put on at once it turns quadratic tets inside out too; whether 200 iterations bring them back hangs on rounding.
+                // Put on at once it turns quadratic tets inside out too; whether 200 iterations bring them back hangs
+                // on rounding.
                 if (kind == ElementKind::quadratic && !slow) continue;
                 CHECK(t.state.record.converged);
                 if (kind == ElementKind::linear) CHECK(missed == 0);
@@ -224,7 +236,9 @@ TEST_CASE("squashed to a twentieth with its whole border, a body follows inside 
     const Map squashed = [](const Vec3& p) { return Vec3(0.05 * p.x(), p.y(), p.z()); };
     for (const ElementKind kind : kinds)
         for (const double resistance : {0.0, 20000.0}) {
-            Trial t(mesh, ElasticLaw::neo_hookean, kind, [&](const Vec3& p) { return !inside(p); }, flesh(1e4, 0.4, resistance));
+            Trial t(
+                mesh, ElasticLaw::neo_hookean, kind, [&](const Vec3& p) { return !inside(p); },
+                flesh(1e4, 0.4, resistance));
             t.in.tolerance_factor = 1e-3;
             t.start();
             t.place([&](const Vec3& p) { return !inside(p); }, squashed); // all vertices inside are now outside
@@ -256,13 +270,15 @@ TEST_CASE("nearly incompressible bodies sag to the same place under a load put o
                     slow.in.gravity = Vec3(0, 0, -9.8 * part);
                     all = slow.step() && all;
                 }
-                INFO("nu " << nu << ", conservation " << conservation << ": at once " << fast.name() << "; in parts " << slow.name());
+                INFO("nu " << nu << ", conservation " << conservation << ": at once " << fast.name() << "; in parts "
+                           << slow.name());
                 CHECK(all);
                 CHECK(fast.distance_from(slow) < 1e-7);
                 double before = 0, after = 0;
                 for (const Tet& tet : fast.rest->tets.tets) {
                     Vec3 p[4], q[4];
-                    for (std::size_t i = 0; i < 4; ++i) p[i] = fast.nodes[static_cast<std::size_t>(tet[i])], q[i] = position(fast.state, tet[i]);
+                    for (std::size_t i = 0; i < 4; ++i)
+                        p[i] = fast.nodes[static_cast<std::size_t>(tet[i])], q[i] = position(fast.state, tet[i]);
                     before += tet_volume(p[0], p[1], p[2], p[3]);
                     after += tet_volume(q[0], q[1], q[2], q[3]);
                 }
@@ -283,7 +299,8 @@ TEST_CASE("bodies from 1 Pa to 1e12 Pa in one scene each move as they do alone")
                     t.in.bodies.push_back(flesh(of[i], 0.4, 20000));
                 }
                 t.add_bone(root_plate());
-                for (std::size_t i = 0; i < of.size(); ++i) t.attach_root(static_cast<int>(i), static_cast<int>(of.size()), 1e6);
+                for (std::size_t i = 0; i < of.size(); ++i)
+                    t.attach_root(static_cast<int>(i), static_cast<int>(of.size()), 1e6);
                 t.use_backward_euler(1.0 / 24);
                 t.in.gravity = Vec3(0, -9.8, 0);
                 t.in.stiffness_damping = 0.001;
@@ -302,14 +319,18 @@ TEST_CASE("bodies from 1 Pa to 1e12 Pa in one scene each move as they do alone")
                 for (int frame = 0; frame < 4; ++frame) CHECK(alone.step());
                 double apart = 0;
                 for (std::size_t v = 0; v < count; ++v)
-                    apart = std::max(apart, (position(alone.state, static_cast<int>(v)) - position(together.state, static_cast<int>(i * count + v))).norm());
-                INFO("E " << moduli[i] << ": apart " << apart << "; alone " << alone.name() << "; together " << together.name());
+                    apart = std::max(apart, (position(alone.state, static_cast<int>(v)) -
+                                             position(together.state, static_cast<int>(i * count + v)))
+                                                .norm());
+                INFO("E " << moduli[i] << ": apart " << apart << "; alone " << alone.name() << "; together "
+                          << together.name());
                 CHECK(apart < 1e-4); // of a fall of 17 cm
             }
         }
 }
 
-TEST_CASE("one body with halves 1e8 times as stiff: pulled it stretches by the closed form, swinging it stays in balance") {
+TEST_CASE(
+    "one body with halves 1e8 times as stiff: pulled it stretches by the closed form, swinging it stays in balance") {
     const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, 4, 2, 2);
     std::vector<double> stiff_half;
     for (const Tet& tet : mesh.tets) {
@@ -326,19 +347,24 @@ TEST_CASE("one body with halves 1e8 times as stiff: pulled it stretches by the c
             // A uniform traction of 100 Pa on the far face.
             t.values().forces.assign(t.nodes.size(), Vec3::Zero());
             for (const Triangle& tri : boundary_triangles(mesh.tets)) {
-                const Vec3 &a = mesh.vertices[static_cast<std::size_t>(tri[0])], &b = mesh.vertices[static_cast<std::size_t>(tri[1])], &c = mesh.vertices[static_cast<std::size_t>(tri[2])];
+                const Vec3 &a = mesh.vertices[static_cast<std::size_t>(tri[0])],
+                           &b = mesh.vertices[static_cast<std::size_t>(tri[1])],
+                           &c = mesh.vertices[static_cast<std::size_t>(tri[2])];
                 if (std::min({a.x(), b.x(), c.x()}) < 0.2 - 1e-9) continue;
                 const Vec3 third = Vec3(100, 0, 0) * 0.5 * (b - a).cross(c - a).norm() / 3;
                 for (std::size_t v = 0; v < t.nodes.size(); ++v)
                     for (const auto& [p, q] : {std::pair{a, b}, {b, c}, {c, a}})
-                        if ((t.nodes[v] - (kind == ElementKind::linear ? p : Vec3(0.5 * (p + q)))).norm() < 1e-9) t.values().forces[v] += third;
+                        if ((t.nodes[v] - (kind == ElementKind::linear ? p : Vec3(0.5 * (p + q)))).norm() < 1e-9)
+                            t.values().forces[v] += third;
             }
             t.start();
             CHECK(t.step(true));
             INFO(t.name());
             if (law == ElasticLaw::corotational) {
                 const double stretch = 1 + 100.0 / 1e3;
-                CHECK(t.distance_from([&](const Vec3& p) { return Vec3(p.x() < 0.1 ? stretch * p.x() : p.x() + 0.01, p.y(), p.z()); }) < 1e-7);
+                CHECK(t.distance_from([&](const Vec3& p) {
+                    return Vec3(p.x() < 0.1 ? stretch * p.x() : p.x() + 0.01, p.y(), p.z());
+                }) < 1e-7);
             }
             t.values().forces.clear();
             t.in.gravity = Vec3(0, 0, -9.8);
@@ -351,7 +377,10 @@ TEST_CASE("one body with halves 1e8 times as stiff: pulled it stretches by the c
             for (std::size_t a = 0; a < t.nodes.size(); ++a)
                 for (std::size_t b = 0; b < a; ++b)
                     if (std::min(t.nodes[a].x(), t.nodes[b].x()) > 0.1 - 1e-9)
-                        bent = std::max(bent, std::abs((position(t.state, static_cast<int>(a)) - position(t.state, static_cast<int>(b))).norm() - (t.nodes[a] - t.nodes[b]).norm()));
+                        bent = std::max(bent, std::abs((position(t.state, static_cast<int>(a)) -
+                                                        position(t.state, static_cast<int>(b)))
+                                                           .norm() -
+                                                       (t.nodes[a] - t.nodes[b]).norm()));
             INFO(t.name() << ", bent " << bent);
             CHECK(bent < 1e-6); // strain that the floor under the forces at work leaves
             CHECK(t.distance_from(in_place) > 1e-3);
@@ -373,13 +402,16 @@ TetMesh with_slivers(TetMesh mesh, double flatness) {
         for (std::size_t i = 0; i < 4; ++i) {
             Tet part = tet;
             part[i] = added;
-            if (i == 0) mesh.tets[t] = part;
-            else mesh.tets.push_back(part);
+            if (i == 0)
+                mesh.tets[t] = part;
+            else
+                mesh.tets.push_back(part);
         }
     }
     for (const double x : {0.1, 0.2}) {
         const auto at = [&](double px, double py) {
-            return vertices_where(mesh.vertices, [&](const Vec3& p) { return (p - Vec3(px, py, 0.1)).norm() < 1e-6; }).at(0);
+            return vertices_where(mesh.vertices, [&](const Vec3& p) { return (p - Vec3(px, py, 0.1)).norm() < 1e-6; })
+                .at(0);
         };
         const Tet square{at(x, 0), at(x + 0.05, 0), at(x + 0.05, 0.05), at(x, 0.05)};
         mesh.vertices[static_cast<std::size_t>(square[2])].z() += 0.05 * flatness;
@@ -397,7 +429,8 @@ TEST_CASE("slivers of 1e-8 of their edge cubed and less do not change how a beam
     for (const double flatness : {1e-7, 1e-9})
         for (const ElementKind kind : kinds)
             for (const ElasticLaw law : laws) {
-                Trial bad(with_slivers(plain, flatness), law, kind, at_root, flesh(1e5, 0.4)), good(plain, law, kind, at_root, flesh(1e5, 0.4));
+                Trial bad(with_slivers(plain, flatness), law, kind, at_root, flesh(1e5, 0.4)),
+                    good(plain, law, kind, at_root, flesh(1e5, 0.4));
                 for (Trial* t : {&bad, &good}) {
                     t->in.gravity = Vec3(0, 0, -9.8);
                     t->start();
@@ -411,7 +444,8 @@ TEST_CASE("slivers of 1e-8 of their edge cubed and less do not change how a beam
                 INFO("flatness " << flatness << ", sag " << sag << ", " << bad.name());
                 CHECK(sag < -0.05);
                 // An inner vertex gives linear tets a little more room.
-                CHECK(position(bad.state, tip).z() - 0.1 == Approx(sag).epsilon(kind == ElementKind::linear ? 3e-3 : 3e-4));
+                CHECK(position(bad.state, tip).z() - 0.1 ==
+                      Approx(sag).epsilon(kind == ElementKind::linear ? 3e-3 : 3e-4));
                 bad.use_backward_euler(1.0 / 24);
                 bad.start();
                 for (int frame = 0; frame < 4; ++frame) CHECK(bad.step());
@@ -489,7 +523,8 @@ TEST_CASE("full excitation in one frame ends where ten frames do") {
                 values.fibers = {{strength, 0.5, 0, 1}};
                 const auto make = [&] {
                     Trial t(mesh, law, kind, at_root, values);
-                    t.rest->fibers = {{Points(mesh.tets.size(), Vec3(1, 0, 0)), std::vector<double>(mesh.tets.size(), 1.0)}};
+                    t.rest->fibers = {
+                        {Points(mesh.tets.size(), Vec3(1, 0, 0)), std::vector<double>(mesh.tets.size(), 1.0)}};
                     t.start();
                     return t;
                 };

@@ -29,7 +29,8 @@ TEST_CASE("under gravity that changes, every scheme falls to the exact place at 
                 t.in.gravity = Vec3(0, 0, -g * std::cos(omega * i * t.in.step_size));
                 t.state = advance(*t.workspace, t.state, std::span(&t.in, 1));
             }
-            error[fine] = std::abs(position(t.state, 0).z() - start + g / (omega * omega) * (1 - std::cos(omega * end)));
+            error[fine] =
+                std::abs(position(t.state, 0).z() - start + g / (omega * omega) * (1 - std::cos(omega * end)));
         }
         INFO("scheme " << static_cast<int>(integrator) << ", errors " << error[0] << " " << error[1]);
         CHECK(std::log2(error[0] / error[1]) == Approx(order).margin(0.15));

@@ -30,7 +30,8 @@ TEST_CASE("stresses and energies equal the trusted values for thirteen deformati
     for (const auto& [law, name] : laws) {
         double energy_of_rotation = 0;
         const auto& cases = patch["cases"];
-        stress(law, l, 0, matrix(cases["rotation 90deg about (1,2,3)/sqrt14 (must give P=0)"]["F"]), &energy_of_rotation);
+        stress(law, l, 0, matrix(cases["rotation 90deg about (1,2,3)/sqrt14 (must give P=0)"]["F"]),
+               &energy_of_rotation);
         // The reference's stable neo-Hookean does not subtract its energy at rest; ours is zero there.
         const double reference_rest = cases["rotation 90deg about (1,2,3)/sqrt14 (must give P=0)"][name]["W"];
         CHECK(std::abs(energy_of_rotation) < 1e-10);
@@ -101,8 +102,10 @@ TEST_CASE("gradients and Hessians converge to finite differences at second order
             double gradient_error[2], hessian_error[2];
             for (int i = 0; i < 2; ++i) {
                 const double step = i ? 5e-4 : 1e-3;
-                gradient_error[i] = std::abs((tet.energy(x + step * d) - tet.energy(x - step * d)) / (2 * step) - g.dot(d));
-                hessian_error[i] = ((tet.gradient(x + step * d) - tet.gradient(x - step * d)) / (2 * step) - h * d).norm();
+                gradient_error[i] =
+                    std::abs((tet.energy(x + step * d) - tet.energy(x - step * d)) / (2 * step) - g.dot(d));
+                hessian_error[i] =
+                    ((tet.gradient(x + step * d) - tet.gradient(x - step * d)) / (2 * step) - h * d).norm();
             }
             INFO(name << " spread " << spread << ": " << gradient_error[0] << " " << hessian_error[0]);
             CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.1));
@@ -140,7 +143,9 @@ TEST_CASE("the small-strain limit is linear elasticity with exactly (E, nu)") {
         strain << 1, 0.3, -0.2, 0.3, -0.5, 0.4, -0.2, 0.4, 0.7;
         const double t = 1e-6;
         const Row3 expected = 2 * l.mu * strain + l.lambda * strain.trace() * Row3::Identity();
-        const Row3 p = (stress(law, l, 100, Row3::Identity() + t * strain) - stress(law, l, 100, Row3::Identity() - t * strain)) / (2 * t);
+        const Row3 p =
+            (stress(law, l, 100, Row3::Identity() + t * strain) - stress(law, l, 100, Row3::Identity() - t * strain)) /
+            (2 * t);
         CHECK((p - expected).norm() < 1e-6 * expected.norm());
     }
 }

@@ -13,7 +13,8 @@ namespace sinew::test {
 using namespace solver;
 
 TetMesh box_mesh(const Vec3& size, int nx, int ny, int nz) {
-    return kuhn_mesh(nx, ny, nz, [&](double r, double s, double t) { return Vec3(r * size.x(), s * size.y(), t * size.z()); });
+    return kuhn_mesh(nx, ny, nz,
+                     [&](double r, double s, double t) { return Vec3(r * size.x(), s * size.y(), t * size.z()); });
 }
 
 TetMesh regular_tet(double edge) {
@@ -36,7 +37,8 @@ std::shared_ptr<TissueRest> tissue(const TetMesh& mesh, ElasticLaw law) {
         for (const int v : mesh.tets[k]) host[static_cast<std::size_t>(v)] = static_cast<int>(k);
     for (std::size_t v = 0; v < mesh.vertices.size(); ++v) {
         std::array<double, 4> b{};
-        for (std::size_t c = 0; c < 4; ++c) b[c] = mesh.tets[static_cast<std::size_t>(host[v])][c] == static_cast<int>(v);
+        for (std::size_t c = 0; c < 4; ++c)
+            b[c] = mesh.tets[static_cast<std::size_t>(host[v])][c] == static_cast<int>(v);
         t->embedding.tet.push_back(host[v]);
         t->embedding.barycentric.push_back(b);
     }

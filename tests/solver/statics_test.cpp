@@ -18,7 +18,9 @@ namespace {
 struct Simulation {
     std::shared_ptr<const Scene> scene;
     Workspace workspace;
-    explicit Simulation(SceneDescription d) : scene(std::make_shared<const Scene>(std::move(d))), workspace(scene) {}
+    explicit Simulation(SceneDescription d)
+        : scene(std::make_shared<const Scene>(std::move(d)))
+        , workspace(scene) {}
 };
 
 SceneDescription one_body(std::shared_ptr<const TissueRest> t) {
@@ -41,7 +43,8 @@ TEST_CASE("patch test: with an affine border every inner vertex follows to 1e-10
     std::mt19937 random(1);
     std::uniform_real_distribution<double> shift(-0.03, 0.03);
     const auto on_border = [](const Vec3& p) {
-        return p.x() < 1e-9 || p.x() > 1 - 1e-9 || p.y() < 1e-9 || p.y() > 0.8 - 1e-9 || p.z() < 1e-9 || p.z() > 0.6 - 1e-9;
+        return p.x() < 1e-9 || p.x() > 1 - 1e-9 || p.y() < 1e-9 || p.y() > 0.8 - 1e-9 || p.z() < 1e-9 ||
+               p.z() > 0.6 - 1e-9;
     };
     for (Vec3& p : mesh.vertices)
         if (!on_border(p)) p += Vec3(shift(random), shift(random), shift(random)); // an irregular inside
@@ -54,8 +57,10 @@ TEST_CASE("patch test: with an affine border every inner vertex follows to 1e-10
         const StepInputs in = quasi_static(material(1000, 0.3));
         State s = initial_state(*sim.scene, in);
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            set_position(s, static_cast<int>(v), f * mesh.vertices[v] +
-                         (on_border(mesh.vertices[v]) ? Vec3(0, 0, 0) : Vec3(shift(random), shift(random), shift(random))));
+            set_position(s, static_cast<int>(v),
+                         f * mesh.vertices[v] + (on_border(mesh.vertices[v])
+                                                     ? Vec3(0, 0, 0)
+                                                     : Vec3(shift(random), shift(random), shift(random))));
         s = settle(sim.workspace, s, in);
         double worst = 0;
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
@@ -68,7 +73,8 @@ TEST_CASE("the gravity cantilever equals the reference on the same mesh, vertex 
     const std::pair<ElasticLaw, const char*> laws[] = {
         {ElasticLaw::stvk, "stvk"}, {ElasticLaw::neo_hookean, "snh"}, {ElasticLaw::corotational, "corot"}};
     const nlohmann::json p1 = accuracy()["cantilever_gravity"]["p1_same_mesh"];
-    for (const auto& [file, stem] : {std::pair{"bar08_16x2x2.mesh", "bar08_16x2x2"}, {"bar08_32x4x4.vtk", "bar08_32x4x4"}}) {
+    for (const auto& [file, stem] :
+         {std::pair{"bar08_16x2x2.mesh", "bar08_16x2x2"}, {"bar08_32x4x4.vtk", "bar08_32x4x4"}}) {
         const TetMesh mesh = read_tets(data_file(file));
         for (const auto& [law, name] : laws) {
             INFO(stem << ", " << name);
@@ -81,13 +87,16 @@ TEST_CASE("the gravity cantilever equals the reference on the same mesh, vertex 
                 in.gravity = Vec3(0, 0, -9.81 * load);
                 s = settle(sim.workspace, s, in);
             }
-            const Points expected = read_positions(data_file(std::string(stem) + ".cant_grav." + name + ".expected_positions.txt"));
+            const Points expected =
+                read_positions(data_file(std::string(stem) + ".cant_grav." + name + ".expected_positions.txt"));
             REQUIRE(expected.size() == mesh.vertices.size());
             double worst = 0;
             for (std::size_t v = 0; v < expected.size(); ++v)
                 worst = std::max(worst, (position(s, static_cast<int>(v)) - expected[v]).norm());
             CHECK(worst < 1e-5 * 0.8);
-            const int tip = vertices_where(mesh.vertices, [](const Vec3& p) { return (p - Vec3(0.8, 0.05, 0.05)).norm() < 1e-9; }).at(0);
+            const int tip = vertices_where(mesh.vertices, [](const Vec3& p) {
+                                return (p - Vec3(0.8, 0.05, 0.05)).norm() < 1e-9;
+                            }).at(0);
             const double uz = position(s, tip).z() - 0.05;
             CHECK(uz == Approx(double(p1[name][stem][2])).epsilon(1e-4));
         }
@@ -107,7 +116,8 @@ TEST_CASE("a block that hangs from a spring bed extends it by rho g V / (k A) ex
         // Areas of the top face alone: the mesh's border triangles there, a third to each corner.
         std::vector<Triangle> top;
         for (const Triangle& tri : t->triangles)
-            if (std::all_of(tri.begin(), tri.end(), [&](int v) { return mesh.vertices[static_cast<std::size_t>(v)].z() > 0.3 - 1e-9; }))
+            if (std::all_of(tri.begin(), tri.end(),
+                            [&](int v) { return mesh.vertices[static_cast<std::size_t>(v)].z() > 0.3 - 1e-9; }))
                 top.push_back(tri);
         t->triangles = top;
         a.source_weights.assign(mesh.vertices.size(), 0);
@@ -149,11 +159,17 @@ TEST_CASE("a free bar under fibre stress shortens to the trusted lengths, whatev
         in.step_size = 1; // long steps of backward Euler: damped to rest
         State s = initial_state(*sim.scene, in);
         for (int i = 0; i < 40; ++i) s = settle(sim.workspace, s, in);
-        const int far = vertices_where(mesh.vertices, [](const Vec3& p) { return p.x() > 0.3 - 1e-9 && p.y() < 1e-9 && p.z() < 1e-9; }).at(0);
-        const int side = vertices_where(mesh.vertices, [](const Vec3& p) { return p.x() < 1e-9 && p.y() > 0.1 - 1e-9 && p.z() < 1e-9; }).at(0);
+        const int far = vertices_where(mesh.vertices, [](const Vec3& p) {
+                            return p.x() > 0.3 - 1e-9 && p.y() < 1e-9 && p.z() < 1e-9;
+                        }).at(0);
+        const int side = vertices_where(mesh.vertices, [](const Vec3& p) {
+                             return p.x() < 1e-9 && p.y() > 0.1 - 1e-9 && p.z() < 1e-9;
+                         }).at(0);
         INFO(title);
-        CHECK((position(s, far) - position(s, 0)).norm() / 0.3 == Approx(double(expected["lambda_fibre"])).epsilon(1e-6));
-        CHECK((position(s, side) - position(s, 0)).norm() / 0.1 == Approx(double(expected["lambda_perp"])).epsilon(1e-6));
+        CHECK((position(s, far) - position(s, 0)).norm() / 0.3 ==
+              Approx(double(expected["lambda_fibre"])).epsilon(1e-6));
+        CHECK((position(s, side) - position(s, 0)).norm() / 0.1 ==
+              Approx(double(expected["lambda_perp"])).epsilon(1e-6));
     }
 }
 
@@ -175,7 +191,8 @@ TEST_CASE("isometric fibre force is area x strength x excitation x (1 - contract
     d.attachments = {a};
     std::vector<Triangle> end;
     for (const Triangle& tri : t->triangles)
-        if (std::all_of(tri.begin(), tri.end(), [&](int v) { return mesh.vertices[static_cast<std::size_t>(v)].x() > 0.3 - 1e-9; }))
+        if (std::all_of(tri.begin(), tri.end(),
+                        [&](int v) { return mesh.vertices[static_cast<std::size_t>(v)].x() > 0.3 - 1e-9; }))
             end.push_back(tri);
     t->triangles = end;
     Simulation sim(d);
@@ -189,7 +206,8 @@ TEST_CASE("isometric fibre force is area x strength x excitation x (1 - contract
     const State s = settle(sim.workspace, initial_state(*sim.scene, in), in);
     const std::vector<double> areas = vertex_areas(mesh.vertices, end);
     double force = 0;
-    for (std::size_t v = 0; v < areas.size(); ++v) force += k * areas[v] * (mesh.vertices[v].x() - position(s, static_cast<int>(v)).x());
+    for (std::size_t v = 0; v < areas.size(); ++v)
+        force += k * areas[v] * (mesh.vertices[v].x() - position(s, static_cast<int>(v)).x());
     CHECK(force == Approx(0.01 * 40000 * 0.5 * (1 - 0.6)).epsilon(1e-4));
 }
 
@@ -220,8 +238,11 @@ TEST_CASE("attachment forces between two free tissues keep momentum and angular 
         std::vector<double> mass(s.x.size() / 3, 0.0);
         const auto add_mass = [&](const TetMesh& m, int first, double density) {
             for (const Tet& tet : m.tets) {
-                const double w = tet_volume(m.vertices[static_cast<std::size_t>(tet[0])], m.vertices[static_cast<std::size_t>(tet[1])],
-                                            m.vertices[static_cast<std::size_t>(tet[2])], m.vertices[static_cast<std::size_t>(tet[3])]) * density / 4;
+                const double w = tet_volume(m.vertices[static_cast<std::size_t>(tet[0])],
+                                            m.vertices[static_cast<std::size_t>(tet[1])],
+                                            m.vertices[static_cast<std::size_t>(tet[2])],
+                                            m.vertices[static_cast<std::size_t>(tet[3])]) *
+                                 density / 4;
                 for (const int v : tet) mass[static_cast<std::size_t>(first + v)] += w;
             }
         };
@@ -229,7 +250,8 @@ TEST_CASE("attachment forces between two free tissues keep momentum and angular 
         add_mass(other, sim.scene->first_vertex(1), 700);
         const auto momentum = [&](const State& state) {
             Vec3 p = Vec3::Zero();
-            for (std::size_t v = 0; v < mass.size(); ++v) p += mass[v] * Vec3(state.v[3 * v], state.v[3 * v + 1], state.v[3 * v + 2]);
+            for (std::size_t v = 0; v < mass.size(); ++v)
+                p += mass[v] * Vec3(state.v[3 * v], state.v[3 * v + 1], state.v[3 * v + 2]);
             return p;
         };
         const Vec3 start = momentum(s);
@@ -275,8 +297,9 @@ TEST_CASE("scrambled and mirrored free bodies come back to their rest shape") {
             double worst = 0;
             for (std::size_t a = 0; a < mesh.vertices.size(); ++a)
                 for (std::size_t b = 0; b < a; ++b)
-                    worst = std::max(worst, std::abs((position(s, static_cast<int>(a)) - position(s, static_cast<int>(b))).norm() -
-                                                     (mesh.vertices[a] - mesh.vertices[b]).norm()));
+                    worst = std::max(
+                        worst, std::abs((position(s, static_cast<int>(a)) - position(s, static_cast<int>(b))).norm() -
+                                        (mesh.vertices[a] - mesh.vertices[b]).norm()));
             INFO("law " << static_cast<int>(law) << " mirrored " << mirrored << " energy " << s.record.energy);
             CHECK(s.record.converged);
             CHECK(worst < 1e-5);
@@ -312,7 +335,8 @@ TEST_CASE("quadratic tets glued to a bone are as stiff as clamped ones") {
         } else {
             Points nodes = mesh.vertices;
             for (const auto& [a, b] : edges_of(mesh.tets))
-                nodes.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+                nodes.push_back(
+                    0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
             t->fixed_vertices = vertices_where(nodes, at_end);
         }
         const auto scene = std::make_shared<const Scene>(d);
@@ -320,10 +344,13 @@ TEST_CASE("quadratic tets glued to a bone are as stiff as clamped ones") {
         for (const auto& list : s.anchors)
             for (const Anchor& a : list) area += a.area_weight;
         if (glued) {
-            // A third of every triangle goes to each of its painted corners: the face, and a third or two of its neighbours.
+            // A third of every triangle goes to each of its painted corners: the face, and a third or two of its
+            // neighbours.
             double painted = 0;
             for (const Triangle& tri : t->triangles) {
-                const auto corner = [&](int i) { return t->surface[static_cast<std::size_t>(tri[static_cast<std::size_t>(i)])]; };
+                const auto corner = [&](int i) {
+                    return t->surface[static_cast<std::size_t>(tri[static_cast<std::size_t>(i)])];
+                };
                 const double size = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
                 for (int i = 0; i < 3; ++i) painted += at_end(corner(i)) ? size / 3 : 0;
             }

@@ -21,8 +21,10 @@ Trial trial(const TetMesh& mesh, ElasticLaw law, ElementKind kind, const Where& 
 }
 
 /// m x'' + c x' + k x = 0 by each scheme, written out: where x is after every step.
-std::vector<double> exact_sequence(Integrator scheme, double m, double c, double k, double h, double x, double v, int steps) {
-    // Solves y' = A y + r for y' = (x', v') - the implicit stage y' = r + reach f(y') with f(x, v) = (v, -(k x + c v)/m).
+std::vector<double> exact_sequence(Integrator scheme, double m, double c, double k, double h, double x, double v,
+                                   int steps) {
+    // Solves y' = A y + r for y' = (x', v') - the implicit stage y' = r + reach f(y') with f(x, v) = (v, -(k x + c
+    // v)/m).
     const auto implicit = [&](double reach, double rx, double rv, double& nx, double& nv) {
         nv = (rv - reach * k / m * rx) / (1 + reach * c / m + reach * reach * k / m);
         nx = rx + reach * nv;
@@ -77,7 +79,8 @@ TEST_CASE("stiffness damping of small motions is Rayleigh's, step by step, for e
                 for (const double x : expected) {
                     t.state = advance(*t.workspace, t.state, std::span(&t.in, 1));
                     CHECK(t.state.record.converged);
-                    CHECK((position(t.state, 3) - mesh.vertices[3]).dot(direction) == Approx(x).margin(1e-4 * amplitude));
+                    CHECK((position(t.state, 3) - mesh.vertices[3]).dot(direction) ==
+                          Approx(x).margin(1e-4 * amplitude));
                 }
             }
 }
@@ -89,7 +92,8 @@ TEST_CASE("stiffness damping does not slow the fall of a stiff pendulum") {
     for (const ElementKind kind : kinds)
         for (const ElasticLaw law : all_laws)
             for (const Integrator scheme : moving_schemes) {
-                INFO("quadratic " << (kind == ElementKind::quadratic) << " law " << static_cast<int>(law) << " scheme " << static_cast<int>(scheme));
+                INFO("quadratic " << (kind == ElementKind::quadratic) << " law " << static_cast<int>(law) << " scheme "
+                                  << static_cast<int>(scheme));
                 Vec3 tip[2];
                 for (const bool damped : {false, true}) {
                     Trial t = trial(mesh, law, kind, nowhere, material(1e9, 0.3));
@@ -104,7 +108,8 @@ TEST_CASE("stiffness damping does not slow the fall of a stiff pendulum") {
                         t.state = advance(*t.workspace, t.state, std::span(&t.in, 1));
                         CHECK(t.state.record.converged);
                     }
-                    tip[damped] = position(t.state, vertices_where(mesh.vertices, [](const Vec3& p) { return p.x() > 1 - 1e-9; })[0]);
+                    tip[damped] = position(
+                        t.state, vertices_where(mesh.vertices, [](const Vec3& p) { return p.x() > 1 - 1e-9; })[0]);
                 }
                 CHECK(tip[0].y() < -0.5);
                 CHECK((tip[1] - tip[0]).norm() < 0.02);
@@ -113,7 +118,8 @@ TEST_CASE("stiffness damping does not slow the fall of a stiff pendulum") {
 
 TEST_CASE("with stiffness damping each scheme keeps its order on a bar that swings far") {
     const TetMesh mesh = box_mesh({0.4, 0.1, 0.1}, 4, 1, 1);
-    for (const auto& [scheme, order] : {std::pair{Integrator::backward_euler, 1.0}, {Integrator::bdf2, 2.0}, {Integrator::tr_bdf2, 2.0}}) {
+    for (const auto& [scheme, order] :
+         {std::pair{Integrator::backward_euler, 1.0}, {Integrator::bdf2, 2.0}, {Integrator::tr_bdf2, 2.0}}) {
         std::vector<Vec3> tips;
         for (const int steps : {64, 128, 256}) {
             Trial t(mesh, ElasticLaw::neo_hookean, ElementKind::linear, at_root, material(2e4, 0.3));
@@ -132,14 +138,16 @@ TEST_CASE("with stiffness damping each scheme keeps its order on a bar that swin
     }
 }
 
-TEST_CASE("the damping's gradient and Hessian converge to finite differences at second order, and project to no negative curvature") {
+TEST_CASE("the damping's gradient and Hessian converge to finite differences at second order, and project to no "
+          "negative curvature") {
     const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, 2, 1, 1);
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
     for (const ElementKind kind : kinds)
         for (const ElasticLaw law : all_laws)
             for (const Integrator scheme : moving_schemes) {
-                INFO("quadratic " << (kind == ElementKind::quadratic) << " law " << static_cast<int>(law) << " scheme " << static_cast<int>(scheme));
+                INFO("quadratic " << (kind == ElementKind::quadratic) << " law " << static_cast<int>(law) << " scheme "
+                                  << static_cast<int>(scheme));
                 TissueInputs values = material(1e4, 0.4);
                 values.transverse_anisotropy = 0.5;
                 Trial t = trial(mesh, law, kind, at_root, values);
@@ -167,7 +175,8 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 const std::vector<double> x = shaken(0.004), direction = [&] {
                     std::vector<double> d(x.size());
                     for (const int v : p.vertex_of_unknown())
-                        for (std::size_t c = 0; c < 3; ++c) d[3 * static_cast<std::size_t>(v) + c] = 0.0005 * normal(random);
+                        for (std::size_t c = 0; c < 3; ++c)
+                            d[3 * static_cast<std::size_t>(v) + c] = 0.0005 * normal(random);
                     return d;
                 }();
                 const auto at = [&](double by) {
@@ -177,7 +186,8 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 };
                 std::vector<double> g, plus, minus, unknown(3 * p.unknown_count()), hd(3 * p.unknown_count());
                 for (std::size_t u = 0; u < p.unknown_count(); ++u)
-                    for (std::size_t c = 0; c < 3; ++c) unknown[3 * u + c] = direction[3 * static_cast<std::size_t>(p.vertex_of_unknown()[u]) + c];
+                    for (std::size_t c = 0; c < 3; ++c)
+                        unknown[3 * u + c] = direction[3 * static_cast<std::size_t>(p.vertex_of_unknown()[u]) + c];
                 p.evaluate(x, &g, nullptr);
                 BlockMatrix h(p.pattern());
                 p.assemble(x, false, h);
@@ -189,7 +199,8 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                     const double high = p.evaluate(at(by), &plus, nullptr), low = p.evaluate(at(-by), &minus, nullptr);
                     gradient_error[i] = std::abs((high - low) / (2 * by) - slope);
                     hessian_error[i] = 0;
-                    for (std::size_t k = 0; k < g.size(); ++k) hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * by) - hd[k], 2);
+                    for (std::size_t k = 0; k < g.size(); ++k)
+                        hessian_error[i] += std::pow((plus[k] - minus[k]) / (2 * by) - hd[k], 2);
                 }
                 CHECK(std::log2(gradient_error[0] / gradient_error[1]) == Approx(2).margin(0.2));
                 CHECK(std::log2(hessian_error[0] / hessian_error[1]) / 2 == Approx(2).margin(0.2));

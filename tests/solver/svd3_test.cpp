@@ -86,7 +86,8 @@ TEST_CASE("clamping a symmetric matrix keeps its positive part") {
         Mat3 m;
         m << d[0], o[2], o[1], o[2], d[1], o[0], o[1], o[0], d[2];
         const Eigen::SelfAdjointEigenSolver<Mat3> eigen(m);
-        const Mat3 expected = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+        const Mat3 expected =
+            eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
         clamp_symmetric3(d, o);
         Mat3 got;
         got << d[0], o[2], o[1], o[2], d[1], o[0], o[1], o[0], d[2];

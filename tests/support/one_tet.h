@@ -1,4 +1,5 @@
-// One tet of a law: its energy, gradient and Hessian by vertex, for tests of laws; and the trusted values to compare with.
+// One tet of a law: its energy, gradient and Hessian by vertex, for tests of laws; and the trusted values to compare
+// with.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/elastic_point.h"
@@ -31,8 +32,8 @@ inline Row3 random_matrix(std::mt19937& random, double spread) {
     return f;
 }
 
-/// A slightly irregular tet (all lanes the same), E = 1000 Pa, nu = 0.3; for the anisotropic law with `transverse` stiffness
-/// across a slanted direction.
+/// A slightly irregular tet (all lanes the same), E = 1000 Pa, nu = 0.3; for the anisotropic law with `transverse`
+/// stiffness across a slanted direction.
 struct OneTet {
     solver::ElasticLaw law;
     solver::TetMesh mesh = irregular();
@@ -40,7 +41,8 @@ struct OneTet {
     solver::TetModuli moduli{};
     solver::Anisotropy anisotropy{};
 
-    OneTet(solver::ElasticLaw law, double compression, double transverse = 1) : law(law) {
+    OneTet(solver::ElasticLaw law, double compression, double transverse = 1)
+        : law(law) {
         const solver::Lame l = solver::lame(1000, 0.3);
         const solver::Vec3 a = solver::Vec3(1, 2, -0.5).normalized();
         for (int i = 0; i < solver::lanes; ++i) {
@@ -66,7 +68,8 @@ struct OneTet {
         for (int b = 0; b < 10; ++b)
             for (int r = 0; r < 3; ++r)
                 for (int c = 0; c < 3; ++c) {
-                    const int i = 3 * batch.vertex[block_pairs[b][0]][0] + r, j = 3 * batch.vertex[block_pairs[b][1]][0] + c;
+                    const int i = 3 * batch.vertex[block_pairs[b][0]][0] + r,
+                              j = 3 * batch.vertex[block_pairs[b][1]][0] + c;
                     out(i, j) = out(j, i) = h[b][3 * r + c][0];
                 }
         return out;

@@ -35,7 +35,8 @@ nlohmann::json accuracy();
 solver::Points read_positions(const std::string& path);
 
 /// Moves to equilibrium; fails the test if Newton does not converge.
-solver::State settle(solver::Workspace& workspace, solver::State state, const solver::StepInputs& inputs, int steps = 1);
+solver::State settle(solver::Workspace& workspace, solver::State state, const solver::StepInputs& inputs,
+                     int steps = 1);
 
 solver::Vec3 position(const solver::State& state, int vertex);
 void set_position(solver::State& state, int vertex, const solver::Vec3& p);

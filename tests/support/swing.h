@@ -28,7 +28,8 @@ struct Swing {
             AttachmentRest a;
             a.source = 0, a.target = 1 + end;
             a.source_weights.assign(mesh.vertices.size(), 0.0);
-            for (const int v : vertices_where(mesh.vertices, [&](const Vec3& p) { return std::abs(p.x() - 0.3 * end) < 1e-9; }))
+            for (const int v :
+                 vertices_where(mesh.vertices, [&](const Vec3& p) { return std::abs(p.x() - 0.3 * end) < 1e-9; }))
                 a.source_weights[static_cast<std::size_t>(v)] = 1;
             d.attachments.push_back(a);
         }

@@ -40,7 +40,8 @@ struct Trial {
         nodes = mesh.vertices;
         if (kind == ElementKind::quadratic)
             for (const auto& [a, b] : edges_of(mesh.tets))
-                nodes.push_back(0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
+                nodes.push_back(
+                    0.5 * (mesh.vertices[static_cast<std::size_t>(a)] + mesh.vertices[static_cast<std::size_t>(b)]));
         rest->fixed_vertices = vertices_where(nodes, held);
         description.bodies = {rest};
         in.gravity = Vec3::Zero();
@@ -81,9 +82,12 @@ struct Trial {
     struct Judge {
         Potential potential;
         ImplicitForm form;
-        Judge(const Trial& t, const State& before) : potential(*t.scene) {
-            if (t.in.integrator == Integrator::quasi_static) quasi_static_form(before, form);
-            else backward_euler_form(before, t.in.step_size, form);
+        Judge(const Trial& t, const State& before)
+            : potential(*t.scene) {
+            if (t.in.integrator == Integrator::quasi_static)
+                quasi_static_form(before, form);
+            else
+                backward_euler_form(before, t.in.step_size, form);
             potential.set_structure(before.anchors, t.in);
             potential.begin_step(before, t.in);
             potential.begin_stage(before, form, t.state.bones);
@@ -106,7 +110,8 @@ struct Trial {
         const State before = state;
         state = advance(*workspace, before, std::span(&in, 1));
         iterations += state.record.newton_iterations;
-        bool finite = std::isfinite(state.record.energy) && std::isfinite(state.record.residual) && std::isfinite(state.record.min_j);
+        bool finite = std::isfinite(state.record.energy) && std::isfinite(state.record.residual) &&
+                      std::isfinite(state.record.min_j);
         for (const auto* numbers : {&state.x, &state.v})
             for (const double c : *numbers) finite = finite && std::isfinite(c);
         CHECK(finite);
@@ -121,13 +126,15 @@ struct Trial {
     /// Greatest distance of a vertex of the first body from where `to` takes its rest position.
     double distance_from(const Map& to) const {
         double worst = 0;
-        for (std::size_t v = 0; v < nodes.size(); ++v) worst = std::max(worst, (position(state, static_cast<int>(v)) - to(nodes[v])).norm());
+        for (std::size_t v = 0; v < nodes.size(); ++v)
+            worst = std::max(worst, (position(state, static_cast<int>(v)) - to(nodes[v])).norm());
         return worst;
     }
     double distance_from(const Trial& other) const {
         double worst = 0;
         for (std::size_t v = 0; v < nodes.size(); ++v)
-            worst = std::max(worst, (position(state, static_cast<int>(v)) - position(other.state, static_cast<int>(v))).norm());
+            worst = std::max(
+                worst, (position(state, static_cast<int>(v)) - position(other.state, static_cast<int>(v))).norm());
         return worst;
     }
     /// Greatest change of a distance between two vertices: 0 for any rigid motion of the rest shape, also mirrored.
@@ -135,12 +142,16 @@ struct Trial {
         double worst = 0;
         for (std::size_t a = 0; a < nodes.size(); ++a)
             for (std::size_t b = 0; b < a; ++b)
-                worst = std::max(worst, std::abs((position(state, static_cast<int>(a)) - position(state, static_cast<int>(b))).norm() - (nodes[a] - nodes[b]).norm()));
+                worst = std::max(
+                    worst,
+                    std::abs((position(state, static_cast<int>(a)) - position(state, static_cast<int>(b))).norm() -
+                             (nodes[a] - nodes[b]).norm()));
         return worst;
     }
     std::string name() const {
-        return std::string(rest->element == ElementKind::linear ? "linear" : "quadratic") + ", law " + std::to_string(static_cast<int>(rest->law)) +
-               ", " + std::to_string(iterations) + " iterations, residual " + std::to_string(state.record.residual);
+        return std::string(rest->element == ElementKind::linear ? "linear" : "quadratic") + ", law " +
+               std::to_string(static_cast<int>(rest->law)) + ", " + std::to_string(iterations) +
+               " iterations, residual " + std::to_string(state.record.residual);
     }
 };
 

@@ -16,19 +16,23 @@ using namespace sinew;
 using namespace sinew::test;
 
 TEST_CASE("the Pareto front holds the points that no other beats, by rising x", "[tools]") {
-    const std::vector<bench::PlotPoint> points{{3, 1, ""}, {1, 3, ""}, {2, 2, ""}, {2, 5, ""}, {4, 1, ""}, {5, 0.5, ""}, {0, 9, ""}, {1, 3, ""}};
+    const std::vector<bench::PlotPoint> points{{3, 1, ""}, {1, 3, ""},   {2, 2, ""}, {2, 5, ""},
+                                               {4, 1, ""}, {5, 0.5, ""}, {0, 9, ""}, {1, 3, ""}};
     CHECK(bench::pareto_front(points) == std::vector<std::size_t>{1, 2, 0, 5});
     CHECK(bench::pareto_front({}).empty());
 }
 
-TEST_CASE("plots are well-formed, show axes, legend, slopes and the Pareto line, and survive awkward input", "[tools]") {
-    bench::Plot plot{"a < b & c", "time [s]", "error [m]", {{"one \"two\"", {{0.1, 1e-3, "p"}, {1, 1e-5, ""}}, true}}, true, {1, 2}};
+TEST_CASE("plots are well-formed, show axes, legend, slopes and the Pareto line, and survive awkward input",
+          "[tools]") {
+    bench::Plot plot{"a < b & c", "time [s]", "error [m]", {{"one \"two\"", {{0.1, 1e-3, "p"}, {1, 1e-5, ""}}, true}},
+                     true,        {1, 2}};
     plot.levels = {{1e-4, "a tenth of a thousandth"}};
     plot.series[0].points[0].note = "beside";
     plot.series.push_back({"none to draw", {{-1, 1, ""}, {1, std::numeric_limits<double>::quiet_NaN(), ""}}, true});
     const std::string svg = bench::draw(plot);
     CHECK(well_formed(svg));
-    for (const char* part : {"a &lt; b &amp; c", "time [s]", "error [m]", "one &quot;two&quot;", "Pareto line", "slope 1", "slope 2", "<title>p</title>", "a tenth of a thousandth", ">beside<"})
+    for (const char* part : {"a &lt; b &amp; c", "time [s]", "error [m]", "one &quot;two&quot;", "Pareto line",
+                             "slope 1", "slope 2", "<title>p</title>", "a tenth of a thousandth", ">beside<"})
         CHECK(svg.find(part) != std::string::npos);
     CHECK(svg.find("nan") == std::string::npos);
     CHECK(svg == bench::draw(plot));
@@ -82,7 +86,8 @@ TEST_CASE("work-precision changes one choice at a time and marks its front", "[t
         CHECK(p.unconverged == 0);
         CHECK(p.timing.seconds > 0);
         CHECK(p.timing.least <= p.timing.seconds);
-        CHECK(std::isnan(p.error_total) == (p.law == "NeoHookean" || p.law == "Anisotropic")); // the continuum of which is not known
+        CHECK(std::isnan(p.error_total) ==
+              (p.law == "NeoHookean" || p.law == "Anisotropic")); // the continuum of which is not known
         if (!p.on_front) continue;
         fronts.insert(p.law);
         for (const bench::WorkPoint& q : points)
@@ -99,7 +104,8 @@ TEST_CASE("work-precision changes one choice at a time and marks its front", "[t
         CHECK((p->exact_in_time == "other code") == std::isfinite(p->error_total));
     }
     CHECK(by_law["NeoHookean"]->exact_in_time == "own, 16 sub-steps");
-    // Both neo-Hookean laws have the same material; against its own reference one is as far off as the other against another code's.
+    // Both neo-Hookean laws have the same material; against its own reference one is as far off as the other against
+    // another code's.
     CHECK(by_law["NeoHookean"]->error_time == Approx(by_law["LogNeoHookean"]->error_time).epsilon(0.1));
     const std::string csv = bench::as_csv(bench::work_precision_json(points));
     CHECK(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')) == points.size() + 1);
@@ -175,11 +181,13 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     const Said said = run_program({"bench", "report", "--quick", "-o", page.string()});
     REQUIRE(said.code == 0);
     const std::string text = read_text(page);
-    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence", "## Work and precision",
-                             "### Nearly incompressible bodies", "## What each lever gives", "## Cantilever", "## Scaling", "## Idle cost", "Not yet modelled"})
+    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence",
+                             "## Work and precision", "### Nearly incompressible bodies", "## What each lever gives",
+                             "## Cantilever", "## Scaling", "## Idle cost", "Not yet modelled"})
         CHECK(text.find(part) != std::string::npos);
     int pictures = 0;
-    for (std::size_t at = text.find("](images/"); at != std::string::npos; at = text.find("](images/", at + 1), ++pictures) {
+    for (std::size_t at = text.find("](images/"); at != std::string::npos;
+         at = text.find("](images/", at + 1), ++pictures) {
         const std::string file = text.substr(at + 2, text.find(')', at) - at - 2);
         INFO(file);
         CHECK(well_formed(read_text(folder / file)));

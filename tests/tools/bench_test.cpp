@@ -51,13 +51,11 @@ TEST_CASE("the meshing benchmark measures each file in each fill mode, and a ref
     const test::TemporaryFolder folder;
     test::write_text(folder / "ball.obj", solver::write_obj(solver::make_sphere(1, 20, 20)));
     // An octahedron without one of its faces.
-    test::write_text(folder / "open.obj",
-                     "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\n"
-                     "f 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\n");
+    test::write_text(folder / "open.obj", "v 1 0 0\nv -1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nv 0 0 -1\nf 1 3 5\nf 3 2 5\n"
+                                          "f 2 4 5\nf 4 1 5\nf 3 1 6\nf 2 3 6\nf 4 2 6\n");
     test::write_text(folder / "torn.ply", "ply\nnonsense\n");
     test::write_text(folder / "notes.txt", "no mesh");
-    const test::Said said =
-        test::run_program({"bench", "meshing", folder.path().string(), "--parts", "3.5", "--json"});
+    const test::Said said = test::run_program({"bench", "meshing", folder.path().string(), "--parts", "3.5", "--json"});
     CHECK(said.code == 0);
     const auto rows = said.lines();
     REQUIRE(rows.size() == 9);
@@ -81,10 +79,9 @@ TEST_CASE("the meshing benchmark measures each file in each fill mode, and a ref
     const test::Said table =
         test::run_program({"bench", "meshing", (folder / "ball.obj").string(), "--parts", "3.5,7"});
     CHECK(std::count(table.out.begin(), table.out.end(), '\n') == 2 + 6);
-    CHECK(table.out.find("| 0 | 0 | FilledCavities | 3.5 | 0 | ok | 600 | 168 | 60-90 |") !=
-          std::string::npos);
-    const auto refined = test::run_program({"bench", "meshing", (folder / "ball.obj").string(), "--parts",
-                                            "3.5", "--refine", "1", "--json"})
+    CHECK(table.out.find("| 0 | 0 | FilledCavities | 3.5 | 0 | ok | 600 | 168 | 60-90 |") != std::string::npos);
+    const auto refined = test::run_program({"bench", "meshing", (folder / "ball.obj").string(), "--parts", "3.5",
+                                            "--refine", "1", "--json"})
                              .lines();
     CHECK(refined[1].at("refine") == 1);
     CHECK(refined[1].at("tets").get<int>() > 1500);
@@ -99,7 +96,7 @@ TEST_CASE("the meshing benchmark stops when asked", "[tools]") {
     test::write_text(folder / "ball.obj", solver::write_obj(solver::make_sphere(1, 20, 20)));
     std::stop_source stop;
     stop.request_stop();
-    CHECK_THROWS_AS(bench::run_meshing((folder / "ball.obj").string(), solver::Fill::filled_cavities, 10, 0,
-                                       stop.get_token()),
-                    solver::Stopped);
+    CHECK_THROWS_AS(
+        bench::run_meshing((folder / "ball.obj").string(), solver::Fill::filled_cavities, 10, 0, stop.get_token()),
+        solver::Stopped);
 }

@@ -67,8 +67,8 @@ TEST_CASE("every broken graph is refused by run before anything is written", "[t
     for (const fs::path& graph : broken_graphs()) {
         INFO(graph.filename());
         const TemporaryFolder folder;
-        const Said said = run_program({"run", graph.string(), "--out", (folder / "out").string(), "--format",
-                                       "glb,obj", "--report", (folder / "r.json").string()});
+        const Said said = run_program({"run", graph.string(), "--out", (folder / "out").string(), "--format", "glb,obj",
+                                       "--report", (folder / "r.json").string()});
         CHECK(said.code == 1);
         CHECK(said.err.find("error [") != std::string::npos);
         CHECK(fs::is_empty(folder.path()));

@@ -16,7 +16,8 @@ namespace {
 std::string graph_with_kept_tets(const TemporaryFolder& folder) {
     json graph = small_graph();
     graph["nodes"]["tets"] = {
-        {"type", "zTet"}, {"inputs", {{"mesh", {{"from", "blockMesh.outMesh"}}}, {"tetSize", 0.8}, {"cacheTetMesh", true}}}};
+        {"type", "zTet"},
+        {"inputs", {{"mesh", {{"from", "blockMesh.outMesh"}}}, {"tetSize", 0.8}, {"cacheTetMesh", true}}}};
     graph["nodes"]["block"]["inputs"]["tets"] = {{"from", "tets.outTets"}};
     return write_graph(folder, graph);
 }

@@ -23,8 +23,7 @@ std::string write(const TemporaryFolder& folder, const std::string& name, const 
 std::string cube(int left_out, const std::string& more = "") {
     std::string text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n";
     const std::vector<std::string> faces{"1 4 3 2", "5 6 7 8", "1 2 6 5", "2 3 7 6", "3 4 8 7", "4 1 5 8"};
-    for (std::size_t f = 0; f + static_cast<std::size_t>(left_out) < faces.size(); ++f)
-        text += "f " + faces[f] + "\n";
+    for (std::size_t f = 0; f + static_cast<std::size_t>(left_out) < faces.size(); ++f) text += "f " + faces[f] + "\n";
     return text + more;
 }
 
@@ -63,8 +62,7 @@ TEST_CASE("check of a mesh file counts its flaws and names the first", "[tools]"
     const std::string more =
         "v 3 0 0\nf 1 2 9\nv 0.3 0.4 -1\nv 0.4 0.3 -1\nv 0.3 0.3 0.5\nf 10 11 12\nf 1 3 4\nv 9 9 9\n"
         "v 9 9 9\n";
-    const json bad =
-        only(run_program({"check", write(folder, "bad.obj", cube(0, more)), "--json"})).at("flaws");
+    const json bad = only(run_program({"check", write(folder, "bad.obj", cube(0, more)), "--json"})).at("flaws");
     CHECK(bad.at("nonManifoldEdges").at("count") == 4); // the fin's, and three of the repeated triangle
     CHECK(bad.at("openEdges").at("count") == 3 + 2);    // the spike's, and the fin's far ones
     CHECK(bad.at("degenerateTriangles").at("first") == json::parse("[12]"));
@@ -79,10 +77,9 @@ TEST_CASE("check of a mesh file as a table", "[tools]") {
     const Said open = run_program({"check", write(folder, "open.obj", cube(1))});
     CHECK(open.code == 0);
     CHECK(has(open.out, "4 open edges (0-3, 0-4, 3-7, 4-7)"));
-    const Said tets =
-        run_program({"check", write(folder, "one.mesh",
-                                    "MeshVersionFormatted 1\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
-                                    "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n")});
+    const Said tets = run_program({"check", write(folder, "one.mesh",
+                                                  "MeshVersionFormatted 1\nDimension 3\nVertices\n4\n0 0 0 0\n1 0 0 0\n"
+                                                  "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n")});
     CHECK(has(tets.out, "none; dihedral angles 54.7 to 90.0"));
     const Said broken = run_program({"check", write(folder, "broken.obj", "v 0 0 nothing\n")});
     CHECK(broken.code == 1);
@@ -101,8 +98,7 @@ TEST_CASE("check --meshes lists the meshes of a graph and warns of features that
     CHECK(good.err.empty());
     CHECK_FALSE(has(run_program({"check", write_graph(folder, graph)}).out, "blockMesh.outMesh"));
 
-    graph["nodes"]["blockMesh"] = {{"type", "meshFile"},
-                                   {"inputs", {{"file", write(folder, "open.obj", cube(1))}}}};
+    graph["nodes"]["blockMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", write(folder, "open.obj", cube(1))}}}};
     const Said warned = run_program({"check", write_graph(folder, graph), "--meshes", "--json"});
     int found = 0;
     for (const json& line : warned.lines())
@@ -123,11 +119,12 @@ TEST_CASE("check --meshes warns of each feature that a flaw switches off, and of
     const TemporaryFolder folder;
     const std::string open = write(folder, "open.obj", cube(1)),
                       // A second cube that reaches through a side of the first.
-        crossing = write(folder, "crossing.obj",
-                         cube(0) + "v 0.5 0.3 0.3\nv 1.5 0.3 0.3\nv 1.5 0.7 0.3\nv 0.5 0.7 0.3\nv 0.5 0.3 0.7\nv 1.5 0.3 0.7\n"
-                                   "v 1.5 0.7 0.7\nv 0.5 0.7 0.7\nf 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\n"
-                                   "f 11 12 16 15\nf 12 9 13 16\n"),
-        whole = write(folder, "whole.obj", cube(0));
+        crossing =
+            write(folder, "crossing.obj",
+                  cube(0) + "v 0.5 0.3 0.3\nv 1.5 0.3 0.3\nv 1.5 0.7 0.3\nv 0.5 0.7 0.3\nv 0.5 0.3 0.7\nv 1.5 0.3 0.7\n"
+                            "v 1.5 0.7 0.7\nv 0.5 0.7 0.7\nf 9 12 11 10\nf 13 14 15 16\nf 9 10 14 13\nf 10 11 15 14\n"
+                            "f 11 12 16 15\nf 12 9 13 16\n"),
+                      whole = write(folder, "whole.obj", cube(0));
     const auto warned = [&](const std::string& file, const std::string& type, const std::string& input, json more) {
         json graph = small_graph();
         graph["nodes"]["file"] = {{"type", "meshFile"}, {"inputs", {{"file", file}}}};
@@ -142,7 +139,8 @@ TEST_CASE("check --meshes warns of each feature that a flaw switches off, and of
             found += line.at("event") == "diagnostic" && line.at("code") == "FE238" && line.at("attribute") == input;
         return found;
     };
-    const json cavities = {{"fillInterior", "EmptyCavities"}}, near = {{"mode", "near"}, {"mesh", {{"from", "blockMesh.outMesh"}}}};
+    const json cavities = {{"fillInterior", "EmptyCavities"}},
+               near = {{"mode", "near"}, {"mesh", {{"from", "blockMesh.outMesh"}}}};
     CHECK(warned(crossing, "zTet", "mesh", cavities) == 1);
     CHECK(warned(crossing, "zTet", "mesh", json::object()) == 0); // parts that cross are one
     CHECK(warned(whole, "zTet", "mesh", cavities) == 0);
@@ -163,15 +161,18 @@ TEST_CASE("check names parts that are inside out, tets that repeat and tets that
     const std::string vertices = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n",
                       turned = "f 2 3 4 1\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n";
     CHECK(flaws("turned.obj", vertices + turned).at("insideOutParts").at("first") == json::parse("[0]"));
-    CHECK(has(run_program({"check", (folder / "turned.obj").string()}).out, "1 part turned inside out, at triangle (0)"));
+    CHECK(
+        has(run_program({"check", (folder / "turned.obj").string()}).out, "1 part turned inside out, at triangle (0)"));
     // A large tet beside the cube, and one around it: then the cube may be a cavity.
-    const std::string beside = "v 5 0 0\nv 9 0 0\nv 5 4 0\nv 5 0 4\n", tet = "f 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n",
+    const std::string beside = "v 5 0 0\nv 9 0 0\nv 5 4 0\nv 5 0 4\n",
+                      tet = "f 9 11 10\nf 9 10 12\nf 9 12 11\nf 10 11 12\n",
                       around = "v -9 -9 -9\nv 90 -9 -9\nv -9 90 -9\nv -9 -9 90\n";
     CHECK(flaws("two.obj", vertices + beside + tet + turned).at("insideOutParts").at("first") == json::parse("[4]"));
     CHECK(flaws("cavity.obj", vertices + around + tet + turned).at("insideOutParts").at("count") == 0);
 
     const std::string head = "MeshVersionFormatted 1\nDimension 3\nVertices\n5\n0 0 0 0\n1 0 0 0\n0 1 0 0\n0 0 1 0\n";
-    const std::string flat = write(folder, "flat.mesh", head + "0.5 0.5 -1e-3 0\nTetrahedra\n2\n1 2 3 4 0\n1 3 2 5 0\n");
+    const std::string flat =
+        write(folder, "flat.mesh", head + "0.5 0.5 -1e-3 0\nTetrahedra\n2\n1 2 3 4 0\n1 3 2 5 0\n");
     CHECK(only(run_program({"check", flat, "--json"})).at("flaws").at("flatTets").at("first") == json::parse("[1]"));
     const Said twice = run_program(
         {"check", write(folder, "twice.mesh", head + "1 1 1 0\nTetrahedra\n3\n1 2 3 4 0\n2 3 4 5 0\n4 2 1 3 0\n")});

@@ -15,7 +15,9 @@ namespace {
 /// The block, 4 wide, in a box as collision shape.
 json graph_with_shape(double width) {
     json graph = small_graph();
-    graph["nodes"]["shape"] = {{"type", "polyCube"}, {"inputs", {{"width", width}, {"height", 8.2}, {"depth", 4.2}, {"subdivisionsHeight", 4}}}};
+    graph["nodes"]["shape"] = {
+        {"type", "polyCube"},
+        {"inputs", {{"width", width}, {"height", 8.2}, {"depth", 4.2}, {"subdivisionsHeight", 4}}}};
     graph["nodes"]["block"]["inputs"]["collisionShape"] = {{"from", "shape.outMesh"}};
     return graph;
 }
@@ -26,8 +28,10 @@ TEST_CASE("the collision surface is written under its body's name when asked for
     const TemporaryFolder folder;
     json graph = graph_with_shape(4.2);
     graph["nodes"]["skin"] = {{"type", "zEmbedder"},
-                              {"inputs", {{"solved", {{"from", "solver.outSolved"}}}, {"body", {{"from", "block.outBody"}}},
-                                          {"meshes", {{{"from", "blockMesh.outMesh"}}}}}}};
+                              {"inputs",
+                               {{"solved", {{"from", "solver.outSolved"}}},
+                                {"body", {{"from", "block.outBody"}}},
+                                {"meshes", {{{"from", "blockMesh.outMesh"}}}}}}};
     const std::string path = write_graph(folder, graph);
     const auto written = [&](std::vector<std::string> pulls) {
         const fs::path out = folder / ("out" + std::to_string(pulls.size()));
@@ -43,14 +47,16 @@ TEST_CASE("the collision surface is written under its body's name when asked for
     };
     using Names = std::set<std::string>;
     CHECK(written({}) == Names{"block", "lower", "upper"});
-    CHECK(written({"--pull", "skin.outMeshes", "--pull", "skin.outCollisionMeshes"}) == Names{"blockMesh", "block_collision"});
+    CHECK(written({"--pull", "skin.outMeshes", "--pull", "skin.outCollisionMeshes"}) ==
+          Names{"blockMesh", "block_collision"});
 }
 
 TEST_CASE("what is wrong with a collision surface is said once a run, not once a frame", "[tools]") {
     const TemporaryFolder folder;
     json graph = graph_with_shape(4.2);
     // Vertices far out beside others that are not, and a tissue that is evaluated anew at every frame.
-    graph["nodes"]["place"] = {{"type", "transform"}, {"inputs", {{"mesh", {{"from", "shape.outMesh"}}}, {"translate", {0, 5, 0}}}}};
+    graph["nodes"]["place"] = {{"type", "transform"},
+                               {"inputs", {{"mesh", {{"from", "shape.outMesh"}}}, {"translate", {0, 5, 0}}}}};
     graph["nodes"]["block"]["inputs"]["collisionShape"] = {{"from", "place.outMesh"}};
     graph["nodes"]["flesh"]["inputs"]["youngsModulus"] = {{"keys", {{1, 20000}, {6, 30000}}}};
     const Said said = run_program({"run", write_graph(folder, graph), "--frames", "1-4", "--json"});

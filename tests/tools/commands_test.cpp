@@ -48,8 +48,7 @@ TEST_CASE("usage errors exit with 2 and say what was meant", "[tools]") {
 TEST_CASE("help and version go to the output, with exit code 0", "[tools]") {
     CHECK(has(run_program({"--help"}).out, "snapshot"));
     CHECK(run_program({"--version"}).out.starts_with("sinew "));
-    for (const std::string command :
-         {"run", "check", "eval", "explain", "nodes", "graph", "snapshot", "bench"}) {
+    for (const std::string command : {"run", "check", "eval", "explain", "nodes", "graph", "snapshot", "bench"}) {
         const Said said = run_program({command, "--help"});
         CHECK(said.code == 0);
         CHECK(has(said.out, "Example:\n  sinew " + command));
@@ -104,12 +103,10 @@ TEST_CASE("eval prints meshes by size, box and digest, and numbers as they are",
     CHECK(has(mesh.out, "vertices: 8"));
     CHECK(has(mesh.out, "min: -3.0 -0.5 -3.0"));
     CHECK(has(mesh.out, "digest: "));
-    const json moved =
-        run_program({"eval", graph, "upperMove.outMatrix", "--frame", "6", "--json"}).lines().front();
+    const json moved = run_program({"eval", graph, "upperMove.outMatrix", "--frame", "6", "--json"}).lines().front();
     CHECK(moved.at("type") == "matrix");
     CHECK(moved.at("value").at(0).at(3) == 0.5);
-    const json bodies =
-        run_program({"eval", graph, "solver.outMeshes", "--frame", "2", "--json"}).lines().front();
+    const json bodies = run_program({"eval", graph, "solver.outMeshes", "--frame", "2", "--json"}).lines().front();
     CHECK(bodies.at("value").at("block").at("faces") == 40);
     const Said unknown = run_program({"eval", graph, "plateMesh.outMsh"});
     CHECK(unknown.code == 2);
@@ -131,8 +128,8 @@ TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
 
 TEST_CASE("explain computes nothing and says why it would", "[tools]") {
     const TemporaryFolder folder;
-    const Said said = run_program(
-        {"explain", write_graph(folder, small_graph()), "solver.outMeshes", "--frame", "4", "--json"});
+    const Said said =
+        run_program({"explain", write_graph(folder, small_graph()), "solver.outMeshes", "--frame", "4", "--json"});
     CHECK(said.code == 0);
     const json verdict = said.lines().front();
     CHECK(verdict.at("readiness") != "ready");
@@ -195,9 +192,9 @@ TEST_CASE("the cantilever prints one JSON line a run, or a table with the same d
     const auto lines = said.lines();
     REQUIRE(lines.size() == 2);
     for (const json& line : lines) {
-        for (const char* key : {"bench", "n", "tets", "E", "threads", "law", "steps", "tip_y",
-                                "s_per_step_median", "newton_per_step", "assembly_ms", "factor_ms",
-                                "solve_ms", "residual_max", "unconverged", "digest"})
+        for (const char* key :
+             {"bench", "n", "tets", "E", "threads", "law", "steps", "tip_y", "s_per_step_median", "newton_per_step",
+              "assembly_ms", "factor_ms", "solve_ms", "residual_max", "unconverged", "digest"})
             CHECK(line.contains(key));
         CHECK(line.at("tets") == 192);
         CHECK(line.at("unconverged") == 0);
@@ -226,16 +223,18 @@ TEST_CASE("a quick cantilever is small, unless a size is given", "[tools]") {
 
 TEST_CASE("bench says what each benchmark does, with an example, and refuses flags that it would not read", "[tools]") {
     const std::string help = run_program({"bench", "--help"}).out;
-    for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers", "scaling", "idle-cost", "scene", "report"}) {
+    for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers",
+                                   "scaling", "idle-cost", "scene", "report"}) {
         INFO(name);
         CHECK(has(help, name + ":"));
         CHECK(has(help, "sinew bench " + name + " "));
     }
-    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
-                                                                                       {"cantilever", "--only", "E"},
-                                                                                       {"meshing", "--quick", "a.obj"},
-                                                                                       {"scaling", "--law", "StVK"},
-                                                                                       {"report", "--only", "scaling", "-o", "page.md"}}) {
+    for (const std::vector<std::string>& words :
+         std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
+                                               {"cantilever", "--only", "E"},
+                                               {"meshing", "--quick", "a.obj"},
+                                               {"scaling", "--law", "StVK"},
+                                               {"report", "--only", "scaling", "-o", "page.md"}}) {
         std::vector<std::string> all{"bench"};
         all.insert(all.end(), words.begin(), words.end());
         const Said said = run_program(all);
@@ -277,8 +276,7 @@ TEST_CASE("the graphs to learn from are right and run", "[tools]") {
         const Said check = run_program({"check", entry.path().string()});
         CHECK(check.code == 0);
         CHECK(check.err.empty());
-        const Said run =
-            run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
+        const Said run = run_program({"run", entry.path().string(), "--frames", "1-3", "--quiet", "--strict"});
         CHECK(run.code == 0);
         CHECK(run.err.empty());
     }

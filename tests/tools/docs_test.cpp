@@ -11,7 +11,6 @@ TEST_CASE("the reference pages in docs are those that the declarations give", "[
     REQUIRE(run_program({"docs", folder.path().string()}).code == 0);
     for (const char* page : {"nodes.md", "codes.md", "graph.schema.json"}) {
         INFO(page << ": run `sinew docs docs/reference` after a change of declarations");
-        CHECK(read_text(folder / page) ==
-              read_text(std::filesystem::path(SINEW_SOURCE_DIR) / "docs/reference" / page));
+        CHECK(read_text(folder / page) == read_text(std::filesystem::path(SINEW_SOURCE_DIR) / "docs/reference" / page));
     }
 }

@@ -35,8 +35,7 @@ Glb::Glb(const std::string& file) {
     if (next == file.size()) return;
     const std::size_t size = word_at(file, next);
     if (word_at(file, next + 4) != 0x004E4942) throw std::runtime_error("second chunk is not BIN");
-    if (next + 8 + size != file.size() || size % 4)
-        throw std::runtime_error("BIN chunk has the wrong length");
+    if (next + 8 + size != file.size() || size % 4) throw std::runtime_error("BIN chunk has the wrong length");
     binary = file.substr(next + 8);
 }
 
@@ -60,8 +59,7 @@ std::vector<std::string> Glb::problems() const {
         if (!right) out.push_back(what);
     };
     if (document.at("asset").at("version") != "2.0") out.push_back("asset version");
-    if (!binary.empty())
-        expect(document.at("buffers").at(0).at("byteLength") == binary.size(), "buffer length");
+    if (!binary.empty()) expect(document.at("buffers").at(0).at("byteLength") == binary.size(), "buffer length");
     for (const json& view : document.value("bufferViews", json::array())) {
         const std::size_t offset = view.at("byteOffset"), length = view.at("byteLength");
         expect(offset % 4 == 0 && length > 0 && offset + length <= binary.size(), "view outside the buffer");
@@ -102,21 +100,17 @@ std::vector<std::string> Glb::problems() const {
             for (const std::uint32_t index : indices(primitive.at("indices")))
                 expect(index < vertices, "index out of range");
             expect(count(primitive.at("indices")) % 3 == 0, "indices are no triangles");
-            expect(primitive.at("material").get<std::size_t>() < document.at("materials").size(),
-                   "no such material");
+            expect(primitive.at("material").get<std::size_t>() < document.at("materials").size(), "no such material");
             const std::vector<float> normals = floats(attributes.at("NORMAL"));
             for (std::size_t v = 0; v < vertices; ++v)
-                expect(std::abs(std::hypot(normals[3 * v], normals[3 * v + 1], normals[3 * v + 2]) - 1) <
-                           1e-5,
+                expect(std::abs(std::hypot(normals[3 * v], normals[3 * v + 1], normals[3 * v + 2]) - 1) < 1e-5,
                        "normal is not a unit vector");
             const json targets = primitive.value("targets", json::array());
-            expect(targets.size() == mesh.value("weights", json::array()).size(),
-                   "weights do not match targets");
+            expect(targets.size() == mesh.value("weights", json::array()).size(), "weights do not match targets");
             for (const json& target : targets) {
                 expect(count(target.at("POSITION")) == vertices && count(target.at("NORMAL")) == vertices,
                        "target size");
-                expect(accessors.at(target.at("POSITION").get<std::size_t>()).contains("min"),
-                       "target without bounds");
+                expect(accessors.at(target.at("POSITION").get<std::size_t>()).contains("min"), "target without bounds");
             }
         }
     for (const json& animation : document.value("animations", json::array()))
@@ -128,15 +122,13 @@ std::vector<std::string> Glb::problems() const {
                 per_key = document.at("meshes").at(node.at("mesh").get<std::size_t>()).at("weights").size();
             expect(count(sampler.at("output")) == per_key * count(sampler.at("input")), "sampler lengths");
             const std::vector<float> times = floats(sampler.at("input"));
-            for (std::size_t k = 1; k < times.size(); ++k)
-                expect(times[k - 1] < times[k], "times do not rise");
-            expect(accessors.at(sampler.at("input").get<std::size_t>()).contains("max"),
-                   "times without bounds");
+            for (std::size_t k = 1; k < times.size(); ++k) expect(times[k - 1] < times[k], "times do not rise");
+            expect(accessors.at(sampler.at("input").get<std::size_t>()).contains("max"), "times without bounds");
             if (channel.at("target").at("path") == "rotation") {
                 const std::vector<float> q = floats(sampler.at("output"));
                 for (std::size_t k = 0; k + 3 < q.size(); k += 4)
-                    expect(std::abs(q[k] * q[k] + q[k + 1] * q[k + 1] + q[k + 2] * q[k + 2] +
-                                    q[k + 3] * q[k + 3] - 1) < 1e-5,
+                    expect(std::abs(q[k] * q[k] + q[k + 1] * q[k + 1] + q[k + 2] * q[k + 2] + q[k + 3] * q[k + 3] - 1) <
+                               1e-5,
                            "rotation is not a unit quaternion");
             }
         }

@@ -37,8 +37,7 @@ Points squashed(const Points& points, double amount) {
 
 /// Frames 1, 2, 4 at 24 fps, in centimetres: a bone that turns, a muscle that changes shape, a body at rest.
 Animation sample() {
-    const solver::SurfaceMesh cube = solver::make_cube(10, 20, 30, 1, 1, 1),
-                              ball = solver::make_sphere(8, 12, 8);
+    const solver::SurfaceMesh cube = solver::make_cube(10, 20, 30, 1, 1, 1), ball = solver::make_sphere(8, 12, 8);
     Animation a;
     a.frames = {1, 2, 4};
     a.units_per_metre = 100;
@@ -55,8 +54,7 @@ Animation sample() {
 
 const nlohmann::json* channel_of(const nlohmann::json& animation, std::size_t node, const std::string& path) {
     for (const auto& channel : animation.at("channels"))
-        if (channel.at("target").at("node") == node && channel.at("target").at("path") == path)
-            return &channel;
+        if (channel.at("target").at("node") == node && channel.at("target").at("path") == path) return &channel;
     return nullptr;
 }
 
@@ -98,11 +96,9 @@ TEST_CASE("a rigid body becomes an animated node, a deforming one gets a target 
     CHECK_FALSE(channel_of(animation, 0, "weights"));
     CHECK(channel_of(animation, 1, "weights"));
     CHECK_FALSE(channel_of(animation, 1, "rotation"));
-    for (const char* path : {"translation", "rotation", "weights"})
-        CHECK_FALSE(channel_of(animation, 2, path));
+    for (const char* path : {"translation", "rotation", "weights"}) CHECK_FALSE(channel_of(animation, 2, path));
     CHECK(glb.document.at("meshes").at(1).at("primitives").at(0).at("targets").size() == 2);
-    CHECK(glb.document.at("meshes").at(1).at("extras").at("targetNames") ==
-          nlohmann::json({"frame 2", "frame 4"}));
+    CHECK(glb.document.at("meshes").at(1).at("extras").at("targetNames") == nlohmann::json({"frame 2", "frame 4"}));
 }
 
 TEST_CASE("a rigid body's vertices come back in metres at every frame", "[tools]") {
@@ -115,8 +111,7 @@ TEST_CASE("a rigid body's vertices come back in metres at every frame", "[tools]
     const auto rotations = glb.floats(output_of(animation, *channel_of(animation, 0, "rotation")));
     CHECK(base.size() / 3 == 24); // the cube's corners are split: three normals each
     for (std::size_t f = 0; f < 3; ++f) {
-        const Eigen::Quaterniond q(rotations[4 * f + 3], rotations[4 * f], rotations[4 * f + 1],
-                                   rotations[4 * f + 2]);
+        const Eigen::Quaterniond q(rotations[4 * f + 3], rotations[4 * f], rotations[4 * f + 1], rotations[4 * f + 2]);
         for (std::size_t v = 0; v < base.size() / 3; ++v)
             CHECK(distance_to(*a.bodies[0].poses[f], q * vertex(base, v) + vertex(translations, f)) < 1e-6);
     }
@@ -159,8 +154,8 @@ TEST_CASE("one frame gives a still file, no body an empty scene, z up a turned o
     one.up = 'z';
     const test::Glb upright(cli::encode_glb(one));
     CHECK(upright.problems() == std::vector<std::string>{});
-    const auto& root = upright.document.at("nodes").at(
-        upright.document.at("scenes").at(0).at("nodes").at(0).get<std::size_t>());
+    const auto& root =
+        upright.document.at("nodes").at(upright.document.at("scenes").at(0).at("nodes").at(0).get<std::size_t>());
     const auto r = root.at("rotation").get<std::vector<double>>();
     const Vec3 up = Eigen::Quaterniond(r[3], r[0], r[1], r[2]) * Vec3(0, 0, 1);
     CHECK((up - Vec3(0, 1, 0)).norm() < 1e-12);
@@ -177,12 +172,11 @@ TEST_CASE("a rigid motion is found to rounding, and a change of shape is not tak
     REQUIRE(motion);
     CHECK(motion->moves);
     for (std::size_t f = 1; f < 3; ++f) {
-        const Points now =
-            turned(rest, 3.0 * static_cast<double>(f), f == 1 ? Vec3(1, -4, 2) : Vec3(0, 0, 0));
+        const Points now = turned(rest, 3.0 * static_cast<double>(f), f == 1 ? Vec3(1, -4, 2) : Vec3(0, 0, 0));
         for (std::size_t v = 0; v < rest.size(); ++v)
-            CHECK((motion->poses[f].translation + motion->poses[f].rotation * (rest[v] - motion->pivot) -
-                   now[v])
-                      .norm() < 1e-12);
+            CHECK(
+                (motion->poses[f].translation + motion->poses[f].rotation * (rest[v] - motion->pivot) - now[v]).norm() <
+                1e-12);
         CHECK(motion->poses[f].rotation.dot(motion->poses[f - 1].rotation) >= 0);
     }
     CHECK_FALSE(cli::find_rigid_motion({share(rest), share(squashed(rest, 1e-3))}));

@@ -40,8 +40,8 @@ Image decode(const std::string& bytes) {
 
 Image ball_picture(const Look& look, int width = 160, int height = 120) {
     const Surface ball = surface_of(solver::make_sphere(1, 24, 16), look);
-    return draw_picture({ball}, frame_points({&ball.points}, {0, 0}, static_cast<double>(width) / height),
-                        width, height, 2);
+    return draw_picture({ball}, frame_points({&ball.points}, {0, 0}, static_cast<double>(width) / height), width,
+                        height, 2);
 }
 
 bool is_background(const Pixel& p) { return std::abs(p[0] - p[2]) < 40 && p[0] < 110; }
@@ -84,8 +84,8 @@ TEST_CASE("a camera frames every point, touching the border that is nearest", "[
                     for (const Vec3& p : points) {
                         const Vec3 c = camera.to_camera(p);
                         REQUIRE(c[2] > 0);
-                        widest = std::max({widest, std::abs(c[0] / c[2]) / camera.tan_x,
-                                           std::abs(c[1] / c[2]) / camera.tan_y});
+                        widest = std::max(
+                            {widest, std::abs(c[0] / c[2]) / camera.tan_x, std::abs(c[1] / c[2]) / camera.tan_y});
                     }
                     CHECK(widest == Approx(0.9).epsilon(1e-6));
                 }
@@ -104,8 +104,7 @@ TEST_CASE("views look at the side that they name, and the axis that is up stays 
     CHECK(camera("left", 'z').backward.isApprox(Vec3(1, 0, 0), 1e-12));
     CHECK(camera("front", 'z').up.isApprox(Vec3(0, 0, 1), 1e-12));
     CHECK(parse_view("-45,10")->azimuth == -45);
-    for (const char* wrong : {"", "behind", "1", "1,", "x,2", "0,91", "1,2,3"})
-        CHECK_FALSE(parse_view(wrong));
+    for (const char* wrong : {"", "behind", "1", "1,", "x,2", "0,91", "1,2,3"}) CHECK_FALSE(parse_view(wrong));
 }
 
 TEST_CASE("what is nearer hides what is behind it", "[tools]") {
@@ -178,9 +177,7 @@ TEST_CASE("segments are seen in their colour, hide behind surfaces and shine thr
     const Camera camera = frame_points({&wall.points}, {0, 0}, 1);
     const Segment before{{-4, 0, 1}, {4, 0, 1}, {0, 1, 0}, 6}, behind{{-4, 0, -1}, {4, 0, -1}, {0, 1, 0}, 6},
         dot{{0, 0, 1}, {0, 0, 1}, {0, 1, 0}, 6};
-    const auto middle = [&](const Segment& s) {
-        return draw_picture({wall}, camera, 60, 60, 2, {s}).at(30, 30);
-    };
+    const auto middle = [&](const Segment& s) { return draw_picture({wall}, camera, 60, 60, 2, {s}).at(30, 30); };
     const Pixel bare = draw_picture({wall}, camera, 60, 60, 2).at(30, 30);
     CHECK(middle(before) == Pixel{0, 255, 0});
     CHECK(middle(dot) == Pixel{0, 255, 0});

@@ -38,8 +38,8 @@ std::set<std::string> keys(const json& object) {
 /// The upper plate leaves for infinity after frame 3.
 json graph_that_fails_at_frame_4() {
     json graph = small_graph();
-    graph["nodes"]["upperMove"]["inputs"]["scale"] = json::parse(
-        R"({ "keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [1e300, 1e300, 1e300]]], "interp": "step" })");
+    graph["nodes"]["upperMove"]["inputs"]["scale"] =
+        json::parse(R"({ "keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [1e300, 1e300, 1e300]]], "interp": "step" })");
     graph["nodes"]["upperMove"]["inputs"]["translate"] = json::parse(
         R"({ "keys": [[1, [0, 4.5, 0]], [3, [0, 4.5, 0]], [4, [1e308, 1e308, 1e308]]], "interp": "step" })");
     graph["nodes"]["plateMesh"]["inputs"]["width"] = 1e9;
@@ -51,15 +51,14 @@ json graph_that_fails_at_frame_4() {
 TEST_CASE("a run writes every body of every frame, named after its node", "[tools]") {
     const TemporaryFolder folder;
     const std::string out = (folder / "out").string();
-    const Said said = run_program({"run", write_graph(folder, small_graph()), "--out", out, "--format",
-                                   "obj,ply,glb", "--report", out + "/report.json"});
+    const Said said = run_program({"run", write_graph(folder, small_graph()), "--out", out, "--format", "obj,ply,glb",
+                                   "--report", out + "/report.json"});
     INFO(said.err);
     REQUIRE(said.code == 0);
     CHECK(names_in(out) == std::set<std::string>{"obj", "ply", "report.json", "small.glb"});
     std::set<std::string> wanted;
     for (const std::string body : {"block", "lower", "upper"})
-        for (int frame = 1; frame <= 6; ++frame)
-            wanted.insert(body + ".000" + std::to_string(frame) + ".obj");
+        for (int frame = 1; frame <= 6; ++frame) wanted.insert(body + ".000" + std::to_string(frame) + ".obj");
     CHECK(names_in(folder / "out/obj") == wanted);
     CHECK(names_in(folder / "out/ply").size() == 18);
 
@@ -91,20 +90,19 @@ TEST_CASE("a run writes every body of every frame, named after its node", "[tool
 TEST_CASE("the report says for every frame how it went", "[tools]") {
     const TemporaryFolder folder;
     const std::string file = (folder / "r.json").string();
-    REQUIRE(run_program({"run", write_graph(folder, small_graph()), "--report", file, "--frames", "1-4",
-                         "--quiet", "--threads", "1"})
+    REQUIRE(run_program({"run", write_graph(folder, small_graph()), "--report", file, "--frames", "1-4", "--quiet",
+                         "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
-    CHECK(keys(report) ==
-          std::set<std::string>{"version", "machine", "threads", "graph", "totals", "frames", "size"});
+    CHECK(keys(report) == std::set<std::string>{"version", "machine", "threads", "graph", "totals", "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);
     CHECK(report.at("totals").at("peak_bytes") > 1'000'000);
     REQUIRE(report.at("frames").size() == 4);
     const json& last = report.at("frames").at(3);
-    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "residual",
-                            "converged", "energy", "min_J", "inverted", "contacts", "max_penetration_m"})
+    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "residual", "converged",
+                            "energy", "min_J", "inverted", "contacts", "max_penetration_m"})
         CHECK(last.contains(key));
     CHECK(last.at("frame") == 4);
     CHECK(last.at("converged") == true);
@@ -153,10 +151,10 @@ TEST_CASE("a --set changes the result, and a wrong one is the graph's error", "[
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
     const auto plain = digests(run_program({"run", graph, "--json", "--frames", "3"}));
-    CHECK(digests(run_program(
-              {"run", graph, "--json", "--frames", "3", "--set", "flesh.youngsModulus=40000"})) != plain);
-    CHECK(digests(run_program(
-              {"run", graph, "--json", "--frames", "3", "--set", "block.material=NeoHookean"})) != plain);
+    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "flesh.youngsModulus=40000"})) !=
+          plain);
+    CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set", "block.material=NeoHookean"})) !=
+          plain);
     CHECK(digests(run_program({"run", graph, "--json", "--frames", "3", "--set",
                                R"(flesh.youngsModulus={"value": 20, "unit": "kPa"})"})) == plain);
     const Said wrong = run_program({"run", graph, "--set", "flesh.youngsModulus=-1"});
@@ -172,8 +170,7 @@ TEST_CASE("numbers that are pulled are printed, files that are pulled are writte
     graph["nodes"]["write"] = json::parse(
         R"({ "type": "meshWriter", "inputs": { "meshes": { "from": "solver.outMeshes" }, "format": "off" } })");
     const std::string file = write_graph(folder, graph), out = (folder / "out").string();
-    const Said numbers =
-        run_program({"run", file, "--pull", "upperMove.outMatrix", "--frames", "1,6", "--json"});
+    const Said numbers = run_program({"run", file, "--pull", "upperMove.outMatrix", "--frames", "1,6", "--json"});
     REQUIRE(numbers.code == 0);
     int values = 0;
     for (const json& line : numbers.lines())
@@ -190,8 +187,8 @@ TEST_CASE("numbers that are pulled are printed, files that are pulled are writte
 TEST_CASE("a frame that fails keeps the frames before it, with report and animation", "[tools]") {
     const TemporaryFolder folder;
     const std::string out = (folder / "out").string();
-    const Said said = run_program({"run", write_graph(folder, graph_that_fails_at_frame_4()), "--out", out,
-                                   "--format", "glb,obj", "--report", out + "/r.json"});
+    const Said said = run_program({"run", write_graph(folder, graph_that_fails_at_frame_4()), "--out", out, "--format",
+                                   "glb,obj", "--report", out + "/r.json"});
     INFO(said.out << said.err);
     CHECK((said.code == 1 || said.code == 3));
     CHECK(said.err.find("error [") != std::string::npos);
@@ -201,8 +198,7 @@ TEST_CASE("a frame that fails keeps the frames before it, with report and animat
     CHECK(report.at("frames").size() == 3);
     CHECK(report.at("error").at("frame") == 4);
     CHECK_FALSE(report.at("error").at("message").get<std::string>().empty());
-    CHECK(names_in(out) ==
-          std::set<std::string>{"obj", "r.json", "small.glb"}); // the report says it, so no mark
+    CHECK(names_in(out) == std::set<std::string>{"obj", "r.json", "small.glb"}); // the report says it, so no mark
     const Glb glb(read_text(folder / "out/small.glb"));
     CHECK(glb.problems() == std::vector<std::string>{});
     const json& samplers = glb.document.at("animations").at(0).at("samplers");
@@ -216,10 +212,9 @@ TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-ma
     const std::string out = (folder / "out").string();
     for (const int signal : {SIGINT, SIGTERM}) {
         fs::remove_all(out);
-        Program program({"run", write_graph(folder, graph), "--out", out, "--format", "glb,obj", "--report",
-                         out + "/r.json"});
-        while (names_in(folder / "out/obj").size() < 9)
-            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        Program program(
+            {"run", write_graph(folder, graph), "--out", out, "--format", "glb,obj", "--report", out + "/r.json"});
+        while (names_in(folder / "out/obj").size() < 9) std::this_thread::sleep_for(std::chrono::milliseconds(5));
         program.signal(signal);
         CHECK(program.exit_code() == 4);
         CHECK(program.err().find("cancelled") != std::string::npos);
@@ -238,8 +233,7 @@ TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-ma
 TEST_CASE("a place that cannot be written to is found before anything is simulated", "[tools]") {
     const TemporaryFolder folder;
     write_text(folder / "file", "x");
-    const Said said =
-        run_program({"run", write_graph(folder, small_graph()), "--out", (folder / "file/out").string()});
+    const Said said = run_program({"run", write_graph(folder, small_graph()), "--out", (folder / "file/out").string()});
     CHECK(said.code == 1);
     CHECK(said.err.find("IO405") != std::string::npos);
     CHECK(said.out.empty());

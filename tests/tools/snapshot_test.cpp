@@ -94,8 +94,7 @@ TEST_CASE("what is wrong with a movie's words is said before anything is compute
     CHECK_FALSE(fs::exists(mp4));
 }
 
-TEST_CASE("ffmpeg gets every frame in order, when it fails its words are shown and the old file stays",
-          "[tools]") {
+TEST_CASE("ffmpeg gets every frame in order, when it fails its words are shown and the old file stays", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph()), mp4 = (folder / "m.mp4").string();
     fs::create_directory(folder / "bin");
@@ -103,9 +102,8 @@ TEST_CASE("ffmpeg gets every frame in order, when it fails its words are shown a
     const std::vector<std::string> words{"snapshot", graph,   "--movie",  mp4, "--frames", "3,1-2",
                                          "--size",   "64x32", "--smooth", "1", "--fps",    "12"};
     // In place of ffmpeg: the last word is the movie; it gets the words and the names of the pictures.
-    write_program(folder / "bin/ffmpeg",
-                  "for last; do :; done\n"
-                  "echo \"$@\" > \"$last\"; ls \"$(dirname \"$last\")\" >> \"$last\"\n");
+    write_program(folder / "bin/ffmpeg", "for last; do :; done\n"
+                                         "echo \"$@\" > \"$last\"; ls \"$(dirname \"$last\")\" >> \"$last\"\n");
     REQUIRE(run_program(words).code == 0);
     const std::string got = read_text(mp4);
     CHECK(has(got, "-framerate 12 -i "));

@@ -33,16 +33,13 @@ TEST_CASE("what a block holds comes back bit for bit, whatever differences were 
     const auto order = GENERATE(0, 1, 2);
     const auto stride = GENERATE(std::size_t{1}, std::size_t{3}, std::size_t{1000});
     for (const std::size_t count : {0, 1, 2, 7, 999, 5000}) {
-        CHECK(unpack_u16(pack(all(noise<std::uint16_t>(count, 1)), order, stride)) ==
-              noise<std::uint16_t>(count, 1));
-        CHECK(unpack_u32(pack(all(noise<std::uint32_t>(count, 2)), order, stride)) ==
-              noise<std::uint32_t>(count, 2));
+        CHECK(unpack_u16(pack(all(noise<std::uint16_t>(count, 1)), order, stride)) == noise<std::uint16_t>(count, 1));
+        CHECK(unpack_u32(pack(all(noise<std::uint32_t>(count, 2)), order, stride)) == noise<std::uint32_t>(count, 2));
     }
 }
 
 TEST_CASE("single precision numbers come back bit for bit, infinities too") {
-    const std::vector<float> values{0.0f,       -0.0f, 1.5f, -3e-39f, std::numeric_limits<float>::infinity(),
-                                    3.14159274f};
+    const std::vector<float> values{0.0f, -0.0f, 1.5f, -3e-39f, std::numeric_limits<float>::infinity(), 3.14159274f};
     const std::vector<float> back = unpack_f32(pack(all(values)));
     REQUIRE(back.size() == values.size());
     for (std::size_t i = 0; i < values.size(); ++i)

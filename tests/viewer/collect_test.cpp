@@ -22,8 +22,8 @@ Collected collect_muscle(bool with_lattices = true) {
     e.graph = graph, e.evaluator = &evaluator, e.frames = {1, 2, 3, 4}, e.with_lattices = with_lattices;
     Collected out{collect_graph(e), {}};
     for (const int frame : e.frames)
-        out.meshes.push_back(evaluator.pull({graph, {"solver", "outMeshes"}, static_cast<double>(frame)})
-                                 .as<nodes::MeshList>());
+        out.meshes.push_back(
+            evaluator.pull({graph, {"solver", "outMeshes"}, static_cast<double>(frame)}).as<nodes::MeshList>());
     return out;
 }
 
@@ -36,8 +36,7 @@ double largest_error(const Collected& c) {
             for (std::size_t v = 0; v < points.size(); ++v) {
                 const auto p = vertex_position(c.scene.bodies[b], f, v);
                 for (std::size_t k = 0; k < 3; ++k)
-                    worst =
-                        std::max(worst, std::abs(static_cast<double>(p[k]) - points[v][static_cast<int>(k)]));
+                    worst = std::max(worst, std::abs(static_cast<double>(p[k]) - points[v][static_cast<int>(k)]));
             }
         }
     return worst;
@@ -114,8 +113,7 @@ TEST_CASE("a run that fails on the way keeps the frames before and says why") {
 
 TEST_CASE("frames that are missing in the middle are told, and the others are shown") {
     const test::TemporaryFolder folder;
-    for (const int f : {1, 2, 5, 6})
-        test::write_text(folder / ("a." + std::to_string(f) + ".obj"), test::cube_obj(f));
+    for (const int f : {1, 2, 5, 6}) test::write_text(folder / ("a." + std::to_string(f) + ".obj"), test::cube_obj(f));
     for (const int f : {1, 2, 6})
         test::write_text(folder / ("b." + std::to_string(f) + ".obj"), test::cube_obj(10 + f));
     const ViewScene scene = collect_folder(folder.path());
@@ -164,8 +162,7 @@ TEST_CASE("unreadable files and an empty folder are told, not thrown") {
 
 TEST_CASE("chosen frames of a folder, and ones that it does not have") {
     const test::TemporaryFolder folder;
-    for (int f = 1; f <= 4; ++f)
-        test::write_text(folder / ("a." + std::to_string(f) + ".obj"), test::cube_obj(f));
+    for (int f = 1; f <= 4; ++f) test::write_text(folder / ("a." + std::to_string(f) + ".obj"), test::cube_obj(f));
     const ViewScene scene = collect_folder(folder.path(), {2, 3, 9});
     CHECK(scene.frames.size() == 2);
     CHECK(says(scene.notes, "no frame 9"));

@@ -23,8 +23,7 @@ std::string all_notes(const ViewScene& scene) {
     return out;
 }
 
-std::array<double, 3> read_back(const PageData& data, std::size_t frame, std::size_t vertex,
-                                std::size_t vertices) {
+std::array<double, 3> read_back(const PageData& data, std::size_t frame, std::size_t vertex, std::size_t vertices) {
     const auto header = nlohmann::json::parse(data.header);
     for (const auto& chunk : header["bodies"][0]["motion"]["chunks"]) {
         const auto first = chunk["first"].get<std::size_t>(), count = chunk["count"].get<std::size_t>();
@@ -55,8 +54,7 @@ TEST_CASE("frames beside one that flies apart stay within 1e-4 of the body's siz
         for (std::size_t v = 0; v < vertices; v += 7) {
             const auto found = read_back(data, f, v, vertices);
             const auto wanted = vertex_position(before.bodies[0], f, v);
-            for (std::size_t c = 0; c < 3; ++c)
-                CHECK(std::abs(found[c] - static_cast<double>(wanted[c])) < 1e-4 * 20);
+            for (std::size_t c = 0; c < 3; ++c) CHECK(std::abs(found[c] - static_cast<double>(wanted[c])) < 1e-4 * 20);
         }
     for (std::size_t f = 0; f < 20; ++f) CHECK(scene.frames[f].faults.empty() == (f != bad));
     CHECK(all_notes(scene).find("Frame " + std::to_string(bad + 1) + ": ball reaches") != std::string::npos);
@@ -81,8 +79,8 @@ TEST_CASE("a long walk of a small body is no fault of its first half, and stays 
     CHECK(scene.notes.empty());
     const PageData data = page_data(scene);
     for (const std::size_t f : {std::size_t{0}, std::size_t{20}, std::size_t{39}})
-        CHECK(std::abs(read_back(data, f, 7, 50)[0] -
-                       static_cast<double>(vertex_position(before.bodies[0], f, 7)[0])) < 1e-4 * 20);
+        CHECK(std::abs(read_back(data, f, 7, 50)[0] - static_cast<double>(vertex_position(before.bodies[0], f, 7)[0])) <
+              1e-4 * 20);
 }
 
 TEST_CASE("numbers that are none keep the vertex's last place") {

@@ -18,9 +18,8 @@ solver::Points cube(double x, double squash) {
 
 /// A cube that travels and turns not at all, and one that is squashed.
 cli::Animation animation() {
-    const std::vector<solver::Triangle> sides{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6},
-                                              {0, 1, 5}, {0, 5, 4}, {2, 6, 7}, {2, 7, 3},
-                                              {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+    const std::vector<solver::Triangle> sides{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                                              {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
     cli::Animation out;
     out.fps = 30, out.units_per_metre = 10, out.up = 'z', out.frames = {3, 4, 7};
     cli::AnimatedBody bone{"mover", render::BodyKind::bone, sides, {}},

@@ -26,18 +26,16 @@ std::string row(const GraphBox& b, const std::string& attribute) {
 
 void check_places(const GraphDrawing& d) {
     for (const GraphWire& w : d.wires) {
-        INFO(d.boxes[static_cast<std::size_t>(w.from)].name << " -> "
-                                                            << d.boxes[static_cast<std::size_t>(w.to)].name);
-        const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)],
-                       &to = d.boxes[static_cast<std::size_t>(w.to)];
+        INFO(d.boxes[static_cast<std::size_t>(w.from)].name << " -> " << d.boxes[static_cast<std::size_t>(w.to)].name);
+        const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)], &to = d.boxes[static_cast<std::size_t>(w.to)];
         CHECK(from.x + from.width < to.x);
     }
     for (std::size_t i = 0; i < d.boxes.size(); ++i)
         for (std::size_t j = i + 1; j < d.boxes.size(); ++j) {
             const GraphBox &a = d.boxes[i], &b = d.boxes[j];
             INFO(a.name << " and " << b.name);
-            const bool apart = a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y ||
-                               b.y + b.height <= a.y;
+            const bool apart =
+                a.x + a.width <= b.x || b.x + b.width <= a.x || a.y + a.height <= b.y || b.y + b.height <= a.y;
             CHECK(apart);
         }
 }
@@ -95,14 +93,12 @@ TEST_CASE("an SVG names every node and every wire") {
 
 TEST_CASE("what feeds a muscle stands beside it, also in a graph of a hundred nodes") {
     const auto graph =
-        engine::load_graph(nodes::make_registry(), std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm.json")
-            .graph;
+        engine::load_graph(nodes::make_registry(), std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm.json").graph;
     const GraphDrawing d = layout_graph(*graph);
     REQUIRE(d.boxes.size() > 100);
     double sum = 0;
     for (const GraphWire& w : d.wires) {
-        const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)],
-                       &to = d.boxes[static_cast<std::size_t>(w.to)];
+        const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)], &to = d.boxes[static_cast<std::size_t>(w.to)];
         sum += std::abs(from.y + from.height / 2 - to.y - to.height / 2);
     }
     // A box is about 100 high; at random a wire would climb a third of the drawing.

@@ -49,8 +49,7 @@ viewer::ViewScene made_scene(std::size_t vertices, std::size_t frames) {
         const double a = 2.399963 * static_cast<double>(v),
                      z = 1 - 2 * (static_cast<double>(v) + 0.5) / static_cast<double>(vertices);
         const double r = std::sqrt(1 - z * z);
-        for (const double c : {r * std::cos(a), r * std::sin(a), z})
-            ball.rest.push_back(static_cast<float>(10 * c));
+        for (const double c : {r * std::cos(a), r * std::sin(a), z}) ball.rest.push_back(static_cast<float>(10 * c));
     }
     for (std::size_t v = 0; v + 2 < vertices; ++v)
         ball.triangles.push_back({static_cast<int>(v), static_cast<int>(v + 1), static_cast<int>(v + 2)});
@@ -73,8 +72,8 @@ viewer::ViewScene made_scene(std::size_t vertices, std::size_t frames) {
 std::string cube_obj(double x, int extra) {
     std::string out = "# sinew: bone, z up, 10 units a metre\n";
     for (const int i : {0, 1, 3, 2, 4, 5, 7, 6})
-        out += "v " + std::to_string(x + (i & 1)) + " " + std::to_string(i >> 1 & 1) + " " +
-               std::to_string(i >> 2) + "\n";
+        out +=
+            "v " + std::to_string(x + (i & 1)) + " " + std::to_string(i >> 1 & 1) + " " + std::to_string(i >> 2) + "\n";
     for (int i = 0; i < extra; ++i) out += "v 0 0 0\n";
     return out + "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 }

@@ -49,8 +49,8 @@ void Book::judge(CaseKind kind, std::string setting, std::string quantity, doubl
 void Book::compare(CaseKind kind, std::string setting, std::string quantity, double value, double reference,
                    double tolerance, const Work& work, double scale) {
     const double size = scale > 0 ? scale : std::abs(reference);
-    judge(kind, std::move(setting), std::move(quantity), value, reference, std::abs(value - reference) / size, tolerance,
-          work);
+    judge(kind, std::move(setting), std::move(quantity), value, reference, std::abs(value - reference) / size,
+          tolerance, work);
 }
 
 void Book::converge(std::string setting, std::string quantity, const std::vector<double>& h,
@@ -63,12 +63,16 @@ void Book::converge(std::string setting, std::string quantity, const std::vector
         falls = falls && std::abs(r.value - reference) < std::abs(values[i] - reference);
     if (values.size() >= 2) {
         const std::size_t n = values.size();
-        r.order = observed_order(h[n - 2], std::abs(values[n - 2] - reference), h[n - 1], std::abs(r.value - reference));
+        r.order =
+            observed_order(h[n - 2], std::abs(values[n - 2] - reference), h[n - 1], std::abs(r.value - reference));
     }
     r.status = falls && r.order >= least_order && work.unconverged == 0 ? CaseStatus::pass : CaseStatus::fail;
-    if (work.unconverged) r.note = std::to_string(work.unconverged) + " steps did not converge";
-    else if (!falls) r.note = "a coarser mesh is nearer";
-    else if (r.status == CaseStatus::fail) r.note = "the order is below 1: the element locks";
+    if (work.unconverged)
+        r.note = std::to_string(work.unconverged) + " steps did not converge";
+    else if (!falls)
+        r.note = "a coarser mesh is nearer";
+    else if (r.status == CaseStatus::fail)
+        r.note = "the order is below 1: the element locks";
 }
 
 void Book::slope(std::string setting, std::string quantity, double error, double order, double least_order,
@@ -115,17 +119,18 @@ std::vector<CaseResult> run_accuracy(const RunOptions& options) {
 
 Table accuracy_table(const std::vector<CaseResult>& results) {
     Table t;
-    t.columns = {"verdict", "section", "case", "setting", "quantity", "kind", "value", "reference", "error", "allowed",
-                 "order", "note"};
+    t.columns = {"verdict", "section",   "case",  "setting", "quantity", "kind",
+                 "value",   "reference", "error", "allowed", "order",    "note"};
     for (const CaseResult& r : results) {
         std::vector<std::string> row{std::string(name_of(r.status)), r.section, r.name, r.setting, r.quantity};
         if (r.status == CaseStatus::not_modelled) {
             row.resize(11, "");
         } else {
             const bool by_order = std::isfinite(r.order);
-            row.insert(row.end(), {std::string(name_of(r.kind)), number(r.value, 8), number(r.reference, 8),
-                                   number(r.error, 2), by_order ? "order " + number(r.tolerance, 2) : number(r.tolerance, 2),
-                                   by_order ? number(r.order, 3) : ""});
+            row.insert(row.end(),
+                       {std::string(name_of(r.kind)), number(r.value, 8), number(r.reference, 8), number(r.error, 2),
+                        by_order ? "order " + number(r.tolerance, 2) : number(r.tolerance, 2),
+                        by_order ? number(r.order, 3) : ""});
         }
         row.push_back(r.note);
         t.rows.push_back(std::move(row));
@@ -138,9 +143,17 @@ nlohmann::ordered_json accuracy_json(const std::vector<CaseResult>& results) {
     for (const CaseResult& r : results) {
         nlohmann::ordered_json row{{"section", r.section}, {"case", r.name}, {"verdict", name_of(r.status)}};
         if (r.status != CaseStatus::not_modelled) {
-            row.update({{"setting", r.setting}, {"quantity", r.quantity}, {"kind", name_of(r.kind)}, {"value", r.value},
-                        {"reference", r.reference}, {"error", r.error}, {"allowed", r.tolerance}, {"order", r.order},
-                        {"seconds", r.work.seconds}, {"steps", r.work.steps}, {"newton", r.work.newton},
+            row.update({{"setting", r.setting},
+                        {"quantity", r.quantity},
+                        {"kind", name_of(r.kind)},
+                        {"value", r.value},
+                        {"reference", r.reference},
+                        {"error", r.error},
+                        {"allowed", r.tolerance},
+                        {"order", r.order},
+                        {"seconds", r.work.seconds},
+                        {"steps", r.work.steps},
+                        {"newton", r.work.newton},
                         {"linear_iterations", r.work.linear_iterations}});
         }
         if (!r.note.empty()) row["note"] = r.note;

@@ -1,8 +1,8 @@
 // Accuracy: every case of the catalogue of reference values, with its value, reference, error and verdict.
 // Three kinds of reference. exact: the engine's own discretisation has this value, so rounding alone may differ.
-// same-mesh: linear tets on a given mesh have one discrete solution, computed by another code. continuum: the value that
-// refinement must lead to; judged by the order at which meshes come nearer, or by distance where
-// one mesh is fine enough.
+// same-mesh: linear tets on a given mesh have one discrete solution, computed by another code. continuum: the value
+// that refinement must lead to; judged by the order at which meshes come nearer, or by distance where one mesh is fine
+// enough.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/beams.h"
@@ -23,9 +23,10 @@ struct CaseResult {
     CaseKind kind = CaseKind::exact;
     CaseStatus status = CaseStatus::fail;
     double value = 0, reference = 0;
-    double error = 0;     ///< relative; see `Book`
-    double tolerance = 0; ///< on the error; of a case with an order the least order
-    double order = std::numeric_limits<double>::quiet_NaN(); ///< observed under refinement of mesh or step; NaN = not judged by order
+    double error = 0;                                        ///< relative; see `Book`
+    double tolerance = 0;                                    ///< on the error; of a case with an order the least order
+    double order = std::numeric_limits<double>::quiet_NaN(); ///< observed under refinement of mesh or step; NaN = not
+                                                             ///< judged by order
     Work work;
     std::string note; ///< why it failed, what it needs
 };

@@ -33,7 +33,8 @@ Points points(const json& rows) {
 BarTrajectory run_bar(const BarRelease& bar, const std::stop_token& stop) {
     const json& m = values_of(known_kin(bar.law))["material"];
     const int across = std::max(1, bar.cells / 4);
-    auto rest = make_tissue(box_mesh({0, 0, 0}, {0.4, 0.1, 0.1}, bar.cells, across, across), bar.law.law, bar.element.kind);
+    auto rest =
+        make_tissue(box_mesh({0, 0, 0}, {0.4, 0.1, 0.1}, bar.cells, across, across), bar.law.law, bar.element.kind);
     if (bar.law.law == ElasticLaw::anisotropic) rest->stiff_directions.assign(rest->tets.tets.size(), Vec3::UnitX());
     rest->fixed_vertices = vertices_where(nodes_of(*rest), [](const Vec3& p) { return p.x() < 1e-9; });
     const int tip = vertex_at(rest->tets.vertices, {0.4, 0.1, 0.1});
@@ -57,7 +58,9 @@ BarTrajectory run_bar(const BarRelease& bar, const std::stop_token& stop) {
     return out;
 }
 
-bool bar_is_known(const LawName& law) { return bar_release_values()["references"].contains(std::string(law.catalogue)); }
+bool bar_is_known(const LawName& law) {
+    return bar_release_values()["references"].contains(std::string(law.catalogue));
+}
 
 Points bar_on_mesh(const LawName& law, int cells) {
     if (!bar_is_known(law) || (cells != 8 && cells != 16)) return {};

@@ -1,4 +1,5 @@
-// A clamped bar is let go in gravity and swings for a second: the problem whose trajectories in time and space are known.
+// A clamped bar is let go in gravity and swings for a second: the problem whose trajectories in time and space are
+// known.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/beams.h"

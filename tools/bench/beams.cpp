@@ -85,9 +85,11 @@ Points traction_loads(const TissueRest& rest, const std::function<bool(const Vec
         for (std::size_t c = 0; c < 3; ++c) {
             const int a = t[c], b = t[(c + 1) % 3];
             const std::array<int, 2> edge{std::min(a, b), std::max(a, b)};
-            const auto node = quadratic ? rest.tets.vertices.size() + static_cast<std::size_t>(
-                                              std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin())
-                                        : static_cast<std::size_t>(a);
+            const auto node =
+                quadratic
+                    ? rest.tets.vertices.size() +
+                          static_cast<std::size_t>(std::lower_bound(edges.begin(), edges.end(), edge) - edges.begin())
+                    : static_cast<std::size_t>(a);
             loads[node] += third;
         }
     }

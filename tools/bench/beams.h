@@ -18,7 +18,8 @@ solver::TetMesh cook_mesh(int nx, int ny, int nz);
 /// One regular tet of the given edge [m].
 solver::TetMesh regular_tet(double edge);
 
-/// A tissue with one material layer whose surface is the mesh's border; vertex i of the surface is vertex i of the tets.
+/// A tissue with one material layer whose surface is the mesh's border; vertex i of the surface is vertex i of the
+/// tets.
 std::shared_ptr<solver::TissueRest> make_tissue(solver::TetMesh mesh, solver::ElasticLaw law,
                                                 solver::ElementKind element = solver::ElementKind::linear);
 /// Rest positions of all that a tissue has in the state: its vertices, and of quadratic tets the middles of the edges.

@@ -91,11 +91,13 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
 }
 
 Table cantilever_table(const std::vector<CantileverRun>& runs) {
-    Table t{{"tets", "E [Pa]", "s per step (median)", "Newton per step", "assembly [ms]", "factor [ms]", "solve [ms]", "tip y [m]", "worst residual",
-             "unconverged", "digest"}, {}};
+    Table t{{"tets", "E [Pa]", "s per step (median)", "Newton per step", "assembly [ms]", "factor [ms]", "solve [ms]",
+             "tip y [m]", "worst residual", "unconverged", "digest"},
+            {}};
     for (const auto& [options, r] : runs)
-        t.rows.push_back({std::to_string(r.tets), number(options.youngs_modulus), number(r.seconds_per_step_median, 3), number(r.newton_per_step, 3),
-                          number(r.assembly_ms, 3), number(r.factor_ms, 3), number(r.solve_ms, 3), number(r.tip_y, 6), number(r.residual_max, 2),
+        t.rows.push_back({std::to_string(r.tets), number(options.youngs_modulus), number(r.seconds_per_step_median, 3),
+                          number(r.newton_per_step, 3), number(r.assembly_ms, 3), number(r.factor_ms, 3),
+                          number(r.solve_ms, 3), number(r.tip_y, 6), number(r.residual_max, 2),
                           std::to_string(r.unconverged), r.digest.hex()});
     return t;
 }

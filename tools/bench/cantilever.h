@@ -19,7 +19,8 @@ struct CantileverOptions {
     solver::ElasticLaw law = solver::ElasticLaw::neo_hookean;
     int steps = 20;
     solver::LinearMethod linear = solver::LinearMethod::automatic;
-    std::function<void()> at_end = {}; ///< called after the last step, while everything is still in memory; may be empty
+    std::function<void()> at_end =
+        {}; ///< called after the last step, while everything is still in memory; may be empty
 };
 
 struct CantileverResult {
@@ -27,9 +28,9 @@ struct CantileverResult {
     double tip_y = 0; ///< mean displacement of the free end [m]
     double seconds_per_step_median = 0, newton_per_step = 0, residual_max = 0;
     double assembly_ms = 0, factor_ms = 0, solve_ms = 0, other_ms = 0; ///< per Newton iteration
-    double newton_ms_median = 0;          ///< whole step over its Newton iterations, median over the steps
-    double linear_iterations = 0;         ///< of conjugate gradients, per Newton iteration
-    engine::Digest digest; ///< of the last positions: a faster wrong answer shows
+    double newton_ms_median = 0;  ///< whole step over its Newton iterations, median over the steps
+    double linear_iterations = 0; ///< of conjugate gradients, per Newton iteration
+    engine::Digest digest;        ///< of the last positions: a faster wrong answer shows
 };
 
 /// Box 1 x 0.25 x 0.25 m along x, every cube cut into the 6 Kuhn tets; the vertices of x = 0 are fixed.

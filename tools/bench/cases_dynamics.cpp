@@ -33,12 +33,13 @@ void one_dof(Book& book, const RunOptions&) {
                 for (int i = 1; i <= steps; ++i) {
                     o.sim.step();
                     if (i < static_cast<int>(first.size()))
-                        worst = std::max(worst, std::abs(o.height() - first[static_cast<std::size_t>(i)].get<double>()));
+                        worst =
+                            std::max(worst, std::abs(o.height() - first[static_cast<std::size_t>(i)].get<double>()));
                 }
                 const double end = expected["z_end"];
                 worst = std::max(worst, std::abs(o.height() - end));
-                book.judge(CaseKind::exact, std::string(scheme.word) + ", " + title + name, "height at 1 s, worst of 13 [m]",
-                           o.height(), end, worst / o.sag, 1e-8, o.sim.work);
+                book.judge(CaseKind::exact, std::string(scheme.word) + ", " + title + name,
+                           "height at 1 s, worst of 13 [m]", o.height(), end, worst / o.sag, 1e-8, o.sim.work);
             }
     };
     check(reference["runs"], 0, "");
@@ -52,7 +53,8 @@ void amplification(Book& book, const RunOptions&) {
     const json& table = reference_values()["integrators"]["table"];
     for (const IntegratorName& scheme : integrators)
         for (const auto& [title, row] : table[std::string(scheme.catalogue)].items()) {
-            const Complex expected = std::polar(row["spectral_radius"].get<double>(), row["phase_per_step"].get<double>());
+            const Complex expected =
+                std::polar(row["spectral_radius"].get<double>(), row["phase_per_step"].get<double>());
             const double omega = Oscillator(scheme.integrator, 1).omega;
             Oscillator o(scheme.integrator, std::stod(title) * 2 * M_PI / omega);
             // y = (z + sag) + v / (i omega) is multiplied by the same complex number in every step. BDF2 has two such
@@ -74,7 +76,8 @@ void amplification(Book& book, const RunOptions&) {
 struct Fall {
     double height, deformation;
     Work work;
-    Fall(const IntegratorName& scheme, int steps, double start_speed, double mass_damping, const std::stop_token& stop) {
+    Fall(const IntegratorName& scheme, int steps, double start_speed, double mass_damping,
+         const std::stop_token& stop) {
         const TetMesh mesh = box_mesh({0, 0, 0}, {0.3, 0.2, 0.2}, 3, 2, 2);
         StepInputs in = tight_inputs();
         in.integrator = scheme.integrator;
@@ -88,7 +91,9 @@ struct Fall {
         height = position(sim.state.x, 0).z() - mesh.vertices[0].z();
         deformation = 0;
         for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
-            deformation = std::max(deformation, (position(sim.state.x, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, 0, height)).norm());
+            deformation =
+                std::max(deformation,
+                         (position(sim.state.x, static_cast<int>(v)) - mesh.vertices[v] - Vec3(0, 0, height)).norm());
         work = sim.work;
     }
 };
@@ -105,7 +110,8 @@ void free_fall(Book& book, const RunOptions& options) {
                 const double expected = schemes[std::string(scheme.catalogue)]["x"];
                 const std::string setting = std::string(scheme.word) + ", " + title;
                 book.compare(CaseKind::exact, setting, "height at 1 s [m]", fall.height, expected, 1e-8, fall.work);
-                book.judge(CaseKind::exact, setting, "deformation [L]", fall.deformation / 0.3, 0, fall.deformation / 0.3, 1e-9, fall.work);
+                book.judge(CaseKind::exact, setting, "deformation [L]", fall.deformation / 0.3, 0,
+                           fall.deformation / 0.3, 1e-9, fall.work);
             }
     }
 }
@@ -113,9 +119,12 @@ void free_fall(Book& book, const RunOptions& options) {
 /// Sub-steps of a frame at which the bar's fastest modes are resolved well enough for the order to show.
 int most_substeps(const IntegratorName& scheme) {
     switch (scheme.integrator) {
-    case Integrator::backward_euler: return 128;
-    case Integrator::bdf2: return 256;
-    default: return 64;
+    case Integrator::backward_euler:
+        return 128;
+    case Integrator::bdf2:
+        return 256;
+    default:
+        return 64;
     }
 }
 
@@ -129,7 +138,8 @@ void bar(Book& book, const RunOptions& options) {
             Work total;
             const std::string setting = std::string(law.catalogue) + ", " + std::string(scheme.word);
             for (int substeps = 1; substeps <= (options.quick ? 4 : most_substeps(scheme)); substeps *= 2) {
-                // Rounding of the inertia, which grows with the square of the rate, leaves no more than this at small steps.
+                // Rounding of the inertia, which grows with the square of the rate, leaves no more than this at small
+                // steps.
                 const double tolerance = substeps > 16 ? 1e-3 : 1e-4;
                 const BarTrajectory run = run_bar({law, scheme, 8, substeps, tolerance}, options.stop);
                 total += run.work;
@@ -138,15 +148,17 @@ void bar(Book& book, const RunOptions& options) {
                 const Points expected = bar_scheme(law, scheme, substeps);
                 if (expected.empty()) continue;
                 const double worst = largest_distance(run.tip, expected);
-                book.judge(CaseKind::exact, setting + ", dt=1/" + std::to_string(24 * substeps), "tip over 1 s, farthest [m]",
-                           run.tip.back().z(), expected.back().z(), worst / length, 1e-7, run.work);
+                book.judge(CaseKind::exact, setting + ", dt=1/" + std::to_string(24 * substeps),
+                           "tip over 1 s, farthest [m]", run.tip.back().z(), expected.back().z(), worst / length, 1e-7,
+                           run.work);
             }
             if (options.quick) continue; // the order shows only at small steps
             // Fitted over the last three step sizes, a factor of 4; the catalogue accepts 0.85 for 1 and 1.8 for 2.
             const std::size_t n = errors.size();
-            book.slope(setting + ", dt to 1/" + std::to_string(24 << (n - 1)), "rms distance to the run exact in time [m]",
-                       errors.back(), observed_order(h[n - 3], errors[n - 3], h[n - 1], errors[n - 1]),
-                       scheme.order == 1 ? 0.85 : 1.8, total);
+            book.slope(setting + ", dt to 1/" + std::to_string(24 << (n - 1)),
+                       "rms distance to the run exact in time [m]", errors.back(),
+                       observed_order(h[n - 3], errors[n - 3], h[n - 1], errors[n - 1]), scheme.order == 1 ? 0.85 : 1.8,
+                       total);
         }
     }
 }

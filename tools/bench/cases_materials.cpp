@@ -1,4 +1,5 @@
-// Accuracy of the laws: stresses of thirteen deformations, free uniaxial and equibiaxial tension, the patch test, muscle.
+// Accuracy of the laws: stresses of thirteen deformations, free uniaxial and equibiaxial tension, the patch test,
+// muscle.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/accuracy.h"
 #include "tools/bench/models.h"
@@ -83,7 +84,8 @@ void compare_stresses(Book& book, Sample& sample, const std::string& name, const
         book.judge(CaseKind::exact, setting, "|P| [Pa]", r.stress.norm(), p.norm(),
                    std::max((r.stress - p).norm(), r.unbalanced) / std::max(p.norm(), 1e-3 * modulus), 1e-8);
         const double w = double(expected["W"]) - at_rest;
-        book.compare(CaseKind::exact, setting, "W [J/m^3]", r.energy, w, 1e-8, {}, std::max(std::abs(w), 1e-3 * modulus));
+        book.compare(CaseKind::exact, setting, "W [J/m^3]", r.energy, w, 1e-8, {},
+                     std::max(std::abs(w), 1e-3 * modulus));
     }
 }
 
@@ -113,8 +115,8 @@ void compare_added_stress(Book& book, const TissueInputs& with_term, const std::
         for (const auto& [title, c] : patch["cases"].items()) {
             const Mat3 f = matrix(c["F"]), p = matrix(c[key]["P"]);
             const Mat3 difference = with.at(f).stress - without.at(f).stress;
-            book.judge(CaseKind::exact, std::string(element.word) + ", " + title, "|P| [Pa]", difference.norm(), p.norm(),
-                       (difference - p).norm() / std::max(p.norm(), 1e-3 * modulus), 1e-8);
+            book.judge(CaseKind::exact, std::string(element.word) + ", " + title, "|P| [Pa]", difference.norm(),
+                       p.norm(), (difference - p).norm() / std::max(p.norm(), 1e-3 * modulus), 1e-8);
         }
     }
 }
@@ -163,7 +165,8 @@ void free_sides(Book& book, const RunOptions&) {
             // The search starts around the reference, for some laws have a second, collapsed solution.
             const double side = root([&](double b) { return response(b).stress(2, 2); }, 0.97 * known, 1.03 * known);
             const std::string setting = std::string(law.catalogue) + ", " + title;
-            book.compare(CaseKind::exact, setting, uniaxial ? "lateral stretch" : "thickness stretch", side, known, 1e-8);
+            book.compare(CaseKind::exact, setting, uniaxial ? "lateral stretch" : "thickness stretch", side, known,
+                         1e-8);
             book.compare(CaseKind::exact, setting, "P11 [Pa]", response(side).stress(0, 0), e["P11"], 1e-8);
         }
     }
@@ -210,7 +213,8 @@ void muscle(Book& book, const RunOptions& options) {
         if (!muscle["results"].contains(std::string(law.catalogue))) continue;
         for (const auto& [title, e] : muscle["results"][std::string(law.catalogue)]["spring"].items()) {
             double pull = 0, limit = 0;
-            if (!e.is_object() || std::sscanf(title.c_str(), "excitation*strength=%lf,contractionLimit=%lf", &pull, &limit) != 2)
+            if (!e.is_object() ||
+                std::sscanf(title.c_str(), "excitation*strength=%lf,contractionLimit=%lf", &pull, &limit) != 2)
                 continue;
             auto rest = make_tissue(mesh, law.law);
             rest->fibers = {{Points(mesh.tets.size(), Vec3(1, 0, 0)), std::vector<double>(mesh.tets.size(), 1.0)}};
@@ -225,21 +229,25 @@ void muscle(Book& book, const RunOptions& options) {
             Simulation sim({{rest}, {}}, in, options.stop);
             for (int i = 0; i < 40; ++i) sim.step();
             const auto stretch = [&](const Vec3& p) {
-                return (position(sim.state.x, vertex_at(mesh.vertices, p)) - position(sim.state.x, 0)).norm() / p.norm();
+                return (position(sim.state.x, vertex_at(mesh.vertices, p)) - position(sim.state.x, 0)).norm() /
+                       p.norm();
             };
             const std::string setting = std::string(law.catalogue) + ", " + title;
-            book.compare(CaseKind::exact, setting, "fibre stretch", stretch({0.3, 0, 0}), e["lambda_fibre"], 1e-6, sim.work);
-            book.compare(CaseKind::exact, setting, "side stretch", stretch({0, 0.1, 0}), e["lambda_perp"], 1e-6, sim.work);
+            book.compare(CaseKind::exact, setting, "fibre stretch", stretch({0.3, 0, 0}), e["lambda_fibre"], 1e-6,
+                         sim.work);
+            book.compare(CaseKind::exact, setting, "side stretch", stretch({0, 0.1, 0}), e["lambda_perp"], 1e-6,
+                         sim.work);
 
             HoldingForces held(*rest, values);
             std::vector<double> x(3 * mesh.vertices.size());
-            for (std::size_t v = 0; v < mesh.vertices.size(); ++v) set_position(x, static_cast<int>(v), mesh.vertices[v]);
+            for (std::size_t v = 0; v < mesh.vertices.size(); ++v)
+                set_position(x, static_cast<int>(v), mesh.vertices[v]);
             const Points forces = held.at(x);
             double end = 0;
             for (const int v : vertices_where(mesh.vertices, [](const Vec3& p) { return p.x() > 0.3 - 1e-9; }))
                 end += forces[static_cast<std::size_t>(v)].x();
-            book.compare(CaseKind::exact, setting, "isometric tension [Pa]", end / 0.01, e["isometric_nominal_tension"], 1e-8,
-                         {}, std::max(pull, 1.0));
+            book.compare(CaseKind::exact, setting, "isometric tension [Pa]", end / 0.01, e["isometric_nominal_tension"],
+                         1e-8, {}, std::max(pull, 1.0));
         }
     }
 }

@@ -16,8 +16,8 @@ using nlohmann::json;
 
 namespace {
 
-/// Both elements would converge at order 2 and more if the solutions were smooth. They are not at the clamped edges, where
-/// the strain grows like r^(a-1) with 1/2 < a < 1 (as for every clamped edge that meets a free face), and then
+/// Both elements would converge at order 2 and more if the solutions were smooth. They are not at the clamped edges,
+/// where the strain grows like r^(a-1) with 1/2 < a < 1 (as for every clamped edge that meets a free face), and then
 /// displacements converge at order 2a. An order below 1 is no such edge but an element that locks.
 constexpr double least_order = 1;
 
@@ -35,13 +35,13 @@ void judge_study(Book& book, const MeshStudy& study, const std::vector<LevelValu
             h.push_back(level.level.h), values.push_back(level.values[q]);
             work += level.work;
             if (std::isfinite(quantity.same_mesh[l]))
-                book.compare(CaseKind::same_mesh, study.setting + ", " + level.level.name(), quantity.name, level.values[q],
-                             quantity.same_mesh[l], same_mesh_tolerance, level.work);
+                book.compare(CaseKind::same_mesh, study.setting + ", " + level.level.name(), quantity.name,
+                             level.values[q], quantity.same_mesh[l], same_mesh_tolerance, level.work);
         }
         // On the coarse meshes of a quick run linear tets still lock, and the order says nothing.
         if (std::isfinite(quantity.continuum) && levels.size() == study.levels.size())
-            book.converge(study.setting + ", to " + levels.back().level.name(), quantity.name, h, values, quantity.continuum,
-                          least_order, work);
+            book.converge(study.setting + ", to " + levels.back().level.name(), quantity.name, h, values,
+                          quantity.continuum, least_order, work);
     }
 }
 
@@ -61,7 +61,8 @@ struct HangingBlock {
         bone->surface = plate, bone->triangles = {{0, 1, 2}, {0, 2, 3}};
         AttachmentRest a;
         a.source = 0, a.target = 1;
-        for (std::size_t v = 0; v < points.size(); ++v) a.source_weights.push_back(on_top(static_cast<int>(v)) ? weight : 0);
+        for (std::size_t v = 0; v < points.size(); ++v)
+            a.source_weights.push_back(on_top(static_cast<int>(v)) ? weight : 0);
         StepInputs in = tight_inputs();
         in.integrator = Integrator::quasi_static;
         in.gravity = Vec3(0, 0, -g);
@@ -92,7 +93,8 @@ void spring_bed(Book& book, const RunOptions& options) {
                 const double value = block.extension(law.law, cells, weight, options.stop, work);
                 const double expected = block.density * block.g * block.size.z() / (weight * block.stiffness);
                 book.compare(CaseKind::exact,
-                             std::string(law.catalogue) + ", " + std::to_string(cells) + " cells a side, weight " + number(weight),
+                             std::string(law.catalogue) + ", " + std::to_string(cells) + " cells a side, weight " +
+                                 number(weight),
                              "mean extension [m]", value, expected, 1e-8, work);
             }
 }
@@ -104,9 +106,11 @@ void elastica(Book& book, const RunOptions& options) {
     const json& reference = reference_values()["elastica_catenary"];
     const double length = 1, side = 0.02, modulus = 1e6;
     const double bending = modulus * side * side * side * side / 12; // E I [N m^2]
-    const auto settle = [&](const LawName& law, const std::string& of, const std::function<void(const TissueRest&, TissueInputs&, StepInputs&, double)>& load,
+    const auto settle = [&](const LawName& law, const std::string& of,
+                            const std::function<void(const TissueRest&, TissueInputs&, StepInputs&, double)>& load,
                             double x, double z) {
-        auto rest = make_tissue(box_mesh({0, 0, 0}, {length, side, side}, options.quick ? 20 : 40, 1, 1), law.law, ElementKind::quadratic);
+        auto rest = make_tissue(box_mesh({0, 0, 0}, {length, side, side}, options.quick ? 20 : 40, 1, 1), law.law,
+                                ElementKind::quadratic);
         const Points nodes = nodes_of(*rest);
         rest->fixed_vertices = vertices_where(nodes, [](const Vec3& p) { return p.x() < 1e-9; });
         TissueInputs values = material(modulus, 0);
@@ -130,21 +134,24 @@ void elastica(Book& book, const RunOptions& options) {
         for (const char* alpha : {"1.0", "5.0"}) {
             const json& e = reference["tip_force"][alpha];
             const double force = std::stod(alpha) * bending / (length * length);
-            settle(law, std::string("tip force, P L^2/(E I) = ") + alpha,
-                   [&](const TissueRest& rest, TissueInputs& values, StepInputs&, double share) {
-                       values.forces = traction_loads(rest, [&](const Vec3& p) { return p.x() > length - 1e-9; },
-                                                      Vec3(0, 0, share * force / (side * side)));
-                   },
-                   1 + e["ux_over_L"].get<double>(), e["uz_over_L"]);
+            settle(
+                law, std::string("tip force, P L^2/(E I) = ") + alpha,
+                [&](const TissueRest& rest, TissueInputs& values, StepInputs&, double share) {
+                    values.forces = traction_loads(
+                        rest, [&](const Vec3& p) { return p.x() > length - 1e-9; },
+                        Vec3(0, 0, share * force / (side * side)));
+                },
+                1 + e["ux_over_L"].get<double>(), e["uz_over_L"]);
         }
         for (const char* beta : {"2.0", "10.0"}) {
             const json& e = reference["heavy"][beta];
             const double weight = std::stod(beta) * bending / (length * length * length); // per length [N/m]
-            settle(law, std::string("own weight, q L^3/(E I) = ") + beta,
-                   [&](const TissueRest&, TissueInputs&, StepInputs& in, double share) {
-                       in.gravity = Vec3(0, 0, -share * weight / (1000 * side * side));
-                   },
-                   e["x_tip_over_L"], e["z_tip_over_L"]);
+            settle(
+                law, std::string("own weight, q L^3/(E I) = ") + beta,
+                [&](const TissueRest&, TissueInputs&, StepInputs& in, double share) {
+                    in.gravity = Vec3(0, 0, -share * weight / (1000 * side * side));
+                },
+                e["x_tip_over_L"], e["z_tip_over_L"]);
         }
     }
 }

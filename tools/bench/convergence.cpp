@@ -15,8 +15,9 @@ namespace {
 
 void fill_orders(ConvergenceRow& row) {
     for (std::size_t i = 0; i < row.levels.size(); ++i)
-        row.levels[i].order = i ? observed_order(row.levels[i - 1].h, row.levels[i - 1].error, row.levels[i].h, row.levels[i].error)
-                                : std::numeric_limits<double>::quiet_NaN();
+        row.levels[i].order =
+            i ? observed_order(row.levels[i - 1].h, row.levels[i - 1].error, row.levels[i].h, row.levels[i].error)
+              : std::numeric_limits<double>::quiet_NaN();
 }
 
 void mesh_rows(const RunOptions& options, std::vector<ConvergenceRow>& out) {
@@ -28,7 +29,8 @@ void mesh_rows(const RunOptions& options, std::vector<ConvergenceRow>& out) {
             if (!std::isfinite(reference)) continue;
             ConvergenceRow row{false, study.name, study.setting, study.quantities[q].name, 2, {}};
             for (const LevelValues& l : levels)
-                row.levels.push_back({l.level.name(), l.level.h, std::abs(l.values[q] / reference - 1), 0, l.work.seconds});
+                row.levels.push_back(
+                    {l.level.name(), l.level.h, std::abs(l.values[q] / reference - 1), 0, l.work.seconds});
             fill_orders(row);
             out.push_back(std::move(row));
         }
@@ -55,8 +57,12 @@ void bar_rows(const RunOptions& options, std::vector<ConvergenceRow>& out) {
         if (!bar_is_known(law)) continue;
         options.tell("released bar, " + std::string(law.catalogue));
         for (const IntegratorName& scheme : integrators) {
-            ConvergenceRow row{true, "released bar", std::string(law.catalogue) + ", " + std::string(scheme.word),
-                               "tip over 1 s, rms [L]", scheme.order, {}};
+            ConvergenceRow row{true,
+                               "released bar",
+                               std::string(law.catalogue) + ", " + std::string(scheme.word),
+                               "tip over 1 s, rms [L]",
+                               scheme.order,
+                               {}};
             for (int substeps = 1; substeps <= (options.quick ? 4 : 32); substeps *= 2) {
                 const BarTrajectory run = run_bar({law, scheme, 8, substeps}, options.stop);
                 row.levels.push_back({"1/" + std::to_string(24 * substeps), 1.0 / (24 * substeps),
@@ -88,8 +94,8 @@ Table convergence_table(const std::vector<ConvergenceRow>& rows) {
             errors += (i ? ", " : "") + number(row.levels[i].error, 2);
             if (i) orders += (i > 1 ? ", " : "") + number(row.levels[i].order, 3);
         }
-        t.rows.push_back({row.in_time ? "time step" : "mesh", row.name, row.setting, row.quantity, names, errors, orders,
-                          number(row.expected_order)});
+        t.rows.push_back({row.in_time ? "time step" : "mesh", row.name, row.setting, row.quantity, names, errors,
+                          orders, number(row.expected_order)});
     }
     return t;
 }
@@ -99,9 +105,14 @@ nlohmann::ordered_json convergence_json(const std::vector<ConvergenceRow>& rows)
     for (const ConvergenceRow& row : rows) {
         nlohmann::ordered_json levels = nlohmann::ordered_json::array();
         for (const ConvergenceLevel& l : row.levels)
-            levels.push_back({{"name", l.name}, {"h", l.h}, {"error", l.error}, {"order", l.order}, {"seconds", l.seconds}});
-        out.push_back({{"refines", row.in_time ? "time step" : "mesh"}, {"case", row.name}, {"setting", row.setting},
-                       {"quantity", row.quantity}, {"ideal_order", row.expected_order}, {"levels", levels}});
+            levels.push_back(
+                {{"name", l.name}, {"h", l.h}, {"error", l.error}, {"order", l.order}, {"seconds", l.seconds}});
+        out.push_back({{"refines", row.in_time ? "time step" : "mesh"},
+                       {"case", row.name},
+                       {"setting", row.setting},
+                       {"quantity", row.quantity},
+                       {"ideal_order", row.expected_order},
+                       {"levels", levels}});
     }
     return out;
 }
@@ -114,10 +125,13 @@ Plot convergence_plot(const std::vector<ConvergenceRow>& rows, bool in_time) {
     plot.slopes = in_time ? std::vector<double>{1, 2} : std::vector<double>{2};
     for (const ConvergenceRow& row : rows) {
         // A picture holds a few lines: one law, one quantity a problem.
-        const bool shown = in_time ? row.in_time && row.name == "released bar" && row.setting.starts_with("nh")
-                                   : !row.in_time && ((row.name == "gravity cantilever" && row.setting.starts_with("nh") && row.quantity.starts_with("tip uz")) ||
-                                                      (row.name == "Cook's panel" && row.quantity.starts_with("uy") && !row.setting.starts_with("nh nu 0.49,")) ||
-                                                      (row.name == "free vibration" && row.quantity.starts_with("f1")));
+        const bool shown = in_time
+                               ? row.in_time && row.name == "released bar" && row.setting.starts_with("nh")
+                               : !row.in_time && ((row.name == "gravity cantilever" && row.setting.starts_with("nh") &&
+                                                   row.quantity.starts_with("tip uz")) ||
+                                                  (row.name == "Cook's panel" && row.quantity.starts_with("uy") &&
+                                                   !row.setting.starts_with("nh nu 0.49,")) ||
+                                                  (row.name == "free vibration" && row.quantity.starts_with("f1")));
         if (!shown) continue;
         PlotSeries series{(in_time ? "" : row.name + ", ") + row.setting, {}, true};
         if (row.name == "gravity cantilever") series.name = "cantilever" + row.setting.substr(2);

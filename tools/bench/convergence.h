@@ -11,10 +11,10 @@
 namespace sinew::bench {
 
 struct ConvergenceLevel {
-    std::string name;  ///< "16x4x4" or "1/96"
-    double h = 0;      ///< [m] in space, [s] in time
-    double error = 0;  ///< relative to the reference in space; of the tip over the bar's length in time
-    double order = 0;  ///< from the level before; NaN for the first
+    std::string name; ///< "16x4x4" or "1/96"
+    double h = 0;     ///< [m] in space, [s] in time
+    double error = 0; ///< relative to the reference in space; of the tip over the bar's length in time
+    double order = 0; ///< from the level before; NaN for the first
     double seconds = 0;
 };
 

@@ -40,7 +40,8 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
     const double h = 1e-4;
     backward_euler_form(state, h, moving);
     BlockMatrix inertia = assembled(potential, state, moving);
-    for (std::size_t i = 0; i < inertia.values.size(); ++i) inertia.values[i] = h * h * (inertia.values[i] - stiffness.values[i]);
+    for (std::size_t i = 0; i < inertia.values.size(); ++i)
+        inertia.values[i] = h * h * (inertia.values[i] - stiffness.values[i]);
     const auto times_mass = [&](const Eigen::MatrixXd& x) {
         Eigen::MatrixXd y(x.rows(), x.cols());
         for (Eigen::Index j = 0; j < x.cols(); ++j) multiply(inertia, x.col(j).data(), y.col(j).data());
@@ -50,7 +51,8 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
     Cholesky factor(*stiffness.pattern);
     if (!factor.factorize(stiffness)) throw std::logic_error("the stiffness of a held body at rest is not definite");
 
-    const Eigen::Index width = std::min<Eigen::Index>(n, count + 8); // more than asked for, so that the last ones settle too
+    const Eigen::Index width =
+        std::min<Eigen::Index>(n, count + 8); // more than asked for, so that the last ones settle too
     std::mt19937 random(1);
     std::normal_distribution<double> normal;
     Eigen::MatrixXd basis(n, width), image(n, width);
@@ -62,7 +64,8 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
         for (Eigen::Index j = 0; j < width; ++j) factor.solve(load.col(j).data(), image.col(j).data());
         // K image = M basis, so the reduced stiffness needs no product with K.
         const Eigen::MatrixXd k = image.transpose() * load, m = image.transpose() * times_mass(image);
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(0.5 * (k + k.transpose()), 0.5 * (m + m.transpose()));
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(0.5 * (k + k.transpose()),
+                                                                              0.5 * (m + m.transpose()));
         basis = image * small.eigenvectors();
         now = small.eigenvalues().head(count);
         if ((now - last).cwiseAbs().maxCoeff() < 1e-11 * now[0]) break;

@@ -17,15 +17,16 @@ namespace {
 constexpr int most_iterations = 200;
 
 /// Moves x along `direction` until the value falls enough, by the solver's own rule. False if it does not.
-bool line_search(Potential& potential, const std::vector<double>& direction, double slope, std::vector<double>& x, double& value,
-                 std::vector<double>& gradient, std::vector<BodyForces>& forces) {
+bool line_search(Potential& potential, const std::vector<double>& direction, double slope, std::vector<double>& x,
+                 double& value, std::vector<double>& gradient, std::vector<BodyForces>& forces) {
     const std::vector<int>& vertex_of = potential.vertex_of_unknown();
     const double before = value, rounding = potential.energy_rounding();
     double t = 1;
     for (int trial = 0; trial < 40; ++trial, t *= 0.5) {
         std::vector<double> there = x;
         for (std::size_t u = 0; u < vertex_of.size(); ++u)
-            for (std::size_t c = 0; c < 3; ++c) there[3 * static_cast<std::size_t>(vertex_of[u]) + c] += t * direction[3 * u + c];
+            for (std::size_t c = 0; c < 3; ++c)
+                there[3 * static_cast<std::size_t>(vertex_of[u]) + c] += t * direction[3 * u + c];
         value = potential.evaluate(there, &gradient, &forces);
         if (std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding) {
             x = std::move(there);
@@ -37,7 +38,8 @@ bool line_search(Potential& potential, const std::vector<double>& direction, dou
 
 } // namespace
 
-HessianRun solve_step(const Scene& scene, const State& before, const StepInputs& inputs, bool always_project, const std::stop_token& stop) {
+HessianRun solve_step(const Scene& scene, const State& before, const StepInputs& inputs, bool always_project,
+                      const std::stop_token& stop) {
     Potential potential(scene);
     potential.set_structure(before.anchors, inputs);
     BlockMatrix hessian(potential.pattern());
@@ -49,7 +51,8 @@ HessianRun solve_step(const Scene& scene, const State& before, const StepInputs&
     HessianRun out;
     const auto start = std::chrono::steady_clock::now();
     potential.begin_step(before, inputs);
-    inputs.integrator == Integrator::quasi_static ? quasi_static_form(before, form) : backward_euler_form(before, inputs.step_size, form);
+    inputs.integrator == Integrator::quasi_static ? quasi_static_form(before, form)
+                                                  : backward_euler_form(before, inputs.step_size, form);
     potential.begin_stage(before, form, before.bones);
     out.x = before.x;
     double value = potential.evaluate(out.x, &gradient, &forces);

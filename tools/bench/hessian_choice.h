@@ -1,6 +1,6 @@
 // Newton's method on one step with exact Hessians, projected only where one is not positive definite (what the solver
-// does), and with each projected always (what many codes do): how many iterations either takes. Built from the solver's own
-// potential and factorisation, for the solver has no such option.
+// does), and with each projected always (what many codes do): how many iterations either takes. Built from the solver's
+// own potential and factorisation, for the solver has no such option.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/newton/potential.h"
@@ -17,7 +17,7 @@ struct HessianRun {
 };
 
 /// One step of backward Euler, or of no inertia if `inputs` say so, from `before`. Throws solver::Stopped.
-HessianRun solve_step(const solver::Scene& scene, const solver::State& before, const solver::StepInputs& inputs, bool always_project,
-                      const std::stop_token& stop = {});
+HessianRun solve_step(const solver::Scene& scene, const solver::State& before, const solver::StepInputs& inputs,
+                      bool always_project, const std::stop_token& stop = {});
 
 } // namespace sinew::bench

@@ -17,7 +17,7 @@ namespace {
 /// A scene that a feature may be added to.
 struct Subject {
     std::shared_ptr<TissueRest> rest;
-    std::shared_ptr<BoneRest> bone;             ///< none without the feature that brings one
+    std::shared_ptr<BoneRest> bone; ///< none without the feature that brings one
     std::vector<AttachmentRest> attachments;
     TissueInputs tissue;
     StepInputs inputs;
@@ -137,8 +137,10 @@ IdleCost run_idle_cost(const RunOptions& options) {
         const std::vector<double> middle = middle_half(ratios[i]);
         row.ratio = median(ratios[i]), row.spread = 0.5 * (middle.back() - middle.front());
         row.turns = turns, row.newton = last[i].work.newton;
-        row.same_work = last[i].work.newton == base.work.newton && last[i].work.linear_iterations == base.work.linear_iterations;
-        for (std::size_t k = 0; k < base.x.size(); ++k) row.difference = std::max(row.difference, std::abs(last[i].x[k] - base.x[k]));
+        row.same_work =
+            last[i].work.newton == base.work.newton && last[i].work.linear_iterations == base.work.linear_iterations;
+        for (std::size_t k = 0; k < base.x.size(); ++k)
+            row.difference = std::max(row.difference, std::abs(last[i].x[k] - base.x[k]));
         row.noise = std::abs(row.ratio - 1) <= out.noise_level;
         out.rows.push_back(row);
     }
@@ -146,19 +148,32 @@ IdleCost run_idle_cost(const RunOptions& options) {
 }
 
 Table idle_cost_table(const IdleCost& result) {
-    Table t{{"unused feature", "time with / without", "spread", "same iterations", "farthest vertex [m]", "verdict"}, {}};
+    Table t{{"unused feature", "time with / without", "spread", "same iterations", "farthest vertex [m]", "verdict"},
+            {}};
     for (const IdleRow& r : result.rows)
-        t.rows.push_back({r.feature, number(r.ratio, 4), number(r.spread, 2), r.same_work ? "yes" : "no", number(r.difference, 2),
-                          r.noise ? "noise" : r.ratio < 1 ? "faster" : "COSTS"});
+        t.rows.push_back({r.feature, number(r.ratio, 4), number(r.spread, 2), r.same_work ? "yes" : "no",
+                          number(r.difference, 2),
+                          r.noise       ? "noise"
+                          : r.ratio < 1 ? "faster"
+                                        : "COSTS"});
     return t;
 }
 
 nlohmann::ordered_json idle_cost_json(const IdleCost& result) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const IdleRow& r : result.rows)
-        rows.push_back({{"feature", r.feature}, {"ratio", r.ratio}, {"spread", r.spread}, {"turns", r.turns}, {"newton", r.newton},
-                        {"same_work", r.same_work}, {"difference_m", r.difference}, {"noise", r.noise}});
-    return {{"tets", result.tets}, {"steps", result.steps}, {"seconds", result.seconds}, {"noise_level", result.noise_level},
+        rows.push_back({{"feature", r.feature},
+                        {"ratio", r.ratio},
+                        {"spread", r.spread},
+                        {"turns", r.turns},
+                        {"newton", r.newton},
+                        {"same_work", r.same_work},
+                        {"difference_m", r.difference},
+                        {"noise", r.noise}});
+    return {{"tets", result.tets},
+            {"steps", result.steps},
+            {"seconds", result.seconds},
+            {"noise_level", result.noise_level},
             {"features", rows}};
 }
 

@@ -49,7 +49,8 @@ Choice cantilever(const std::string& name, int n, LinearMethod method, int threa
                 CantileverResult r;
                 const auto run = [&] { r = run_cantilever(c, stop); };
                 threads > 0 ? tbb::task_arena(threads).execute(run) : run();
-                return LeverEnd{name, r.seconds_per_step_median, r.newton_per_step, r.tip_y, nan, r.unconverged == 0, r.digest.hex()};
+                return LeverEnd{name, r.seconds_per_step_median, r.newton_per_step, r.tip_y,
+                                nan,  r.unconverged == 0,        r.digest.hex()};
             }};
 }
 
@@ -67,18 +68,20 @@ void linear_methods_and_threads(Plans& plans, int n) {
 }
 
 /// The step after `steps_before`, with Hessians projected always and only where they must be.
-void hessian(Plans& plans, const std::string& subject, const TissueRest& rest, const StepInputs& inputs, int steps_before, const Vec3& tip) {
+void hessian(Plans& plans, const std::string& subject, const TissueRest& rest, const StepInputs& inputs,
+             int steps_before, const Vec3& tip) {
     const auto shared = std::make_shared<const TissueRest>(rest);
     std::size_t ends[2];
     for (const bool always : {true, false}) {
         const std::string name = always ? "always projected" : "exact where definite";
-        ends[!always] = plans.add({name + ", " + subject, [=](const std::stop_token& stop) {
-                                       Simulation sim({{shared}, {}}, inputs, stop);
-                                       for (int i = 0; i < steps_before; ++i) sim.step();
-                                       const HessianRun r = solve_step(sim.scene(), sim.state, inputs, always, stop);
-                                       const double moved = (position(r.x, vertex_at(shared->tets.vertices, tip)) - tip).norm();
-                                       return LeverEnd{name, r.seconds, static_cast<double>(r.newton), moved, nan, r.converged, ""};
-                                   }});
+        ends[!always] =
+            plans.add({name + ", " + subject, [=](const std::stop_token& stop) {
+                           Simulation sim({{shared}, {}}, inputs, stop);
+                           for (int i = 0; i < steps_before; ++i) sim.step();
+                           const HessianRun r = solve_step(sim.scene(), sim.state, inputs, always, stop);
+                           const double moved = (position(r.x, vertex_at(shared->tets.vertices, tip)) - tip).norm();
+                           return LeverEnd{name, r.seconds, static_cast<double>(r.newton), moved, nan, r.converged, ""};
+                       }});
     }
     plans.levers.push_back({"Hessian", subject, "a step", ends[0], ends[1]});
 }
@@ -89,23 +92,30 @@ void hessians(Plans& plans, bool quick) {
     in.step_size = 1.0 / 48, in.gravity = Vec3(0, -9.81, 0);
     in.bodies = {material(1e5, 0.45)};
     const int n = quick ? 8 : 24;
-    hessian(plans, "cantilever, " + std::to_string(3 * n * n * n / 8) + " tets, step 11", cantilever_rest(n, ElasticLaw::neo_hookean), in, 10,
-            Vec3(1, 0.125, 0.125));
+    hessian(plans, "cantilever, " + std::to_string(3 * n * n * n / 8) + " tets, step 11",
+            cantilever_rest(n, ElasticLaw::neo_hookean), in, 10, Vec3(1, 0.125, 0.125));
     in.integrator = Integrator::quasi_static;
-    hessian(plans, "cantilever, " + std::to_string(3 * n * n * n / 8) + " tets, from rest to equilibrium", cantilever_rest(n, ElasticLaw::neo_hookean),
-            in, 0, Vec3(1, 0.125, 0.125));
+    hessian(plans, "cantilever, " + std::to_string(3 * n * n * n / 8) + " tets, from rest to equilibrium",
+            cantilever_rest(n, ElasticLaw::neo_hookean), in, 0, Vec3(1, 0.125, 0.125));
 }
 
 /// The gravity cantilever at equal error: the coarsest quadratic mesh is still nearer than the finest linear one.
 void element(Plans& plans, bool quick) {
     const double converged = reference_values()["cantilever_gravity"]["continuum"]["nh"]["tip_uz"]["value"];
     const auto choice = [&](ElementKind kind, const MeshLevel& mesh) {
-        const std::string name = (kind == ElementKind::linear ? "linear, " : "quadratic, ") + std::to_string(6 * mesh.nx * mesh.ny * mesh.nz) + " tets";
+        const std::string name = (kind == ElementKind::linear ? "linear, " : "quadratic, ") +
+                                 std::to_string(6 * mesh.nx * mesh.ny * mesh.nz) + " tets";
         return plans.add({name, [=](const std::stop_token& stop) {
                               Work work;
-                              const Vec3 u = gravity_tip(mesh, ElasticLaw::log_neo_hookean, kind, material(gravity_modulus, 0.4), stop, work);
-                              return LeverEnd{name, work.seconds, static_cast<double>(work.newton) / work.steps, u.z(), std::abs(u.z() / converged - 1),
-                                              work.unconverged == 0, ""};
+                              const Vec3 u = gravity_tip(mesh, ElasticLaw::log_neo_hookean, kind,
+                                                         material(gravity_modulus, 0.4), stop, work);
+                              return LeverEnd{name,
+                                              work.seconds,
+                                              static_cast<double>(work.newton) / work.steps,
+                                              u.z(),
+                                              std::abs(u.z() / converged - 1),
+                                              work.unconverged == 0,
+                                              ""};
                           }});
     };
     const MeshLevel fine = quick ? MeshLevel{16, 2, 2} : MeshLevel{64, 8, 8};
@@ -117,13 +127,16 @@ void element(Plans& plans, bool quick) {
 
 std::vector<Lever> run_levers(const RunOptions& options) {
     Plans plans;
-    for (const int n : options.quick ? std::vector<int>{8} : std::vector<int>{24, 40}) linear_methods_and_threads(plans, n);
+    for (const int n : options.quick ? std::vector<int>{8} : std::vector<int>{24, 40})
+        linear_methods_and_threads(plans, n);
     hessians(plans, options.quick);
     element(plans, options.quick);
     std::erase_if(plans.levers, [&](const Plan& p) { return !options.wants(p.name); });
     std::vector<std::size_t> needed;
     for (std::size_t i = 0; i < plans.choices.size(); ++i)
-        if (std::any_of(plans.levers.begin(), plans.levers.end(), [i](const Plan& p) { return p.without == i || p.with == i; })) needed.push_back(i);
+        if (std::any_of(plans.levers.begin(), plans.levers.end(),
+                        [i](const Plan& p) { return p.without == i || p.with == i; }))
+            needed.push_back(i);
 
     std::vector<LeverEnd> ends(plans.choices.size());
     const auto measured = in_turns(needed.size(), options.quick ? 1 : 5, [&](std::size_t k, int turn) {
@@ -150,30 +163,44 @@ std::vector<Lever> run_levers(const RunOptions& options) {
 }
 
 Table levers_table(const std::vector<Lever>& levers) {
-    Table t{{"lever", "measured on", "time of", "without", "with", "without [ms]", "with [ms]", "ratio (median)", "range", "turns", "Newton a step",
-             "result [m]", "note"}, {}};
+    Table t{{"lever", "measured on", "time of", "without", "with", "without [ms]", "with [ms]", "ratio (median)",
+             "range", "turns", "Newton a step", "result [m]", "note"},
+            {}};
     const auto both = [](const std::string& a, const std::string& b) { return a == b ? a : a + " → " + b; };
     for (const Lever& l : levers) {
         std::string note;
-        if (!l.without.converged || !l.with.converged) note = "not converged";
-        else if (std::isfinite(l.with.error)) note = "error " + number(100 * l.without.error, 3) + " % → " + number(100 * l.with.error, 3) + " %";
-        else if (!l.with.digest.empty() && l.without.digest == l.with.digest) note = "same bits";
-        t.rows.push_back({l.name, l.subject, l.of, l.without.choice, l.with.choice, number(1000 * l.without.seconds, 3), number(1000 * l.with.seconds, 3),
-                          number(l.ratio, 3), number(l.least, 3) + "…" + number(l.most, 3), std::to_string(l.turns),
-                          both(number(l.without.newton, 3), number(l.with.newton, 3)), both(number(l.without.value, 6), number(l.with.value, 6)), note});
+        if (!l.without.converged || !l.with.converged)
+            note = "not converged";
+        else if (std::isfinite(l.with.error))
+            note = "error " + number(100 * l.without.error, 3) + " % → " + number(100 * l.with.error, 3) + " %";
+        else if (!l.with.digest.empty() && l.without.digest == l.with.digest)
+            note = "same bits";
+        t.rows.push_back({l.name, l.subject, l.of, l.without.choice, l.with.choice, number(1000 * l.without.seconds, 3),
+                          number(1000 * l.with.seconds, 3), number(l.ratio, 3),
+                          number(l.least, 3) + "…" + number(l.most, 3), std::to_string(l.turns),
+                          both(number(l.without.newton, 3), number(l.with.newton, 3)),
+                          both(number(l.without.value, 6), number(l.with.value, 6)), note});
     }
     return t;
 }
 
 nlohmann::ordered_json levers_json(const std::vector<Lever>& levers) {
     const auto end = [](const LeverEnd& e) {
-        return nlohmann::ordered_json{{"choice", e.choice}, {"seconds", e.seconds}, {"newton", e.newton}, {"value_m", e.value},
-                                      {"error", e.error}, {"converged", e.converged}, {"digest", e.digest}};
+        return nlohmann::ordered_json{{"choice", e.choice}, {"seconds", e.seconds}, {"newton", e.newton},
+                                      {"value_m", e.value}, {"error", e.error},     {"converged", e.converged},
+                                      {"digest", e.digest}};
     };
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const Lever& l : levers)
-        rows.push_back({{"lever", l.name}, {"subject", l.subject}, {"of", l.of}, {"without", end(l.without)}, {"with", end(l.with)},
-                        {"ratio", l.ratio}, {"ratio_least", l.least}, {"ratio_most", l.most}, {"turns", l.turns}});
+        rows.push_back({{"lever", l.name},
+                        {"subject", l.subject},
+                        {"of", l.of},
+                        {"without", end(l.without)},
+                        {"with", end(l.with)},
+                        {"ratio", l.ratio},
+                        {"ratio_least", l.least},
+                        {"ratio_most", l.most},
+                        {"turns", l.turns}});
     return rows;
 }
 

@@ -1,5 +1,5 @@
-// What each choice that makes the solver fast gives: the same simulation without it and with it, in turns of one run, as a
-// ratio of times. Choices that change the result say by how much.
+// What each choice that makes the solver fast gives: the same simulation without it and with it, in turns of one run,
+// as a ratio of times. Choices that change the result say by how much.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/run_options.h"
@@ -13,13 +13,13 @@ namespace sinew::bench {
 
 /// One end of a lever.
 struct LeverEnd {
-    std::string choice;  ///< "Plain", "1 thread"
-    double seconds = 0;  ///< median over the turns
-    double newton = 0;   ///< iterations a step
-    double value = 0;    ///< displacement of the free end [m]
-    double error = 0;    ///< of it, relative to the continuum; NaN where another mesh is no part of the lever
+    std::string choice; ///< "Plain", "1 thread"
+    double seconds = 0; ///< median over the turns
+    double newton = 0;  ///< iterations a step
+    double value = 0;   ///< displacement of the free end [m]
+    double error = 0;   ///< of it, relative to the continuum; NaN where another mesh is no part of the lever
     bool converged = true;
-    std::string digest;  ///< of the last positions; empty where they are not asked for
+    std::string digest; ///< of the last positions; empty where they are not asked for
 };
 
 struct Lever {
@@ -27,7 +27,7 @@ struct Lever {
     std::string subject; ///< "cantilever, 24000 tets"
     std::string of;      ///< what the seconds are of: "a step", "the solution"
     LeverEnd without, with;
-    double ratio = 1;    ///< time without / time with, median over the turns
+    double ratio = 1;           ///< time without / time with, median over the turns
     double least = 1, most = 1; ///< range of the ratio
     int turns = 0;
 };

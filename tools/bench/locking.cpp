@@ -15,10 +15,10 @@ using namespace solver;
 namespace {
 
 constexpr ElasticLaw law = ElasticLaw::log_neo_hookean; // Cook's panel has reference values for it
-constexpr double gravity_ratio = 0.4; // Poisson's, of the catalogue's cantilever
+constexpr double gravity_ratio = 0.4;                   // Poisson's, of the catalogue's cantilever
 
-/// One way of modelling a problem, and the meshes it is run on. (Linear tets of Cook's panel need an even number of layers
-/// to have a vertex where the displacement is asked for.)
+/// One way of modelling a problem, and the meshes it is run on. (Linear tets of Cook's panel need an even number of
+/// layers to have a vertex where the displacement is asked for.)
 struct Variant {
     std::string element;
     ElementKind kind;
@@ -33,7 +33,9 @@ struct Problem {
     std::vector<Variant> variants;
 };
 
-double shear_modulus(double youngs_modulus, double poissons_ratio) { return youngs_modulus / (2 * (1 + poissons_ratio)); }
+double shear_modulus(double youngs_modulus, double poissons_ratio) {
+    return youngs_modulus / (2 * (1 + poissons_ratio));
+}
 
 /// The same stiffness at small strain, but the part of the bulk modulus that exceeds a Poisson's ratio of 0.3 is
 /// volumeConservation, which linear tets take over patches of several.
@@ -53,17 +55,21 @@ Problem cook(const std::string& nu) {
         return cook_corner(m, law, v.kind, v.values, stop, work).y();
     };
     const double ratio = std::stod(nu);
-    const std::vector<MeshLevel> linear{{4, 4, 2}, {8, 8, 2}, {16, 16, 2, 0, false}, {20, 20, 2, 0, false}, {32, 32, 4, 0, false}};
+    const std::vector<MeshLevel> linear{
+        {4, 4, 2}, {8, 8, 2}, {16, 16, 2, 0, false}, {20, 20, 2, 0, false}, {32, 32, 4, 0, false}};
     p.variants = {{"linear", ElementKind::linear, material(cook_modulus, ratio), linear},
                   {"linear + volumeConservation", ElementKind::linear, bulk_in_patches(cook_modulus, ratio), linear},
-                  {"quadratic", ElementKind::quadratic, material(cook_modulus, ratio),
+                  {"quadratic",
+                   ElementKind::quadratic,
+                   material(cook_modulus, ratio),
                    {{4, 4, 1}, {8, 8, 2, 0, false}, {12, 12, 2, 0, false}, {20, 20, 2, 0, false}}}};
     return p;
 }
 
 /// What refinement of an incompressible body of the same shear modulus leads to: quadratic tets at a Poisson's ratio of
-/// 0.4999 on two meshes, one of half the cells, extrapolated at first order. The edges of the clamped face are singular,
-/// and that is the order that meshes are seen to converge at. It is as well known as the finer mesh is far from it.
+/// 0.4999 on two meshes, one of half the cells, extrapolated at first order. The edges of the clamped face are
+/// singular, and that is the order that meshes are seen to converge at. It is as well known as the finer mesh is far
+/// from it.
 Quantity incompressible_tip(const RunOptions& options) {
     const double nu = 0.4999;
     const TissueInputs values = material(2 * (1 + nu) * shear_modulus(gravity_modulus, gravity_ratio), nu);
@@ -71,7 +77,9 @@ Quantity incompressible_tip(const RunOptions& options) {
     Work ignored;
     for (const int across : options.quick ? std::vector<int>{1, 2} : std::vector<int>{2, 4}) {
         options.tell("the incompressible cantilever, " + std::to_string(across) + " cells across");
-        coarse = std::exchange(fine, gravity_tip({8 * across, across, across}, law, ElementKind::quadratic, values, options.stop, ignored).z());
+        coarse = std::exchange(
+            fine,
+            gravity_tip({8 * across, across, across}, law, ElementKind::quadratic, values, options.stop, ignored).z());
     }
     return {"tip uz [m]", 2 * fine - coarse, std::abs(fine - coarse), {}};
 }
@@ -79,7 +87,8 @@ Quantity incompressible_tip(const RunOptions& options) {
 /// The catalogue's, with volumeConservation of so many times Young's modulus.
 Problem cantilever(double conservation) {
     Problem p;
-    p.name = conservation > 0 ? "cantilever, volumeConservation " + number(conservation) + " E" : "cantilever, no volumeConservation";
+    p.name = conservation > 0 ? "cantilever, volumeConservation " + number(conservation) + " E"
+                              : "cantilever, no volumeConservation";
     p.file = conservation > 0 ? "cantilever_volume" : "cantilever";
     p.converged = [conservation](const RunOptions& options) {
         if (conservation > 0) return incompressible_tip(options);
@@ -91,8 +100,14 @@ Problem cantilever(double conservation) {
     };
     TissueInputs values = material(gravity_modulus, gravity_ratio);
     values.layers[0].volume_conservation = conservation * gravity_modulus;
-    p.variants = {{"linear", ElementKind::linear, values, {{16, 2, 2}, {32, 4, 4, 0, false}, {48, 4, 4, 0, false}, {64, 8, 8, 0, false}}},
-                  {"quadratic", ElementKind::quadratic, values, {{8, 1, 1}, {16, 2, 2}, {24, 3, 3, 0, false}, {32, 4, 4, 0, false}}}};
+    p.variants = {{"linear",
+                   ElementKind::linear,
+                   values,
+                   {{16, 2, 2}, {32, 4, 4, 0, false}, {48, 4, 4, 0, false}, {64, 8, 8, 0, false}}},
+                  {"quadratic",
+                   ElementKind::quadratic,
+                   values,
+                   {{8, 1, 1}, {16, 2, 2}, {24, 3, 3, 0, false}, {32, 4, 4, 0, false}}}};
     return p;
 }
 
@@ -155,25 +170,40 @@ std::vector<LockingPoint> modest_ones(std::vector<LockingPoint> points) {
 }
 
 Table locking_table(const std::vector<LockingPoint>& points) {
-    Table t{{"problem", "element", "mesh", "tets", "displacement [m]", "converged [m]", "error [%]", "within 10 %", "time [s] (median)", "runs", "spread [s]",
-             "Newton", "CG", "front"}, {}};
+    Table t{{"problem", "element", "mesh", "tets", "displacement [m]", "converged [m]", "error [%]", "within 10 %",
+             "time [s] (median)", "runs", "spread [s]", "Newton", "CG", "front"},
+            {}};
     for (const LockingPoint& p : points)
         t.rows.push_back({p.problem, p.element, p.mesh, std::to_string(p.tets), number(p.value, 6),
                           number(p.converged, 6) + " ± " + number(p.converged_error, 1), number(100 * p.error, 3),
-                          p.error <= promised_error ? "yes" : "no", number(p.timing.seconds, 3), std::to_string(p.timing.repeats), spread_of(p.timing),
-                          std::to_string(p.newton), std::to_string(p.linear_iterations),
-                          p.unconverged ? "not converged" : p.on_front ? "yes" : ""});
+                          p.error <= promised_error ? "yes" : "no", number(p.timing.seconds, 3),
+                          std::to_string(p.timing.repeats), spread_of(p.timing), std::to_string(p.newton),
+                          std::to_string(p.linear_iterations),
+                          p.unconverged ? "not converged"
+                          : p.on_front  ? "yes"
+                                        : ""});
     return t;
 }
 
 nlohmann::ordered_json locking_json(const std::vector<LockingPoint>& points) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const LockingPoint& p : points)
-        rows.push_back({{"problem", p.problem}, {"element", p.element}, {"mesh", p.mesh}, {"tets", p.tets}, {"displacement_m", p.value},
-                        {"converged_m", p.converged}, {"converged_error_m", p.converged_error}, {"error", p.error},
-                        {"seconds_median", p.timing.seconds}, {"seconds_least", p.timing.least}, {"seconds_most", p.timing.most},
-                        {"repeats", p.timing.repeats}, {"newton", p.newton}, {"linear_iterations", p.linear_iterations},
-                        {"unconverged", p.unconverged}, {"on_front", p.on_front}});
+        rows.push_back({{"problem", p.problem},
+                        {"element", p.element},
+                        {"mesh", p.mesh},
+                        {"tets", p.tets},
+                        {"displacement_m", p.value},
+                        {"converged_m", p.converged},
+                        {"converged_error_m", p.converged_error},
+                        {"error", p.error},
+                        {"seconds_median", p.timing.seconds},
+                        {"seconds_least", p.timing.least},
+                        {"seconds_most", p.timing.most},
+                        {"repeats", p.timing.repeats},
+                        {"newton", p.newton},
+                        {"linear_iterations", p.linear_iterations},
+                        {"unconverged", p.unconverged},
+                        {"on_front", p.on_front}});
     return rows;
 }
 
@@ -189,8 +219,10 @@ std::vector<NamedPlot> locking_plots(const std::vector<LockingPoint>& points) {
             PlotSeries series{variant.element, {}, true};
             for (const LockingPoint& p : points)
                 if (p.problem == problem.name && p.element == variant.element)
-                    series.points.push_back({p.timing.seconds, p.error, p.mesh + ": " + number(p.timing.seconds, 3) + " s, " + number(100 * p.error, 3) + " %",
-                                             std::to_string(p.tets)});
+                    series.points.push_back(
+                        {p.timing.seconds, p.error,
+                         p.mesh + ": " + number(p.timing.seconds, 3) + " s, " + number(100 * p.error, 3) + " %",
+                         std::to_string(p.tets)});
             if (!series.points.empty()) plot.series.push_back(std::move(series));
         }
         if (!plot.series.empty()) out.push_back({"work_precision_" + problem.file, std::move(plot)});

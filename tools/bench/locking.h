@@ -1,6 +1,6 @@
-// Work against precision of nearly incompressible bodies at rest: Cook's panel at Poisson's ratios of 0.49 and 0.499, and
-// the gravity cantilever with volumeConservation of a thousand times Young's modulus, on finer and finer meshes. Here
-// linear tets lock, and the other elements must not.
+// Work against precision of nearly incompressible bodies at rest: Cook's panel at Poisson's ratios of 0.49 and 0.499,
+// and the gravity cantilever with volumeConservation of a thousand times Young's modulus, on finer and finer meshes.
+// Here linear tets lock, and the other elements must not.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/bench/run_options.h"
@@ -13,14 +13,14 @@
 namespace sinew::bench {
 
 struct LockingPoint {
-    std::string problem;                      ///< "Cook's panel, nu 0.49"
-    std::string element;                      ///< "linear", "linear + volumeConservation", "quadratic"
-    std::string mesh;                         ///< cells, "8x8x2"
+    std::string problem; ///< "Cook's panel, nu 0.49"
+    std::string element; ///< "linear", "linear + volumeConservation", "quadratic"
+    std::string mesh;    ///< cells, "8x8x2"
     int tets = 0;
-    double value = 0;                         ///< displacement that is asked for [m]
+    double value = 0;                          ///< displacement that is asked for [m]
     double converged = 0, converged_error = 0; ///< what refinement leads to, and how well that is known [m]
-    double error = 0;                         ///< |value / converged - 1|
-    Timing timing;                            ///< of the way from no load to the whole load
+    double error = 0;                          ///< |value / converged - 1|
+    Timing timing;                             ///< of the way from no load to the whole load
     int newton = 0, unconverged = 0;
     long long linear_iterations = 0;
     bool on_front = false; ///< no other point of its problem is both faster and nearer

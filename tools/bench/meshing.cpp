@@ -53,8 +53,7 @@ class PhaseClock {
     void enter(const std::string& name) {
         if (name == current_) return;
         const auto now = std::chrono::steady_clock::now();
-        if (!current_.empty())
-            phases_.emplace_back(current_, std::chrono::duration<double>(now - last_).count());
+        if (!current_.empty()) phases_.emplace_back(current_, std::chrono::duration<double>(now - last_).count());
         current_ = name;
         last_ = now;
     }
@@ -72,8 +71,7 @@ void measure_tets(const TetMesh& mesh, MeshingResult& r) {
         std::array<Vec3, 4> c, normals;
         for (std::size_t k = 0; k < 4; ++k) c[k] = mesh.vertices[static_cast<std::size_t>(mesh.tets[t][k])];
         for (std::size_t f = 0; f < 4; ++f)
-            normals[f] =
-                (c[faces[f][1]] - c[faces[f][0]]).cross(c[faces[f][2]] - c[faces[f][0]]).normalized();
+            normals[f] = (c[faces[f][1]] - c[faces[f][0]]).cross(c[faces[f][2]] - c[faces[f][0]]).normalized();
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = 0; j < i; ++j) {
                 const double cosine = std::clamp(-normals[i].dot(normals[j]), -1.0, 1.0);
@@ -92,8 +90,8 @@ void describe_surface(const SurfaceMesh& mesh, MeshingResult& r) {
     if (!solid.is_closed) return;
     r.surface_volume = enclosed_volume(solid.points, solid.triangles);
     const Solid::Sides ordinary{1, 0};
-    r.crossings = static_cast<int>(std::count_if(solid.sides.begin(), solid.sides.end(),
-                                                 [&](const Solid::Sides& s) { return !(s == ordinary); }));
+    r.crossings = static_cast<int>(
+        std::count_if(solid.sides.begin(), solid.sides.end(), [&](const Solid::Sides& s) { return !(s == ordinary); }));
 }
 
 std::string fill_name(Fill fill) {
@@ -134,8 +132,7 @@ std::vector<std::string> mesh_files_under(const std::vector<std::string>& paths)
     return files;
 }
 
-MeshingResult run_meshing(const std::string& file, Fill fill, double parts, int refine,
-                          std::stop_token stop) {
+MeshingResult run_meshing(const std::string& file, Fill fill, double parts, int refine, std::stop_token stop) {
     MeshingResult r;
     r.file = file, r.fill = fill, r.parts = parts, r.refine = refine;
     PhaseClock clock;
@@ -189,18 +186,16 @@ std::string meshing_table_head() {
 std::string as_table_row(const MeshingResult& r) {
     std::string row = "| " + r.file + " | " + std::to_string(r.triangles);
     if (!r.code.empty())
-        return row + " | | | " + fill_name(r.fill) + format(" | %g | %d | ", r.parts, r.refine) + r.code +
-               ": " + r.message + " | | | | | | |\n";
-    row += " | " + std::to_string(r.border_edges) + " | " + std::to_string(r.crossings) + " | " +
-           fill_name(r.fill) + format(" | %g | %d | ok | ", r.parts, r.refine) + std::to_string(r.tets) +
-           " | " + std::to_string(r.whole) +
+        return row + " | | | " + fill_name(r.fill) + format(" | %g | %d | ", r.parts, r.refine) + r.code + ": " +
+               r.message + " | | | | | | |\n";
+    row += " | " + std::to_string(r.border_edges) + " | " + std::to_string(r.crossings) + " | " + fill_name(r.fill) +
+           format(" | %g | %d | ok | ", r.parts, r.refine) + std::to_string(r.tets) + " | " + std::to_string(r.whole) +
            format(" | %.0f-%.0f | %.6g | ", r.least_angle, r.most_angle, r.covered_volume);
     // A shell at the surface is not meant to cover the whole of it.
     if (r.surface_volume != 0 && r.fill != Fill::surface_only)
         row += format("%+.1e", r.covered_volume / r.surface_volume - 1);
     row += format(" | %.2f (", r.seconds);
-    for (std::size_t i = 0; i < r.phases.size(); ++i)
-        row += format(i > 0 ? " + %.2f" : "%.2f", r.phases[i].second);
+    for (std::size_t i = 0; i < r.phases.size(); ++i) row += format(i > 0 ? " + %.2f" : "%.2f", r.phases[i].second);
     return row + ") |\n";
 }
 

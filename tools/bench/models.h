@@ -1,4 +1,5 @@
-// What the benchmarks sweep over, each list in one place: laws, elements, integrators, linear solvers. A new one is one line.
+// What the benchmarks sweep over, each list in one place: laws, elements, integrators, linear solvers. A new one is one
+// line.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/scene.h"
@@ -21,7 +22,8 @@ inline constexpr std::array laws{LawName{"StVK", "stvk", solver::ElasticLaw::stv
                                  LawName{"Corotational", "corot", solver::ElasticLaw::corotational}};
 
 /// With the one that needs directions and a ratio too.
-inline constexpr std::array all_laws{laws[0], laws[1], laws[2], laws[3], LawName{"Anisotropic", "tistvk", solver::ElasticLaw::anisotropic}};
+inline constexpr std::array all_laws{laws[0], laws[1], laws[2], laws[3],
+                                     LawName{"Anisotropic", "tistvk", solver::ElasticLaw::anisotropic}};
 static_assert(all_laws.size() == laws.size() + 1);
 
 /// The entry whose energy the reference values call `catalogue`; nullptr if the engine has no such law.
@@ -39,11 +41,11 @@ inline constexpr std::array elements{ElementName{"linear", solver::ElementKind::
                                      ElementName{"quadratic", solver::ElementKind::quadratic}};
 
 struct IntegratorName {
-    std::string_view word;         ///< of zSolver.integrator
-    std::string_view catalogue;    ///< in the tables of one degree of freedom
-    std::string_view bar_release;  ///< in the runs of the released bar
+    std::string_view word;        ///< of zSolver.integrator
+    std::string_view catalogue;   ///< in the tables of one degree of freedom
+    std::string_view bar_release; ///< in the runs of the released bar
     solver::Integrator integrator;
-    double order;                  ///< of its global error in the step size
+    double order; ///< of its global error in the step size
 };
 inline constexpr std::array integrators{
     IntegratorName{"BackwardEuler", "BE", "BE", solver::Integrator::backward_euler, 1},

@@ -11,10 +11,10 @@ namespace sinew::bench {
 struct StudyMemory;
 
 struct RunOptions {
-    bool quick = false;  ///< small sizes and few levels: seconds instead of minutes
-    std::string filter;  ///< run only what has these letters in its name; empty = all
+    bool quick = false; ///< small sizes and few levels: seconds instead of minutes
+    std::string filter; ///< run only what has these letters in its name; empty = all
     std::stop_token stop;
-    std::shared_ptr<StudyMemory> memory; ///< mesh studies that need not run twice; may be empty
+    std::shared_ptr<StudyMemory> memory;         ///< mesh studies that need not run twice; may be empty
     std::function<void(const std::string&)> say; ///< what is being measured now, for people; may be empty
 
     void tell(const std::string& text) const {

@@ -40,11 +40,12 @@ double triad_rate(int threads, std::size_t entries, int repeats) {
     arena.execute([&] {
         for (int i = 0; i <= repeats; ++i) {
             const auto start = Clock::now();
-            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, entries, entries / static_cast<std::size_t>(threads)),
-                              [&](const auto& range) {
-                                  for (std::size_t k = range.begin(); k < range.end(); ++k) a[k] = b[k] + 3.0 * c[k];
-                              },
-                              tbb::static_partitioner());
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, entries, entries / static_cast<std::size_t>(threads)),
+                [&](const auto& range) {
+                    for (std::size_t k = range.begin(); k < range.end(); ++k) a[k] = b[k] + 3.0 * c[k];
+                },
+                tbb::static_partitioner());
             if (i > 0) rates.push_back(24.0 * static_cast<double>(entries) / seconds_since(start));
         }
     });
@@ -58,7 +59,8 @@ double bytes_of_iteration(const TissueRest& rest) {
     for (const int v : rest.fixed_vertices) held[static_cast<std::size_t>(v)] = 1;
     double edges = 0, rows = 0;
     for (const char h : held) rows += !h;
-    for (const auto& [a, b] : edges_of(rest.tets.tets)) edges += !held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)];
+    for (const auto& [a, b] : edges_of(rest.tets.tets))
+        edges += !held[static_cast<std::size_t>(a)] && !held[static_cast<std::size_t>(b)];
     constexpr double block = 48 + 4, vectors = 504;
     return (2 * edges + rows) * block + rows * vectors;
 }
@@ -83,7 +85,8 @@ ScalingRow measure_cantilever(int n, const MachineLimits& limit, const RunOption
     c.steps = n <= 40 ? 6 : 4; // the first is not counted; each is several Newton iterations
     ScalingRow row;
     row.n = n, row.threads = limit.threads, row.steps = c.steps;
-    options.tell("cantilever of " + std::to_string(3 * n * n * n / 8) + " tets, " + std::to_string(limit.threads) + " threads");
+    options.tell("cantilever of " + std::to_string(3 * n * n * n / 8) + " tets, " + std::to_string(limit.threads) +
+                 " threads");
     const double bytes = bytes_of_iteration(cantilever_rest(n, ElasticLaw::neo_hookean));
     const double before = resident_bytes();
     double after = 0;
@@ -94,8 +97,9 @@ ScalingRow measure_cantilever(int n, const MachineLimits& limit, const RunOption
     row.newton_ms = r.newton_ms_median, row.assembly_ms = r.assembly_ms, row.factor_ms = r.factor_ms;
     row.solve_ms = r.solve_ms, row.other_ms = r.other_ms, row.linear_iterations = r.linear_iterations;
     row.bytes_per_tet = std::max(0.0, after - before) / r.tets;
-    row.bandwidth_share = r.factor_ms > 0 || !(r.solve_ms > 0) ? std::numeric_limits<double>::quiet_NaN()
-                                                               : bytes * r.linear_iterations / (1e-3 * r.solve_ms) / limit.triad;
+    row.bandwidth_share = r.factor_ms > 0 || !(r.solve_ms > 0)
+                              ? std::numeric_limits<double>::quiet_NaN()
+                              : bytes * r.linear_iterations / (1e-3 * r.solve_ms) / limit.triad;
     return row;
 }
 
@@ -161,21 +165,25 @@ Table limits_table(const ScalingResult& result) {
 }
 
 Table scaling_table(const ScalingResult& result) {
-    Table t{{"tets", "vertices", "threads", "Newton iteration [ms]", "assembly", "factor", "solve", "other", "CG its", "us per tet",
-             "bytes per tet", "share of bandwidth", "note"}, {}};
+    Table t{{"tets", "vertices", "threads", "Newton iteration [ms]", "assembly", "factor", "solve", "other", "CG its",
+             "us per tet", "bytes per tet", "share of bandwidth", "note"},
+            {}};
     for (const ScalingRow& r : result.rows)
-        t.rows.push_back({std::to_string(r.tets), std::to_string(r.vertices), std::to_string(r.threads), number(r.newton_ms, 3),
-                          number(r.assembly_ms, 3), number(r.factor_ms, 3), number(r.solve_ms, 3), number(r.other_ms, 3),
-                          number(r.linear_iterations, 3), number(1000 * r.newton_ms / r.tets, 3), number(r.bytes_per_tet, 3),
-                          number(r.bandwidth_share, 2), r.unconverged ? std::to_string(r.unconverged) + " steps did not converge" : ""});
+        t.rows.push_back({std::to_string(r.tets), std::to_string(r.vertices), std::to_string(r.threads),
+                          number(r.newton_ms, 3), number(r.assembly_ms, 3), number(r.factor_ms, 3),
+                          number(r.solve_ms, 3), number(r.other_ms, 3), number(r.linear_iterations, 3),
+                          number(1000 * r.newton_ms / r.tets, 3), number(r.bytes_per_tet, 3),
+                          number(r.bandwidth_share, 2),
+                          r.unconverged ? std::to_string(r.unconverged) + " steps did not converge" : ""});
     return t;
 }
 
 Table factor_table(const ScalingResult& result) {
     Table t{{"tets", "analyse [ms]", "factor [ms]", "solve [ms]", "GFLOP", "GFLOP/s", "share of dgemm"}, {}};
     for (const FactorRow& r : result.factors)
-        t.rows.push_back({std::to_string(r.tets), number(r.analyse_ms, 3), number(r.factor_ms, 3), number(r.solve_ms, 3),
-                          number(1e-9 * r.operations, 3), number(1e-6 * r.operations / r.factor_ms, 3), number(r.dgemm_share, 2)});
+        t.rows.push_back({std::to_string(r.tets), number(r.analyse_ms, 3), number(r.factor_ms, 3),
+                          number(r.solve_ms, 3), number(1e-9 * r.operations, 3),
+                          number(1e-6 * r.operations / r.factor_ms, 3), number(r.dgemm_share, 2)});
     return t;
 }
 
@@ -184,13 +192,28 @@ nlohmann::ordered_json scaling_json(const ScalingResult& result) {
     for (const MachineLimits& m : result.limits)
         limits.push_back({{"threads", m.threads}, {"dgemm_flops", m.dgemm}, {"triad_bytes_per_s", m.triad}});
     for (const ScalingRow& r : result.rows)
-        rows.push_back({{"n", r.n}, {"tets", r.tets}, {"vertices", r.vertices}, {"threads", r.threads}, {"steps", r.steps},
-                        {"newton_ms", r.newton_ms}, {"assembly_ms", r.assembly_ms}, {"factor_ms", r.factor_ms}, {"solve_ms", r.solve_ms},
-                        {"other_ms", r.other_ms}, {"linear_iterations", r.linear_iterations}, {"bytes_per_tet", r.bytes_per_tet},
-                        {"bandwidth_share", r.bandwidth_share}, {"unconverged", r.unconverged}});
+        rows.push_back({{"n", r.n},
+                        {"tets", r.tets},
+                        {"vertices", r.vertices},
+                        {"threads", r.threads},
+                        {"steps", r.steps},
+                        {"newton_ms", r.newton_ms},
+                        {"assembly_ms", r.assembly_ms},
+                        {"factor_ms", r.factor_ms},
+                        {"solve_ms", r.solve_ms},
+                        {"other_ms", r.other_ms},
+                        {"linear_iterations", r.linear_iterations},
+                        {"bytes_per_tet", r.bytes_per_tet},
+                        {"bandwidth_share", r.bandwidth_share},
+                        {"unconverged", r.unconverged}});
     for (const FactorRow& r : result.factors)
-        factors.push_back({{"n", r.n}, {"tets", r.tets}, {"analyse_ms", r.analyse_ms}, {"factor_ms", r.factor_ms}, {"solve_ms", r.solve_ms},
-                           {"operations", r.operations}, {"dgemm_share", r.dgemm_share}});
+        factors.push_back({{"n", r.n},
+                           {"tets", r.tets},
+                           {"analyse_ms", r.analyse_ms},
+                           {"factor_ms", r.factor_ms},
+                           {"solve_ms", r.solve_ms},
+                           {"operations", r.operations},
+                           {"dgemm_share", r.dgemm_share}});
     return {{"limits", limits}, {"cantilever", rows}, {"factor", factors}};
 }
 
@@ -211,7 +234,8 @@ Plot scaling_plot(const ScalingResult& result) {
         plot.series.push_back(whole), plot.series.push_back(assembly);
     }
     PlotSeries factor{"factor, direct", {}, true};
-    for (const FactorRow& r : result.factors) factor.points.push_back({static_cast<double>(r.tets), r.factor_ms, number(r.factor_ms, 3) + " ms"});
+    for (const FactorRow& r : result.factors)
+        factor.points.push_back({static_cast<double>(r.tets), r.factor_ms, number(r.factor_ms, 3) + " ms"});
     plot.series.push_back(factor);
     return plot;
 }

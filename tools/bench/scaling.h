@@ -19,10 +19,10 @@ struct MachineLimits {
 /// The cantilever at one size.
 struct ScalingRow {
     int n = 0, tets = 0, vertices = 0, threads = 1, steps = 0, unconverged = 0;
-    double newton_ms = 0; ///< one Newton iteration, median over the steps
+    double newton_ms = 0;                                              ///< one Newton iteration, median over the steps
     double assembly_ms = 0, factor_ms = 0, solve_ms = 0, other_ms = 0; ///< its parts, means
-    double linear_iterations = 0; ///< of conjugate gradients per Newton iteration
-    double bytes_per_tet = 0;     ///< growth of the resident set over scene, workspace and steps; 0 = not measured
+    double linear_iterations = 0;                                      ///< of conjugate gradients per Newton iteration
+    double bytes_per_tet = 0; ///< growth of the resident set over scene, workspace and steps; 0 = not measured
     /// Bytes that conjugate gradients must move a second at least, over the triad's; NaN where a factor was used.
     double bandwidth_share = 0;
 };
@@ -31,8 +31,8 @@ struct ScalingRow {
 struct FactorRow {
     int n = 0, tets = 0;
     double analyse_ms = 0, factor_ms = 0, solve_ms = 0; ///< factor and solve: medians
-    double operations = 0;  ///< of one factorisation
-    double dgemm_share = 0; ///< of the rate on one thread
+    double operations = 0;                              ///< of one factorisation
+    double dgemm_share = 0;                             ///< of the rate on one thread
 };
 
 struct ScalingResult {

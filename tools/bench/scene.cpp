@@ -33,8 +33,10 @@ Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::strin
     row.newton_per_frame = 0, row.unconverged = 0;
     const int frames = scene.last - scene.first; // the first one is the start
     for (int frame = scene.first; frame <= scene.last; ++frame) {
-        const engine::Value meshes = evaluator.pull({graph, {node, "outMeshes"}, static_cast<double>(frame), options.stop});
-        const engine::Value report = evaluator.pull({graph, {node, "outReport"}, static_cast<double>(frame), options.stop});
+        const engine::Value meshes =
+            evaluator.pull({graph, {node, "outMeshes"}, static_cast<double>(frame), options.stop});
+        const engine::Value report =
+            evaluator.pull({graph, {node, "outReport"}, static_cast<double>(frame), options.stop});
         motion.emplace_back();
         for (const nodes::Mesh& m : meshes.as<nodes::MeshList>().meshes) motion.back().push_back(*m.points);
         const auto& size = report.as<nodes::SolveReport>();
@@ -61,8 +63,8 @@ double farthest(const Motion& a, const Motion& b) {
 
 } // namespace
 
-SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::string& solver, int first, int last, int turns,
-                     const RunOptions& options) {
+SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::string& solver, int first, int last,
+                     int turns, const RunOptions& options) {
     SceneBench out;
     out.first = first, out.last = last, out.turns = turns;
     out.name = std::filesystem::path(graph->file()).filename().string();
@@ -70,12 +72,14 @@ SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::stri
     Motion yardstick, motion;
     for (int turn = 0; turn < turns; ++turn)
         for (std::size_t k = 0; k < solvers.size(); ++k) {
-            options.tell(out.name + ", " + solvers[k] + ", turn " + std::to_string(turn + 1) + " of " + std::to_string(turns));
+            options.tell(out.name + ", " + solvers[k] + ", turn " + std::to_string(turn + 1) + " of " +
+                         std::to_string(turns));
             engine::Edit edit(graph);
             edit.set_json({solver, "solver"}, nlohmann::json(solvers[k]).dump());
             if (turn == 0) out.rows.push_back({.solver = solvers[k]});
             SceneRow& row = out.rows[k];
-            passes[k].push_back(pass_of(edit.commit().graph, solver, out, options, row, out.tets, k == 0 ? yardstick : motion));
+            passes[k].push_back(
+                pass_of(edit.commit().graph, solver, out, options, row, out.tets, k == 0 ? yardstick : motion));
             if (k > 0 && turn == 0) row.difference = farthest(motion, yardstick);
         }
     for (std::size_t k = 0; k < solvers.size(); ++k) {
@@ -87,29 +91,46 @@ SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::stri
         }
         row.ms_per_frame = median(totals);
         row.speedup = median(speedups);
-        const Pass& typical = passes[k][static_cast<std::size_t>(std::find(totals.begin(), totals.end(), row.ms_per_frame) - totals.begin())];
-        row.assembly_ms = typical.ms[0], row.factor_ms = typical.ms[1], row.solve_ms = typical.ms[2], row.other_ms = typical.ms[3];
+        const Pass& typical = passes[k][static_cast<std::size_t>(
+            std::find(totals.begin(), totals.end(), row.ms_per_frame) - totals.begin())];
+        row.assembly_ms = typical.ms[0], row.factor_ms = typical.ms[1], row.solve_ms = typical.ms[2],
+        row.other_ms = typical.ms[3];
     }
     return out;
 }
 
 Table scene_table(const SceneBench& result) {
-    Table t{{"solver", "ms per frame", "Plain / this", "assembly [ms]", "factor [ms]", "solve [ms]", "other [ms]", "Newton per frame",
-             "worst residual", "unconverged", "farthest vertex from Plain's [scene units]"}, {}};
+    Table t{{"solver", "ms per frame", "Plain / this", "assembly [ms]", "factor [ms]", "solve [ms]", "other [ms]",
+             "Newton per frame", "worst residual", "unconverged", "farthest vertex from Plain's [scene units]"},
+            {}};
     for (const SceneRow& r : result.rows)
-        t.rows.push_back({r.solver, number(r.ms_per_frame, 3), number(r.speedup, 3), number(r.assembly_ms, 3), number(r.factor_ms, 3),
-                          number(r.solve_ms, 3), number(r.other_ms, 3), number(r.newton_per_frame, 3), number(r.residual_max, 2),
-                          std::to_string(r.unconverged), number(r.difference, 2)});
+        t.rows.push_back({r.solver, number(r.ms_per_frame, 3), number(r.speedup, 3), number(r.assembly_ms, 3),
+                          number(r.factor_ms, 3), number(r.solve_ms, 3), number(r.other_ms, 3),
+                          number(r.newton_per_frame, 3), number(r.residual_max, 2), std::to_string(r.unconverged),
+                          number(r.difference, 2)});
     return t;
 }
 
 nlohmann::ordered_json scene_json(const SceneBench& result) {
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const SceneRow& r : result.rows)
-        out.push_back({{"scene", result.name}, {"first", result.first}, {"last", result.last}, {"turns", result.turns}, {"tets", result.tets},
-                       {"solver", r.solver}, {"ms_per_frame", r.ms_per_frame}, {"speedup", r.speedup}, {"assembly_ms", r.assembly_ms},
-                       {"factor_ms", r.factor_ms}, {"solve_ms", r.solve_ms}, {"other_ms", r.other_ms}, {"newton_per_frame", r.newton_per_frame},
-                       {"residual_max", r.residual_max}, {"unconverged", r.unconverged}, {"difference", r.difference}, {"difference_unit", "scene units"}});
+        out.push_back({{"scene", result.name},
+                       {"first", result.first},
+                       {"last", result.last},
+                       {"turns", result.turns},
+                       {"tets", result.tets},
+                       {"solver", r.solver},
+                       {"ms_per_frame", r.ms_per_frame},
+                       {"speedup", r.speedup},
+                       {"assembly_ms", r.assembly_ms},
+                       {"factor_ms", r.factor_ms},
+                       {"solve_ms", r.solve_ms},
+                       {"other_ms", r.other_ms},
+                       {"newton_per_frame", r.newton_per_frame},
+                       {"residual_max", r.residual_max},
+                       {"unconverged", r.unconverged},
+                       {"difference", r.difference},
+                       {"difference_unit", "scene units"}});
     return out;
 }
 

@@ -39,7 +39,8 @@ StepInputs quasi_static(const TissueInputs& values) {
 }
 
 /// A bar [0, length] x [0, width]^2 held at x = 0.
-std::shared_ptr<TissueRest> held_bar(const MeshLevel& m, double length, double width, ElasticLaw law, ElementKind element) {
+std::shared_ptr<TissueRest> held_bar(const MeshLevel& m, double length, double width, ElasticLaw law,
+                                     ElementKind element) {
     auto rest = make_tissue(box_mesh({0, 0, 0}, {length, width, width}, m.nx, m.ny, m.nz), law, element);
     rest->fixed_vertices = vertices_where(nodes_of(*rest), [](const Vec3& p) { return p.x() < 1e-9; });
     return rest;
@@ -47,7 +48,12 @@ std::shared_ptr<TissueRest> held_bar(const MeshLevel& m, double length, double w
 
 MeshStudy small_strain(const std::string& nu, ElementKind element) {
     const json& r = reference_values()["small_strain_cantilever"]["nu=" + nu]["tip_uz"];
-    MeshStudy s{"2.1", "small-strain cantilever", "nu " + nu, {}, {{8, 2, 2, 0.05}, {16, 4, 4, 0.025}, {32, 8, 8, 0.0125, false}, {64, 16, 16, 0.00625, false}}, {}};
+    MeshStudy s{"2.1",
+                "small-strain cantilever",
+                "nu " + nu,
+                {},
+                {{8, 2, 2, 0.05}, {16, 4, 4, 0.025}, {32, 8, 8, 0.0125, false}, {64, 16, 16, 0.00625, false}},
+                {}};
     s.quantities = {{"tip uz [m]", r["value"], r["errbar"], std::vector<double>(s.levels.size(), nan)}};
     const double share = 1e-4; // of the load: so little that the response is linear
     s.run = [ratio = std::stod(nu), share, element](const MeshLevel& m, const std::stop_token& stop, Work& work) {
@@ -66,12 +72,16 @@ MeshStudy small_strain(const std::string& nu, ElementKind element) {
 MeshStudy gravity(const LawName& law, ElementKind element) {
     const json& r = reference_values()["cantilever_gravity"];
     const std::string name(law.catalogue);
-    MeshStudy s{"2.2", "gravity cantilever", name, {}, {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}}, {}};
+    MeshStudy s{"2.2", "gravity cantilever", name, {}, {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}},
+                {}};
     for (const std::size_t axis : {0, 2}) {
         const std::string key = axis ? "tip_uz" : "tip_ux";
-        Quantity q{axis ? "tip uz [m]" : "tip ux [m]", lookup(r, {"continuum", name, key, "value"}),
-                   lookup(r, {"continuum", name, key, "errbar"}), {}};
-        for (const MeshLevel& m : s.levels) q.same_mesh.push_back(entry(r["p1_same_mesh"][name], "bar08_" + m.name(), axis));
+        Quantity q{axis ? "tip uz [m]" : "tip ux [m]",
+                   lookup(r, {"continuum", name, key, "value"}),
+                   lookup(r, {"continuum", name, key, "errbar"}),
+                   {}};
+        for (const MeshLevel& m : s.levels)
+            q.same_mesh.push_back(entry(r["p1_same_mesh"][name], "bar08_" + m.name(), axis));
         s.quantities.push_back(q);
     }
     s.run = [law = law.law, element](const MeshLevel& m, const std::stop_token& stop, Work& work) {
@@ -84,14 +94,20 @@ MeshStudy gravity(const LawName& law, ElementKind element) {
 MeshStudy twist(const LawName& law, const std::string& nu, ElementKind element) {
     const json& r = reference_values()["twist_180"];
     const std::string name = std::string(law.catalogue) + " nu=" + nu;
-    MeshStudy s{"2.4", "bar twisted by 180 degrees", name, {}, {{8, 2, 2, 0.05}, {16, 4, 4, 0.025}, {32, 8, 8, 0.0125, false}}, {}};
-    for (const auto& [title, key, mesh_key] :
-         {std::array{"energy [J]", "energy", "energy"}, {"torque [N m]", "torque", "torque"}, {"axial force [N]", "axial_force", "axial"}}) {
-        Quantity q{title, lookup(r, {"continuum", name, key, "value"}), lookup(r, {"continuum", name, key, "errbar"}), {}};
-        for (const MeshLevel& m : s.levels) q.same_mesh.push_back(lookup(r, {"p1_same_mesh", name, "bar04_" + m.name(), mesh_key}));
+    MeshStudy s{
+        "2.4", "bar twisted by 180 degrees", name, {}, {{8, 2, 2, 0.05}, {16, 4, 4, 0.025}, {32, 8, 8, 0.0125, false}},
+        {}};
+    for (const auto& [title, key, mesh_key] : {std::array{"energy [J]", "energy", "energy"},
+                                               {"torque [N m]", "torque", "torque"},
+                                               {"axial force [N]", "axial_force", "axial"}}) {
+        Quantity q{
+            title, lookup(r, {"continuum", name, key, "value"}), lookup(r, {"continuum", name, key, "errbar"}), {}};
+        for (const MeshLevel& m : s.levels)
+            q.same_mesh.push_back(lookup(r, {"p1_same_mesh", name, "bar04_" + m.name(), mesh_key}));
         s.quantities.push_back(q);
     }
-    s.run = [law = law.law, ratio = std::stod(nu), element](const MeshLevel& m, const std::stop_token& stop, Work& work) {
+    s.run = [law = law.law, ratio = std::stod(nu), element](const MeshLevel& m, const std::stop_token& stop,
+                                                            Work& work) {
         const double length = 0.4;
         auto rest = make_tissue(box_mesh({0, -0.05, -0.05}, {length, 0.05, 0.05}, m.nx, m.ny, m.nz), law, element);
         const Points points = nodes_of(*rest);
@@ -124,12 +140,18 @@ MeshStudy twist(const LawName& law, const std::string& nu, ElementKind element) 
 
 MeshStudy vibration(ElementKind element) {
     const json& r = reference_values()["free_vibration"];
-    MeshStudy s{"4", "free vibration", element == ElementKind::linear ? "lumped mass" : "consistent mass", {}, {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}}, {}};
+    MeshStudy s{"4",
+                "free vibration",
+                element == ElementKind::linear ? "lumped mass" : "consistent mass",
+                {},
+                {{16, 2, 2, 0.05}, {32, 4, 4, 0.025}, {64, 8, 8, 0.0125, false}},
+                {}};
     for (std::size_t mode = 0; mode < 6; ++mode) {
         const json& f = r["P2"]["freq"][mode];
         Quantity q{"f" + std::to_string(mode + 1) + " [Hz]", f["value"], f["errbar"], {}};
         for (const MeshLevel& m : s.levels) {
-            const std::string key = "P1 Kuhn (" + std::to_string(m.nx) + ", " + std::to_string(m.ny) + ", " + std::to_string(m.nz) + ") lumped";
+            const std::string key = "P1 Kuhn (" + std::to_string(m.nx) + ", " + std::to_string(m.ny) + ", " +
+                                    std::to_string(m.nz) + ") lumped";
             q.same_mesh.push_back(entry(r, key, mode));
         }
         s.quantities.push_back(q);
@@ -150,7 +172,8 @@ void coarsen(MeshStudy& study) {
 
 std::string MeshLevel::name() const { return std::to_string(nx) + "x" + std::to_string(ny) + "x" + std::to_string(nz); }
 
-Vec3 gravity_tip(const MeshLevel& m, ElasticLaw law, ElementKind element, const TissueInputs& values, const std::stop_token& stop, Work& work) {
+Vec3 gravity_tip(const MeshLevel& m, ElasticLaw law, ElementKind element, const TissueInputs& values,
+                 const std::stop_token& stop, Work& work) {
     const auto rest = held_bar(m, 0.8, 0.1, law, element);
     Simulation sim({{rest}, {}}, quasi_static(values), stop);
     for (const double load : {0.25, 0.5, 0.75, 1.0}) { // the way to the solution is free; the solution is not
@@ -162,13 +185,15 @@ Vec3 gravity_tip(const MeshLevel& m, ElasticLaw law, ElementKind element, const 
     return position(sim.state.x, vertex_at(nodes_of(*rest), tip)) - tip;
 }
 
-Vec3 cook_corner(const MeshLevel& m, ElasticLaw law, ElementKind element, TissueInputs values, const std::stop_token& stop, Work& work) {
+Vec3 cook_corner(const MeshLevel& m, ElasticLaw law, ElementKind element, TissueInputs values,
+                 const std::stop_token& stop, Work& work) {
     auto rest = make_tissue(cook_mesh(m.nx, m.ny, m.nz), law, element);
     const Points points = nodes_of(*rest);
     rest->fixed_vertices = vertices_where(points, [](const Vec3& p) { return p.x() < 1e-9; });
     Simulation sim({{rest}, {}}, quasi_static(values), stop);
     for (const double load : {0.25, 0.5, 0.75, 1.0}) {
-        values.forces = traction_loads(*rest, [](const Vec3& p) { return p.x() > 0.48 - 1e-9; }, Vec3(0, 3125 * load, 0));
+        values.forces = traction_loads(
+            *rest, [](const Vec3& p) { return p.x() > 0.48 - 1e-9; }, Vec3(0, 3125 * load, 0));
         sim.inputs.bodies = {values};
         sim.step();
     }
@@ -181,16 +206,24 @@ MeshStudy cook_study(const std::string& nu, ElementKind element) {
     const LawName& law = *find_law("nh"); // the only one that the catalogue knows the panel for
     const json& r = reference_values()["cook_3d"];
     const std::string key = "nu=" + nu;
-    MeshStudy s{"2.5", "Cook's panel", std::string(law.catalogue) + " nu " + nu, {},
-                {{8, 8, 2, 0.06}, {16, 16, 4, 0.03}, {32, 32, 4, 0.015, false}}, {}};
+    MeshStudy s{"2.5",
+                "Cook's panel",
+                std::string(law.catalogue) + " nu " + nu,
+                {},
+                {{8, 8, 2, 0.06}, {16, 16, 4, 0.03}, {32, 32, 4, 0.015, false}},
+                {}};
     for (const std::size_t axis : {0, 1}) {
         const std::string name = axis ? "uy_mid" : "ux_mid";
-        Quantity q{axis ? "uy [m]" : "ux [m]", lookup(r, {"continuum", key, name, "value"}),
-                   lookup(r, {"continuum", key, name, "errbar"}), {}};
-        for (const MeshLevel& m : s.levels) q.same_mesh.push_back(entry(r["p1_same_mesh"][key], "cook_" + m.name(), axis));
+        Quantity q{axis ? "uy [m]" : "ux [m]",
+                   lookup(r, {"continuum", key, name, "value"}),
+                   lookup(r, {"continuum", key, name, "errbar"}),
+                   {}};
+        for (const MeshLevel& m : s.levels)
+            q.same_mesh.push_back(entry(r["p1_same_mesh"][key], "cook_" + m.name(), axis));
         s.quantities.push_back(q);
     }
-    s.run = [law = law.law, ratio = std::stod(nu), element](const MeshLevel& m, const std::stop_token& stop, Work& work) {
+    s.run = [law = law.law, ratio = std::stod(nu), element](const MeshLevel& m, const std::stop_token& stop,
+                                                            Work& work) {
         const Vec3 u = cook_corner(m, law, element, material(cook_modulus, ratio), stop, work);
         return std::vector<double>{u.x(), u.y()};
     };

@@ -19,7 +19,7 @@ struct MeshLevel {
 };
 
 struct Quantity {
-    std::string name; ///< with its unit
+    std::string name;                          ///< with its unit
     double continuum = 0, continuum_error = 0; ///< what refinement leads to and how well that is known; NaN = not known
     std::vector<double> same_mesh;             ///< per level; NaN where no other code gave it
 };

@@ -25,11 +25,16 @@ std::string px(double v) {
 std::string escaped(const std::string& text) {
     std::string out;
     for (const char c : text) {
-        if (c == '<') out += "&lt;";
-        else if (c == '>') out += "&gt;";
-        else if (c == '&') out += "&amp;";
-        else if (c == '"') out += "&quot;";
-        else out += c;
+        if (c == '<')
+            out += "&lt;";
+        else if (c == '>')
+            out += "&gt;";
+        else if (c == '&')
+            out += "&amp;";
+        else if (c == '"')
+            out += "&quot;";
+        else
+            out += c;
     }
     return out;
 }
@@ -70,26 +75,37 @@ std::string tick_label(double v) {
 
 void marker(std::ostringstream& out, std::size_t shape, const char* colour, bool hollow, double x, double y,
             const std::string& title) {
-    const std::string style = std::string("\" fill=\"") + (hollow ? "#ffffff" : colour) + "\" stroke=\"" + colour + "\"";
+    const std::string style =
+        std::string("\" fill=\"") + (hollow ? "#ffffff" : colour) + "\" stroke=\"" + colour + "\"";
     const auto path = [&](std::initializer_list<std::pair<double, double>> corners) {
         out << "<path d=\"M";
         for (const auto& [dx, dy] : corners) out << px(x + dx) << ' ' << px(y + dy) << ' ';
         out << "Z" << style;
     };
     switch (shape % 4) {
-    case 0: out << "<circle cx=\"" << px(x) << "\" cy=\"" << px(y) << "\" r=\"4.2" << style; break;
-    case 1: path({{-4, -4}, {4, -4}, {4, 4}, {-4, 4}}); break;
-    case 2: path({{0, -5.2}, {5, 4}, {-5, 4}}); break;
-    default: path({{0, -5.6}, {5.6, 0}, {0, 5.6}, {-5.6, 0}}); break;
+    case 0:
+        out << "<circle cx=\"" << px(x) << "\" cy=\"" << px(y) << "\" r=\"4.2" << style;
+        break;
+    case 1:
+        path({{-4, -4}, {4, -4}, {4, 4}, {-4, 4}});
+        break;
+    case 2:
+        path({{0, -5.2}, {5, 4}, {-5, 4}});
+        break;
+    default:
+        path({{0, -5.6}, {5.6, 0}, {0, 5.6}, {-5.6, 0}});
+        break;
     }
-    if (title.empty()) out << "/>\n";
-    else out << "><title>" << escaped(title) << "</title></" << (shape % 4 == 0 ? "circle" : "path") << ">\n";
+    if (title.empty())
+        out << "/>\n";
+    else
+        out << "><title>" << escaped(title) << "</title></" << (shape % 4 == 0 ? "circle" : "path") << ">\n";
 }
 
 void text(std::ostringstream& out, double x, double y, const char* anchor, const std::string& words, int size = 12,
           const std::string& more = "") {
-    out << "<text x=\"" << px(x) << "\" y=\"" << px(y) << "\" text-anchor=\"" << anchor << "\" font-size=\"" << size << "\""
-        << more << ">" << escaped(words) << "</text>\n";
+    out << "<text x=\"" << px(x) << "\" y=\"" << px(y) << "\" text-anchor=\"" << anchor << "\" font-size=\"" << size
+        << "\"" << more << ">" << escaped(words) << "</text>\n";
 }
 
 void polyline(std::ostringstream& out, const std::vector<std::pair<double, double>>& points, const std::string& style) {
@@ -141,11 +157,11 @@ std::string draw(const Plot& plot) {
     x.from = left, x.to = width - right, y.from = height - bottom, y.to = top;
 
     std::ostringstream out;
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height << "\" width=\"" << width
-        << "\" height=\"" << height << "\" font-family=\"sans-serif\" fill=\"#222222\">\n"
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " << width << ' ' << height << "\" width=\""
+        << width << "\" height=\"" << height << "\" font-family=\"sans-serif\" fill=\"#222222\">\n"
         << "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>\n"
-        << "<clipPath id=\"inside\"><rect x=\"" << px(x.from) << "\" y=\"" << px(y.to) << "\" width=\"" << px(x.to - x.from)
-        << "\" height=\"" << px(y.from - y.to) << "\"/></clipPath>\n";
+        << "<clipPath id=\"inside\"><rect x=\"" << px(x.from) << "\" y=\"" << px(y.to) << "\" width=\""
+        << px(x.to - x.from) << "\" height=\"" << px(y.from - y.to) << "\"/></clipPath>\n";
     draw_axes(out, plot, x, y);
 
     double legend = y.to + 10;
@@ -157,8 +173,11 @@ std::string draw(const Plot& plot) {
     };
     for (const double slope : plot.slopes) {
         const double mid_x = 0.5 * (x.low + x.high), mid_y = 0.5 * (y.low + y.high);
-        const auto at = [&](double lx) { return std::pair(x.at(std::pow(10, lx)), y.at(std::pow(10, mid_y + slope * (lx - mid_x)))); };
-        const std::string style = "stroke=\"#999999\" stroke-width=\"1.2\" stroke-dasharray=\"" + px(2 + 3 * slope) + " 4\"";
+        const auto at = [&](double lx) {
+            return std::pair(x.at(std::pow(10, lx)), y.at(std::pow(10, mid_y + slope * (lx - mid_x))));
+        };
+        const std::string style =
+            "stroke=\"#999999\" stroke-width=\"1.2\" stroke-dasharray=\"" + px(2 + 3 * slope) + " 4\"";
         out << "<g clip-path=\"url(#inside)\">";
         polyline(out, {at(x.low), at(x.high)}, style);
         out << "</g>\n";
@@ -174,7 +193,8 @@ std::string draw(const Plot& plot) {
     if (plot.pareto && !all.empty()) {
         std::vector<std::pair<double, double>> line;
         for (const std::size_t i : pareto_front(all)) line.emplace_back(x.at(all[i].x), y.at(all[i].y));
-        const std::string style = "stroke=\"#000000\" stroke-opacity=\"0.28\" stroke-width=\"7\" stroke-linejoin=\"round\" stroke-linecap=\"round\"";
+        const std::string style = "stroke=\"#000000\" stroke-opacity=\"0.28\" stroke-width=\"7\" "
+                                  "stroke-linejoin=\"round\" stroke-linecap=\"round\"";
         if (line.size() == 1) line.push_back(line.front());
         polyline(out, line, style);
         legend_line(style, "Pareto line: best known");
@@ -193,7 +213,8 @@ std::string draw(const Plot& plot) {
             if (p.note.empty()) continue;
             // To the right and above, where lines that fall do not pass; at the right edge to the left and below.
             const bool at_edge = x.at(p.x) > x.to - 40;
-            text(out, x.at(p.x) + (at_edge ? -7 : 7), y.at(p.y) + (at_edge ? 13 : -6), at_edge ? "end" : "start", p.note, 10);
+            text(out, x.at(p.x) + (at_edge ? -7 : 7), y.at(p.y) + (at_edge ? 13 : -6), at_edge ? "end" : "start",
+                 p.note, 10);
         }
         if (plot.series[s].line) polyline(out, {{legend_x, legend}, {legend_x + 26, legend}}, style);
         marker(out, s, colour, hollow, legend_x + 13, legend, "");

@@ -8,8 +8,8 @@
 namespace sinew::bench {
 
 struct PlotPoint {
-    double x = 0, y = 0; ///< above 0; others are left out
-    std::string label;   ///< shown on hovering
+    double x = 0, y = 0;   ///< above 0; others are left out
+    std::string label;     ///< shown on hovering
     std::string note = ""; ///< small, beside the point; may be empty
 };
 

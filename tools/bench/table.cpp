@@ -61,7 +61,9 @@ std::string as_csv(const nlohmann::ordered_json& rows) {
             const std::string comma = names.empty() ? "" : ",";
             const bool unknown = value.is_number_float() && !std::isfinite(value.get<double>());
             names += comma + key;
-            cells += comma + (unknown ? std::string() : value.is_string() ? "\"" + value.get<std::string>() + "\"" : value.dump());
+            cells += comma + (unknown             ? std::string()
+                              : value.is_string() ? "\"" + value.get<std::string>() + "\""
+                                                  : value.dump());
         }
         if (out.empty()) out = names + "\n";
         out += cells + "\n";

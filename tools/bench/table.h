@@ -16,8 +16,8 @@ struct Table {
 std::string as_text(const Table& table);
 std::string as_markdown(const Table& table);
 
-/// Objects with the same keys as comma-separated values under a line of keys. Words stand in quotes; what is not a number
-/// stays empty.
+/// Objects with the same keys as comma-separated values under a line of keys. Words stand in quotes; what is not a
+/// number stays empty.
 std::string as_csv(const nlohmann::ordered_json& rows);
 
 /// `digits` significant digits, the shortest way; "-" for what is not a number.

@@ -14,7 +14,8 @@ constexpr double longest_repeated = 5; // seconds; the table says how often each
 
 } // namespace
 
-std::vector<std::vector<double>> in_turns(std::size_t choices, int turns, const std::function<double(std::size_t, int)>& run) {
+std::vector<std::vector<double>> in_turns(std::size_t choices, int turns,
+                                          const std::function<double(std::size_t, int)>& run) {
     std::vector<std::vector<double>> out(choices);
     for (int turn = 0; turn < turns; ++turn)
         for (std::size_t i = 0; i < choices; ++i)

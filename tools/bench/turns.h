@@ -10,7 +10,8 @@ namespace sinew::bench {
 
 /// Seconds of each run: [choice][turn]. `run` gives the seconds of one; what takes longer than 5 s in its first turn is
 /// run that once.
-std::vector<std::vector<double>> in_turns(std::size_t choices, int turns, const std::function<double(std::size_t choice, int turn)>& run);
+std::vector<std::vector<double>> in_turns(std::size_t choices, int turns,
+                                          const std::function<double(std::size_t choice, int turn)>& run);
 
 struct Timing {
     double seconds = 0, least = 0, most = 0; ///< median and range

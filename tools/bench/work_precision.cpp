@@ -29,17 +29,21 @@ std::vector<Plan> plans(bool quick) {
     const LawName& law = *find_law("nh");
     const IntegratorName& best = integrators.back();
     std::vector<Plan> out;
-    const auto add = [&](const std::string& sweep, const std::string& setting, BarRelease bar) { out.push_back({sweep, setting, bar}); };
+    const auto add = [&](const std::string& sweep, const std::string& setting, BarRelease bar) {
+        out.push_back({sweep, setting, bar});
+    };
     const int most = quick ? 2 : 16;
     for (const IntegratorName& scheme : integrators)
         for (int substeps = 1; substeps <= most; substeps *= 2)
             add("sub-steps", std::to_string(substeps), {law, scheme, 8, substeps});
     for (const double factor : {1e4, 1e3, 1e2, 1e1, 1.0, 1e-2, 1e-4})
-        if (!quick || factor >= 1) add("Newton tolerance", number(base_tolerance * factor, 1), {law, best, 8, 4, factor});
+        if (!quick || factor >= 1)
+            add("Newton tolerance", number(base_tolerance * factor, 1), {law, best, 8, 4, factor});
     for (const ElementName& element : elements)
         for (const int cells : {4, 8, 16, 32}) {
             if (quick && cells > 8) continue;
-            if (element.kind == solver::ElementKind::quadratic && cells > 16) continue; // as many nodes as 32 linear cells
+            if (element.kind == solver::ElementKind::quadratic && cells > 16)
+                continue; // as many nodes as 32 linear cells
             BarRelease bar{law, best, cells, 2, 1};
             bar.element = element;
             add("tet size", number(400.0 / cells) + " mm " + std::string(element.word), bar);
@@ -69,19 +73,25 @@ struct ExactInTime {
     std::string source;
 };
 
-/// Other codes' trajectories where there are any. For the other laws, which only the law sweep has, on one mesh and with one
-/// integrator of second order, a run of the law's own, once: so fine that its error is below a hundredth of what it measures.
+/// Other codes' trajectories where there are any. For the other laws, which only the law sweep has, on one mesh and
+/// with one integrator of second order, a run of the law's own, once: so fine that its error is below a hundredth of
+/// what it measures.
 class TimeReferences {
   public:
-    explicit TimeReferences(const RunOptions& options) : options_(options) {}
+    explicit TimeReferences(const RunOptions& options)
+        : options_(options) {}
     ExactInTime operator()(const BarRelease& bar) {
         if (bar_is_known(bar.law))
-            return bar.element.kind == solver::ElementKind::linear ? ExactInTime{bar_on_mesh(bar.law, bar.cells), "other code"} : ExactInTime{};
+            return bar.element.kind == solver::ElementKind::linear
+                       ? ExactInTime{bar_on_mesh(bar.law, bar.cells), "other code"}
+                       : ExactInTime{};
         auto& own = own_[std::string(bar.law.word)];
         if (own.tip.empty()) {
             const int substeps = fine_factor * most_law_substeps(options_.quick);
-            options_.tell("work-precision, " + std::string(bar.law.word) + " with " + std::to_string(substeps) + " sub-steps, the reference");
-            own = {run_bar({bar.law, bar.integrator, bar.cells, substeps}, options_.stop).tip, "own, " + std::to_string(substeps) + " sub-steps"};
+            options_.tell("work-precision, " + std::string(bar.law.word) + " with " + std::to_string(substeps) +
+                          " sub-steps, the reference");
+            own = {run_bar({bar.law, bar.integrator, bar.cells, substeps}, options_.stop).tip,
+                   "own, " + std::to_string(substeps) + " sub-steps"};
         }
         return own;
     }
@@ -127,8 +137,9 @@ std::vector<WorkPoint> run_work_precision(const RunOptions& options) {
     std::vector<WorkPoint> points;
     const auto seconds = in_turns(wanted.size(), turns, [&](std::size_t i, int turn) {
         const BarRelease& bar = wanted[i].bar;
-        options.tell("work-precision, " + wanted[i].sweep + ", " + wanted[i].setting + ", " + std::string(bar.integrator.word) + ", run " +
-                     std::to_string(turn + 1) + " of " + std::to_string(turns));
+        options.tell("work-precision, " + wanted[i].sweep + ", " + wanted[i].setting + ", " +
+                     std::string(bar.integrator.word) + ", run " + std::to_string(turn + 1) + " of " +
+                     std::to_string(turns));
         const BarTrajectory run = run_bar(bar, options.stop);
         if (turn == 0) points.push_back(describe(wanted[i], run, references));
         return run.work.seconds;
@@ -140,26 +151,59 @@ std::vector<WorkPoint> run_work_precision(const RunOptions& options) {
 
 Table work_precision_table(const std::vector<WorkPoint>& points) {
     Table t;
-    t.columns = {"sweep", "setting", "law", "element", "integrator", "cells", "sub-steps", "Newton tol.", "linear solver",
-                 "s per s (median)", "runs", "spread", "Newton", "CG", "error in time [mm]", "against", "total error [mm]", "front"};
+    t.columns = {"sweep",
+                 "setting",
+                 "law",
+                 "element",
+                 "integrator",
+                 "cells",
+                 "sub-steps",
+                 "Newton tol.",
+                 "linear solver",
+                 "s per s (median)",
+                 "runs",
+                 "spread",
+                 "Newton",
+                 "CG",
+                 "error in time [mm]",
+                 "against",
+                 "total error [mm]",
+                 "front"};
     for (const WorkPoint& p : points)
-        t.rows.push_back({p.sweep, p.setting, p.law, p.element, p.integrator, std::to_string(p.cells), std::to_string(p.substeps),
-                          number(p.tolerance, 1), p.linear_solver, number(p.timing.seconds, 3), std::to_string(p.timing.repeats),
-                          spread_of(p.timing), std::to_string(p.newton), std::to_string(p.linear_iterations),
-                          number(1000 * p.error_time, 3), p.exact_in_time, number(1000 * p.error_total, 3),
-                          p.unconverged ? "not converged" : p.on_front ? "yes" : ""});
+        t.rows.push_back({p.sweep, p.setting, p.law, p.element, p.integrator, std::to_string(p.cells),
+                          std::to_string(p.substeps), number(p.tolerance, 1), p.linear_solver,
+                          number(p.timing.seconds, 3), std::to_string(p.timing.repeats), spread_of(p.timing),
+                          std::to_string(p.newton), std::to_string(p.linear_iterations), number(1000 * p.error_time, 3),
+                          p.exact_in_time, number(1000 * p.error_total, 3),
+                          p.unconverged ? "not converged"
+                          : p.on_front  ? "yes"
+                                        : ""});
     return t;
 }
 
 nlohmann::ordered_json work_precision_json(const std::vector<WorkPoint>& points) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const WorkPoint& p : points)
-        rows.push_back({{"sweep", p.sweep}, {"setting", p.setting}, {"law", p.law}, {"element", p.element},
-                        {"integrator", p.integrator}, {"linear_solver", p.linear_solver}, {"cells", p.cells},
-                        {"substeps", p.substeps}, {"newton_tolerance", p.tolerance}, {"seconds_median", p.timing.seconds},
-                        {"seconds_least", p.timing.least}, {"seconds_most", p.timing.most}, {"repeats", p.timing.repeats},
-                        {"newton", p.newton}, {"linear_iterations", p.linear_iterations}, {"unconverged", p.unconverged},
-                        {"error_time_m", p.error_time}, {"exact_in_time", p.exact_in_time}, {"error_total_m", p.error_total}, {"on_front", p.on_front}});
+        rows.push_back({{"sweep", p.sweep},
+                        {"setting", p.setting},
+                        {"law", p.law},
+                        {"element", p.element},
+                        {"integrator", p.integrator},
+                        {"linear_solver", p.linear_solver},
+                        {"cells", p.cells},
+                        {"substeps", p.substeps},
+                        {"newton_tolerance", p.tolerance},
+                        {"seconds_median", p.timing.seconds},
+                        {"seconds_least", p.timing.least},
+                        {"seconds_most", p.timing.most},
+                        {"repeats", p.timing.repeats},
+                        {"newton", p.newton},
+                        {"linear_iterations", p.linear_iterations},
+                        {"unconverged", p.unconverged},
+                        {"error_time_m", p.error_time},
+                        {"exact_in_time", p.exact_in_time},
+                        {"error_total_m", p.error_total},
+                        {"on_front", p.on_front}});
     return rows;
 }
 
@@ -174,10 +218,12 @@ std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points
         for (const WorkPoint& w : points) {
             const std::string series = series_of(w);
             if (series.empty()) continue;
-            auto it = std::find_if(p.series.begin(), p.series.end(), [&](const PlotSeries& s) { return s.name == series; });
+            auto it =
+                std::find_if(p.series.begin(), p.series.end(), [&](const PlotSeries& s) { return s.name == series; });
             if (it == p.series.end()) it = p.series.insert(p.series.end(), {series, {}, true});
             it->points.push_back({w.timing.seconds, in_time ? w.error_time : w.error_total,
-                                  w.setting + ": " + number(w.timing.seconds, 3) + " s, " + number(1000 * (in_time ? w.error_time : w.error_total), 3) + " mm"});
+                                  w.setting + ": " + number(w.timing.seconds, 3) + " s, " +
+                                      number(1000 * (in_time ? w.error_time : w.error_total), 3) + " mm"});
         }
         if (!p.series.empty()) out.push_back({name, std::move(p)});
     };
@@ -186,12 +232,15 @@ std::vector<NamedPlot> work_precision_plots(const std::vector<WorkPoint>& points
     double tightest = 1, loosest = 0;
     for (const WorkPoint& w : points) {
         substeps[w.sweep] = std::max(substeps[w.sweep], w.substeps);
-        if (w.sweep == "Newton tolerance") tightest = std::min(tightest, w.tolerance), loosest = std::max(loosest, w.tolerance);
+        if (w.sweep == "Newton tolerance")
+            tightest = std::min(tightest, w.tolerance), loosest = std::max(loosest, w.tolerance);
     }
     const auto power = [](double v) { return "1e" + std::to_string(std::lround(std::log10(v))); };
-    plot("work_precision_time", "Integrators: 1 to " + std::to_string(substeps["sub-steps"]) + " sub-steps a frame, same mesh", true,
+    plot("work_precision_time",
+         "Integrators: 1 to " + std::to_string(substeps["sub-steps"]) + " sub-steps a frame, same mesh", true,
          [](const WorkPoint& w) { return w.sweep == "sub-steps" ? w.integrator : std::string(); });
-    plot("work_precision_newton", "Newton's tolerance: " + power(loosest) + " to " + power(tightest) + ", TR-BDF2, 4 sub-steps", true,
+    plot("work_precision_newton",
+         "Newton's tolerance: " + power(loosest) + " to " + power(tightest) + ", TR-BDF2, 4 sub-steps", true,
          [](const WorkPoint& w) { return w.sweep == "Newton tolerance" ? std::string("tolerance") : std::string(); });
     plot("work_precision_total", "All choices, log neo-Hookean bar", false, [](const WorkPoint& w) {
         if (w.law != "LogNeoHookean" || w.sweep == "law") return std::string();

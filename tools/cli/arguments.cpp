@@ -13,8 +13,7 @@ namespace {
 
 const Flag* find_flag(const Command& command, std::string_view word) {
     for (const Flag& f : command.flags)
-        if (f.name == word || (f.letter && word.size() == 2 && word[0] == '-' && word[1] == f.letter))
-            return &f;
+        if (f.name == word || (f.letter && word.size() == 2 && word[0] == '-' && word[1] == f.letter)) return &f;
     return nullptr;
 }
 
@@ -70,8 +69,7 @@ Arguments::Arguments(const Command& command, std::span<const std::string> words)
     }
     if (help_) return; // whoever asks for help need not get the rest right
     for (std::size_t i = operands_.size(); i < command.operands.size(); ++i)
-        if (command.operands[i].required)
-            throw UsageError(std::string(command.operands[i].name) + " is missing.");
+        if (command.operands[i].required) throw UsageError(std::string(command.operands[i].name) + " is missing.");
     const bool any_number = !command.operands.empty() && command.operands.back().repeats;
     if (operands_.size() > command.operands.size() && !any_number)
         throw UsageError("unexpected word '" + operands_[command.operands.size()] + "'.");
@@ -92,8 +90,8 @@ int Arguments::whole_number(std::string_view flag, int otherwise, int least) con
     if (!text) return otherwise;
     const auto number = to_int(*text);
     if (!number || *number < least)
-        throw UsageError(std::string(flag) + " needs a whole number of at least " + std::to_string(least) +
-                         ", not '" + *text + "'.");
+        throw UsageError(std::string(flag) + " needs a whole number of at least " + std::to_string(least) + ", not '" +
+                         *text + "'.");
     return *number;
 }
 
@@ -104,8 +102,7 @@ std::vector<double> Arguments::numbers(std::string_view flag, std::vector<double
     for (const std::string& word : split(*text, ',')) {
         const auto number = to_number(word);
         if (!number)
-            throw UsageError(std::string(flag) + " needs numbers with commas between them, not '" + *text +
-                             "'.");
+            throw UsageError(std::string(flag) + " needs numbers with commas between them, not '" + *text + "'.");
         out.push_back(*number);
     }
     return out;

@@ -14,7 +14,8 @@ ExitCode bench_accuracy(const Invocation& in) {
     if (results.empty()) throw UsageError("--only: no accuracy case has '" + options.filter + "' in its name.");
     print_result(in, "accuracy", bench::accuracy_table(results), bench::accuracy_json(results),
                  bench::accuracy_summary(results));
-    const bool failed = std::any_of(results.begin(), results.end(), [](const auto& r) { return r.status == bench::CaseStatus::fail; });
+    const bool failed =
+        std::any_of(results.begin(), results.end(), [](const auto& r) { return r.status == bench::CaseStatus::fail; });
     return failed ? solve_failed : done;
 }
 

@@ -25,7 +25,8 @@ solver::ElasticLaw law_of(const std::string& word) {
     throw UsageError("--law needs one of " + listed + ", not '" + word + "'." + did_you_mean(word, known));
 }
 
-nlohmann::ordered_json json_of(const bench::CantileverOptions& options, const bench::CantileverResult& r, const std::string& law, int threads) {
+nlohmann::ordered_json json_of(const bench::CantileverOptions& options, const bench::CantileverResult& r,
+                               const std::string& law, int threads) {
     return {{"bench", "cantilever"},
             {"n", options.n},
             {"tets", r.tets},
@@ -57,7 +58,8 @@ ExitCode bench_cantilever(const Invocation& in) {
     bench::CantileverOptions options;
     options.law = law_of(law);
     options.steps = arguments.whole_number("--steps", quick ? 3 : 20, 1);
-    const std::vector<double> sizes = arguments.numbers("--n", quick ? std::vector<double>{8} : std::vector<double>{24, 40});
+    const std::vector<double> sizes =
+        arguments.numbers("--n", quick ? std::vector<double>{8} : std::vector<double>{24, 40});
     const std::vector<double> moduli = arguments.numbers("--E", {1e5, 1e6});
     for (const double n : sizes)
         if (n < 4 || n > 400 || std::fmod(n, 4) != 0) throw UsageError("--n needs multiples of 4 from 4 to 400.");

@@ -27,11 +27,16 @@ std::optional<std::filesystem::path> output_folder(const Invocation& in) {
 }
 
 int thread_count(const Invocation& in) {
-    return in.arguments.whole_number("--threads", static_cast<int>(std::max(1u, std::thread::hardware_concurrency())), 1);
+    return in.arguments.whole_number("--threads", static_cast<int>(std::max(1u, std::thread::hardware_concurrency())),
+                                     1);
 }
 
 nlohmann::ordered_json provenance(const std::string& name) {
-    return {{"bench", name}, {"date", today()}, {"machine", machine_name()}, {"load", load_average()}, {"version", SINEW_VERSION}};
+    return {{"bench", name},
+            {"date", today()},
+            {"machine", machine_name()},
+            {"load", load_average()},
+            {"version", SINEW_VERSION}};
 }
 
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,

@@ -14,7 +14,8 @@ namespace sinew::cli {
 
 /// --quick, --only and the request to stop; what is being measured goes to `err`.
 bench::RunOptions run_options(const Invocation& in);
-/// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws Failure IO405.
+/// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws
+/// Failure IO405.
 std::optional<std::filesystem::path> output_folder(const Invocation& in);
 /// --threads, or all cores.
 int thread_count(const Invocation& in);
@@ -22,10 +23,11 @@ int thread_count(const Invocation& in);
 nlohmann::ordered_json provenance(const std::string& name);
 /// A graph file under each linear solver; --steps frames of it.
 bench::SceneBench measure_scene(const Invocation& in, const std::string& file);
-/// With --json one line that holds provenance, the summary, the rows and the members of `extra`; else the table, if it has
-/// rows, and the summary.
+/// With --json one line that holds provenance, the summary, the rows and the members of `extra`; else the table, if it
+/// has rows, and the summary.
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,
-                  const nlohmann::ordered_json& rows, const std::string& summary, const nlohmann::ordered_json* extra = nullptr);
+                  const nlohmann::ordered_json& rows, const std::string& summary,
+                  const nlohmann::ordered_json* extra = nullptr);
 
 // One function a subcommand.
 ExitCode bench_cantilever(const Invocation& in);

@@ -17,15 +17,16 @@ ExitCode bench_scaling(const Invocation& in) {
     const auto folder = output_folder(in);
     const bench::ScalingResult r = bench::run_scaling(options);
     if (r.limits.empty())
-        throw UsageError("--only: scaling has no part with '" + options.filter + "' in its name; its parts are cantilever and factor.");
+        throw UsageError("--only: scaling has no part with '" + options.filter +
+                         "' in its name; its parts are cantilever and factor.");
     if (!in.arguments.has("--json")) {
         in.out << bench::as_text(bench::limits_table(r)) << "\n";
         if (!r.factors.empty()) in.out << bench::as_text(bench::factor_table(r)) << "\n";
     }
     print_result(in, "scaling", bench::scaling_table(r), bench::scaling_json(r),
-                 r.rows.empty() ? "medians of 5" : "memory per tet is the growth of the resident set while the scene is simulated");
-    if (folder)
-        write_file(*folder / "scaling.svg", bench::draw(bench::scaling_plot(r)));
+                 r.rows.empty() ? "medians of 5"
+                                : "memory per tet is the growth of the resident set while the scene is simulated");
+    if (folder) write_file(*folder / "scaling.svg", bench::draw(bench::scaling_plot(r)));
     return done;
 }
 

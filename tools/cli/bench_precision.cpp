@@ -33,13 +33,16 @@ ExitCode bench_work_precision(const Invocation& in) {
     const auto locking = bench::run_locking(options);
     if (points.empty() && locking.empty())
         throw UsageError("--only: there is no sweep and no problem with '" + options.filter + "' in its name.");
-    if (!in.arguments.has("--json") && !locking.empty()) in.out << bench::as_text(bench::locking_table(locking)) << "\n";
+    if (!in.arguments.has("--json") && !locking.empty())
+        in.out << bench::as_text(bench::locking_table(locking)) << "\n";
     const nlohmann::ordered_json extra = {{"locking", bench::locking_json(locking)}};
     print_result(in, "work-precision", bench::work_precision_table(points), bench::work_precision_json(points),
-                 std::to_string(points.size()) + " runs of the released bar, " + std::to_string(locking.size()) + " of nearly incompressible bodies",
+                 std::to_string(points.size()) + " runs of the released bar, " + std::to_string(locking.size()) +
+                     " of nearly incompressible bodies",
                  &extra);
     if (folder) {
-        const auto write = [&](const std::string& name, const nlohmann::ordered_json& rows, const std::vector<bench::NamedPlot>& plots) {
+        const auto write = [&](const std::string& name, const nlohmann::ordered_json& rows,
+                               const std::vector<bench::NamedPlot>& plots) {
             if (rows.empty()) return;
             write_file(*folder / (name + ".csv"), bench::as_csv(rows));
             write_file(*folder / (name + ".json"), rows.dump(1) + "\n");

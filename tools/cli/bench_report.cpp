@@ -16,7 +16,8 @@ ExitCode bench_report(const Invocation& in) {
     const auto output = in.arguments.value("--output");
     if (!output) throw UsageError("report needs --output PAGE.md.");
     const std::filesystem::path page = *output;
-    if (page.extension() != ".md") throw UsageError("--output of report needs a file that ends in .md, not '" + *output + "'.");
+    if (page.extension() != ".md")
+        throw UsageError("--output of report needs a file that ends in .md, not '" + *output + "'.");
     const std::filesystem::path images = page.parent_path() / "images";
     check_writable(images, "--output");
     const double load = load_average();

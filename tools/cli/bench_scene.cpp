@@ -24,8 +24,8 @@ ExitCode bench_scene(const Invocation& in) {
     if (in.arguments.operand(2)) throw UsageError("scene takes one graph file.");
     const bench::SceneBench r = measure_scene(in, *file);
     print_result(in, "scene", bench::scene_table(r), bench::scene_json(r),
-                 r.name + ", " + std::to_string(r.tets) + " tets, frames " + std::to_string(r.first + 1) + " to " + std::to_string(r.last) +
-                     ", medians of " + std::to_string(r.turns));
+                 r.name + ", " + std::to_string(r.tets) + " tets, frames " + std::to_string(r.first + 1) + " to " +
+                     std::to_string(r.last) + ", medians of " + std::to_string(r.turns));
     return done;
 }
 

@@ -52,8 +52,8 @@ std::string frame_file_name(const std::string& name, int frame, const std::strin
     return name + "." + number + "." + ending;
 }
 
-void write_body(const fs::path& folder, const std::string& format, const BodyLabel& label,
-                const nodes::Mesh& mesh, int frame, const SceneAxes& axes) {
+void write_body(const fs::path& folder, const std::string& format, const BodyLabel& label, const nodes::Mesh& mesh,
+                int frame, const SceneAxes& axes) {
     const solver::SurfaceMesh surface = mesh.surface();
     const std::string bytes =
         format == "obj" ? header(label, axes) + solver::write_obj(surface) : solver::write_ply(surface);

@@ -69,41 +69,58 @@ ExitCode run_bench(const Invocation& in) {
 } // namespace
 
 Command bench_command() {
-    return {"bench",
-            "measure the solver and the meshing: accuracy and speed",
-            {{"NAME", "cantilever: a box of 1 x 0.25 x 0.25 m fixed at one end sags for 20 steps of 1/48 s; "
-                      "meshing: zTet's lattice of meshes in all fill modes; "
-                      "accuracy: every case with trusted values, its error and verdict, exit code 3 if one fails; convergence: orders in cell "
-                      "size and time step; work-precision: wall time against error as sub-steps, Newton tolerance, "
-                      "tet size, integrator, law, element and linear solver change, and of nearly incompressible bodies on finer "
-                      "and finer meshes; levers: what linear method, threads, exact Hessians and quadratic tets give, as ratios of times; "
-                      "scaling: time and memory from a thousand to half a million tets; idle-cost: what unused "
-                      "features cost; scene: the frames of a graph under each linear solver and under the yardstick "
-                      "Plain; report: all of them but meshing as a page with pictures"},
-             {"FILES", "meshing: mesh files, or folders whose mesh files are taken; scene: a graph file; report: graph files, a scene each", false, true}},
-            {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
-             {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
-             {"--only", "LETTERS", "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name"},
-             {"--output", "PATH", "convergence, work-precision, scaling: a folder to write plots to, of work-precision CSV and JSON too; "
-                                  "report: the page to write", false, 'o'},
-             {"--n", "LIST", "cantilever: cubes along the box, 6 tets each, multiples of 4 from 4 to 400; default: 24,40 (5,184 and 24,000 tets)"},
-             {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
-             {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
-             {"--steps", "N", "cantilever: steps; default: 20; scene, report: frames after the first; default: all"},
-             {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
-             {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
-             {"--threads", "N", "default: all cores", false, 'j'}},
-            "sinew bench cantilever --n 24 --E 1e5 --threads 2             # time of a step, its parts, a digest of the result\n"
-            "sinew bench meshing graphs/scenes/arm_ziva --parts 10,20      # a row for each mesh, fill mode and size\n"
-            "sinew bench accuracy --quick                                  # value, reference, error and verdict of each case\n"
-            "sinew bench convergence --only Cook -o out/bench              # errors on finer and finer meshes, and a plot\n"
-            "sinew bench work-precision -o out/bench                       # tables, CSV, JSON and plots with Pareto lines\n"
-            "sinew bench levers --only threads                             # one thread and two, in turns\n"
-            "sinew bench scaling --quick                                   # limits of the machine, then time and memory\n"
-            "sinew bench idle-cost --only bone                             # with a bone that nothing holds on to, and without\n"
-            "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same frames\n"
-            "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
-            run_bench};
+    return {
+        "bench",
+        "measure the solver and the meshing: accuracy and speed",
+        {{"NAME",
+          "cantilever: a box of 1 x 0.25 x 0.25 m fixed at one end sags for 20 steps of 1/48 s; "
+          "meshing: zTet's lattice of meshes in all fill modes; "
+          "accuracy: every case with trusted values, its error and verdict, exit code 3 if one fails; convergence: "
+          "orders in cell "
+          "size and time step; work-precision: wall time against error as sub-steps, Newton tolerance, "
+          "tet size, integrator, law, element and linear solver change, and of nearly incompressible bodies on finer "
+          "and finer meshes; levers: what linear method, threads, exact Hessians and quadratic tets give, as ratios of "
+          "times; "
+          "scaling: time and memory from a thousand to half a million tets; idle-cost: what unused "
+          "features cost; scene: the frames of a graph under each linear solver and under the yardstick "
+          "Plain; report: all of them but meshing as a page with pictures"},
+         {"FILES",
+          "meshing: mesh files, or folders whose mesh files are taken; scene: a graph file; report: graph files, a "
+          "scene each",
+          false, true}},
+        {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
+         {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
+         {"--only", "LETTERS",
+          "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name"},
+         {"--output", "PATH",
+          "convergence, work-precision, scaling: a folder to write plots to, of work-precision CSV and JSON too; "
+          "report: the page to write",
+          false, 'o'},
+         {"--n", "LIST",
+          "cantilever: cubes along the box, 6 tets each, multiples of 4 from 4 to 400; default: 24,40 (5,184 and "
+          "24,000 tets)"},
+         {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
+         {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
+         {"--steps", "N", "cantilever: steps; default: 20; scene, report: frames after the first; default: all"},
+         {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
+         {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
+         {"--threads", "N", "default: all cores", false, 'j'}},
+        "sinew bench cantilever --n 24 --E 1e5 --threads 2             # time of a step, its parts, a digest of the "
+        "result\n"
+        "sinew bench meshing graphs/scenes/arm_ziva --parts 10,20      # a row for each mesh, fill mode and size\n"
+        "sinew bench accuracy --quick                                  # value, reference, error and verdict of each "
+        "case\n"
+        "sinew bench convergence --only Cook -o out/bench              # errors on finer and finer meshes, and a plot\n"
+        "sinew bench work-precision -o out/bench                       # tables, CSV, JSON and plots with Pareto "
+        "lines\n"
+        "sinew bench levers --only threads                             # one thread and two, in turns\n"
+        "sinew bench scaling --quick                                   # limits of the machine, then time and memory\n"
+        "sinew bench idle-cost --only bone                             # with a bone that nothing holds on to, and "
+        "without\n"
+        "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "
+        "frames\n"
+        "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
+        run_bench};
 }
 
 } // namespace sinew::cli

@@ -20,8 +20,7 @@ struct Counts {
 };
 
 /// From the solvers' reports at their start; they have been computed before.
-Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
-             std::stop_token stop) {
+Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator, std::stop_token stop) {
     const std::vector<std::string> all = graph->node_names();
     Counts out;
     out.nodes = all.size();
@@ -45,7 +44,8 @@ ExitCode check(const Invocation& in) {
     OpenGraph open = open_graph(in.arguments);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings;
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
+                                &warnings);
     const auto failures = engine::remember_failures();
     if (!fast)
         for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop, failures))
@@ -61,11 +61,9 @@ ExitCode check(const Invocation& in) {
     if (meshes) print_meshes(reports, json, in.out);
     if (has_error(found)) return graph_wrong;
 
-    const Counts counts =
-        fast ? Counts{open.graph->node_names().size()} : count(open.graph, evaluator, in.stop);
+    const Counts counts = fast ? Counts{open.graph->node_names().size()} : count(open.graph, evaluator, in.stop);
     if (json) {
-        nlohmann::ordered_json line = {
-            {"event", "checked"}, {"graph", open.graph->file()}, {"nodes", counts.nodes}};
+        nlohmann::ordered_json line = {{"event", "checked"}, {"graph", open.graph->file()}, {"nodes", counts.nodes}};
         if (!fast) line["bodies"] = counts.bodies, line["tets"] = counts.tets;
         in.out << line.dump() << "\n";
     } else {
@@ -79,21 +77,20 @@ ExitCode check(const Invocation& in) {
 } // namespace
 
 Command check_command() {
-    return {
-        "check",
-        "say everything that is wrong with a graph, without simulating",
-        {{"GRAPH", "the graph file (JSON), or one mesh file to look at"}},
-        {{"--meshes", "",
-          "say of every mesh whether it is closed, manifold and free of crossings, and what is off if not"},
-         {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
-         {"--set", "NODE.ATTR=JSON", "give an input another value", true},
-         {"--threads", "N", "default: all cores", false, 'j'},
-         cache_flag,
-         no_cache_flag,
-         {"--json", "", "one JSON object a line instead of text"}},
-        "sinew check graphs/scenes/arm.json\n"
-        "sinew check graphs/scenes/arm.json --meshes",
-        check};
+    return {"check",
+            "say everything that is wrong with a graph, without simulating",
+            {{"GRAPH", "the graph file (JSON), or one mesh file to look at"}},
+            {{"--meshes", "",
+              "say of every mesh whether it is closed, manifold and free of crossings, and what is off if not"},
+             {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
+             {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             {"--threads", "N", "default: all cores", false, 'j'},
+             cache_flag,
+             no_cache_flag,
+             {"--json", "", "one JSON object a line instead of text"}},
+            "sinew check graphs/scenes/arm.json\n"
+            "sinew check graphs/scenes/arm.json --meshes",
+            check};
 }
 
 } // namespace sinew::cli

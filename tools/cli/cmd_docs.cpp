@@ -20,29 +20,36 @@ namespace {
 std::string cell(std::string_view text) {
     std::string out;
     for (const char c : text)
-        if (c == '|') out += "\\|";
-        else out += c == '\n' ? ' ' : c;
+        if (c == '|')
+            out += "\\|";
+        else
+            out += c == '\n' ? ' ' : c;
     return out;
 }
 
 std::string nodes_page(const engine::Registry& registry) {
     std::ostringstream out;
-    out << "# Node types\n\nMade by `sinew docs`; `sinew nodes TYPE` prints the same. A number may be keyed where it says "
+    out << "# Node types\n\nMade by `sinew docs`; `sinew nodes TYPE` prints the same. A number may be keyed where it "
+           "says "
            "keyable, and any value may be connected to an output of the same type.\n";
     for (const std::string& name : registry.names()) {
         const engine::NodeType& type = *registry.find(name);
         out << "\n## " << type.name << "\n\n" << type.doc << "\n\n| input | takes | meaning |\n|---|---|---|\n";
-        for (const auto& a : type.inputs) out << "| `" << a.name << "` | " << cell(facts(a)) << " | " << cell(a.doc) << " |\n";
+        for (const auto& a : type.inputs)
+            out << "| `" << a.name << "` | " << cell(facts(a)) << " | " << cell(a.doc) << " |\n";
         out << "\n| output | is | meaning |\n|---|---|---|\n";
-        for (const auto& a : type.outputs) out << "| `" << a.name << "` | " << cell(facts(a)) << " | " << cell(a.doc) << " |\n";
+        for (const auto& a : type.outputs)
+            out << "| `" << a.name << "` | " << cell(facts(a)) << " | " << cell(a.doc) << " |\n";
     }
     return out.str();
 }
 
 std::string codes_page() {
     std::ostringstream out;
-    out << "# Diagnostic codes\n\nMade by `sinew docs`. DG0xx the graph file, DG1xx evaluation, FE2xx meshes and set-up, FE3xx "
-           "the solve, IO4xx files. A code keeps its meaning for ever.\n\n| code | what is wrong | what to do |\n|---|---|---|\n";
+    out << "# Diagnostic codes\n\nMade by `sinew docs`. DG0xx the graph file, DG1xx evaluation, FE2xx meshes and "
+           "set-up, FE3xx "
+           "the solve, IO4xx files. A code keeps its meaning for ever.\n\n| code | what is wrong | what to do "
+           "|\n|---|---|---|\n";
     for (const engine::CodeInfo& c : engine::all_codes())
         out << "| " << c.code << " | " << cell(c.title) << " | " << cell(c.remedy) << " |\n";
     return out.str();

@@ -29,9 +29,9 @@ ExitCode explain(const Invocation& in) {
     OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, json, in.out, in.err);
     const engine::Timing timing = open.graph->timing();
-    const engine::Request request{
-        open.graph, parse_plug(*open.graph, in.arguments.operand(1).value()),
-        static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)), in.stop};
+    const engine::Request request{open.graph, parse_plug(*open.graph, in.arguments.operand(1).value()),
+                                  static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)),
+                                  in.stop};
     const engine::Evaluator evaluator;
     const engine::Verdict verdict = evaluator.explain(request);
     nlohmann::ordered_json description = {{"plug", request.plug.text()},

@@ -24,8 +24,7 @@ std::string_view fill_of(const std::string& type) {
     return type.starts_with("z") ? "#f8e3de" : "#e4ebf2";
 }
 
-void print_edge(const engine::Plug& from, const std::string& to, std::string_view attribute,
-                std::ostream& out) {
+void print_edge(const engine::Plug& from, const std::string& to, std::string_view attribute, std::ostream& out) {
     out << "  " << quoted(from.node) << " -> " << quoted(to)
         << " [label=" << quoted(from.attribute + " → " + std::string(attribute)) << "];\n";
 }
@@ -41,8 +40,7 @@ void print_dot(const engine::Graph& graph, std::ostream& out) {
     }
     for (const std::string& name : graph.node_names())
         for (const auto& [attribute, binding] : graph.find(name)->inputs) {
-            if (const auto* plug = std::get_if<engine::Plug>(&binding))
-                print_edge(*plug, name, attribute, out);
+            if (const auto* plug = std::get_if<engine::Plug>(&binding)) print_edge(*plug, name, attribute, out);
             if (const auto* list = std::get_if<std::vector<engine::Plug>>(&binding))
                 for (const engine::Plug& plug : *list) print_edge(plug, name, attribute, out);
         }
@@ -69,17 +67,17 @@ ExitCode show_graph(const Invocation& in) {
 } // namespace
 
 Command graph_command() {
-    return {"graph",
-            "print a graph as a drawing (Graphviz) or as a normalised file",
-            {{"GRAPH", "the graph file (JSON)"}},
-            {{"--dot", "", "Graphviz source"},
-             {"--svg", "FILE", "write the drawing that the viewer shows: types, values, connections"},
-             {"--json", "",
-              "the graph file as this program writes it: only what is not default, paths from its folder"},
-             {"--set", "NODE.ATTR=JSON", "give an input another value", true}},
-            "sinew graph graphs/scenes/arm.json --svg arm.svg\n"
-            "sinew graph graphs/scenes/arm.json --dot | dot -Tpng > arm.png",
-            show_graph};
+    return {
+        "graph",
+        "print a graph as a drawing (Graphviz) or as a normalised file",
+        {{"GRAPH", "the graph file (JSON)"}},
+        {{"--dot", "", "Graphviz source"},
+         {"--svg", "FILE", "write the drawing that the viewer shows: types, values, connections"},
+         {"--json", "", "the graph file as this program writes it: only what is not default, paths from its folder"},
+         {"--set", "NODE.ATTR=JSON", "give an input another value", true}},
+        "sinew graph graphs/scenes/arm.json --svg arm.svg\n"
+        "sinew graph graphs/scenes/arm.json --dot | dot -Tpng > arm.png",
+        show_graph};
 }
 
 } // namespace sinew::cli

@@ -25,9 +25,7 @@ namespace fs = std::filesystem;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 /// What the command line asks for.
 struct Plan {
@@ -45,8 +43,7 @@ std::set<std::string> parse_formats(const Arguments& arguments) {
     std::set<std::string> formats;
     for (const std::string& word : split(arguments.value("--format").value_or("glb"), ',')) {
         if (std::find(known.begin(), known.end(), word) == known.end())
-            throw UsageError("unknown format '" + word + "'; known are glb, obj and ply." +
-                             did_you_mean(word, known));
+            throw UsageError("unknown format '" + word + "'; known are glb, obj and ply." + did_you_mean(word, known));
         formats.insert(word);
     }
     return formats;
@@ -89,8 +86,8 @@ class Run {
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
-        , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(),
-                  plan_.graph->timing().fps, scene_axes(*plan_.graph, plan_.needed)) {
+        , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
+                  scene_axes(*plan_.graph, plan_.needed)) {
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
     }
@@ -99,8 +96,7 @@ class Run {
         const Clock::time_point start = Clock::now();
         try {
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
-            if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop);
-                has_error(problems))
+            if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop); has_error(problems))
                 throw engine::Failure(std::move(problems));
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
             begin_output();
@@ -171,8 +167,7 @@ class Run {
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
         if (!plan_.out.empty())
-            for (std::size_t i = 0; i < values.size(); ++i)
-                output_.add(*plan_.graph, plan_.plugs[i], frame, values[i]);
+            for (std::size_t i = 0; i < values.size(); ++i) output_.add(*plan_.graph, plan_.plugs[i], frame, values[i]);
         report_.frames.push_back(f);
         progress_.end_frame(f, digest.finish().hex());
         for (std::size_t i = 0; i < values.size(); ++i) print_value(frame, plan_.plugs[i], values[i]);
@@ -188,8 +183,8 @@ class Run {
             in_.out << line.dump() << "\n";
         } else {
             progress_.clear();
-            in_.out << "frame " << frame << ": " << plug.text()
-                    << (description.is_structured() ? "\n" : " = ") << as_text(description);
+            in_.out << "frame " << frame << ": " << plug.text() << (description.is_structured() ? "\n" : " = ")
+                    << as_text(description);
         }
         in_.out.flush();
     }
@@ -288,8 +283,7 @@ Command run_command() {
              {"--pull", "NODE.PLUG", "what to evaluate; default: outMeshes of the only zSolver", true},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--out", "DIR", "where to write; without it nothing is written", false, 'o'},
-             {"--format", "glb,obj,ply",
-              "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
+             {"--format", "glb,obj,ply", "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
              cache_flag,
              no_cache_flag,

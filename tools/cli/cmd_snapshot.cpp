@@ -21,8 +21,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::string_view frames_doc =
-    "for example 1,64,128 or 1-24; default: first, middle and last, movies: all";
+constexpr std::string_view frames_doc = "for example 1,64,128 or 1-24; default: first, middle and last, movies: all";
 
 /// The frames asked for. Otherwise all for a movie, and the first, the middle and the last one for a picture.
 std::vector<int> chosen_frames(const Arguments& arguments, const std::vector<int>& there) {
@@ -67,9 +66,8 @@ Album album_of_folder(const Invocation& in, const fs::path& folder) {
     const std::vector<int> frames = chosen_frames(in.arguments, {there.begin(), there.end()});
     for (const int frame : frames)
         if (!there.contains(frame))
-            throw UsageError("there is no frame " + std::to_string(frame) + " in '" + folder.string() +
-                             "'; it has " + std::to_string(*there.begin()) + " to " +
-                             std::to_string(*there.rbegin()) + ".");
+            throw UsageError("there is no frame " + std::to_string(frame) + " in '" + folder.string() + "'; it has " +
+                             std::to_string(*there.begin()) + " to " + std::to_string(*there.rbegin()) + ".");
     return make_album(viewer::collect_folder(folder, sorted(frames)), frames);
 }
 
@@ -78,11 +76,11 @@ Album album_of_graph(const Invocation& in) {
     const auto named = in.arguments.value("--pull");
     const engine::Plug plug = named ? parse_plug(*open.graph, *named) : default_plug(*open.graph);
     std::vector<int> all;
-    for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame)
-        all.push_back(frame);
+    for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
     WarningCollector warnings;
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
+                                &warnings);
     viewer::Evaluation e;
     e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
     e.shown = {plug};
@@ -131,8 +129,7 @@ Drawing parse_drawing(const Arguments& arguments) {
                          view_text + "'.");
     const auto [width, height] = parse_size(arguments.value("--size").value_or("1600x900"));
     const std::string up = arguments.value("--up").value_or("");
-    if (arguments.has("--up") && up != "y" && up != "z")
-        throw UsageError("--up needs y or z, not '" + up + "'.");
+    if (arguments.has("--up") && up != "y" && up != "z") throw UsageError("--up needs y or z, not '" + up + "'.");
     const int smoothing = arguments.whole_number("--smooth", 3, 1);
     if (smoothing > 8) throw UsageError("--smooth needs at most 8.");
     return {*view, width, height, smoothing, parse_overlays(arguments)};
@@ -140,11 +137,9 @@ Drawing parse_drawing(const Arguments& arguments) {
 
 /// The ffmpeg to use. All that can be wrong with the words is said before anything is computed.
 fs::path check_movie(const Arguments& arguments, const Drawing& drawing) {
-    if (arguments.has("--output"))
-        throw UsageError("--output is for pictures; the movie goes to the file of --movie.");
+    if (arguments.has("--output")) throw UsageError("--output is for pictures; the movie goes to the file of --movie.");
     if (fs::path(*arguments.value("--movie")).extension() != ".mp4")
-        throw UsageError("--movie needs a name that ends in .mp4, not '" + *arguments.value("--movie") +
-                         "'.");
+        throw UsageError("--movie needs a name that ends in .mp4, not '" + *arguments.value("--movie") + "'.");
     if (drawing.width % 2 != 0 || drawing.height % 2 != 0)
         throw UsageError("a movie needs even numbers in --size, for example " +
                          std::to_string(drawing.width + drawing.width % 2) + "x" +
@@ -162,14 +157,13 @@ std::string movie_of(const Album& album, const Drawing& drawing, const fs::path&
     // One camera that holds the whole motion, so that what stands still does so in the movie.
     render::Framing framing(drawing.view, static_cast<double>(drawing.width) / drawing.height);
     for (const std::size_t f : album.shots)
-        for (const render::Surface& surface : viewer::shot_of(album.scene, f, {}).surfaces)
-            framing.add(surface.points);
+        for (const render::Surface& surface : viewer::shot_of(album.scene, f, {}).surfaces) framing.add(surface.points);
     const render::Camera camera = framing.camera();
     render::Movie movie;
     for (const std::size_t f : album.shots) {
         if (stop.stop_requested()) throw engine::Cancelled();
-        movie.add(render::labelled_picture(viewer::shot_of(album.scene, f, drawing.overlays), camera,
-                                           drawing.width, drawing.height, drawing.smoothing));
+        movie.add(render::labelled_picture(viewer::shot_of(album.scene, f, drawing.overlays), camera, drawing.width,
+                                           drawing.height, drawing.smoothing));
     }
     std::string bytes = movie.encode(ffmpeg, fps, stop);
     if (bytes.empty()) throw engine::Cancelled();
@@ -178,8 +172,7 @@ std::string movie_of(const Album& album, const Drawing& drawing, const fs::path&
 
 std::string picture_of(const Album& album, const Drawing& drawing) {
     std::vector<render::Shot> shots;
-    for (const std::size_t f : album.shots)
-        shots.push_back(viewer::shot_of(album.scene, f, drawing.overlays));
+    for (const std::size_t f : album.shots) shots.push_back(viewer::shot_of(album.scene, f, drawing.overlays));
     return render::encode_png(
         render::contact_sheet(shots, drawing.view, drawing.width, drawing.height, drawing.smoothing));
 }
@@ -194,8 +187,7 @@ ExitCode snapshot(const Invocation& in) {
 
     const fs::path source = arguments.operand(0).value();
     if (fs::is_directory(source) && !drawing.overlays.empty())
-        throw UsageError("--overlays is for graphs; the files in '" + source.string() +
-                         "' hold surfaces only.");
+        throw UsageError("--overlays is for graphs; the files in '" + source.string() + "' hold surfaces only.");
     const Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
     for (const viewer::ViewNote& note : album.scene.notes)
         if (note.is_warning) in.err << "sinew snapshot: " << note.text << "\n";
@@ -231,8 +223,7 @@ Command snapshot_command() {
          {"--movie", "FILE.mp4", "a movie of the frames instead of a picture; needs ffmpeg"},
          {"--fps", "N", "of the movie; default: the scene's"},
          {"--size", "WxH", "of the whole picture; default: 1600x900"},
-         {"--view", "VIEW",
-          "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
+         {"--view", "VIEW", "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
          {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
          {"--overlays", "LIST",
           "graphs: lattice, fibers, attachments; flesh is then seen through. Same colours as in the viewer"},

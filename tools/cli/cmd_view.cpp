@@ -38,10 +38,10 @@ void note_outside(const engine::Timing& timing, const std::vector<int>& frames, 
     for (const int f : frames)
         if (f < timing.start || f > timing.end) outside.push_back(f);
     if (!outside.empty())
-        scene.notes.push_back(
-            {true, "Frame" + std::string(outside.size() == 1 ? " " : "s ") + viewer::frame_list(outside) +
-                       (outside.size() == 1 ? " lies" : " lie") + " outside the graph's timing, " +
-                       std::to_string(timing.start) + " to " + std::to_string(timing.end) + "."});
+        scene.notes.push_back({true, "Frame" + std::string(outside.size() == 1 ? " " : "s ") +
+                                         viewer::frame_list(outside) + (outside.size() == 1 ? " lies" : " lie") +
+                                         " outside the graph's timing, " + std::to_string(timing.start) + " to " +
+                                         std::to_string(timing.end) + "."});
 }
 
 /// view.html, unless that is a page with more in it than the folder's meshes can give.
@@ -70,7 +70,8 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
     Progress progress(style, static_cast<int>(e.frames.size()), in.out, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1), &progress);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
+                                &progress);
     const auto needed = upstream_of(*open.graph, shown);
     if (auto problems = find_problems(open.graph, evaluator, needed, in.stop); has_error(problems))
         throw engine::Failure(std::move(problems));
@@ -78,9 +79,7 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
     e.begin_frame = [&](int frame) { progress.begin_frame(frame); };
     const bool simulates = !simulations(*open.graph, needed).empty();
     e.was_stepped = [&, simulates](int frame) { return !simulates || progress.was_stepped(frame); };
-    e.end_frame = [&](const viewer::ViewFrame& f) {
-        progress.end_frame({f.frame, f.reused, f.wall_s, f.step}, "");
-    };
+    e.end_frame = [&](const viewer::ViewFrame& f) { progress.end_frame({f.frame, f.reused, f.wall_s, f.step}, ""); };
     viewer::ViewScene scene = viewer::collect_graph(e);
     note_outside(open.graph->timing(), e.frames, scene);
     progress.clear();
@@ -96,24 +95,20 @@ std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
     using viewer::size_text;
     return size_text(page.html.size()) + ": " + counted(scene.bodies.size(), "body", "bodies") + ", " +
            counted(vertices, "vertex", "vertices") + ", " + counted(tets, "tet", "tets") + ", " +
-           counted(scene.frames.size(), "frame", "frames") + "; the run takes " +
-           size_text(page.packed_bytes) + " of it, the viewer " + size_text(page.asset_bytes);
+           counted(scene.frames.size(), "frame", "frames") + "; the run takes " + size_text(page.packed_bytes) +
+           " of it, the viewer " + size_text(page.asset_bytes);
 }
 
 ExitCode view(const Invocation& in) {
     const fs::path source = in.arguments.operand(0).value();
     const bool is_folder = fs::is_directory(source);
-    if (is_folder &&
-        (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
-        throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() +
-                         "' is a folder.");
-    if (const fs::path page = in.arguments.value("--output").value_or("");
-        fs::is_directory(page)) // before a long run
-        throw UsageError("--output names the folder '" + page.string() +
-                         "'; give the page a name, for example " + (page / "view.html").string() + ".");
+    if (is_folder && (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
+        throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() + "' is a folder.");
+    if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
+        throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
+                         (page / "view.html").string() + ".");
     viewer::PageOptions options;
-    options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1))
-                                << 20;
+    options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
     const viewer::ViewScene scene =
         is_folder ? viewer::collect_folder(source, wanted_frames(in.arguments)) : scene_of_graph(in);
     const viewer::Page page = viewer::write_page(scene, options);
@@ -140,23 +135,22 @@ ExitCode view(const Invocation& in) {
 } // namespace
 
 Command view_command() {
-    return {"view",
-            "write a page that plays a run in a browser, with overlays, the graph and a time line",
-            {{"SOURCE",
-              "a graph file, which is evaluated, or a folder that `sinew run --out` wrote (OBJ or GLB)"}},
-            {{"--output", "FILE", "the page; default: NAME.html, or view.html in the folder", false, 'o'},
-             {"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: all"},
-             {"--surfaces", "", "graphs: leave out tets, fibres and attachments; a smaller page"},
-             {"--most-mb", "N",
-              "above this size of positions, before compression, frames are thinned out; default: 256"},
-             {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
-             {"--threads", "N", "graphs: default: all cores", false, 'j'},
-             cache_flag,
-             no_cache_flag,
-             {"--quiet", "", "print warnings and errors only", false, 'q'}},
-            "sinew view graphs/scenes/arm.json -o out/arm.html\n"
-            "sinew view out/arm",
-            view};
+    return {
+        "view",
+        "write a page that plays a run in a browser, with overlays, the graph and a time line",
+        {{"SOURCE", "a graph file, which is evaluated, or a folder that `sinew run --out` wrote (OBJ or GLB)"}},
+        {{"--output", "FILE", "the page; default: NAME.html, or view.html in the folder", false, 'o'},
+         {"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: all"},
+         {"--surfaces", "", "graphs: leave out tets, fibres and attachments; a smaller page"},
+         {"--most-mb", "N", "above this size of positions, before compression, frames are thinned out; default: 256"},
+         {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
+         {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         cache_flag,
+         no_cache_flag,
+         {"--quiet", "", "print warnings and errors only", false, 'q'}},
+        "sinew view graphs/scenes/arm.json -o out/arm.html\n"
+        "sinew view out/arm",
+        view};
 }
 
 } // namespace sinew::cli

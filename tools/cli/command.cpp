@@ -55,8 +55,7 @@ std::string table(const std::vector<Row>& rows) {
 std::string usage_line(const Command& command) {
     std::string line = "sinew " + std::string(command.name), words, out;
     for (const Operand& o : command.operands)
-        words +=
-            (o.required ? std::string(o.name) : "[" + std::string(o.name) + "]") + (o.repeats ? "… " : " ");
+        words += (o.required ? std::string(o.name) : "[" + std::string(o.name) + "]") + (o.repeats ? "… " : " ");
     for (const Flag& f : command.flags) {
         // \x01 stands for a space at which the line must not break.
         words += "[" + std::string(f.name) + (f.value.empty() ? "" : "\x01" + std::string(f.value)) +

@@ -21,8 +21,7 @@ Command docs_command();
 /// In the order in which `sinew --help` lists them.
 inline std::vector<Command> all_commands() {
     return {run_command(),   check_command(),    eval_command(), explain_command(), nodes_command(),
-            graph_command(), snapshot_command(), view_command(), bench_command(),
-            docs_command()};
+            graph_command(), snapshot_command(), view_command(), bench_command(),   docs_command()};
 }
 
 } // namespace sinew::cli

@@ -4,13 +4,6 @@
 
 namespace sinew::cli {
 
-enum ExitCode : int {
-    done = 0,
-    graph_wrong = 1,
-    wrong_usage = 2,
-    solve_failed = 3,
-    cancelled = 4,
-    internal_error = 5
-};
+enum ExitCode : int { done = 0, graph_wrong = 1, wrong_usage = 2, solve_failed = 3, cancelled = 4, internal_error = 5 };
 
 } // namespace sinew::cli

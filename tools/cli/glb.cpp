@@ -109,8 +109,7 @@ class Writer {
     explicit Writer(const Animation& animation)
         : in_(animation) {
         document_["asset"] = {{"version", "2.0"}, {"generator", "Sinew " SINEW_VERSION}};
-        for (const int frame : in_.frames)
-            times_.push_back(static_cast<float>((frame - in_.frames.front()) / in_.fps));
+        for (const int frame : in_.frames) times_.push_back(static_cast<float>((frame - in_.frames.front()) / in_.fps));
     }
 
     std::string encode() {
@@ -129,8 +128,7 @@ class Writer {
         if (!children.empty()) {
             if (in_.up == 'z') { // one node that turns the scene upright
                 const double half = std::numbers::sqrt2 / 2;
-                children = {
-                    add_node({{"name", "z up"}, {"rotation", {-half, 0, 0, half}}, {"children", children}})};
+                children = {add_node({{"name", "z up"}, {"rotation", {-half, 0, 0, half}}, {"children", children}})};
             }
             scene["nodes"] = children;
         }
@@ -178,17 +176,16 @@ class Writer {
         const render::ShadingMesh shading = render::split_creases(*body.poses.front(), body.triangles);
         const Vec3 pivot = rigid ? rigid->pivot : Vec3::Zero();
         const Points points = metres(shading.gather(*body.poses.front()), pivot);
-        const std::vector<float> base = flat(points),
-                                 base_normals = flat(unit_normals(points, shading.triangles));
+        const std::vector<float> base = flat(points), base_normals = flat(unit_normals(points, shading.triangles));
 
         std::vector<std::uint32_t> indices;
         for (const solver::Triangle& t : shading.triangles)
             for (const int v : t) indices.push_back(static_cast<std::uint32_t>(v));
-        json primitive = {{"attributes",
-                           {{"POSITION", buffer_.add_floats(base, 3, true)},
-                            {"NORMAL", buffer_.add_floats(base_normals, 3, false)}}},
-                          {"indices", buffer_.add_indices(indices)},
-                          {"material", add_material(body, index)}};
+        json primitive = {
+            {"attributes",
+             {{"POSITION", buffer_.add_floats(base, 3, true)}, {"NORMAL", buffer_.add_floats(base_normals, 3, false)}}},
+            {"indices", buffer_.add_indices(indices)},
+            {"material", add_material(body, index)}};
         json mesh = {{"name", body.name}};
         if (!rigid) {
             json names = json::array();
@@ -196,9 +193,8 @@ class Writer {
                 const Points pose = metres(shading.gather(*body.poses[f]));
                 primitive["targets"].push_back(
                     {{"POSITION", buffer_.add_floats(difference(flat(pose), base), 3, true)},
-                     {"NORMAL",
-                      buffer_.add_floats(
-                          difference(flat(unit_normals(pose, shading.triangles)), base_normals), 3, false)}});
+                     {"NORMAL", buffer_.add_floats(
+                                    difference(flat(unit_normals(pose, shading.triangles)), base_normals), 3, false)}});
                 names.push_back("frame " + std::to_string(in_.frames[f]));
             }
             mesh["weights"] = std::vector<double>(body.poses.size() - 1, 0.0);

@@ -18,8 +18,7 @@ std::string machine_name() {
             name = line.substr(std::min(line.size(), line.find(':') + 2));
             break;
         }
-    const double bytes =
-        static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
+    const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, " +
            std::to_string(static_cast<long long>(bytes / (1 << 30) + 0.5)) + " GB";
 }

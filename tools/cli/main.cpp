@@ -38,8 +38,7 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         std::cerr << name << ": cancelled\n";
         return cancelled;
     } catch (const std::exception& e) {
-        std::cerr << name << ": internal error: " << e.what()
-                  << "\nThis is a bug in Sinew; please report it.\n";
+        std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
         return internal_error;
     }
 }

@@ -61,22 +61,17 @@ struct NamedFlaw {
 std::vector<NamedFlaw> flaws_of(const MeshCheck& c) {
     return {
         {&c.open_edges, "openEdges", "open edge", "open edges"},
-        {&c.non_manifold_edges, "nonManifoldEdges", "edge with over two triangles",
-         "edges with over two triangles"},
-        {&c.badly_oriented_edges, "badlyOrientedEdges", "edge between opposite sides",
-         "edges between opposite sides"},
-        {&c.non_manifold_vertices, "nonManifoldVertices", "vertex with several fans",
-         "vertices with several fans"},
+        {&c.non_manifold_edges, "nonManifoldEdges", "edge with over two triangles", "edges with over two triangles"},
+        {&c.badly_oriented_edges, "badlyOrientedEdges", "edge between opposite sides", "edges between opposite sides"},
+        {&c.non_manifold_vertices, "nonManifoldVertices", "vertex with several fans", "vertices with several fans"},
         {&c.degenerate_triangles, "degenerateTriangles", "triangle without area", "triangles without area"},
         {&c.duplicate_triangles, "duplicateTriangles", "repeated triangle", "repeated triangles"},
-        {&c.coinciding_vertices, "coincidingVertices", "vertex at another's place",
-         "vertices at others' places"},
+        {&c.coinciding_vertices, "coincidingVertices", "vertex at another's place", "vertices at others' places"},
         {&c.unused_vertices, "unusedVertices", "unused vertex", "unused vertices"},
         {&c.inside_out_parts, "insideOutParts", "part turned inside out, at triangle",
          "parts turned inside out, at triangles"},
         {&c.flat_tets, "flatTets", "nearly flat tet", "nearly flat tets"},
-        {&c.crossing_triangles, "crossingTriangles", "pair of crossing triangles",
-         "pairs of crossing triangles"}};
+        {&c.crossing_triangles, "crossingTriangles", "pair of crossing triangles", "pairs of crossing triangles"}};
 }
 
 std::string flaws_as_text(const MeshCheck& check) {
@@ -94,11 +89,8 @@ nlohmann::ordered_json as_json(const MeshReport& r) {
         for (const auto& edge : f.flaw->edges) first.push_back(edge);
         flaws[f.key] = {{"count", f.flaw->count}, {"first", first}};
     }
-    nlohmann::ordered_json line = {{"event", "mesh"},
-                                   {"mesh", r.name},
-                                   {"vertices", r.vertices},
-                                   {"faces", r.faces},
-                                   {"triangles", r.triangles}};
+    nlohmann::ordered_json line = {
+        {"event", "mesh"}, {"mesh", r.name}, {"vertices", r.vertices}, {"faces", r.faces}, {"triangles", r.triangles}};
     if (r.tets > 0)
         line["tets"] = r.tets, line["leastDihedral"] = r.dihedral[0], line["largestDihedral"] = r.dihedral[1];
     line["parts"] = r.check.components;
@@ -110,8 +102,8 @@ nlohmann::ordered_json as_json(const MeshReport& r) {
 }
 
 std::string cell(const std::string& text, int width) {
-    const std::string space(
-        static_cast<std::size_t>(std::max(0, std::abs(width) - static_cast<int>(text.size()))), ' ');
+    const std::string space(static_cast<std::size_t>(std::max(0, std::abs(width) - static_cast<int>(text.size()))),
+                            ' ');
     return width < 0 ? text + space : space + text;
 }
 
@@ -132,8 +124,10 @@ bool keeps_cavities(const engine::Graph& graph, const std::string& tets) {
 std::string what_is_off(const engine::Graph& graph, const std::string& node, const std::string& attribute,
                         const MeshCheck& check) {
     const std::string& type = graph.find(node)->type_name;
-    if (type == "zTet" && attribute == "mesh" && check.is_closed() && check.crossing_triangles && keeps_cavities(graph, node))
-        return "fillInterior EmptyCavities cannot tell a cavity there: surfaces that cross do not lie in each other, and "
+    if (type == "zTet" && attribute == "mesh" && check.is_closed() && check.crossing_triangles &&
+        keeps_cavities(graph, node))
+        return "fillInterior EmptyCavities cannot tell a cavity there: surfaces that cross do not lie in each other, "
+               "and "
                "what they enclose is filled";
     if (check.is_closed()) return {};
     if (type == "zTissue" && attribute == "collisionShape")
@@ -160,9 +154,8 @@ engine::Diagnostic warning_at(const engine::Graph& graph, const std::string& nod
 
 } // namespace
 
-std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph,
-                                     engine::Evaluator& evaluator, std::stop_token stop,
-                                     const std::shared_ptr<engine::Failures>& failures) {
+std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+                                     std::stop_token stop, const std::shared_ptr<engine::Failures>& failures) {
     const std::vector<std::string> names = graph->node_names();
     const double frame = start_frame(*graph, names);
     std::vector<MeshReport> out;
@@ -215,8 +208,7 @@ std::optional<MeshReport> report_of_file(const std::string& path) {
     }
 }
 
-std::vector<engine::Diagnostic> features_off(const engine::Graph& graph,
-                                             const std::vector<MeshReport>& reports) {
+std::vector<engine::Diagnostic> features_off(const engine::Graph& graph, const std::vector<MeshReport>& reports) {
     std::vector<engine::Diagnostic> out;
     for (const std::string& name : graph.node_names())
         for (const auto& [attribute, binding] : graph.find(name)->inputs) {
@@ -238,7 +230,8 @@ std::vector<engine::Diagnostic> features_off(const engine::Graph& graph,
                 if (off.empty()) continue;
                 engine::Diagnostic d = warning_at(graph, name, attribute);
                 const bool closed = r.check.is_closed();
-                d.message = r.name + (closed ? " crosses itself (" : " is not closed (") + flaws_as_text(r.check) + "), so " + off;
+                d.message = r.name + (closed ? " crosses itself (" : " is not closed (") + flaws_as_text(r.check) +
+                            "), so " + off;
                 d.hint = closed ? "Take the crossing parts apart, or wrap them by zIsoMesh."
                                 : "Close the mesh, or wrap it by zIsoMesh with isoValue > 0.";
                 out.push_back(std::move(d));
@@ -257,14 +250,13 @@ void print_meshes(const std::vector<MeshReport>& reports, bool as_json_lines, st
     const int name = -static_cast<int>(wide) - 1;
     out << cell("mesh", name) << "vertices triangles    tets parts closed manifold  flaws\n";
     for (const MeshReport& r : reports) {
-        out << cell(r.name, name) << cell(std::to_string(r.vertices), 8)
-            << cell(std::to_string(r.triangles), 10) << cell(r.tets ? std::to_string(r.tets) : "-", 8)
-            << cell(std::to_string(r.check.components), 6) << cell(r.check.is_closed() ? "yes" : "no", 7)
-            << cell(r.check.is_manifold() ? "yes" : "no", 9) << "  " << flaws_as_text(r.check);
+        out << cell(r.name, name) << cell(std::to_string(r.vertices), 8) << cell(std::to_string(r.triangles), 10)
+            << cell(r.tets ? std::to_string(r.tets) : "-", 8) << cell(std::to_string(r.check.components), 6)
+            << cell(r.check.is_closed() ? "yes" : "no", 7) << cell(r.check.is_manifold() ? "yes" : "no", 9) << "  "
+            << flaws_as_text(r.check);
         if (r.tets > 0) {
             char angles[64];
-            std::snprintf(angles, sizeof angles, "; dihedral angles %.1f to %.1f", r.dihedral[0],
-                          r.dihedral[1]);
+            std::snprintf(angles, sizeof angles, "; dihedral angles %.1f to %.1f", r.dihedral[0], r.dihedral[1]);
             out << angles;
         }
         out << "\n";

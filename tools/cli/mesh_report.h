@@ -23,15 +23,13 @@ struct MeshReport {
 
 /// Every output of every node that is a mesh or tets, at a frame at which nothing has been stepped yet. What
 /// cannot be computed is left out: find_problems tells.
-std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph,
-                                     engine::Evaluator& evaluator, std::stop_token stop,
-                                     const std::shared_ptr<engine::Failures>& failures);
+std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+                                     std::stop_token stop, const std::shared_ptr<engine::Failures>& failures);
 /// The report of a mesh file; nothing if the ending is not that of one. Throws Failure if it cannot be read.
 std::optional<MeshReport> report_of_file(const std::string& path);
 
 /// Warnings FE238: inputs that do less than they could because of their mesh.
-std::vector<engine::Diagnostic> features_off(const engine::Graph& graph,
-                                             const std::vector<MeshReport>& reports);
+std::vector<engine::Diagnostic> features_off(const engine::Graph& graph, const std::vector<MeshReport>& reports);
 
 /// A table, or one JSON object a line.
 void print_meshes(const std::vector<MeshReport>& reports, bool as_json, std::ostream& out);

@@ -31,8 +31,7 @@ std::string facts(const engine::AttributeInfo& a) {
         const Json limits = limits_json(a.limits);
         for (const auto& [word, limit] : limits.items()) out += ", " + word + " " + limit.dump();
         if (a.keyable) out += ", keyable";
-        for (std::size_t i = 0; i < a.options.size(); ++i)
-            out += (i ? " | " : ", one of ") + std::string(a.options[i]);
+        for (std::size_t i = 0; i < a.options.size(); ++i) out += (i ? " | " : ", one of ") + std::string(a.options[i]);
         for (std::size_t i = 0; i < a.presets.size(); ++i)
             out += (i ? ", " : ", presets: ") + std::string(a.presets[i].name);
     }

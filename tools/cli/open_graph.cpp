@@ -67,8 +67,7 @@ render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
 
 std::string file_name(const std::string& node) {
     std::string out;
-    for (const char c : node)
-        out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+    for (const char c : node) out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
     return out;
 }
 
@@ -88,8 +87,7 @@ Plug parse_plug(const Graph& graph, const std::string& text) {
         throw UsageError("'" + text + "' is no plug; write NODE.PLUG, for example solver.outMeshes.");
     const Node* node = graph.find(plug.node);
     if (!node)
-        throw UsageError("the graph has no node '" + plug.node + "'." +
-                         did_you_mean(plug.node, graph.node_names()));
+        throw UsageError("the graph has no node '" + plug.node + "'." + did_you_mean(plug.node, graph.node_names()));
     if (node->type && !node->type->find_output(plug.attribute)) {
         std::vector<std::string> known;
         for (const auto& output : node->type->outputs) known.emplace_back(output.name);
@@ -107,8 +105,7 @@ Plug default_plug(const Graph& graph) {
     for (const std::string& name : graph.node_names())
         if (graph.find(name)->type_name == "zSolver") found.push_back(name);
     if (found.size() == 1) return {found.front(), "outMeshes"};
-    if (found.empty())
-        throw UsageError("the graph has no zSolver; name what to evaluate with --pull NODE.PLUG.");
+    if (found.empty()) throw UsageError("the graph has no zSolver; name what to evaluate with --pull NODE.PLUG.");
     std::string list;
     for (const std::string& name : found) list += (list.empty() ? "" : ", ") + name + ".outMeshes";
     throw UsageError("the graph has several solvers; choose with --pull: " + list + ".");

@@ -22,12 +22,12 @@ struct OpenGraph {
 OpenGraph open_graph(const Arguments& arguments);
 
 /// For commands that evaluate.
-inline constexpr Flag cache_flag{"--cache", "DIR",
-                                 "where nodes with cacheTetMesh keep their tets; default: beside the graph, NAME.sinew-cache"};
+inline constexpr Flag cache_flag{
+    "--cache", "DIR", "where nodes with cacheTetMesh keep their tets; default: beside the graph, NAME.sinew-cache"};
 inline constexpr Flag no_cache_flag{"--no-cache", "", "neither read nor keep anything on disk"};
 
-/// Where results are kept: in the folder of --cache, else beside the graph file in NAME.sinew-cache, which is made when a
-/// node first asks for it. Throws UsageError if both flags are given.
+/// Where results are kept: in the folder of --cache, else beside the graph file in NAME.sinew-cache, which is made when
+/// a node first asks for it. Throws UsageError if both flags are given.
 engine::StorePolicy store_policy(const Arguments& arguments, const engine::Graph& graph);
 
 /// "node.output" of this graph. Throws UsageError with the nearest name.

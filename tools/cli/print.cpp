@@ -85,16 +85,14 @@ Json describe(const nodes::Attachment& a) {
 
 Json describe(const nodes::SolveReport& r) {
     Json out = describe_step(r.record);
-    out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},
-                   {"triangles", r.triangles},     {"dofs", r.dofs},
+    out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},  {"triangles", r.triangles}, {"dofs", r.dofs},
                    {"attachments", r.attachments}, {"terms", r.terms}};
     return out;
 }
 
 Json describe(const nodes::CurvePoints& curve) {
     double length = 0;
-    for (std::size_t i = 1; i < curve.points.size(); ++i)
-        length += (curve.points[i] - curve.points[i - 1]).norm();
+    for (std::size_t i = 1; i < curve.points.size(); ++i) length += (curve.points[i] - curve.points[i - 1]).norm();
     Json out = {{"points", curve.points.size()}, {"length", length}};
     add_box(out, curve.points);
     return out;
@@ -134,8 +132,7 @@ void append_text(const Json& d, const std::string& indent, std::string& out) {
     std::size_t number = 0;
     for (const auto& [key, entry] : d.items()) {
         out += indent + (d.is_array() ? std::to_string(++number) : key) + ":";
-        const bool nested =
-            entry.is_object() || (entry.is_array() && !entry.empty() && entry.front().is_structured());
+        const bool nested = entry.is_object() || (entry.is_array() && !entry.empty() && entry.front().is_structured());
         out += nested ? "\n" : " ";
         append_text(entry, indent + "  ", out);
     }
@@ -175,8 +172,7 @@ Json describe_value(const engine::Value& v) {
     if (v.is<engine::Matrix4>()) {
         const engine::Matrix4& m = v.as<engine::Matrix4>();
         Json rows = Json::array();
-        for (std::size_t r = 0; r < 4; ++r)
-            rows.push_back({m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]});
+        for (std::size_t r = 0; r < 4; ++r) rows.push_back({m[4 * r], m[4 * r + 1], m[4 * r + 2], m[4 * r + 3]});
         return rows;
     }
     if (v.is<engine::File>())

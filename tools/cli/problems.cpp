@@ -22,9 +22,8 @@ std::vector<Diagnostic> WarningCollector::take() {
     return std::exchange(warnings_, {});
 }
 
-std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph,
-                                      engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
-                                      std::stop_token stop,
+std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+                                      const std::vector<std::string>& nodes, std::stop_token stop,
                                       const std::shared_ptr<engine::Failures>& failures) {
     const double frame = start_frame(*graph, nodes);
     std::vector<Diagnostic> found;

@@ -22,11 +22,10 @@ class WarningCollector : public engine::Observer {
 
 /// Evaluates `nodes` at a frame at which their simulations start, and returns every error once, in the order
 /// of the file. Throws Cancelled. A node that fails runs once, here and in later pulls with the same `failures`.
-std::vector<engine::Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph,
-                                              engine::Evaluator& evaluator,
-                                              const std::vector<std::string>& nodes, std::stop_token stop,
-                                              const std::shared_ptr<engine::Failures>& failures =
-                                                  engine::remember_failures());
+std::vector<engine::Diagnostic>
+find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+              const std::vector<std::string>& nodes, std::stop_token stop,
+              const std::shared_ptr<engine::Failures>& failures = engine::remember_failures());
 
 /// By place in the file; what has no place comes last, in the order given. Says each thing once.
 void sort_by_place(std::vector<engine::Diagnostic>& diagnostics);

@@ -17,8 +17,8 @@ constexpr auto redraw_interval = std::chrono::milliseconds(100);
 std::string step_text(const FrameReport& f) {
     if (!f.step) return {};
     char text[160];
-    std::snprintf(text, sizeof text, "residual %.1e  Newton %d%s", f.step->residual,
-                  f.step->newton_iterations, f.step->converged ? "" : "  NOT CONVERGED");
+    std::snprintf(text, sizeof text, "residual %.1e  Newton %d%s", f.step->residual, f.step->newton_iterations,
+                  f.step->converged ? "" : "  NOT CONVERGED");
     return text;
 }
 
@@ -80,8 +80,7 @@ void Progress::stepped(const std::string&, double frame, double) {
     ++steps_;
     stepped_frames_.insert(frame);
     // A run that starts in the middle simulates what comes before first; say so.
-    if (frame < current_)
-        draw("simulating frame " + std::to_string(static_cast<int>(frame)) + " on the way", false);
+    if (frame < current_) draw("simulating frame " + std::to_string(static_cast<int>(frame)) + " on the way", false);
 }
 
 void Progress::progress(const std::string& node, double done, std::string_view what) {
@@ -96,7 +95,9 @@ void Progress::warning(const engine::Diagnostic& d) {
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
     // What is wrong with a mesh is said again by every frame that evaluates its node.
-    if (d.code.starts_with("FE2") && !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) return;
+    if (d.code.starts_with("FE2") &&
+        !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second)
+        return;
     if (bar_is_shown_) err_ << "\r\x1b[K";
     bar_is_shown_ = false;
     print_diagnostics({&d, 1}, style_ == ProgressStyle::json, out_, err_);

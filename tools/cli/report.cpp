@@ -31,8 +31,7 @@ Json frame_json(const FrameReport& f) {
 std::string phases_text(const std::vector<solver::StepRecord>& steps) {
     double assembly = 0, factor = 0, solve = 0, other = 0;
     for (const auto& s : steps)
-        assembly += s.seconds_assembly, factor += s.seconds_factor, solve += s.seconds_solve,
-            other += s.seconds_other;
+        assembly += s.seconds_assembly, factor += s.seconds_factor, solve += s.seconds_solve, other += s.seconds_other;
     const double scale = 1000.0 / static_cast<double>(steps.size());
     return text("  a frame, in ms: assembly %.1f, factor %.1f, solve %.1f, other %.1f\n", assembly * scale,
                 factor * scale, solve * scale, other * scale);
@@ -50,25 +49,22 @@ std::string health_text(const std::vector<solver::StepRecord>& steps) {
         residual = std::isnan(s.residual) ? s.residual : std::max(residual, s.residual);
         stretch = std::max(stretch, s.max_stretch);
     }
-    return text(
-        "  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d, "
-        "largest attachment stretch %.2g mm\n",
-        unconverged, residual, newton / static_cast<double>(steps.size()), most_newton, inverted,
-        1000 * stretch);
+    return text("  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d, "
+                "largest attachment stretch %.2g mm\n",
+                unconverged, residual, newton / static_cast<double>(steps.size()), most_newton, inverted,
+                1000 * stretch);
 }
 
 } // namespace
 
 int RunReport::unconverged() const {
-    return static_cast<int>(std::count_if(frames.begin(), frames.end(),
-                                          [](const FrameReport& f) { return f.step && !f.step->converged; }));
+    return static_cast<int>(
+        std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.step && !f.step->converged; }));
 }
 
 std::string report_json(const RunReport& r) {
-    Json out = {
-        {"version", SINEW_VERSION}, {"machine", machine_name()}, {"threads", r.threads}, {"graph", r.graph}};
-    const auto reused =
-        std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
+    Json out = {{"version", SINEW_VERSION}, {"machine", machine_name()}, {"threads", r.threads}, {"graph", r.graph}};
+    const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
     out["totals"] = {{"wall_s", r.wall_s},
                      {"setup_s", r.setup_s},
                      {"frames_simulated", r.frames_simulated},
@@ -98,8 +94,7 @@ std::string summary(const RunReport& r) {
     double in_frames = 0;
     for (const FrameReport& f : r.frames) in_frames += f.wall_s;
     if (count)
-        out += text(": set-up %.2f s, then %.0f ms a frame", r.setup_s,
-                    1000 * in_frames / static_cast<double>(count));
+        out += text(": set-up %.2f s, then %.0f ms a frame", r.setup_s, 1000 * in_frames / static_cast<double>(count));
     if (r.frames_simulated) out += text("; %d simulated", r.frames_simulated);
     if (r.size)
         out += text("; %lld bodies, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
@@ -111,8 +106,7 @@ std::string summary(const RunReport& r) {
 
 std::string clock_text(double seconds) {
     const long long s = std::llround(std::clamp(seconds, 0.0, 1e9));
-    return s < 3600 ? text("%lld:%02lld", s / 60, s % 60)
-                    : text("%lld:%02lld:%02lld", s / 3600, s / 60 % 60, s % 60);
+    return s < 3600 ? text("%lld:%02lld", s / 60, s % 60) : text("%lld:%02lld:%02lld", s / 3600, s / 60 % 60, s % 60);
 }
 
 } // namespace sinew::cli

@@ -21,8 +21,7 @@ Eigen::Matrix3Xd as_columns(const Points& points) {
 /// The rotation that brings `from` nearest to `to`, both about their centres (Kabsch 1978). Not a reflection,
 /// even where that would fit better.
 Eigen::Quaterniond best_rotation(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose(),
-                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
     Eigen::Vector3d sign(1, 1, 1);
     if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
     const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
@@ -48,14 +47,12 @@ std::optional<RigidMotion> find_rigid_motion(const std::vector<std::shared_ptr<c
             const Eigen::Matrix3Xd now = as_columns(*pose);
             fit.translation = now.rowwise().mean();
             fit.rotation = best_rotation(rest, now.colwise() - fit.translation);
-            const Eigen::Matrix3Xd off =
-                (fit.rotation.toRotationMatrix() * rest).colwise() + fit.translation - now;
+            const Eigen::Matrix3Xd off = (fit.rotation.toRotationMatrix() * rest).colwise() + fit.translation - now;
             if (!(off.colwise().norm().maxCoeff() <= allowed)) return {};
             out.moves = true;
         }
         // q and -q are one rotation; a viewer that blends two frames must not take the long way round.
-        if (!out.poses.empty() && out.poses.back().rotation.dot(fit.rotation) < 0)
-            fit.rotation.coeffs() *= -1;
+        if (!out.poses.empty() && out.poses.back().rotation.dot(fit.rotation) < 0) fit.rotation.coeffs() *= -1;
         out.poses.push_back(fit);
     }
     return out;

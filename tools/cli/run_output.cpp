@@ -11,8 +11,7 @@ namespace sinew::cli {
 
 namespace fs = std::filesystem;
 
-RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps,
-                     SceneAxes axes)
+RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps, SceneAxes axes)
     : folder_(std::move(folder))
     , formats_(std::move(formats))
     , title_(std::move(title))
@@ -27,8 +26,7 @@ void RunOutput::note(const fs::path& path) {
     if (std::find(written_.begin(), written_.end(), path) == written_.end()) written_.push_back(path);
 }
 
-void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int frame,
-                    const engine::Value& value) {
+void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int frame, const engine::Value& value) {
     if (pending_.valid()) pending_.get();
     if (value.is<nodes::FileContent>()) {
         const auto& file = value.as<nodes::FileContent>();
@@ -55,8 +53,7 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
     if (formats_.contains("glb")) keep_for_glb(labels, meshes, frame);
 }
 
-void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes,
-                             int frame) {
+void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame) {
     if (animation_.frames.empty() || animation_.frames.back() != frame) animation_.frames.push_back(frame);
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         const auto [it, is_new] = animated_.emplace(labels[i].name, animation_.bodies.size());

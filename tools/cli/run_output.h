@@ -33,8 +33,7 @@ class RunOutput {
     std::size_t older_files() const;
 
   private:
-    void keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes,
-                      int frame);
+    void keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame);
     void note(const std::filesystem::path& path);
 
     std::filesystem::path folder_;

@@ -40,11 +40,9 @@ std::optional<UnfinishedRun> read_mark(const fs::path& file) {
     try {
         UnfinishedRun run;
         run.graph = j.value("graph", "");
-        run.first = j.at("first").get<int>(), run.last = j.at("last").get<int>(),
-        run.count = j.value("count", 0);
+        run.first = j.at("first").get<int>(), run.last = j.at("last").get<int>(), run.count = j.value("count", 0);
         if (const auto it = j.find("error"); it != j.end() && it->is_object())
-            run.error = {it->value("frame", 0), it->value("code", ""), it->value("node", ""),
-                         it->value("message", "")};
+            run.error = {it->value("frame", 0), it->value("code", ""), it->value("node", ""), it->value("message", "")};
         run.is_alive = !run.error && runs_here(j);
         return run;
     } catch (const json::exception&) {

@@ -16,8 +16,7 @@ void check_writable(const std::filesystem::path& folder, std::string_view flag) 
     if (!error && access(folder.c_str(), W_OK) == 0) return;
     engine::Diagnostic d;
     d.code = "IO405";
-    d.message =
-        "cannot write into '" + folder.string() + "': " + (error ? error.message() : std::strerror(errno));
+    d.message = "cannot write into '" + folder.string() + "': " + (error ? error.message() : std::strerror(errno));
     d.hint = "choose another folder with " + std::string(flag);
     throw engine::Failure(d);
 }

@@ -13,8 +13,7 @@ namespace sinew::render {
 
 namespace {
 
-constexpr double half_view_tangent =
-    0.2; // of the shorter side: a long lens, about 23 degrees, keeps proportions
+constexpr double half_view_tangent = 0.2; // of the shorter side: a long lens, about 23 degrees, keeps proportions
 
 struct NamedView {
     std::string_view name;
@@ -44,8 +43,7 @@ std::optional<View> parse_view(std::string_view text) {
         if (v.name == text) return View{v.azimuth, v.elevation};
     const std::size_t comma = text.find(',');
     if (comma == std::string_view::npos) return {};
-    const auto azimuth = parse_degrees(text.substr(0, comma)),
-               elevation = parse_degrees(text.substr(comma + 1));
+    const auto azimuth = parse_degrees(text.substr(0, comma)), elevation = parse_degrees(text.substr(comma + 1));
     if (!azimuth || !elevation || std::abs(*elevation) > 90) return {};
     return View{*azimuth, *elevation};
 }
@@ -88,15 +86,12 @@ Camera Framing::camera() const {
     Camera camera = axes_;
     if (!std::isfinite(nearest_)) return camera; // no points: any camera shows all of them
     double depth = std::min(horizontal_.apex(tx_), vertical_.apex(ty_));
-    depth = std::min(
-        depth, nearest_ - 1e-3 * std::max(1e-6, std::abs(nearest_))); // a lone point or a line seen end on
-    camera.eye =
-        horizontal_.centre() * camera.right + vertical_.centre() * camera.up - depth * camera.backward;
+    depth = std::min(depth, nearest_ - 1e-3 * std::max(1e-6, std::abs(nearest_))); // a lone point or a line seen end on
+    camera.eye = horizontal_.centre() * camera.right + vertical_.centre() * camera.up - depth * camera.backward;
     return camera;
 }
 
-Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect,
-                    double margin) {
+Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect, double margin) {
     Framing framing(view, aspect, margin);
     for (const Points* list : points) framing.add(*list);
     return framing.camera();

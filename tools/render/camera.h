@@ -35,9 +35,7 @@ struct Camera {
         return {right.dot(d), up.dot(d), -backward.dot(d)};
     }
     /// Unit direction through the point (u, v) of the picture, both in -1…1, v upwards.
-    Vec3 ray(double u, double v) const {
-        return (u * tan_x * right + v * tan_y * up - backward).normalized();
-    }
+    Vec3 ray(double u, double v) const { return (u * tan_x * right + v * tan_y * up - backward).normalized(); }
 };
 
 /// Collects points, and gives the camera nearest to them that looks in the view's direction and whose picture
@@ -66,7 +64,6 @@ class Framing {
 
 /// The camera nearest to the scene, looking in the view's direction, whose picture holds every point.
 /// \param aspect width / height; \param margin share of the picture kept free at each border
-Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect,
-                    double margin = 0.05);
+Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect, double margin = 0.05);
 
 } // namespace sinew::render

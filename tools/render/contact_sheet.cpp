@@ -60,10 +60,9 @@ Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width,
     const Grid grid = arrange(static_cast<int>(shots.size()), width, height, scene_aspect(points, view));
     const Camera camera = frame_points(points, view, static_cast<double>(grid.cell_width) / grid.cell_height);
     for (int i = 0; i < static_cast<int>(shots.size()); ++i) {
-        const Image picture = labelled_picture(shots[static_cast<std::size_t>(i)], camera, grid.cell_width,
-                                               grid.cell_height, smoothing);
-        paste(sheet, picture, i % grid.columns * (grid.cell_width + gap),
-              i / grid.columns * (grid.cell_height + gap));
+        const Image picture =
+            labelled_picture(shots[static_cast<std::size_t>(i)], camera, grid.cell_width, grid.cell_height, smoothing);
+        paste(sheet, picture, i % grid.columns * (grid.cell_width + gap), i / grid.columns * (grid.cell_height + gap));
     }
     return sheet;
 }

@@ -85,8 +85,8 @@ void draw_text(Image& image, int x, int y, std::string_view text, Pixel colour, 
         const Glyph& glyph = glyph_of(letter);
         for (int row = 0; row < glyph_height * scale; ++row)
             for (int column = 0; column < glyph_width * scale; ++column) {
-                const char mark = glyph.rows[static_cast<std::size_t>(row / scale)]
-                                            [static_cast<std::size_t>(column / scale)];
+                const char mark =
+                    glyph.rows[static_cast<std::size_t>(row / scale)][static_cast<std::size_t>(column / scale)];
                 const int px = x + column, py = y + row;
                 if (mark == '#' && px >= 0 && py >= 0 && px < image.width && py < image.height)
                     image.at(px, py) = colour;

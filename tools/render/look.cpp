@@ -11,10 +11,8 @@ namespace sinew::render {
 
 namespace {
 
-constexpr std::array<std::pair<BodyKind, std::string_view>, 4> words{{{BodyKind::plain, "plain"},
-                                                                      {BodyKind::bone, "bone"},
-                                                                      {BodyKind::tissue, "tissue"},
-                                                                      {BodyKind::cloth, "cloth"}}};
+constexpr std::array<std::pair<BodyKind, std::string_view>, 4> words{
+    {{BodyKind::plain, "plain"}, {BodyKind::bone, "bone"}, {BodyKind::tissue, "tissue"}, {BodyKind::cloth, "cloth"}}};
 
 Eigen::Vector3f srgb(float r, float g, float b) { return {to_linear(r), to_linear(g), to_linear(b)}; }
 
@@ -52,8 +50,7 @@ Look look_of(BodyKind kind, std::string_view name, int index) {
     case BodyKind::bone:
         return {srgb(0.93f, 0.885f, 0.79f) * (1 + 0.04f * shift), 0, 0.15f};
     case BodyKind::tissue:
-        if (mentions(name, {"tendon", "ligament", "fascia"}))
-            return {srgb(0.87f, 0.80f, 0.72f), 0.35f, 0.35f};
+        if (mentions(name, {"tendon", "ligament", "fascia"})) return {srgb(0.87f, 0.80f, 0.72f), 0.35f, 0.35f};
         if (mentions(name, {"fat", "skin"})) return {srgb(0.93f, 0.75f, 0.58f), 0, 0.25f};
         return {srgb(0.68f + 0.03f * shift, 0.235f - 0.02f * shift, 0.2f + 0.005f * shift), 1, 0.4f};
     case BodyKind::cloth:
@@ -71,9 +68,7 @@ Look look_of(BodyKind kind, std::string_view name, int index) {
     return {srgb(c[0], c[1], c[2]), 0, 0.25f};
 }
 
-float to_linear(float srgb) {
-    return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f);
-}
+float to_linear(float srgb) { return srgb <= 0.04045f ? srgb / 12.92f : std::pow((srgb + 0.055f) / 1.055f, 2.4f); }
 
 float to_srgb(float linear) {
     return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1 / 2.4f) - 0.055f;

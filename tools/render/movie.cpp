@@ -90,14 +90,13 @@ std::string Movie::encode(const fs::path& ffmpeg, double fps, std::stop_token st
     std::ostringstream rate;
     rate << fps;
     const fs::path file = folder_ / "movie.mp4", log = folder_ / "log";
-    const auto status = run({ffmpeg.string(), "-nostdin", "-loglevel", "error", "-framerate", rate.str(),
-                             "-i", (folder_ / "frame_%04d.png").string(), "-c:v", "libx264", "-pix_fmt",
-                             "yuv420p", "-movflags", "+faststart", file.string()},
+    const auto status = run({ffmpeg.string(), "-nostdin", "-loglevel", "error", "-framerate", rate.str(), "-i",
+                             (folder_ / "frame_%04d.png").string(), "-c:v", "libx264", "-pix_fmt", "yuv420p",
+                             "-movflags", "+faststart", file.string()},
                             log, stop);
     if (!status) return {};
     std::string bytes = text_of(file);
-    if (*status != 0 || bytes.empty())
-        throw MovieError(ffmpeg.string() + " made no movie. It said:\n" + text_of(log));
+    if (*status != 0 || bytes.empty()) throw MovieError(ffmpeg.string() + " made no movie. It said:\n" + text_of(log));
     return bytes;
 }
 

@@ -52,8 +52,7 @@ struct ShadowFrame {
 
 /// Evenly spread angles that differ from sample to sample without a pattern; a function of the place alone.
 float turn(int x, int y) {
-    std::uint32_t h =
-        static_cast<std::uint32_t>(x) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca77u;
+    std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9e3779b1u ^ static_cast<std::uint32_t>(y) * 0x85ebca77u;
     h = (h ^ (h >> 15)) * 0x2c1b3c6du;
     h = (h ^ (h >> 12)) * 0x297a2d39u;
     return static_cast<float>(h >> 8) * (2 * std::numbers::pi_v<float> / 16777216.0f);
@@ -69,8 +68,8 @@ Eigen::Vector2f spiral(int k, int n, float start) {
 class Painter {
   public:
     /// \param smoothing samples to a pixel, for the width of segments
-    Painter(const std::vector<Surface>& surfaces, const std::vector<Segment>& segments, const Camera& camera,
-            int width, int height, int smoothing)
+    Painter(const std::vector<Surface>& surfaces, const std::vector<Segment>& segments, const Camera& camera, int width,
+            int height, int smoothing)
         : surfaces_(surfaces)
         , segments_(segments)
         , width_(width)
@@ -97,8 +96,7 @@ class Painter {
         const std::size_t cell = seen_.index(x, y);
         if (seen_.surface[cell] < 0) return background(x, y);
         const auto s = static_cast<std::size_t>(seen_.surface[cell]);
-        if (s == surfaces_.size())
-            return segments_[static_cast<std::size_t>(seen_.triangle[cell]) / 2].colour;
+        if (s == surfaces_.size()) return segments_[static_cast<std::size_t>(seen_.triangle[cell]) / 2].colour;
         const Surface& surface = surfaces_[s];
         const solver::Triangle& t = surface.triangles[static_cast<std::size_t>(seen_.triangle[cell])];
         const auto a = static_cast<std::size_t>(t[0]), b = static_cast<std::size_t>(t[1]),
@@ -131,8 +129,7 @@ class Painter {
   private:
     /// Two triangles a segment that face the eye, a little nearer than it, so that lines on a surface are
     /// seen.
-    ScreenSurface ribbons(const Camera& camera, int smoothing,
-                          std::vector<solver::Triangle>& triangles) const {
+    ScreenSurface ribbons(const Camera& camera, int smoothing, std::vector<solver::Triangle>& triangles) const {
         ScreenSurface out;
         for (const Segment& segment : segments_) {
             const Vec3f from = camera.to_camera(segment.from).cast<float>(),
@@ -171,10 +168,8 @@ class Painter {
                 const Vec3f q = camera.to_camera(p).cast<float>();
                 posed.points.push_back(q);
                 box.extend(q);
-                left = std::min(left, shadow_frame_.x.dot(q)),
-                right = std::max(right, shadow_frame_.x.dot(q));
-                bottom = std::min(bottom, shadow_frame_.y.dot(q)),
-                top = std::max(top, shadow_frame_.y.dot(q));
+                left = std::min(left, shadow_frame_.x.dot(q)), right = std::max(right, shadow_frame_.x.dot(q));
+                bottom = std::min(bottom, shadow_frame_.y.dot(q)), top = std::max(top, shadow_frame_.y.dot(q));
             }
             for (const Vec3& n : surface.normals)
                 posed.normals.push_back(
@@ -230,14 +225,13 @@ class Painter {
         float covered = 0;
         for (int k = 0; k < cavity_samples; ++k) {
             const Eigen::Vector2f d = cells * spiral(k, cavity_samples, start);
-            const int sx = x + static_cast<int>(std::lround(d[0])),
-                      sy = y + static_cast<int>(std::lround(d[1]));
+            const int sx = x + static_cast<int>(std::lround(d[0])), sy = y + static_cast<int>(std::lround(d[1]));
             if (sx < 0 || sy < 0 || sx >= width_ || sy >= height_) continue;
             const std::size_t cell = seen_.index(sx, sy);
             if (seen_.surface[cell] < 0) continue;
-            const Vec3f to = unproject(static_cast<float>(sx) + 0.5f, static_cast<float>(sy) + 0.5f,
-                                       1 / seen_.nearness[cell]) -
-                             point;
+            const Vec3f to =
+                unproject(static_cast<float>(sx) + 0.5f, static_cast<float>(sy) + 0.5f, 1 / seen_.nearness[cell]) -
+                point;
             const float distance = to.norm();
             if (distance < 1e-6f * diagonal_) continue;
             const float ratio = distance / radius;
@@ -250,8 +244,7 @@ class Painter {
     float lit_share(const Vec3f& point, const Vec3f& normal, int x, int y) const {
         const float cell_size = 1 / shadow_frame_.scale;
         const ScreenVertex at = shadow_frame_(point + 2.5f * cell_size * normal);
-        const float bias = 2.5f * cell_size, blur = 0.004f * diagonal_ * shadow_frame_.scale,
-                    start = turn(y, x);
+        const float bias = 2.5f * cell_size, blur = 0.004f * diagonal_ * shadow_frame_.scale, start = turn(y, x);
         int open = 0;
         for (int k = 0; k < shadow_samples; ++k) {
             const Eigen::Vector2f d = blur * spiral(k, shadow_samples, start);
@@ -262,16 +255,15 @@ class Painter {
         return static_cast<float>(open) / shadow_samples;
     }
 
-    Vec3f light(const Vec3f& colour, float gloss, const Vec3f& point, const Vec3f& normal, const Vec3f& eye,
-                int x, int y) const {
+    Vec3f light(const Vec3f& colour, float gloss, const Vec3f& point, const Vec3f& normal, const Vec3f& eye, int x,
+                int y) const {
         const float open = openness(point, normal, x, y);
         const float up = 0.5f + 0.5f * normal[1];
         Vec3f arriving = 0.55f * open * (up * sky + (1 - up) * ground);
         const float key_cosine = normal.dot(key.towards);
         const float share = key_cosine > -0.2f ? lit_share(point, normal, x, y) : 0.0f;
         // The key light wraps a little around the edge of the shadow, as it does in soft tissue.
-        arriving +=
-            key.colour * (share * std::max(0.0f, (key_cosine + 0.2f) / 1.2f) * (0.4f + 0.6f * open) * 0.5f);
+        arriving += key.colour * (share * std::max(0.0f, (key_cosine + 0.2f) / 1.2f) * (0.4f + 0.6f * open) * 0.5f);
         arriving += fill.colour * (std::max(0.0f, normal.dot(fill.towards)) * open * 0.5f);
         arriving += rim.colour * (std::max(0.0f, normal.dot(rim.towards)) * open * 0.5f);
         const float highlight = std::pow(std::max(0.0f, normal.dot((key.towards + eye).normalized())), 38.0f);
@@ -311,8 +303,8 @@ Points grain_of(const Points& rest) {
     return out;
 }
 
-Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height,
-                   int smoothing, const std::vector<Segment>& segments) {
+Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height, int smoothing,
+                   const std::vector<Segment>& segments) {
     const auto is_solid = [](const Surface& s) { return s.opacity >= 1; };
     std::vector<Surface> solids = surfaces, veils;
     const auto first_veil = std::stable_partition(solids.begin(), solids.end(), is_solid);
@@ -333,8 +325,7 @@ Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, i
         for (int x = 0; x < width; ++x) {
             Vec3f sum = Vec3f::Zero();
             for (int j = 0; j < smoothing; ++j)
-                for (int i = 0; i < smoothing; ++i)
-                    sum += sample(x * smoothing + i, y * smoothing + j).cwiseMin(1.0f);
+                for (int i = 0; i < smoothing; ++i) sum += sample(x * smoothing + i, y * smoothing + j).cwiseMin(1.0f);
             sum /= static_cast<float>(smoothing * smoothing);
             for (int k = 0; k < 3; ++k)
                 out.at(x, y)[static_cast<std::size_t>(k)] =

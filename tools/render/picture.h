@@ -32,8 +32,8 @@ struct Segment {
 Points grain_of(const Points& rest);
 
 /// \param smoothing  samples along each side of a pixel
-Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height,
-                   int smoothing = 3, const std::vector<Segment>& segments = {});
+Image draw_picture(const std::vector<Surface>& surfaces, const Camera& camera, int width, int height, int smoothing = 3,
+                   const std::vector<Segment>& segments = {});
 
 /// One picture of a contact sheet.
 struct Shot {
@@ -47,7 +47,6 @@ Image labelled_picture(const Shot& shot, const Camera& camera, int width, int he
 
 /// Several shots side by side, wrapped into rows so that each is as large as possible, all with one camera
 /// that frames the points of every shot.
-Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height,
-                    int smoothing = 3);
+Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height, int smoothing = 3);
 
 } // namespace sinew::render

@@ -18,22 +18,17 @@ struct Corners {
 
 Corners corners(const ScreenSurface& surface, const solver::Triangle& t) {
     const auto& v = surface.vertices;
-    return {&v[static_cast<std::size_t>(t[0])], &v[static_cast<std::size_t>(t[1])],
-            &v[static_cast<std::size_t>(t[2])]};
+    return {&v[static_cast<std::size_t>(t[0])], &v[static_cast<std::size_t>(t[1])], &v[static_cast<std::size_t>(t[2])]};
 }
 
 /// First and last cell whose centre lies in [low, high], cut to [first, last].
 std::pair<int, int> cells(float low, float high, int first, int last) {
     const float from = std::ceil(low - 0.5f), to = std::floor(high - 0.5f);
-    return {from <= static_cast<float>(first)
-                ? first
-                : static_cast<int>(std::min(from, static_cast<float>(last) + 1)),
-            to >= static_cast<float>(last) ? last
-                                           : static_cast<int>(std::max(to, static_cast<float>(first) - 1))};
+    return {from <= static_cast<float>(first) ? first : static_cast<int>(std::min(from, static_cast<float>(last) + 1)),
+            to >= static_cast<float>(last) ? last : static_cast<int>(std::max(to, static_cast<float>(first) - 1))};
 }
 
-void draw_triangle(Visibility& out, const Corners& k, int surface, int triangle, int first_row,
-                   int last_row) {
+void draw_triangle(Visibility& out, const Corners& k, int surface, int triangle, int first_row, int last_row) {
     const auto [y0, y1] =
         cells(std::min({k.a->y, k.b->y, k.c->y}), std::max({k.a->y, k.b->y, k.c->y}), first_row, last_row);
     const auto [x0, x1] =
@@ -43,8 +38,7 @@ void draw_triangle(Visibility& out, const Corners& k, int surface, int triangle,
     if (twice_area == 0 || !std::isfinite(twice_area)) return;
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x) {
-            const float px = static_cast<float>(x) + 0.5f - k.a->x,
-                        py = static_cast<float>(y) + 0.5f - k.a->y;
+            const float px = static_cast<float>(x) + 0.5f - k.a->x, py = static_cast<float>(y) + 0.5f - k.a->y;
             const float b = (px * acy - py * acx) / twice_area, c = (abx * py - aby * px) / twice_area;
             if (b < 0 || c < 0 || b + c > 1) continue;
             const float near =

@@ -74,8 +74,7 @@ Points ShadingMesh::gather(const Points& points) const {
     return out;
 }
 
-ShadingMesh split_creases(const Points& points, const std::vector<Triangle>& triangles,
-                          double crease_degrees) {
+ShadingMesh split_creases(const Points& points, const std::vector<Triangle>& triangles, double crease_degrees) {
     Points normals;
     normals.reserve(triangles.size());
     for (const Triangle& t : triangles) {
@@ -101,10 +100,9 @@ ShadingMesh split_creases(const Points& points, const std::vector<Triangle>& tri
     // Shading vertices in the order of the original vertices, so that an unsplit mesh keeps its numbering.
     std::map<std::pair<int, int>, int> numbers; // (vertex, root corner) -> shading vertex
     for (int corner = 0; corner < static_cast<int>(3 * triangles.size()); ++corner)
-        numbers.emplace(
-            std::pair(triangles[static_cast<std::size_t>(corner / 3)][static_cast<std::size_t>(corner % 3)],
-                      corners.root(corner)),
-            0);
+        numbers.emplace(std::pair(triangles[static_cast<std::size_t>(corner / 3)][static_cast<std::size_t>(corner % 3)],
+                                  corners.root(corner)),
+                        0);
     ShadingMesh out;
     for (auto& [key, number] : numbers) {
         number = static_cast<int>(out.source.size());
@@ -114,9 +112,8 @@ ShadingMesh split_creases(const Points& points, const std::vector<Triangle>& tri
     for (int t = 0; t < static_cast<int>(triangles.size()); ++t) {
         Triangle split;
         for (int k = 0; k < 3; ++k)
-            split[static_cast<std::size_t>(k)] =
-                numbers.at({triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)],
-                            corners.root(3 * t + k)});
+            split[static_cast<std::size_t>(k)] = numbers.at(
+                {triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(k)], corners.root(3 * t + k)});
         out.triangles.push_back(split);
     }
     return out;

@@ -2,12 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/asset.h"
 
-#define SINEW_INCLUDE_BYTES(NAME, FILE)                                                                      \
-    asm(".pushsection .rodata\n"                                                                             \
-        ".global " #NAME "_begin\n.global " #NAME "_end\n" #NAME "_begin:\n.incbin \"" FILE "\"\n" #NAME     \
-        "_end:\n"                                                                                            \
-        ".popsection\n");                                                                                    \
-    extern "C" const char NAME##_begin[];                                                                    \
+#define SINEW_INCLUDE_BYTES(NAME, FILE)                                                                                \
+    asm(".pushsection .rodata\n"                                                                                       \
+        ".global " #NAME "_begin\n.global " #NAME "_end\n" #NAME "_begin:\n.incbin \"" FILE "\"\n" #NAME "_end:\n"     \
+        ".popsection\n");                                                                                              \
+    extern "C" const char NAME##_begin[];                                                                              \
     extern "C" const char NAME##_end[]
 
 SINEW_INCLUDE_BYTES(sinew_viewer_script, SINEW_VIEWER_ASSET "/viewer.js");

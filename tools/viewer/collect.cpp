@@ -47,8 +47,7 @@ class Collector {
         const cli::SceneAxes axes = cli::scene_axes(graph, cli::upstream_of(graph, nodes));
         scene_.units_per_metre = axes.units_per_metre, scene_.up = axes.up;
         for (Plug& plug : shown) {
-            const bool is_solver =
-                plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
+            const bool is_solver = plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
             sources_.push_back({std::move(plug), is_solver, {}, {}, {}, {}});
         }
     }
@@ -110,8 +109,7 @@ class Collector {
         const engine::Graph& graph = *e_.graph;
         const auto labels = cli::body_labels(graph, source.meshes, meshes.size());
         if (source.is_solver)
-            for (const Plug& plug : connections(graph, source.meshes.node, "bodies"))
-                source.nodes.push_back(plug.node);
+            for (const Plug& plug : connections(graph, source.meshes.node, "bodies")) source.nodes.push_back(plug.node);
         source.given = source.nodes;
         source.nodes.resize(meshes.size(), source.meshes.node);
         for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -157,15 +155,15 @@ class Collector {
         const engine::NodeType& type = *e_.graph->find(source.meshes.node)->type;
         const std::size_t header = engine::wrap_state(type, {}, {}).size();
         const nodes::SimulationState state = nodes::load_simulation(std::span(saved).subspan(header));
-        const std::vector<std::string> names = acting_attachments(
-            *e_.graph, source.meshes.node, solved, [&](const Plug& plug) { return pull(plug, frame); });
+        const std::vector<std::string> names = acting_attachments(*e_.graph, source.meshes.node, solved,
+                                                                  [&](const Plug& plug) { return pull(plug, frame); });
         for (std::size_t a = 0; a < state.state.anchors.size() && a < state.scene.links.size(); ++a) {
             const auto [from, to] = state.scene.links[a];
             if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
             const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
                               target_body = source.solved[static_cast<std::size_t>(to)];
-            ViewAttachment view = attachment_of(
-                state.state.anchors[a], *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
+            ViewAttachment view = attachment_of(state.state.anchors[a], *solved.rests[static_cast<std::size_t>(to)],
+                                                scene_.units_per_metre);
             view.node = a < names.size() ? names[a] : "";
             view.source = static_cast<int>(source.bodies[source_body]);
             view.target = static_cast<int>(source.bodies[target_body]);

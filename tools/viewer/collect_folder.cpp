@@ -30,8 +30,7 @@ std::optional<double> units_of(const fs::path& obj) {
     return cli::to_number(line.substr(comma + 2, line.find(' ', comma + 2) - comma - 2));
 }
 
-std::shared_ptr<const engine::Graph> find_graph(const fs::path& folder, const std::string& named,
-                                                ViewScene& scene) {
+std::shared_ptr<const engine::Graph> find_graph(const fs::path& folder, const std::string& named, ViewScene& scene) {
     std::vector<fs::path> places{folder / "graph.json"};
     if (!named.empty()) {
         places.push_back(named);
@@ -42,8 +41,7 @@ std::shared_ptr<const engine::Graph> find_graph(const fs::path& folder, const st
         try {
             return engine::load_graph(nodes::make_registry(), place.string()).graph;
         } catch (const engine::Failure&) {
-            scene.notes.push_back(
-                {true, "The graph " + place.string() + " cannot be read; its nodes are not shown."});
+            scene.notes.push_back({true, "The graph " + place.string() + " cannot be read; its nodes are not shown."});
             return nullptr;
         }
     }
@@ -57,8 +55,7 @@ std::vector<int> chosen(const std::set<int>& there, const std::vector<int>& want
     for (const int f : wanted)
         if (!there.contains(f)) absent.push_back(f);
     if (!absent.empty())
-        scene.notes.push_back(
-            {true, "The folder has no frame " + frame_list(absent) + ", which --frames asks for."});
+        scene.notes.push_back({true, "The folder has no frame " + frame_list(absent) + ", which --frames asks for."});
     return out;
 }
 
@@ -87,14 +84,13 @@ fs::file_time_type written(const cli::SequenceFolder& found, int frame) {
 }
 
 bool overlap(const FoundReport& a, const FoundReport& b) {
-    return std::any_of(a.frames.begin(), a.frames.end(),
-                       [&](const auto& f) { return b.frames.contains(f.first); });
+    return std::any_of(a.frames.begin(), a.frames.end(), [&](const auto& f) { return b.frames.contains(f.first); });
 }
 
 /// Frames of an older run that the newest report does not know are taken out, unless they were asked for.
 /// Ranges that several runs share a folder for have reports that do not overlap; those frames belong.
-void drop_stale(const cli::SequenceFolder& found, const std::vector<FoundReport>& reports,
-                std::set<int>& frames, bool are_chosen, ViewScene& scene) {
+void drop_stale(const cli::SequenceFolder& found, const std::vector<FoundReport>& reports, std::set<int>& frames,
+                bool are_chosen, ViewScene& scene) {
     if (reports.empty() || reports.front().frames.empty()) return;
     const FoundReport& newest = reports.front();
     const std::string name = newest.file.filename().string();
@@ -108,12 +104,11 @@ void drop_stale(const cli::SequenceFolder& found, const std::vector<FoundReport>
         (written(found, frame) <= newest.written ? stale : unlisted).push_back(frame);
     }
     if (!unlisted.empty())
-        scene.notes.push_back({true, frames_text(unlisted) + (unlisted.size() == 1 ? " is" : " are") +
-                                         " newer than " + name + ", which does not list " +
-                                         (unlisted.size() == 1 ? "it." : "them.")});
+        scene.notes.push_back({true, frames_text(unlisted) + (unlisted.size() == 1 ? " is" : " are") + " newer than " +
+                                         name + ", which does not list " + (unlisted.size() == 1 ? "it." : "them.")});
     if (stale.empty()) return;
-    const std::string which = frames_text(stale) + (stale.size() == 1 ? " is" : " are") +
-                              " stale: older than " + name + " and not listed there, so from an earlier run.";
+    const std::string which = frames_text(stale) + (stale.size() == 1 ? " is" : " are") + " stale: older than " + name +
+                              " and not listed there, so from an earlier run.";
     if (are_chosen || stale.size() == frames.size()) {
         scene.notes.push_back({true, which});
         return;
@@ -124,21 +119,19 @@ void drop_stale(const cli::SequenceFolder& found, const std::vector<FoundReport>
 
 /// What became of the runs that wrote here.
 void note_ends(const fs::path& folder, const std::vector<FoundReport>& reports, ViewScene& scene) {
-    if (!reports.empty() && reports.front().error)
-        scene.notes.push_back({true, ended_early(*reports.front().error)});
+    if (!reports.empty() && reports.front().error) scene.notes.push_back({true, ended_early(*reports.front().error)});
     for (const cli::UnfinishedRun& run : cli::find_unfinished(folder)) {
-        const std::string range = run.count <= 1
-                                      ? "frame " + std::to_string(run.first)
-                                      : std::to_string(run.count) + " frames, " + std::to_string(run.first) +
-                                            " to " + std::to_string(run.last);
+        const std::string range = run.count <= 1 ? "frame " + std::to_string(run.first)
+                                                 : std::to_string(run.count) + " frames, " + std::to_string(run.first) +
+                                                       " to " + std::to_string(run.last);
         if (run.error)
             scene.notes.push_back({true, ended_early(*run.error)});
         else
-            scene.notes.push_back(
-                {true, run.is_alive ? "A run is still writing into this folder: " + range + "."
-                                    : "A run into this folder was killed before it was through. It was "
-                                      "to give " +
-                                          range + "."});
+            scene.notes.push_back({true, run.is_alive
+                                             ? "A run is still writing into this folder: " + range + "."
+                                             : "A run into this folder was killed before it was through. It was "
+                                               "to give " +
+                                                   range + "."});
     }
     auto& notes = scene.notes; // the report and the mark may say the same
     for (std::size_t i = 0; i < notes.size(); ++i)
@@ -154,10 +147,9 @@ void note_missing(const Missing& missing, ViewScene& scene) {
     for (const auto& [frames, names] : missing) {
         std::string who;
         for (std::size_t i = 0; i < names.size() && i < most_named; ++i) who += (i ? ", " : "") + names[i];
-        if (names.size() > most_named)
-            who += " and " + std::to_string(names.size() - most_named) + " more bodies";
-        const bool is_last = scene.frames.size() > 1 && scene.bodies.size() > names.size() &&
-                             frames.size() == 1 && frames[0] == scene.frames.back().frame;
+        if (names.size() > most_named) who += " and " + std::to_string(names.size() - most_named) + " more bodies";
+        const bool is_last = scene.frames.size() > 1 && scene.bodies.size() > names.size() && frames.size() == 1 &&
+                             frames[0] == scene.frames.back().frame;
         scene.notes.push_back(
             {true, who + ": nothing for frame" + (frames.size() == 1 ? " " : "s ") + frame_list(frames) +
                        "; hidden there." +
@@ -178,16 +170,14 @@ struct Reference {
 };
 
 BodyRecorder record(const cli::BodySequence& sequence, const std::vector<int>& frames, int index,
-                    const Reference& reference, ViewScene& scene,
-                    std::map<std::size_t, std::pair<int, int>>& counts) {
+                    const Reference& reference, ViewScene& scene, std::map<std::size_t, std::pair<int, int>>& counts) {
     const std::string node = node_of(sequence.label.name, scene.graph);
     BodyRecorder recorder(node.empty() ? sequence.label.name : node, node, sequence.label.kind, index);
     std::string first_error;
     if (reference.rest) {
         recorder.set_rest(*reference.rest);
         // Creases, grain and volume come from the first file, so they do not depend on the frames chosen.
-    } else if (const auto& [first, path] = *sequence.files.begin();
-               !frames.empty() && first < frames.front()) {
+    } else if (const auto& [first, path] = *sequence.files.begin(); !frames.empty() && first < frames.front()) {
         try {
             recorder.set_rest(solver::read_surface(path.string()));
         } catch (const solver::Error&) { // then the first chosen frame serves
@@ -216,8 +206,8 @@ BodyRecorder record(const cli::BodySequence& sequence, const std::vector<int>& f
     return recorder;
 }
 
-ViewBody read_body(const cli::BodySequence& sequence, const std::vector<int>& frames, int index,
-                   Missing& missing, ViewScene& scene) {
+ViewBody read_body(const cli::BodySequence& sequence, const std::vector<int>& frames, int index, Missing& missing,
+                   ViewScene& scene) {
     std::map<std::size_t, std::pair<int, int>> counts; // vertices -> first frame, number of frames
     BodyRecorder recorder = record(sequence, frames, index, {}, scene, counts);
     if (2 * recorder.other_count().size() > frames.size()) {
@@ -245,8 +235,8 @@ void take_reports(const std::vector<FoundReport>& reports, ViewScene& scene) {
             }
 }
 
-void add_frames(const std::vector<int>& frames, const std::vector<int>& wanted,
-                const std::vector<FoundReport>& reports, ViewScene& scene) {
+void add_frames(const std::vector<int>& frames, const std::vector<int>& wanted, const std::vector<FoundReport>& reports,
+                ViewScene& scene) {
     if (wanted.empty()) note_gaps(frames, scene); // chosen frames have gaps by choice
     for (const int frame : frames) scene.frames.push_back({.frame = frame});
     take_reports(reports, scene);
@@ -259,15 +249,13 @@ void read_sequences(const cli::SequenceFolder& found, const std::vector<FoundRep
         scene.units_per_metre = *units;
     std::set<int> there = found.frames;
     if (!wanted.empty())
-        std::erase_if(there,
-                      [&](int f) { return std::find(wanted.begin(), wanted.end(), f) == wanted.end(); });
+        std::erase_if(there, [&](int f) { return std::find(wanted.begin(), wanted.end(), f) == wanted.end(); });
     drop_stale(found, reports, there, !wanted.empty(), scene);
     const std::vector<int> frames = chosen(wanted.empty() ? there : found.frames, wanted, scene);
     add_frames(frames, wanted, reports, scene);
     Missing missing;
     for (const cli::BodySequence& body : found.bodies)
-        scene.bodies.push_back(
-            read_body(body, frames, static_cast<int>(scene.bodies.size()), missing, scene));
+        scene.bodies.push_back(read_body(body, frames, static_cast<int>(scene.bodies.size()), missing, scene));
     std::erase_if(scene.bodies, [](const ViewBody& b) { return b.rest.empty(); });
     note_missing(missing, scene);
 }
@@ -282,8 +270,7 @@ void read_glb(const fs::path& file, const std::vector<FoundReport>& reports, con
         std::vector<ViewBody> bodies = run.bodies(frames, scene.notes);
         add_frames(frames, wanted, reports, scene);
         for (ViewBody& body : bodies) {
-            if (const std::string node = node_of(body.name, scene.graph); !node.empty())
-                body.name = body.node = node;
+            if (const std::string node = node_of(body.name, scene.graph); !node.empty()) body.name = body.node = node;
             scene.bodies.push_back(std::move(body));
         }
     } catch (const std::runtime_error& e) {
@@ -319,10 +306,9 @@ ViewScene collect_folder(const fs::path& folder, const std::vector<int>& wanted)
                                          "`, or give `sinew view` the graph itself."});
     if (scene.bodies.empty()) return scene;
     find_faults(scene);
-    scene.notes.push_back(
-        {false, "Shown from " + (glb.empty() ? "files" : glb.filename().string()) +
-                    ": surfaces only. `sinew view GRAPH` also shows tets, fibres, attachments and "
-                    "heat maps."});
+    scene.notes.push_back({false, "Shown from " + (glb.empty() ? "files" : glb.filename().string()) +
+                                      ": surfaces only. `sinew view GRAPH` also shows tets, fibres, attachments and "
+                                      "heat maps."});
     return scene;
 }
 

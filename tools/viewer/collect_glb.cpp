@@ -55,9 +55,7 @@ struct GlbRun::Content {
     }
 
     std::vector<float> floats(std::size_t accessor) const { return numbers<float>(accessor, 5126); }
-    std::vector<std::uint32_t> indices(std::size_t accessor) const {
-        return numbers<std::uint32_t>(accessor, 5125);
-    }
+    std::vector<std::uint32_t> indices(std::size_t accessor) const { return numbers<std::uint32_t>(accessor, 5125); }
 
     Tracks tracks_of(std::size_t node) const {
         Tracks out;
@@ -85,16 +83,13 @@ struct GlbRun::Content {
     std::vector<T> numbers(std::size_t index, int component) const {
         const json& accessor = document.at("accessors").at(index);
         const json& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
-        static const std::map<std::string, std::size_t> widths{
-            {"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
+        static const std::map<std::string, std::size_t> widths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
         const auto width = widths.find(accessor.at("type").get<std::string>());
         if (accessor.at("componentType") != component || width == widths.end() || view.contains("byteStride"))
             fail("it was not written by Sinew");
         std::vector<T> out(accessor.at("count").get<std::size_t>() * width->second);
-        const std::size_t at =
-            view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
-        if (at > binary.size() || out.size() > (binary.size() - at) / sizeof(T))
-            fail("it ends in the middle");
+        const std::size_t at = view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
+        if (at > binary.size() || out.size() > (binary.size() - at) / sizeof(T)) fail("it ends in the middle");
         if (!out.empty()) std::memcpy(out.data(), binary.data() + at, out.size() * sizeof(T));
         return out;
     }
@@ -141,8 +136,8 @@ std::vector<int> weld(const std::vector<std::vector<float>>& poses, std::size_t&
     return out;
 }
 
-solver::Points welded(const std::vector<float>& pose, const std::vector<float>& base,
-                      const std::vector<int>& to, std::size_t count, double scale) {
+solver::Points welded(const std::vector<float>& pose, const std::vector<float>& base, const std::vector<int>& to,
+                      std::size_t count, double scale) {
     solver::Points out(count, solver::Vec3::Zero());
     for (std::size_t v = 0; v < to.size(); ++v)
         for (std::size_t c = 0; c < 3; ++c) {
@@ -199,16 +194,15 @@ std::vector<ViewBody> GlbRun::bodies(const std::vector<int>& chosen, std::vector
             BodyRecorder recorder(nodes[n].value("name", "body"), extras.value("node", ""),
                                   render::kind_of(extras.value("kind", "")), static_cast<int>(out.size()));
             const auto pose_at = [&](int frame) {
-                const auto f = static_cast<std::size_t>(std::find(in.order.begin(), in.order.end(), frame) -
-                                                        in.order.begin());
+                const auto f =
+                    static_cast<std::size_t>(std::find(in.order.begin(), in.order.end(), frame) - in.order.begin());
                 const auto& pose = f > 0 && f < poses.size() ? poses[f] : poses.front();
                 solver::Points points = welded(pose, poses.front(), to, count, scale);
                 Eigen::Quaterniond q = Eigen::Quaterniond::Identity();
                 solver::Vec3 t(static_cast<double>(still.at(0)), static_cast<double>(still.at(1)),
                                static_cast<double>(still.at(2)));
                 for (int c = 0; c < 4 && !tracks.rotations.empty(); ++c)
-                    q.coeffs()[c] =
-                        static_cast<double>(tracks.rotations.at(4 * f + static_cast<std::size_t>(c)));
+                    q.coeffs()[c] = static_cast<double>(tracks.rotations.at(4 * f + static_cast<std::size_t>(c)));
                 for (int c = 0; c < 3 && !tracks.translations.empty(); ++c)
                     t[c] = static_cast<double>(tracks.translations.at(3 * f + static_cast<std::size_t>(c)));
                 q.normalize();

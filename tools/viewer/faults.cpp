@@ -46,8 +46,7 @@ void mend_frames(std::vector<Coordinates>& frames, Coordinates& rest, std::vecto
 struct Box {
     Point low{INFINITY, INFINITY, INFINITY}, high{-INFINITY, -INFINITY, -INFINITY};
     void add(const Point& p) {
-        for (std::size_t c = 0; c < 3; ++c)
-            low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
+        for (std::size_t c = 0; c < 3; ++c) low[c] = std::min(low[c], p[c]), high[c] = std::max(high[c], p[c]);
     }
     bool is_empty() const { return !(low[0] <= high[0]); }
 };
@@ -83,8 +82,7 @@ double lower_median(std::vector<double> values) {
 
 double reach(const Box& box, const Point& from) {
     double squared = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-        squared += std::pow(std::max(from[c] - box.low[c], box.high[c] - from[c]), 2);
+    for (std::size_t c = 0; c < 3; ++c) squared += std::pow(std::max(from[c] - box.low[c], box.high[c] - from[c]), 2);
     return std::sqrt(squared);
 }
 
@@ -94,8 +92,7 @@ double usual_reach(std::vector<double> reaches) {
     const double median = lower_median(reaches);
     std::sort(reaches.begin(), reaches.end());
     for (std::size_t i = (reaches.size() + 3) / 4; i < reaches.size(); ++i)
-        if (reaches[i] > far_outside * reaches[i - 1] && reaches[i - 1] > 0)
-            return std::min(median, reaches[i - 1]);
+        if (reaches[i] > far_outside * reaches[i - 1] && reaches[i - 1] > 0) return std::min(median, reaches[i - 1]);
     return median;
 }
 
@@ -112,8 +109,7 @@ void find_far(const ViewScene& scene, Found& far, std::vector<double>& times) {
     }
     std::array<std::vector<double>, 3> middles;
     for (const Box& box : whole)
-        for (std::size_t c = 0; c < 3 && !box.is_empty(); ++c)
-            middles[c].push_back((box.low[c] + box.high[c]) / 2);
+        for (std::size_t c = 0; c < 3 && !box.is_empty(); ++c) middles[c].push_back((box.low[c] + box.high[c]) / 2);
     if (middles[0].size() < 2) return;
     Point centre{};
     // Of two frames neither is the middle one; the first is believed.
@@ -158,8 +154,8 @@ void note(ViewScene& scene, const Found& found, Say say) {
     for (const auto& [indices, names] : groups) {
         std::vector<int> frames;
         for (const std::size_t f : indices) frames.push_back(scene.frames[f].frame);
-        scene.notes.push_back({true, "Frame" + std::string(frames.size() == 1 ? " " : "s ") +
-                                         frame_list(frames) + ": " + say(indices, names)});
+        scene.notes.push_back({true, "Frame" + std::string(frames.size() == 1 ? " " : "s ") + frame_list(frames) +
+                                         ": " + say(indices, names)});
     }
 }
 

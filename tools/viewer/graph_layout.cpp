@@ -25,8 +25,7 @@ struct Neighbours {
 };
 
 Neighbours neighbours(const GraphDrawing& d) {
-    Neighbours n{std::vector<std::vector<int>>(d.boxes.size()),
-                 std::vector<std::vector<int>>(d.boxes.size())};
+    Neighbours n{std::vector<std::vector<int>>(d.boxes.size()), std::vector<std::vector<int>>(d.boxes.size())};
     for (const GraphWire& w : d.wires) {
         if (w.from == w.to) continue;
         n.left[static_cast<std::size_t>(w.to)].push_back(w.from);
@@ -118,8 +117,7 @@ void fold(const GraphDrawing& d, Layering& l) {
         rows.emplace_back();
         for (const int b : column) {
             const double height = d.boxes[static_cast<std::size_t>(b)].height;
-            if (!rows.back().empty() && height_of(d, rows.back()) + row_gap + height / 2 > share)
-                rows.emplace_back();
+            if (!rows.back().empty() && height_of(d, rows.back()) + row_gap + height / 2 > share) rows.emplace_back();
             rows.back().push_back(b);
         }
     }

@@ -22,8 +22,8 @@ constexpr double letter_width = 6.3, least_width = 130, most_width = 340;
 constexpr std::size_t longest_text = 26;
 
 std::size_t letters(const std::string& text) {
-    return static_cast<std::size_t>(std::count_if(
-        text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+    return static_cast<std::size_t>(
+        std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
 }
 
 std::string shortened(const std::string& text) {
@@ -43,8 +43,7 @@ std::string short_number(double v) {
     if (v == 0 || !std::isfinite(v)) return engine::number_text(v);
     const double unit = std::pow(10.0, 3 - std::floor(std::log10(std::abs(v))));
     const double rounded = std::isfinite(unit) && unit > 0 ? std::round(v * unit) / unit : v;
-    return engine::number_text(std::abs(rounded) >= 1e4 && std::abs(rounded) < 1e15 ? std::round(v)
-                                                                                    : rounded);
+    return engine::number_text(std::abs(rounded) >= 1e4 && std::abs(rounded) < 1e15 ? std::round(v) : rounded);
 }
 
 /// "18.4 kPa" for 18400 Pa; other units as they are.
@@ -77,9 +76,9 @@ std::string value_text(const engine::Value& v, std::string_view unit) {
 std::string curve_text(const engine::Curve& curve) {
     const std::string count = std::to_string(curve.keys.size()) + (curve.keys.size() == 1 ? " key" : " keys");
     if (curve.width() != 1) return count;
-    const auto [least, most] = std::minmax_element(
-        curve.keys.begin(), curve.keys.end(),
-        [](const engine::Key& a, const engine::Key& b) { return a.value[0] < b.value[0]; });
+    const auto [least, most] =
+        std::minmax_element(curve.keys.begin(), curve.keys.end(),
+                            [](const engine::Key& a, const engine::Key& b) { return a.value[0] < b.value[0]; });
     return count + ", " + short_number(least->value[0]) + " … " + short_number(most->value[0]);
 }
 
@@ -119,8 +118,7 @@ void measure(GraphBox& box) {
     for (const GraphRow& row : box.rows)
         widest = std::max(widest, letters(row.attribute) + letters(row.text) + (row.text.empty() ? 2 : 4));
     const double title = 8.1 * static_cast<double>(letters(box.name)) + 20; // bold and larger
-    box.width =
-        std::clamp(std::max(title, letter_width * static_cast<double>(widest) + 16), least_width, most_width);
+    box.width = std::clamp(std::max(title, letter_width * static_cast<double>(widest) + 16), least_width, most_width);
     box.height = head_height + row_height * static_cast<double>(box.rows.size()) + foot_height;
 }
 

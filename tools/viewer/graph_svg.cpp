@@ -42,10 +42,9 @@ constexpr const char* style = R"(<style>
 
 std::string family_rules() {
     std::string out;
-    for (const char* family :
-         {"solver", "body", "matter", "attachment", "geometry", "paint", "value", "unknown"})
-        out += ".sinew-graph .f-" + std::string(family) + " .band,.sinew-graph .f-" + family +
-               " .dot{fill:var(--c-" + family + ")}\n";
+    for (const char* family : {"solver", "body", "matter", "attachment", "geometry", "paint", "value", "unknown"})
+        out += ".sinew-graph .f-" + std::string(family) + " .band,.sinew-graph .f-" + family + " .dot{fill:var(--c-" +
+               family + ")}\n";
     return out + "</style>\n";
 }
 
@@ -54,13 +53,12 @@ double row_y(const GraphBox& box, std::size_t row) {
 }
 
 void draw_wire(std::ostream& out, const GraphDrawing& d, const GraphWire& w) {
-    const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)],
-                   &to = d.boxes[static_cast<std::size_t>(w.to)];
+    const GraphBox &from = d.boxes[static_cast<std::size_t>(w.from)], &to = d.boxes[static_cast<std::size_t>(w.to)];
     const double x0 = from.x + from.width, y0 = row_y(from, w.from_row), x1 = to.x, y1 = row_y(to, w.to_row);
     const double bend = std::max(30.0, std::min(160.0, 0.5 * (x1 - x0)));
     out << "<path class=\"wire\" data-from=\"" << escaped(from.name) << "\" data-to=\"" << escaped(to.name)
-        << "\" d=\"M" << x0 << " " << y0 << "C" << x0 + bend << " " << y0 << " " << x1 - bend << " " << y1
-        << " " << x1 << " " << y1 << "\"/>\n";
+        << "\" d=\"M" << x0 << " " << y0 << "C" << x0 + bend << " " << y0 << " " << x1 - bend << " " << y1 << " " << x1
+        << " " << y1 << "\"/>\n";
 }
 
 void draw_row(std::ostream& out, const GraphBox& box, std::size_t i) {
@@ -68,22 +66,20 @@ void draw_row(std::ostream& out, const GraphBox& box, std::size_t i) {
     const double y = head + row_height * (static_cast<double>(i) + 0.5);
     const bool is_wire = row.is_output || row.text.empty() || row.text.front() == '[';
     if (is_wire)
-        out << "<circle class=\"port\" cx=\"" << (row.is_output ? box.width : 0) << "\" cy=\"" << y
-            << "\" r=\"3.2\"/>";
+        out << "<circle class=\"port\" cx=\"" << (row.is_output ? box.width : 0) << "\" cy=\"" << y << "\" r=\"3.2\"/>";
     if (row.is_output)
-        out << "<text class=\"out\" x=\"" << box.width - 10 << "\" y=\"" << y + 3.5 << "\">"
-            << escaped(row.attribute) << "</text>";
-    else
-        out << "<text class=\"attr\" x=\"10\" y=\"" << y + 3.5 << "\">" << escaped(row.attribute)
+        out << "<text class=\"out\" x=\"" << box.width - 10 << "\" y=\"" << y + 3.5 << "\">" << escaped(row.attribute)
             << "</text>";
+    else
+        out << "<text class=\"attr\" x=\"10\" y=\"" << y + 3.5 << "\">" << escaped(row.attribute) << "</text>";
     if (!row.text.empty())
-        out << "<text class=\"val\" x=\"" << box.width - 10 << "\" y=\"" << y + 3.5 << "\">"
-            << escaped(row.text) << "</text>";
+        out << "<text class=\"val\" x=\"" << box.width - 10 << "\" y=\"" << y + 3.5 << "\">" << escaped(row.text)
+            << "</text>";
 }
 
 void draw_box(std::ostream& out, const GraphBox& box) {
-    out << "<g class=\"node f-" << box.family << "\" data-node=\"" << escaped(box.name)
-        << "\" transform=\"translate(" << box.x << " " << box.y << ")\">"
+    out << "<g class=\"node f-" << box.family << "\" data-node=\"" << escaped(box.name) << "\" transform=\"translate("
+        << box.x << " " << box.y << ")\">"
         << "<rect class=\"box\" width=\"" << box.width << "\" height=\"" << box.height << "\" rx=\"7\"/>"
         << "<path class=\"band\" d=\"M0 7a7 7 0 0 1 7-7h" << box.width - 14
         << "a7 7 0 0 1 7 7z\" transform=\"scale(1 .6)\"/>"
@@ -97,8 +93,8 @@ void draw_box(std::ostream& out, const GraphBox& box) {
 
 std::string to_svg(const GraphDrawing& d) {
     std::ostringstream out;
-    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sinew-graph\" width=\"" << d.width
-        << "\" height=\"" << d.height << "\" viewBox=\"0 0 " << d.width << " " << d.height << "\">\n"
+    out << "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sinew-graph\" width=\"" << d.width << "\" height=\""
+        << d.height << "\" viewBox=\"0 0 " << d.width << " " << d.height << "\">\n"
         << style << family_rules() << "<g class=\"wires\">\n";
     for (const GraphWire& wire : d.wires) draw_wire(out, d, wire);
     out << "</g>\n<g class=\"nodes\">\n";

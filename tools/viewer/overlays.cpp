@@ -14,8 +14,7 @@ bool varies(const NumberList& map) {
     return std::any_of(map.begin(), map.end(), [&](double w) { return w != map.front(); });
 }
 
-void add_map(std::vector<ViewMap>& maps, const std::string& node, const std::string& name,
-             const NumberList& values) {
+void add_map(std::vector<ViewMap>& maps, const std::string& node, const std::string& name, const NumberList& values) {
     if (!varies(values)) return;
     ViewMap map{node, name, {}};
     for (const double v : values) map.values.push_back(static_cast<float>(v));
@@ -24,8 +23,7 @@ void add_map(std::vector<ViewMap>& maps, const std::string& node, const std::str
 
 } // namespace
 
-std::vector<Plug> connections(const engine::Graph& graph, const std::string& node,
-                              std::string_view attribute) {
+std::vector<Plug> connections(const engine::Graph& graph, const std::string& node, std::string_view attribute) {
     const engine::Node* n = graph.find(node);
     const auto it = n ? n->inputs.find(attribute) : decltype(n->inputs.end()){};
     if (!n || it == n->inputs.end()) return {};
@@ -63,14 +61,11 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
     }
     for (const std::string& name : graph.node_names()) {
         if (graph.find(name)->type_name != "zAttachment") continue;
-        for (const auto& [end, attribute] :
-             {std::pair("source", "weights"), std::pair("target", "targetWeights")}) {
-            const std::vector<Plug> body = connections(graph, name, end),
-                                    map = connections(graph, name, attribute);
+        for (const auto& [end, attribute] : {std::pair("source", "weights"), std::pair("target", "targetWeights")}) {
+            const std::vector<Plug> body = connections(graph, name, end), map = connections(graph, name, attribute);
             if (body.empty() || body.front().node != node || map.empty()) continue;
             const engine::Value value = pull(map.front());
-            if (value.is<NumberList>())
-                add_map(maps, name, std::string("attachment ") + end, value.as<NumberList>());
+            if (value.is<NumberList>()) add_map(maps, name, std::string("attachment ") + end, value.as<NumberList>());
         }
     }
     return maps;
@@ -109,8 +104,7 @@ ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const n
             continue;
         }
         for (std::size_t k = 0; k < 4; ++k) view.weights[k] = static_cast<float>(anchor.coordinates[k]);
-        for (std::size_t k = 0; k < 3; ++k)
-            view.offset[k] = static_cast<float>(anchor.offset[k] * units_per_metre);
+        for (std::size_t k = 0; k < 3; ++k) view.offset[k] = static_cast<float>(anchor.offset[k] * units_per_metre);
         out.anchors.push_back(view);
     }
     return out;

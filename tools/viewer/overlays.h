@@ -15,8 +15,7 @@ namespace sinew::viewer {
 using Puller = std::function<engine::Value(const engine::Plug&)>;
 
 /// What is connected to an input, in order; empty where it is not connected.
-std::vector<engine::Plug> connections(const engine::Graph& graph, const std::string& node,
-                                      std::string_view attribute);
+std::vector<engine::Plug> connections(const engine::Graph& graph, const std::string& node, std::string_view attribute);
 
 /// Fibre fields of the zTissue `node`, without excitations.
 std::vector<ViewFibres> fibres_of(const engine::Graph& graph, const std::string& node,

@@ -46,10 +46,7 @@ void keep_every(ViewScene& scene, std::size_t step) {
 std::string ordinal(std::size_t n) {
     const std::size_t last = n % 10;
     const bool is_teen = n / 10 % 10 == 1;
-    return std::to_string(n) + (is_teen || last > 3 || last == 0 ? "th"
-                                : last == 1                      ? "st"
-                                : last == 2                      ? "nd"
-                                                                 : "rd");
+    return std::to_string(n) + (is_teen || last > 3 || last == 0 ? "th" : last == 1 ? "st" : last == 2 ? "nd" : "rd");
 }
 
 /// A browser cannot hold a run of any size; what does not fit is thinned out in time, not in space.
@@ -99,8 +96,7 @@ Page write_page(ViewScene scene, const PageOptions& options) {
     for (std::size_t i = 0; i < data.blocks.size(); ++i) {
         const std::string text = base64(data.blocks[i].deflated);
         page.packed_bytes += text.size();
-        html += "<script type=\"application/octet-stream\" id=\"b" + std::to_string(i) + "\">" + text +
-                "</script>\n";
+        html += "<script type=\"application/octet-stream\" id=\"b" + std::to_string(i) + "\">" + text + "</script>\n";
     }
     page.packed_bytes += data.header.size();
     html += "<script>" + std::string(page_script()) + "</script>\n</body>\n</html>\n";

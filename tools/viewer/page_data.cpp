@@ -27,9 +27,7 @@ class Writer {
     int indices(const std::vector<std::uint32_t>& values, int order = 0, std::size_t stride = 1) {
         return add(pack(std::span<const std::uint32_t>(values), order, stride));
     }
-    int bytes(const std::vector<std::uint8_t>& values) {
-        return add(pack(std::span<const std::uint8_t>(values)));
-    }
+    int bytes(const std::vector<std::uint8_t>& values) { return add(pack(std::span<const std::uint8_t>(values))); }
     int text(const std::string& value) { return bytes({value.begin(), value.end()}); }
     /// Shares of 1 as bytes.
     int shares(const std::vector<float>& values) {
@@ -58,11 +56,10 @@ class Writer {
     }
 
   private:
-    void add_chunks(Json& chunks, const std::vector<Coordinates>& frames, std::size_t numbers,
-                    const GridSpan& span, std::size_t last_end) {
+    void add_chunks(Json& chunks, const std::vector<Coordinates>& frames, std::size_t numbers, const GridSpan& span,
+                    std::size_t last_end) {
         const Grid& grid = span.grid;
-        const std::size_t per_block =
-            std::max<std::size_t>(1, most_in_block / std::max<std::size_t>(1, numbers));
+        const std::size_t per_block = std::max<std::size_t>(1, most_in_block / std::max<std::size_t>(1, numbers));
         std::vector<std::uint16_t> last(numbers, 0);
         for (std::size_t first = span.first; first < last_end; first += per_block) {
             const std::size_t end = std::min(last_end, first + per_block);
@@ -268,8 +265,7 @@ PageData page_data(const ViewScene& scene) {
     for (const ViewFrame& f : scene.frames) header["frames"].push_back(frame_json(w, f));
     for (const ViewBody& b : scene.bodies) header["bodies"].push_back(body_json(w, b));
     for (const ViewAttachment& a : scene.attachments) header["attachments"].push_back(attachment_json(w, a));
-    for (const ViewNote& n : scene.notes)
-        header["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});
+    for (const ViewNote& n : scene.notes) header["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});
     header["graph"] = graph_json(w, scene.graph);
     header["blocks"] = Json::array();
     for (const Block& b : w.data.blocks) header["blocks"].push_back({b.element, b.length, b.order, b.stride});

@@ -64,14 +64,12 @@ ViewFrame frame_of(Fields& in, const json& j) {
     const auto phases = j.find("phases");
     if (phases == j.end() || !phases->is_object()) return f;
     solver::StepRecord s;
-    s.seconds_assembly = in.real(*phases, "assembly", 0, 0),
-    s.seconds_factor = in.real(*phases, "factor", 0, 0);
+    s.seconds_assembly = in.real(*phases, "assembly", 0, 0), s.seconds_factor = in.real(*phases, "factor", 0, 0);
     s.seconds_solve = in.real(*phases, "solve", 0, 0), s.seconds_other = in.real(*phases, "other", 0, 0);
     f.seconds_contact = in.real(*phases, "contact", 0, 0);
     s.substeps = in.whole(j, "substeps", 0), s.newton_iterations = in.whole(j, "newton", 0);
     s.residual = in.real(j, "residual", NAN), s.converged = in.flag(j, "converged", true);
-    s.energy = in.real(j, "energy", NAN), s.min_j = in.real(j, "min_J", NAN),
-    s.inverted = in.whole(j, "inverted", 0);
+    s.energy = in.real(j, "energy", NAN), s.min_j = in.real(j, "min_J", NAN), s.inverted = in.whole(j, "inverted", 0);
     s.max_stretch = in.real(j, "max_stretch_m", 0);
     f.step = s;
     return f;
@@ -94,10 +92,9 @@ FoundReport report_of(const fs::path& file, const json& j, std::vector<ViewNote>
         out.error = {in.whole(*it, "frame", 0), Fields::text(*it, "code"), Fields::text(*it, "node"),
                      Fields::text(*it, "message")};
     if (in.odd > 0)
-        notes.push_back(
-            {true, file.filename().string() + ": " + std::to_string(in.odd) +
-                       (in.odd == 1 ? " value cannot be right and is" : " values cannot be right and are") +
-                       " left out."});
+        notes.push_back({true, file.filename().string() + ": " + std::to_string(in.odd) +
+                                   (in.odd == 1 ? " value cannot be right and is" : " values cannot be right and are") +
+                                   " left out."});
     return out;
 }
 
@@ -108,8 +105,7 @@ std::vector<FoundReport> find_reports(const fs::path& folder, std::vector<ViewNo
     std::vector<fs::path> files;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error))
-        if (entry.path().extension() == ".json" && entry.is_regular_file(error))
-            files.push_back(entry.path());
+        if (entry.path().extension() == ".json" && entry.is_regular_file(error)) files.push_back(entry.path());
     std::sort(files.begin(), files.end());
     for (const fs::path& file : files) {
         const bool is_named_so = file.filename() == "report.json";
@@ -118,21 +114,18 @@ std::vector<FoundReport> find_reports(const fs::path& folder, std::vector<ViewNo
             j = json::parse(text_of(file));
         } catch (const json::exception&) {
             if (is_named_so)
-                notes.push_back(
-                    {true, "report.json is damaged and cannot be read: there are no times and no word on "
-                           "convergence."});
+                notes.push_back({true, "report.json is damaged and cannot be read: there are no times and no word on "
+                                       "convergence."});
             continue;
         }
         if (!is_report(j)) {
-            if (is_named_so)
-                notes.push_back({true, "report.json lists no frames and is no report of a run."});
+            if (is_named_so) notes.push_back({true, "report.json lists no frames and is no report of a run."});
             continue;
         }
         out.push_back(report_of(file, j, notes));
         out.back().written = fs::last_write_time(file, error);
     }
-    std::stable_sort(out.begin(), out.end(),
-                     [](const auto& a, const auto& b) { return a.written > b.written; });
+    std::stable_sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.written > b.written; });
     return out;
 }
 

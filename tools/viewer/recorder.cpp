@@ -35,14 +35,11 @@ std::vector<std::array<int, 2>> polygon_edges(const solver::SurfaceMesh& mesh) {
     return edges;
 }
 
-std::shared_ptr<const Points> borrowed(const Points& points) {
-    return {std::shared_ptr<const Points>(), &points};
-}
+std::shared_ptr<const Points> borrowed(const Points& points) { return {std::shared_ptr<const Points>(), &points}; }
 
 bool is_finite(const Points& points) {
-    return std::all_of(points.begin(), points.end(), [](const solver::Vec3& p) {
-        return p.allFinite() && p.cwiseAbs().maxCoeff() < most_drawable;
-    });
+    return std::all_of(points.begin(), points.end(),
+                       [](const solver::Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < most_drawable; });
 }
 
 } // namespace
@@ -62,8 +59,7 @@ void BodyRecorder::set_rest(const solver::SurfaceMesh& rest) {
     const render::ShadingMesh shading = render::split_creases(rest.points, rest.triangles);
     body_.triangles = shading.triangles;
     bool same = shading.source.size() == rest.points.size();
-    for (std::size_t i = 0; same && i < shading.source.size(); ++i)
-        same = shading.source[i] == static_cast<int>(i);
+    for (std::size_t i = 0; same && i < shading.source.size(); ++i) same = shading.source[i] == static_cast<int>(i);
     if (!same) body_.shading = shading.source;
     if (solver::is_closed(rest.triangles))
         if (const double v = solver::enclosed_volume(rest.points, rest.triangles); v > 0) rest_volume_ = v;
@@ -119,15 +115,13 @@ void BodyRecorder::store(const Points& points) {
         body_.motion = std::move(moving);
         is_rigid_ = false;
     }
-    std::get<DeformingMotion>(body_.motion)
-        .points.push_back(lattice_fits_ ? Coordinates{} : coordinates(points));
+    std::get<DeformingMotion>(body_.motion).points.push_back(lattice_fits_ ? Coordinates{} : coordinates(points));
 }
 
 void BodyRecorder::repeat_last() {
     if (is_rigid_) {
         auto& rigid = std::get<RigidMotion>(body_.motion);
-        rigid.poses.push_back(rigid.poses.empty() ? RigidPose{{0, 0, 0, 1}, rigid.pivot}
-                                                  : rigid.poses.back());
+        rigid.poses.push_back(rigid.poses.empty() ? RigidPose{{0, 0, 0, 1}, rigid.pivot} : rigid.poses.back());
     } else {
         std::get<DeformingMotion>(body_.motion).points.emplace_back();
     }
@@ -136,9 +130,9 @@ void BodyRecorder::repeat_last() {
 }
 
 void BodyRecorder::measure_volume(const Points& points) {
-    body_.volume.push_back(
-        rest_volume_ ? static_cast<float>(solver::enclosed_volume(points, triangles_) / *rest_volume_)
-                     : std::numeric_limits<float>::quiet_NaN());
+    body_.volume.push_back(rest_volume_
+                               ? static_cast<float>(solver::enclosed_volume(points, triangles_) / *rest_volume_)
+                               : std::numeric_limits<float>::quiet_NaN());
 }
 
 void BodyRecorder::add(int frame, const solver::SurfaceMesh& mesh) {
@@ -159,9 +153,7 @@ void BodyRecorder::add_points(int frame, const Points& points) {
     measure_volume(points);
 }
 
-void BodyRecorder::add_tets(const Points& tet_vertices) {
-    body_.lattice->frames.push_back(coordinates(tet_vertices));
-}
+void BodyRecorder::add_tets(const Points& tet_vertices) { body_.lattice->frames.push_back(coordinates(tet_vertices)); }
 
 void BodyRecorder::add_missing(int frame) {
     body_.present.push_back(0);
@@ -175,9 +167,8 @@ ViewBody BodyRecorder::finish(std::vector<ViewNote>& notes) {
                                    frame_list(missing_) + "; it is hidden there."});
     if (!other_count_.empty())
         notes.push_back({true, body_.name + " has " + std::to_string(rest_.size()) +
-                                   " vertices, but another number in frame" +
-                                   (other_count_.size() == 1 ? " " : "s ") + frame_list(other_count_) +
-                                   "; it is hidden there."});
+                                   " vertices, but another number in frame" + (other_count_.size() == 1 ? " " : "s ") +
+                                   frame_list(other_count_) + "; it is hidden there."});
     if (std::all_of(body_.present.begin(), body_.present.end(), [](char there) { return there != 0; }))
         body_.present.clear();
     if (std::none_of(body_.volume.begin(), body_.volume.end(), [](float v) { return std::isfinite(v); }))

@@ -9,9 +9,8 @@
 namespace sinew::viewer {
 
 std::filesystem::path write_run_page(const std::filesystem::path& folder,
-                                     const std::shared_ptr<const engine::Graph>& graph,
-                                     engine::Evaluator& evaluator, const cli::RunReport& report,
-                                     std::stop_token stop) {
+                                     const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+                                     const cli::RunReport& report, std::stop_token stop) {
     Evaluation e;
     e.graph = graph, e.evaluator = &evaluator, e.stop = std::move(stop);
     for (const cli::FrameReport& f : report.frames) e.frames.push_back(f.frame);

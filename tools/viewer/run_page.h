@@ -12,8 +12,7 @@ namespace sinew::viewer {
 
 /// Writes `folder`/view.html and returns its absolute path. Throws Failure (IO405).
 std::filesystem::path write_run_page(const std::filesystem::path& folder,
-                                     const std::shared_ptr<const engine::Graph>& graph,
-                                     engine::Evaluator& evaluator, const cli::RunReport& report,
-                                     std::stop_token stop);
+                                     const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
+                                     const cli::RunReport& report, std::stop_token stop);
 
 } // namespace sinew::viewer

@@ -114,8 +114,7 @@ void add_fibres(const ViewBody& body, std::size_t frame, std::vector<Segment>& o
         for (const std::size_t i : fibres_inside(body, fibres)) {
             const TetShape tet =
                 shape_of(*body.lattice, frame, body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])]);
-            const double half =
-                0.42 * std::cbrt(tet.volume) * (0.4 + 0.6 * static_cast<double>(fibres.weights[i]));
+            const double half = 0.42 * std::cbrt(tet.volume) * (0.4 + 0.6 * static_cast<double>(fibres.weights[i]));
             const Vec3 d = half * (tet.gradient * at(fibres.directions, static_cast<int>(i)));
             out.push_back({tet.middle - d, tet.middle + d, colour, 1.7f});
         }
@@ -125,8 +124,7 @@ void add_fibres(const ViewBody& body, std::size_t frame, std::vector<Segment>& o
 /// Where an attached vertex holds on.
 Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t frame) {
     const auto host = [&](std::size_t k) {
-        return target.lattice ? at(target.lattice->frames[frame], anchor.host[k])
-                              : at(target, frame, anchor.host[k]);
+        return target.lattice ? at(target.lattice->frames[frame], anchor.host[k]) : at(target, frame, anchor.host[k]);
     };
     Vec3 p = Vec3::Zero();
     for (std::size_t k = 0; k < 4; ++k)
@@ -156,8 +154,7 @@ void add_attachments(const ViewScene& scene, std::size_t frame, std::vector<Segm
                        &target = scene.bodies[static_cast<std::size_t>(a.target)];
         if (!source.is_there(frame) || !target.is_there(frame)) continue;
         for (const ViewAnchor& anchor : a.anchors) {
-            const Vec3 from = at(source, frame, anchor.source_vertex),
-                       to = anchor_place(anchor, target, frame);
+            const Vec3 from = at(source, frame, anchor.source_vertex), to = anchor_place(anchor, target, frame);
             const Eigen::Vector3f colour =
                 colour_at(distance, 1000 * (to - from).norm() / scene.units_per_metre / most);
             out.push_back({from, to, colour, 1.0f});
@@ -173,8 +170,7 @@ const std::set<std::string>& overlay_names() {
     return names;
 }
 
-std::vector<Segment> overlay_segments(const ViewScene& scene, std::size_t frame,
-                                      const std::set<std::string>& names) {
+std::vector<Segment> overlay_segments(const ViewScene& scene, std::size_t frame, const std::set<std::string>& names) {
     std::vector<Segment> out;
     for (const ViewBody& body : scene.bodies) {
         if (!body.lattice || !body.is_there(frame)) continue;

@@ -9,9 +9,7 @@ namespace sinew::viewer {
 
 namespace {
 
-std::array<float, 3> point(const Coordinates& c, std::size_t i) {
-    return {c[3 * i], c[3 * i + 1], c[3 * i + 2]};
-}
+std::array<float, 3> point(const Coordinates& c, std::size_t i) { return {c[3 * i], c[3 * i + 1], c[3 * i + 2]}; }
 
 std::array<float, 3> embedded(const ViewLattice& lattice, std::size_t frame, std::size_t vertex) {
     std::array<double, 3> out{};
@@ -19,8 +17,7 @@ std::array<float, 3> embedded(const ViewLattice& lattice, std::size_t frame, std
     for (std::size_t k = 0; k < 4; ++k) {
         const auto p = point(lattice.frames[frame], static_cast<std::size_t>(tet[k]));
         for (std::size_t c = 0; c < 3; ++c)
-            out[c] +=
-                static_cast<double>(lattice.surface.weights[4 * vertex + k]) * static_cast<double>(p[c]);
+            out[c] += static_cast<double>(lattice.surface.weights[4 * vertex + k]) * static_cast<double>(p[c]);
     }
     return {static_cast<float>(out[0]), static_cast<float>(out[1]), static_cast<float>(out[2])};
 }
@@ -29,8 +26,7 @@ std::array<float, 3> embedded(const ViewLattice& lattice, std::size_t frame, std
 
 std::array<float, 3> vertex_position(const ViewBody& body, std::size_t frame, std::size_t vertex) {
     if (body.lattice && !body.lattice->surface.tet.empty()) return embedded(*body.lattice, frame, vertex);
-    if (const auto* moving = std::get_if<DeformingMotion>(&body.motion))
-        return point(moving->points[frame], vertex);
+    if (const auto* moving = std::get_if<DeformingMotion>(&body.motion)) return point(moving->points[frame], vertex);
     const auto& rigid = std::get<RigidMotion>(body.motion);
     const RigidPose& pose = rigid.poses[frame];
     const Eigen::Quaternionf q(pose.rotation[3], pose.rotation[0], pose.rotation[1], pose.rotation[2]);
@@ -43,8 +39,8 @@ std::array<float, 3> vertex_position(const ViewBody& body, std::size_t frame, st
 std::array<std::array<float, 3>, 2> bounds(const ViewScene& scene) {
     constexpr float far = std::numeric_limits<float>::infinity();
     std::array<std::array<float, 3>, 2> box{{{far, far, far}, {-far, -far, -far}}};
-    const bool none_is_good = std::none_of(scene.frames.begin(), scene.frames.end(),
-                                           [](const ViewFrame& f) { return f.faults.empty(); });
+    const bool none_is_good =
+        std::none_of(scene.frames.begin(), scene.frames.end(), [](const ViewFrame& f) { return f.faults.empty(); });
     bool found = false;
     for (const ViewBody& body : scene.bodies) {
         bool is_first = true; // of the frames that have it: taken whole

@@ -87,8 +87,7 @@ struct ViewBody {
 /// them.
 struct ViewAnchor {
     int source_vertex = -1;
-    std::array<int, 4> host{-1, -1, -1,
-                            -1}; ///< tet vertices of a tissue, or surface vertices of a bone (then 3)
+    std::array<int, 4> host{-1, -1, -1, -1}; ///< tet vertices of a tissue, or surface vertices of a bone (then 3)
     std::array<float, 4> weights{};
     std::array<float, 3> offset{}; ///< bones: in the frame of the triangle
 };

@@ -44,7 +44,8 @@ Eigen::VectorXd waves(Eigen::Index n) {
 
 } // namespace
 
-TEST_CASE("one analysis and factor serve several right-hand sides, to rounding and with the same bits every time", "[linear]") {
+TEST_CASE("one analysis and factor serve several right-hand sides, to rounding and with the same bits every time",
+          "[linear]") {
     const Sparse a = laplacian(14, 0.01);
     ScalarCholesky first(a), second(a);
     REQUIRE(first.factorize(a));

@@ -25,8 +25,8 @@ ClosestPoint slow_closest(const SurfaceMesh& mesh, const Vec3& p) {
     best.distance = std::numeric_limits<double>::infinity();
     for (int t = 0; t < static_cast<int>(mesh.triangles.size()); ++t) {
         const Triangle& id = mesh.triangles[at(t)];
-        const TrianglePoint c = closest_on_triangle(
-            p, {mesh.points[at(id[0])], mesh.points[at(id[1])], mesh.points[at(id[2])]}, id);
+        const TrianglePoint c =
+            closest_on_triangle(p, {mesh.points[at(id[0])], mesh.points[at(id[1])], mesh.points[at(id[2])]}, id);
         const double d = (c.point - p).norm();
         if (d < best.distance) best = {t, c.point, c.barycentric, d};
     }
@@ -66,9 +66,7 @@ TEST_CASE("the tree finds the same triangle and distance as exhaustive search", 
 TEST_CASE("the point of a triangle is right in all seven regions", "[mesh][closest]") {
     const std::array<Vec3, 3> c{Vec3(0, 0, 0), Vec3(4, 0, 0), Vec3(0, 4, 0)};
     const Triangle id{5, 3, 9};
-    const auto point = [&](double x, double y, double z) {
-        return closest_on_triangle({x, y, z}, c, id).point;
-    };
+    const auto point = [&](double x, double y, double z) { return closest_on_triangle({x, y, z}, c, id).point; };
     REQUIRE(point(1, 1, 2) == Vec3(1, 1, 0));
     REQUIRE(point(-1, -1, 1) == Vec3(0, 0, 0));
     REQUIRE(point(6, -1, 1) == Vec3(4, 0, 0));
@@ -136,8 +134,7 @@ TEST_CASE("trees without triangles and queries that are not finite find nothing"
     REQUIRE(pile.closest({0.2, 0.2, 1}).triangle == 0);
 }
 
-TEST_CASE("the solid angle of a cube's face seen from its centre is a sixth of the sphere",
-          "[mesh][winding]") {
+TEST_CASE("the solid angle of a cube's face seen from its centre is a sixth of the sphere", "[mesh][winding]") {
     const SurfaceMesh cube = make_cube(2, 2, 2, 1, 1, 1);
     double face = 0;
     for (std::size_t t = 0; t < 2; ++t) {
@@ -166,9 +163,8 @@ TEST_CASE("winding numbers of closed meshes are whole numbers", "[mesh][winding]
     }
 }
 
-TEST_CASE(
-    "the fast winding number keeps its bound on torn and shuffled surfaces, and decides like the exact one",
-    "[mesh][winding]") {
+TEST_CASE("the fast winding number keeps its bound on torn and shuffled surfaces, and decides like the exact one",
+          "[mesh][winding]") {
     std::mt19937 random(9);
     int undecided = 0;
     for (int trial = 0; trial < 6; ++trial) {
@@ -181,8 +177,7 @@ TEST_CASE(
         }
         const SurfaceTree tree(mesh.points, torn);
         double worst = 0;
-        for (const Vec3& p :
-             random_points(3000, bounding_box(mesh.points), 0.2, 4 + static_cast<unsigned>(trial))) {
+        for (const Vec3& p : random_points(3000, bounding_box(mesh.points), 0.2, 4 + static_cast<unsigned>(trial))) {
             const double exact = tree.winding_number_exact(p), fast = tree.winding_number(p);
             worst = std::max(worst, std::abs(fast - exact));
             undecided += std::abs(std::abs(fast) - 0.5) <= SurfaceTree::winding_error;
@@ -196,8 +191,7 @@ TEST_CASE(
     REQUIRE(undecided > 5);
 }
 
-TEST_CASE("winding numbers of many points agree with those of one, also on triangles and corners",
-          "[mesh][winding]") {
+TEST_CASE("winding numbers of many points agree with those of one, also on triangles and corners", "[mesh][winding]") {
     const SurfaceMesh mesh = biceps();
     const SurfaceTree tree(mesh.points, mesh.triangles);
     const double side = bounding_box(mesh.points).size().maxCoeff();
@@ -206,15 +200,12 @@ TEST_CASE("winding numbers of many points agree with those of one, also on trian
     for (int trial = 0; trial < 60; ++trial) {
         const Triangle& t = mesh.triangles[random() % mesh.triangles.size()];
         const Vec3 &a = mesh.points[at(t[0])], &b = mesh.points[at(t[1])], &c = mesh.points[at(t[2])];
-        Points points{(a + b + c) / 3 + 1e-4 * (b - a).cross(c - a),
-                      (a + b + c) / 3 - 1e-4 * (b - a).cross(c - a)};
+        Points points{(a + b + c) / 3 + 1e-4 * (b - a).cross(c - a), (a + b + c) / 3 - 1e-4 * (b - a).cross(c - a)};
         for (int i = 0; i < 40; ++i)
-            points.push_back(a +
-                             std::pow(10.0, -1 - trial % 4) * side * Vec3(g(random), g(random), g(random)));
+            points.push_back(a + std::pow(10.0, -1 - trial % 4) * side * Vec3(g(random), g(random), g(random)));
         const std::vector<double> many = tree.winding_numbers(points);
         for (std::size_t i = 0; i < points.size(); ++i)
-            REQUIRE(many[i] ==
-                    Approx(tree.winding_number_exact(points[i])).margin(SurfaceTree::winding_error));
+            REQUIRE(many[i] == Approx(tree.winding_number_exact(points[i])).margin(SurfaceTree::winding_error));
         // A corner of the mesh has no winding number, but it must not spoil its neighbours.
         points[3] = a;
         const std::vector<double> with_corner = tree.winding_numbers(points);
@@ -237,8 +228,7 @@ TEST_CASE("inside is right a thousandth of an edge away from the surface", "[mes
     }
 }
 
-TEST_CASE("a cup's winding number fades through its opening and flips with its orientation",
-          "[mesh][winding]") {
+TEST_CASE("a cup's winding number fades through its opening and flips with its orientation", "[mesh][winding]") {
     SurfaceMesh sphere = make_sphere(1, 40, 40);
     std::vector<Triangle> cup, turned;
     for (const Triangle& t : sphere.triangles)
@@ -251,8 +241,7 @@ TEST_CASE("a cup's winding number fades through its opening and flips with its o
     REQUIRE(tree.winding_number_exact({0, 0, 0}) == Approx(0.5).margin(0.01));
     REQUIRE(tree.winding_number_exact({0, 2, 0}) < 0.2);
     for (double y : {-0.5, 0.0, 0.5, 3.0}) {
-        REQUIRE(tree.winding_number({0.1, y, 0}) ==
-                Approx(tree.winding_number_exact({0.1, y, 0})).margin(0.02));
+        REQUIRE(tree.winding_number({0.1, y, 0}) == Approx(tree.winding_number_exact({0.1, y, 0})).margin(0.02));
         REQUIRE(other.winding_number({0.1, y, 0}) == Approx(-tree.winding_number({0.1, y, 0})).margin(1e-12));
     }
 }

@@ -97,8 +97,8 @@ TEST_CASE("points on shared faces and edges go to the lowest tet", "[mesh][embed
                 int shared = 0;
                 for (int j = 0; j < 4; ++j)
                     if (j != k)
-                        shared += std::count(lattice.tets[at(other)].begin(), lattice.tets[at(other)].end(),
-                                             t[at(j)]) > 0;
+                        shared +=
+                            std::count(lattice.tets[at(other)].begin(), lattice.tets[at(other)].end(), t[at(j)]) > 0;
                 if (shared == 3) lowest = other;
             }
             expected.push_back(lowest);

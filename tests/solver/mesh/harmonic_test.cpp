@@ -204,8 +204,7 @@ TEST_CASE("vertices that only one point in a tet of no coverage holds leave the 
 
 TEST_CASE("a part without paint takes the nearest painted value", "[mesh][harmonic]") {
     TetMesh mesh;
-    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3, 0, 0},
-                     {4, 0, 0}, {3, 1, 0}, {3, 0, 1}, {9, 9, 9}};
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {3, 0, 0}, {4, 0, 0}, {3, 1, 0}, {3, 0, 1}, {9, 9, 9}};
     mesh.tets = {{0, 1, 2, 3}, {4, 5, 6, 7}};
     mesh.coverage = {1, 1};
     const Embedding e = embed(mesh, {{0, 0, 0}, {1, 0, 0}, {3, 0, 0}});
@@ -219,15 +218,13 @@ TEST_CASE("several maps together equal each alone, to the last bit", "[mesh][har
     sphere.paint_ends(0.2);
     std::vector<double> other(sphere.values.size());
     for (std::size_t i = 0; i < other.size(); ++i) other[i] = sphere.surface.points[i].y();
-    const auto both = harmonic_extensions(sphere.tets, sphere.embedding, sphere.areas, {sphere.values, other},
-                                          sphere.painted);
+    const auto both =
+        harmonic_extensions(sphere.tets, sphere.embedding, sphere.areas, {sphere.values, other}, sphere.painted);
     REQUIRE(both[0] == sphere.extend());
-    REQUIRE(both[1] ==
-            harmonic_extension(sphere.tets, sphere.embedding, sphere.areas, other, sphere.painted));
+    REQUIRE(both[1] == harmonic_extension(sphere.tets, sphere.embedding, sphere.areas, other, sphere.painted));
 }
 
-TEST_CASE("tets whose points are all painted alike take their neighbours' fibre direction",
-          "[mesh][harmonic]") {
+TEST_CASE("tets whose points are all painted alike take their neighbours' fibre direction", "[mesh][harmonic]") {
     Painted box(make_cube(4, 1, 1, 24, 6, 6), 0.4);
     box.paint_ends(0.3); // whole blocks at both ends are constant
     const std::vector<double> field = box.extend(HarmonicRange::free);
@@ -419,9 +416,8 @@ TEST_CASE("a linear map of a muscle is its extension at every tet size", "[mesh]
         options.tet_size = box.size().maxCoeff() / parts;
         const TetMesh mesh = make_lattice(muscle.points, muscle.triangles, options);
         const Embedding embedding = embed(mesh, muscle.points);
-        const std::vector<double> field =
-            harmonic_extensions(mesh, {muscle.points, muscle.triangles, embedding}, {values},
-                                std::vector<char>(values.size(), 1))[0];
+        const std::vector<double> field = harmonic_extensions(mesh, {muscle.points, muscle.triangles, embedding},
+                                                              {values}, std::vector<char>(values.size(), 1))[0];
         std::vector<char> inside(field.size(), 1);
         for (std::size_t t = 0; t < mesh.tets.size(); ++t)
             if (mesh.coverage[t] < 1)

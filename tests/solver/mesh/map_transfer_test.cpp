@@ -26,8 +26,7 @@ std::vector<double> on(const SurfaceMesh& m, double (*f)(const Vec3&)) {
 
 } // namespace
 
-TEST_CASE("an unchanged mesh keeps its map to the bit, also with other numbers for its vertices",
-          "[mesh][transfer]") {
+TEST_CASE("an unchanged mesh keeps its map to the bit, also with other numbers for its vertices", "[mesh][transfer]") {
     const SurfaceMesh ball = make_sphere(1.3, 20, 14);
     std::mt19937 random(3);
     std::vector<double> map;
@@ -47,8 +46,7 @@ TEST_CASE("linear maps come out linear on other triangles of the same surface", 
     const SurfaceMesh coarse = make_plane(2, 1, 3, 2), fine = make_plane(2, 1, 17, 11);
     const std::vector<double> map = transfer_map(between(coarse, fine), on(coarse, linear));
     REQUIRE(map.size() == fine.points.size());
-    for (std::size_t v = 0; v < map.size(); ++v)
-        CHECK(map[v] == Approx(linear(fine.points[v])).margin(1e-12));
+    for (std::size_t v = 0; v < map.size(); ++v) CHECK(map[v] == Approx(linear(fine.points[v])).margin(1e-12));
     // Beyond the border the closest point is on it.
     const SurfaceMesh wide = make_plane(4, 1, 8, 2);
     const std::vector<double> beyond = transfer_map(between(coarse, wide), on(coarse, linear));
@@ -59,8 +57,7 @@ TEST_CASE("linear maps come out linear on other triangles of the same surface", 
     }
 }
 
-TEST_CASE("a smooth map on a ball survives a change of its triangles, within its bounds",
-          "[mesh][transfer]") {
+TEST_CASE("a smooth map on a ball survives a change of its triangles, within its bounds", "[mesh][transfer]") {
     const auto smooth = [](const Vec3& p) { return 0.5 + 0.5 * std::sin(3 * p.x()) * p.y(); };
     double before = 1;
     for (const int n : {16, 32, 64}) {

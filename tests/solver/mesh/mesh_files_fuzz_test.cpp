@@ -68,8 +68,7 @@ std::string binary_msh_sample(const std::string& version, bool big) {
     const bool blocks = version == "4.1";
     i32(1);
     out += "\n$EndMeshFormat\n$Nodes\n";
-    const std::array<std::array<double, 3>, 5> points{
-        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};
+    const std::array<std::array<double, 3>, 5> points{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 1}}};
     if (blocks) {
         for (const std::uint64_t n : {1, 5, 7, 11}) u64(n);
         i32(3), i32(1), i32(0), u64(5);
@@ -112,8 +111,8 @@ std::vector<Sample> samples() {
         "property list uchar int vertex_indices\nend_header\n0 0 0 1 5\n1 0 0 0\n0 1 0 0\n3 0 1 2\n";
     std::string ascii_stl = "solid a\n";
     for (int i = 0; i < 2; ++i)
-        ascii_stl += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " +
-                     std::to_string(i) + "\nendloop\nendfacet\n";
+        ascii_stl += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + std::to_string(i) +
+                     "\nendloop\nendfacet\n";
     ascii_stl += "endsolid a\n";
     return {{"a.obj", "# x\n" + write_obj(mesh) + "f -1 -2/1/2 -3//4 \\\n -4\n", false},
             {"a.off", write_off(mesh), false},
@@ -159,8 +158,7 @@ int try_read(const Sample& sample, const std::string& bytes) {
 TEST_CASE("a file cut at any byte is refused or read, never a crash", "[mesh][files][fuzz]") {
     for (const Sample& sample : samples()) {
         INFO(sample.file);
-        REQUIRE(try_read(sample, sample.bytes) ==
-                (sample.bytes.find("binary_big") == std::string::npos ? 1 : 0));
+        REQUIRE(try_read(sample, sample.bytes) == (sample.bytes.find("binary_big") == std::string::npos ? 1 : 0));
         int readable = 0;
         for (std::size_t size = 0; size < sample.bytes.size(); ++size)
             readable += try_read(sample, sample.bytes.substr(0, size));
@@ -207,8 +205,7 @@ TEST_CASE("files with random bytes changed are refused or read, never a crash", 
             const int changes = 1 + static_cast<int>(random() % 4);
             for (int c = 0; c < changes; ++c) {
                 const std::size_t at = random() % bytes.size();
-                const char byte =
-                    trial % 2 ? likely[random() % likely.size()] : static_cast<char>(random() & 255);
+                const char byte = trial % 2 ? likely[random() % likely.size()] : static_cast<char>(random() & 255);
                 switch (random() % 3) {
                 case 0:
                     bytes[at] = byte;
@@ -259,7 +256,6 @@ TEST_CASE("counts beyond the file are refused before memory is asked for", "[mes
     REQUIRE(refused(tets, "a.msh", head + "$Elements\n1 1 1 1\n3 1 4 " + many + "\n"));
     REQUIRE(refused(tets, "a.veg", "*VERTICES\n" + many + " 3 0 0\n"));
     REQUIRE(refused(tets, "a.mesh", "MeshVersionFormatted 1\nTetrahedra " + many + "\n"));
-    REQUIRE(
-        refused(tets, "a.vtk",
-                "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nCELLS " + many + " 5\n"));
+    REQUIRE(refused(tets, "a.vtk",
+                    "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nCELLS " + many + " 5\n"));
 }

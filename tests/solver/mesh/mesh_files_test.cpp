@@ -53,8 +53,7 @@ const std::string points_vtk = "POINTS 5 double\n0 0 0  1 0 0  0 1 0\n0 0 1  1 1
 
 } // namespace
 
-TEST_CASE("OBJ: slashes, negative numbers, n-gons, groups, continuation, CRLF and colours are read",
-          "[mesh][files]") {
+TEST_CASE("OBJ: slashes, negative numbers, n-gons, groups, continuation, CRLF and colours are read", "[mesh][files]") {
     const std::string text = "# a comment\r\nmtllib x.mtl\r\no thing\r\ng a b\r\ns off\r\n"
                              "v 0 0 0\r\nv +1.5 0 0 0.1 0.2 0.3\r\nv 1 1e0 .0\r\nv 0 1 0\r\nv -1 0.5 -0\r\n"
                              "vn 0 0 1\r\nvt 0 0\r\nusemtl m\r\n"
@@ -98,8 +97,7 @@ TEST_CASE("OBJ: refusals name the line and what is wrong", "[mesh][files]") {
     REQUIRE(refusal("v 0 0 zero\n", "a.obj").says("a.obj:1: 'zero' is not a number"));
     REQUIRE(refusal("v 0 0 0x1\n", "a.obj").code == "IO403");
     REQUIRE(refusal("v 0 0 1,5\n", "a.obj").says("'1,5'"));
-    REQUIRE(refusal(three + "f 1 2 3\nnonsense 1\n", "a.obj")
-                .says("a.obj:5: 'nonsense' is not an OBJ statement"));
+    REQUIRE(refusal(three + "f 1 2 3\nnonsense 1\n", "a.obj").says("a.obj:5: 'nonsense' is not an OBJ statement"));
     REQUIRE(refusal("", "a.obj").code == "FE201");
     REQUIRE(refusal(three, "a.obj").code == "FE201");
     for (const char* number : {"nan", "inf", "-inf", "1e999", "NAN"}) {
@@ -120,8 +118,7 @@ TEST_CASE("OFF: colours and normals are passed over", "[mesh][files]") {
     REQUIRE(mesh.face_sizes == std::vector<int>{3, 4});
     REQUIRE(parse_surface("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", "a.off").triangles.size() == 1);
     REQUIRE(refusal("3 1 0\n", "a.off").says("does not begin with OFF"));
-    REQUIRE(refusal("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off")
-                .says("a.off:6: face 0 uses vertex 3 of 3"));
+    REQUIRE(refusal("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", "a.off").says("a.off:6: face 0 uses vertex 3 of 3"));
     REQUIRE(refusal("OFF\n3 1 0\n0 0 0\n1 0 nan\n0 1 0\n3 0 1 2\n", "a.off").code == "FE202");
     REQUIRE(refusal("OFF\n3000000000 1 0\n", "a.off").says("more than the rest of the file can hold"));
     REQUIRE(refusal("OFF\n-3 1 0\n", "a.off").says("negative"));
@@ -155,10 +152,8 @@ TEST_CASE("PLY: ascii and both binary orders with further properties give the sa
         put(bytes, 1.5f, big), put(bytes, std::uint8_t{2}, big), put(bytes, std::int16_t{7}, big),
             put(bytes, std::int16_t{8}, big);
         for (int i = 0; i < 4; ++i) {
-            put(bytes, std::uint8_t{255}, big), put(bytes, x[i], big),
-                put(bytes, static_cast<float>(y[i]), big);
-            put(bytes, static_cast<std::int16_t>(z[i]), big), put(bytes, std::uint16_t{1}, big),
-                put(bytes, 0.5f, big);
+            put(bytes, std::uint8_t{255}, big), put(bytes, x[i], big), put(bytes, static_cast<float>(y[i]), big);
+            put(bytes, static_cast<std::int16_t>(z[i]), big), put(bytes, std::uint16_t{1}, big), put(bytes, 0.5f, big);
         }
         for (const auto& face : faces) {
             put(bytes, static_cast<std::uint8_t>(face.size()), big);
@@ -187,8 +182,7 @@ TEST_CASE("PLY: refusals say what is missing", "[mesh][files]") {
     REQUIRE(refusal(good + "2 0 1\n", "a.ply").says("face 0 has 2 corners"));
     REQUIRE(refusal(good + "250 0 1\n", "a.ply").code == "IO403");
     REQUIRE(refusal(begin + "property float z\nproperty nibble q\n" + faces, "a.ply").says("'nibble'"));
-    REQUIRE(refusal("ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\n", "a.ply")
-                .says("more than"));
+    REQUIRE(refusal("ply\nformat ascii 1.0\nelement vertex 4000000000\nproperty float x\n", "a.ply").says("more than"));
     REQUIRE(refusal("ply\nformat ascii 1.0\nproperty float x\n", "a.ply").says("before the first element"));
     REQUIRE(refusal("ply\nformat ascii 1.0\n", "a.ply").says("no end_header"));
 }
@@ -248,12 +242,10 @@ TEST_CASE("Medit: other entities are passed over, numbers begin at 1", "[mesh][f
     REQUIRE(refusal("\x01\x02", "a.mesh").says("MeshVersionFormatted"));
     REQUIRE(refusal("MeshVersionFormatted 1\nVertices 1\n0 0 0 0\nTetrahedra 1\n0 1 1 1 0\n", "a.mesh")
                 .says("tet 0 uses vertex 0"));
-    REQUIRE(
-        refusal("MeshVersionFormatted 1\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 1 1 2 0\n", "a.mesh").code ==
-        "FE203");
-    REQUIRE(
-        refusal("MeshVersionFormatted 1\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 1 1 1 0\n", "a.mesh").code ==
-        "FE215");
+    REQUIRE(refusal("MeshVersionFormatted 1\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 1 1 2 0\n", "a.mesh").code ==
+            "FE203");
+    REQUIRE(refusal("MeshVersionFormatted 1\nVertices 1\n0 0 0 0\nTetrahedra 1\n1 1 1 1 0\n", "a.mesh").code ==
+            "FE215");
     REQUIRE(refusal("MeshVersionFormatted 1\nVertices 1\n0 nan 0 0\n", "a.mesh").code == "FE202");
     REQUIRE(refusal("MeshVersionFormatted 1\nHexahedra 1\n", "a.mesh").says("only linear"));
     REQUIRE(refusal("MeshVersionFormatted 1\nVertices 12345678901\n", "a.mesh").says("more than"));
@@ -285,21 +277,16 @@ TEST_CASE("VTK: both kinds of cell lists give the same tets, other cells are pas
     const TetMesh mesh = parse_tets(old_style, "a.vtk");
     REQUIRE(mesh.tets.size() == 2);
     REQUIRE(mesh.tets[0] == Tet{0, 1, 2, 3});
-    const std::string new_style = "# vtk DataFile Version 5.1\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n" +
-                                  points_vtk +
+    const std::string new_style = "# vtk DataFile Version 5.1\nt\nASCII\nDATASET UNSTRUCTURED_GRID\n" + points_vtk +
                                   "METADATA\nINFORMATION 0\n\nCELLS 4 11\nOFFSETS vtktypeint64\n0 4 7 11\n"
                                   "CONNECTIVITY vtktypeint64\n0 1 2 3 0 1 2 1 2 3 4\nCELL_TYPES 3\n10 5 10\n";
     REQUIRE(parse_tets(new_style, "a.vtk").tets == mesh.tets);
-    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 5\nCELL_TYPES 1\n10\n", "a.vtk").code ==
-            "FE203");
-    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 6\n4 0 1 2 3\nCELL_TYPES 1\n10\n", "a.vtk")
-                .says("announces 6"));
-    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n12\n", "a.vtk")
-                .says("type 12"));
-    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n10\n", "a.vtk")
-                .says("tet with 3"));
-    REQUIRE(refusal(header_vtk + points_vtk + "CELL_TYPES 0\nCELLS 1 5\n4 0 1 2 3\n", "a.vtk")
-                .says("0 cell types for 1"));
+    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 5\nCELL_TYPES 1\n10\n", "a.vtk").code == "FE203");
+    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 6\n4 0 1 2 3\nCELL_TYPES 1\n10\n", "a.vtk").says("announces 6"));
+    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 3\nCELL_TYPES 1\n12\n", "a.vtk").says("type 12"));
+    REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 4\n3 0 1 2\nCELL_TYPES 1\n10\n", "a.vtk").says("tet with 3"));
+    REQUIRE(
+        refusal(header_vtk + points_vtk + "CELL_TYPES 0\nCELLS 1 5\n4 0 1 2 3\n", "a.vtk").says("0 cell types for 1"));
     REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 3\n", "a.vtk").code == "IO403");
     REQUIRE(refusal(header_vtk + points_vtk + "CELLS 1 5\n4 0 1 2 -3\n", "a.vtk").says("vertex -3"));
     REQUIRE(refusal(header_vtk + points_vtk + "CELLS 3 4\nOFFSETS int\n0 9 4\n", "a.vtk").says("offset 9"));

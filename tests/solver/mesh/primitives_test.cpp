@@ -67,8 +67,7 @@ TEST_CASE("a plane lies in xz and faces up", "[mesh][primitives]") {
     REQUIRE(plane.points.size() == 24);
     REQUIRE(plane.face_sizes.size() == 15);
     REQUIRE_FALSE(is_closed(plane.triangles));
-    for (const Vec3& n : vertex_normals(plane.points, plane.triangles))
-        REQUIRE((n - Vec3(0, 1, 0)).norm() < 1e-15);
+    for (const Vec3& n : vertex_normals(plane.points, plane.triangles)) REQUIRE((n - Vec3(0, 1, 0)).norm() < 1e-15);
     REQUIRE(bounding_box(plane.points).size() == Vec3(2, 0, 4));
 }
 

@@ -35,8 +35,7 @@ double area_along(const Points& points, const std::vector<Triangle>& triangles, 
     double sum = 0;
     for (const Triangle& t : triangles) {
         const double area =
-            0.5 *
-            (points[at(t[1])] - points[at(t[0])]).cross(points[at(t[2])] - points[at(t[0])]).dot(normal);
+            0.5 * (points[at(t[1])] - points[at(t[0])]).cross(points[at(t[2])] - points[at(t[0])]).dot(normal);
         if (least) *least = std::min(*least, area);
         sum += area;
     }
@@ -64,8 +63,7 @@ TEST_CASE("a concave polygon is cut into ears that cover it once", "[mesh]") {
     points.emplace_back(0, 3, 0);
     for (int i = 0; i < static_cast<int>(points.size()); ++i) ring.push_back(i);
     Vec3 area = Vec3::Zero();
-    for (std::size_t i = 0; i < points.size(); ++i)
-        area += 0.5 * points[i].cross(points[(i + 1) % points.size()]);
+    for (std::size_t i = 0; i < points.size(); ++i) area += 0.5 * points[i].cross(points[(i + 1) % points.size()]);
     const Eigen::AngleAxisd turn(0.7, Vec3(1, 2, 3).normalized());
     for (Vec3& p : points) p = turn * p + Vec3(1000, -500, 200);
 
@@ -127,8 +125,7 @@ TEST_CASE("a surface is checked for emptiness, finite vertices and indices", "[m
     REQUIRE(code_of([] { check_usable(SurfaceMesh::from_triangles({{0, 0, 0}}, {{0, 0, 1}})); }) == "FE203");
     const double nan = std::numeric_limits<double>::quiet_NaN();
     try {
-        check_usable(
-            SurfaceMesh::from_triangles({{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {0, nan, 0}}, {{0, 1, 2}}));
+        check_usable(SurfaceMesh::from_triangles({{0, 0, 0}, {1, 0, 0}, {0, nan, 0}, {0, nan, 0}}, {{0, 1, 2}}));
         FAIL("not refused");
     } catch (const Error& e) {
         REQUIRE(e.code == "FE202");

@@ -75,8 +75,8 @@ TEST_CASE("TetGen's files are found beside each other", "[mesh][files]") {
 }
 
 TEST_CASE("TetGen: attributes and markers are passed over, numbers begin anywhere", "[mesh][files]") {
-    const TetMesh m = read_tetgen("4 3 2 1\n5 0 0 0 9 9 1 # c\n6 1 0 0 9 9 1\n7 0 1 0 8 8 0\n8 0 0 1 7 7 0\n",
-                                  "a.node", "1 4 1\n5 5 6 7 8 3.5\n", "a.ele");
+    const TetMesh m = read_tetgen("4 3 2 1\n5 0 0 0 9 9 1 # c\n6 1 0 0 9 9 1\n7 0 1 0 8 8 0\n8 0 0 1 7 7 0\n", "a.node",
+                                  "1 4 1\n5 5 6 7 8 3.5\n", "a.ele");
     CHECK(m.vertices.size() == 4);
     CHECK(m.tets == std::vector<Tet>{{0, 1, 2, 3}});
     const auto refused = [](const std::string& node, const std::string& ele) {
@@ -99,15 +99,13 @@ TEST_CASE("TetGen: attributes and markers are passed over, numbers begin anywher
 
 TEST_CASE("Gmsh: faces and lines are left out, other solids and broken files are refused with the line",
           "[mesh][files]") {
-    CHECK(
-        parse_tets(elements2("1 15 2 0 0 1\n2 1 2 0 0 1 2\n3 2 2 0 0 1 2 3\n4 4 2 0 0 1 2 3 4\n", 4), "a.msh")
-            .tets.size() == 1);
+    CHECK(parse_tets(elements2("1 15 2 0 0 1\n2 1 2 0 0 1 2\n3 2 2 0 0 1 2 3\n4 4 2 0 0 1 2 3 4\n", 4), "a.msh")
+              .tets.size() == 1);
     CHECK(says(problem(elements2("1 11 2 0 0 1 2 3 4 1 2 3 4 1 2\n"), "a.msh"),
                "a.msh:13: elements of type 11 cannot be used"));
     CHECK(says(problem(elements2("1 77 0\n"), "a.msh"), "type 77 are not known"));
     CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 9\n"), "a.msh", "FE203"), "a.msh:13: tet 0 uses node 9"));
-    CHECK(
-        says(problem(elements2("1 4 2 0 0 1 2 3 4\n", 2), "a.msh"), "'$EndElements' is not a whole number"));
+    CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 4\n", 2), "a.msh"), "'$EndElements' is not a whole number"));
     CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 4\n2 4 2 0 0 1 2 3 4\n", 1), "a.msh"),
                "'2' stands where $EndElements should"));
     CHECK(says(problem(v2 + nodes2, "a.msh"), "the file has no elements"));
@@ -121,8 +119,7 @@ TEST_CASE("Gmsh: faces and lines are left out, other solids and broken files are
     CHECK(says(problem(elements2("1 4 2 0 0 1 2 3 3\n"), "a.msh", "FE215"), "no volume"));
 }
 
-TEST_CASE("VegaFEM: sections in any order, others are passed over, hexahedra and includes refused",
-          "[mesh][files]") {
+TEST_CASE("VegaFEM: sections in any order, others are passed over, hexahedra and includes refused", "[mesh][files]") {
     const std::string vertices = "*VERTICES\n4 3 0 0\n0 0 0 0\n1 1 0 0\n2 0 1 0\n3 0 0 1\n",
                       tets = "*ELEMENTS\nTET\n1 4 0\n0 0 1 2 3\n";
     CHECK(parse_tets(vertices + "*SET s\n1, 2\n" + tets, "a.veg").tets == std::vector<Tet>{{0, 1, 2, 3}});
@@ -168,7 +165,8 @@ TEST_CASE("a vertex that does not exist is named in the file's own numbers, with
     CHECK(says(problem(head + tets + points + "End\n", "a.mesh", "FE203"), std::string("a.mesh:6: ") + wanted));
     const std::string grid = "# vtk DataFile Version 3.0\nt\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 4 float\n"
                              "0 0 0 1 0 0 0 1 0 0 0 1\nCELLS 1 5\n4 0 1 2 4\nCELL_TYPES 1\n10\n";
-    CHECK(says(problem(grid, "a.vtk", "FE203"), "a.vtk:8: cell 0 uses vertex 4; the file has 4 vertices, numbered from 0"));
+    CHECK(says(problem(grid, "a.vtk", "FE203"),
+               "a.vtk:8: cell 0 uses vertex 4; the file has 4 vertices, numbered from 0"));
     CHECK(says(problem("*VERTICES\n4 3 0 0\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n*ELEMENTS\nTET\n1 4 0\n1 1 2 3 9\n",
                        "a.veg", "FE203"),
                "a.veg:10: tet 0 uses vertex 9"));

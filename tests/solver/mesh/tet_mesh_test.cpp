@@ -40,8 +40,7 @@ TEST_CASE("turned tets are flipped and coverage becomes one", "[mesh]") {
     std::swap(mesh.tets[0][0], mesh.tets[0][1]);
     check_and_orient(mesh);
     const Tet& t = mesh.tets[0];
-    REQUIRE(tet_volume(mesh.vertices[static_cast<std::size_t>(t[0])],
-                       mesh.vertices[static_cast<std::size_t>(t[1])],
+    REQUIRE(tet_volume(mesh.vertices[static_cast<std::size_t>(t[0])], mesh.vertices[static_cast<std::size_t>(t[1])],
                        mesh.vertices[static_cast<std::size_t>(t[2])],
                        mesh.vertices[static_cast<std::size_t>(t[3])]) == Approx(1.0 / 6));
     REQUIRE(mesh.coverage == std::vector<double>{1});

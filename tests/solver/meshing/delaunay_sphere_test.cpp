@@ -90,8 +90,7 @@ TEST_CASE("a surface that leaves only flat tets is refused", "[delaunay][sphere]
     CHECK(std::string(e.what()).find("0.05 degrees") != std::string::npos);
 }
 
-TEST_CASE("parts that face the wrong way are named, not called a fault of the program",
-          "[delaunay][sphere]") {
+TEST_CASE("parts that face the wrong way are named, not called a fault of the program", "[delaunay][sphere]") {
     const SurfaceMesh inner = make_sphere(0.5, 12, 8);
     Shape nested = shape("nested", make_sphere(1, 24, 16));
     const int first = static_cast<int>(nested.triangles.size());

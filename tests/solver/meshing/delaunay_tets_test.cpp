@@ -35,9 +35,7 @@ Shape remeshed(const Shape& s, double size) {
     return {s.name, std::move(m.points), std::move(m.triangles), true};
 }
 
-TetMesh fill(const Shape& s, double quality = 0.8) {
-    return make_delaunay_tets(s.points, s.triangles, {quality});
-}
+TetMesh fill(const Shape& s, double quality = 0.8) { return make_delaunay_tets(s.points, s.triangles, {quality}); }
 
 std::vector<Triangle> canonical(std::vector<Triangle> triangles) {
     for (Triangle& t : triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
@@ -49,8 +47,7 @@ double volume(const TetMesh& m, const Tet& t) {
     return tet_volume(m.vertices[at(t[0])], m.vertices[at(t[1])], m.vertices[at(t[2])], m.vertices[at(t[3])]);
 }
 double quality(const TetMesh& m, const Tet& t) {
-    return tet_quality(m.vertices[at(t[0])], m.vertices[at(t[1])], m.vertices[at(t[2])],
-                       m.vertices[at(t[3])]);
+    return tet_quality(m.vertices[at(t[0])], m.vertices[at(t[1])], m.vertices[at(t[2])], m.vertices[at(t[3])]);
 }
 double worst(const TetMesh& m) {
     double q = 1;
@@ -112,8 +109,7 @@ TEST_CASE("surfaces whose triangles Delaunay does not choose are filled exactly 
     for (Vec3& p : rough.points) p *= 0.85 + 0.3 * (random() / 4294967296.0);
     all.push_back(rough);
     for (const std::string name : {"bones/humerus", "muscles/biceps", "muscles/brachialis"}) {
-        const SurfaceMesh m =
-            read_surface(std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm_ziva/" + name + ".obj");
+        const SurfaceMesh m = read_surface(std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm_ziva/" + name + ".obj");
         all.push_back(shape(name, m));
     }
     for (const Shape& s : all) {
@@ -198,8 +194,8 @@ TEST_CASE("what tets cannot have as their boundary is refused, and the message s
     open.triangles.pop_back();
     CHECK(code_of(open, &message) == "FE230");
     CHECK(message.find("3 edges with one triangle") != std::string::npos);
-    CHECK(message.find(std::to_string(std::min(lost[0], lost[1])) + "-" +
-                       std::to_string(std::max(lost[0], lost[1]))) != std::string::npos);
+    CHECK(message.find(std::to_string(std::min(lost[0], lost[1])) + "-" + std::to_string(std::max(lost[0], lost[1]))) !=
+          std::string::npos);
 
     Shape flipped = ball;
     std::swap(flipped.triangles[7][0], flipped.triangles[7][1]);
@@ -207,10 +203,9 @@ TEST_CASE("what tets cannot have as their boundary is refused, and the message s
     CHECK(message.find("3 edges whose triangles face opposite sides") != std::string::npos);
 
     // Two tets that share an edge: four triangles there.
-    const Shape wedge{
-        "two tets on an edge",
-        {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}},
-        {{0, 2, 3}, {0, 1, 2}, {1, 3, 2}, {0, 3, 1}, {0, 4, 5}, {0, 1, 4}, {1, 5, 4}, {0, 5, 1}}};
+    const Shape wedge{"two tets on an edge",
+                      {{0, 0, 0}, {0, 0, 1}, {1, 0, 0}, {1, 1, 0}, {-1, 0, 0}, {-1, -1, 0}},
+                      {{0, 2, 3}, {0, 1, 2}, {1, 3, 2}, {0, 3, 1}, {0, 4, 5}, {0, 1, 4}, {1, 5, 4}, {0, 5, 1}}};
     CHECK(code_of(wedge, &message) == "FE236");
     CHECK(message.find("1 edge with more than two triangles (0-1)") != std::string::npos);
 
@@ -238,7 +233,8 @@ TEST_CASE("tets have the same bits on every run, show rising progress and can be
     const Shape s = remeshed(ten_shapes()[6], 0.035);
     std::vector<double> seen;
     int asked = 0;
-    const MeshingControl watch{[&] { return ++asked, false; }, [&](double done, std::string_view) { seen.push_back(done); }};
+    const MeshingControl watch{[&] { return ++asked, false; },
+                               [&](double done, std::string_view) { seen.push_back(done); }};
     const TetMesh a = make_delaunay_tets(s.points, s.triangles, {0.9}, watch), b = fill(s, 0.9);
     CHECK(a.vertices == b.vertices);
     CHECK(a.tets == b.tets);

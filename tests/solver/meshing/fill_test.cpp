@@ -41,8 +41,7 @@ std::string failure(const SurfaceMesh& mesh, Fill fill) {
     return "none";
 }
 
-const SurfaceMesh outer = make_sphere(1, 24, 24), inner = make_sphere(0.5, 16, 16),
-                  island = make_sphere(0.2, 10, 10);
+const SurfaceMesh outer = make_sphere(1, 24, 24), inner = make_sphere(0.5, 16, 16), island = make_sphere(0.2, 10, 10);
 
 } // namespace
 
@@ -82,8 +81,7 @@ TEST_CASE("solids and cavities alternate inwards, whatever way they are turned",
         CAPTURE(turned);
         REQUIRE(covered_volume(lattice_of(mesh, Fill::empty_cavities, 0.25)) ==
                 Approx(volume(outer) - volume(inner) + volume(island)).epsilon(1e-9));
-        REQUIRE(covered_volume(lattice_of(mesh, Fill::filled_cavities, 0.25)) ==
-                Approx(volume(outer)).epsilon(1e-9));
+        REQUIRE(covered_volume(lattice_of(mesh, Fill::filled_cavities, 0.25)) == Approx(volume(outer)).epsilon(1e-9));
     }
 }
 
@@ -114,17 +112,15 @@ TEST_CASE("empty cavities refuse a mesh with holes and say where, the others clo
     mesh.triangles.erase(mesh.triangles.begin() + 300);
     const std::string message = failure(mesh, Fill::empty_cavities);
     CAPTURE(message, removed[0], removed[1], removed[2]);
-    REQUIRE(message.rfind("FE220: empty cavities need a watertight mesh; this one has 3 border edges", 0) ==
-            0);
+    REQUIRE(message.rfind("FE220: empty cavities need a watertight mesh; this one has 3 border edges", 0) == 0);
     int named = 0;
     for (std::size_t k = 0; k < 3; ++k)
-        named += message.find(std::to_string(removed[(k + 1) % 3]) + "-" + std::to_string(removed[k])) !=
-                 std::string::npos;
+        named +=
+            message.find(std::to_string(removed[(k + 1) % 3]) + "-" + std::to_string(removed[k])) != std::string::npos;
     REQUIRE(named == 3);
     REQUIRE(failure(mesh, Fill::filled_cavities) == "none");
     REQUIRE(failure(mesh, Fill::surface_only) == "none");
-    REQUIRE(covered_volume(lattice_of(mesh, Fill::filled_cavities, 0.4)) ==
-            Approx(volume(outer)).epsilon(1e-2));
+    REQUIRE(covered_volume(lattice_of(mesh, Fill::filled_cavities, 0.4)) == Approx(volume(outer)).epsilon(1e-2));
     // Vertices doubled along a seam open nothing.
     SurfaceMesh seams;
     for (const Triangle& t : outer.triangles) {

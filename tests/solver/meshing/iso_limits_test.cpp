@@ -144,7 +144,9 @@ TEST_CASE("a plate thinner than its triangles is meshed whole or refused, never 
     double area = 0;
     for (const Triangle& t : thin.triangles) {
         const Vec3& a = thin.points[static_cast<std::size_t>(t[0])];
-        area += 0.5 * (thin.points[static_cast<std::size_t>(t[1])] - a).cross(thin.points[static_cast<std::size_t>(t[2])] - a).norm();
+        area += 0.5 * (thin.points[static_cast<std::size_t>(t[1])] - a)
+                          .cross(thin.points[static_cast<std::size_t>(t[2])] - a)
+                          .norm();
     }
     CHECK(area == Approx(2.04).epsilon(0.05));
     CHECK(check_mesh(thin.points, thin.triangles).is_closed());

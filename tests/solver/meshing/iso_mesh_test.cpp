@@ -105,8 +105,7 @@ TEST_CASE("offsets of a ball are balls", "[iso]") {
         double length = 0;
         for (const Triangle& t : mesh.triangles)
             length +=
-                (mesh.points[static_cast<std::size_t>(t[0])] - mesh.points[static_cast<std::size_t>(t[1])])
-                    .norm();
+                (mesh.points[static_cast<std::size_t>(t[0])] - mesh.points[static_cast<std::size_t>(t[1])]).norm();
         CHECK(length / static_cast<double>(mesh.triangles.size()) == Approx(0.1).epsilon(0.25));
     }
 }
@@ -140,16 +139,14 @@ TEST_CASE("the surface inside a union does not dent what is shrunk from its outs
     CHECK(mesh.components == 1);
 }
 
-TEST_CASE("components are all found, cavities of closed meshes stay, those of open ones are filled",
-          "[iso]") {
+TEST_CASE("components are all found, cavities of closed meshes stay, those of open ones are filled", "[iso]") {
     const auto shapes = ten_shapes();
     const auto find = [&](const std::string& name) {
         return *std::find_if(shapes.begin(), shapes.end(), [&](const Shape& s) { return s.name == name; });
     };
     const auto parts = [](const IsoMesh& m) { return check_mesh(m.points, m.triangles).components; };
     CHECK(parts(mesh_of(find("six small balls"), options(0, 0.1))) == 6);
-    CHECK(parts(mesh_of(find("six small balls"), options(0.01, 0.3))) ==
-          6); // triangles as large as the balls
+    CHECK(parts(mesh_of(find("six small balls"), options(0.01, 0.3))) == 6); // triangles as large as the balls
     const IsoMesh hollow = mesh_of(find("hollow ball"), options(0.05, 0.1));
     CHECK(parts(hollow) == 2);
     CHECK(enclosed_volume(hollow.points, hollow.triangles) ==
@@ -158,14 +155,12 @@ TEST_CASE("components are all found, cavities of closed meshes stay, those of op
     shell.triangles.pop_back();
     const IsoMesh filled = mesh_of(shell, options(0.1, 0.1));
     CHECK(parts(filled) == 1);
-    CHECK(enclosed_volume(filled.points, filled.triangles) ==
-          Approx(4 * pi / 3 * std::pow(1.1, 3)).epsilon(0.02));
+    CHECK(enclosed_volume(filled.points, filled.triangles) == Approx(4 * pi / 3 * std::pow(1.1, 3)).epsilon(0.02));
 }
 
 TEST_CASE("triangles of a closed mesh that face the wrong way are turned", "[iso]") {
     Shape ball = shape("ball", make_sphere(1, 32, 24));
-    for (std::size_t t = 0; t < ball.triangles.size(); t += 7)
-        std::swap(ball.triangles[t][0], ball.triangles[t][1]);
+    for (std::size_t t = 0; t < ball.triangles.size(); t += 7) std::swap(ball.triangles[t][0], ball.triangles[t][1]);
     const IsoMesh mesh = mesh_of(ball, options(-0.3, 0.1));
     CHECK(enclosed_volume(mesh.points, mesh.triangles) == Approx(4 * pi / 3 * 0.343).epsilon(0.03));
     Shape inside_out = shape("ball inside out", make_sphere(1, 32, 24));
@@ -190,8 +185,7 @@ TEST_CASE("what has no level set is refused, and the message says why", "[iso]")
     CHECK(code_of(ball, options(NAN, 0.1)) == "FE206");
     CHECK(code_of({"nothing", {}, {}}, options(0, 0.1)) == "FE201");
     CHECK(code_of({"a line", {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) == "FE201");
-    CHECK(code_of({"not a number", {{0, 0, 0}, {1, 0, 0}, {1, NAN, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) ==
-          "FE202");
+    CHECK(code_of({"not a number", {{0, 0, 0}, {1, 0, 0}, {1, NAN, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) == "FE202");
     CHECK(code_of({"no such vertex", {{0, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) == "FE203");
 }
 
@@ -211,12 +205,12 @@ TEST_CASE("an iso mesh has the same bits on every run and for every number of th
     }
 }
 
-TEST_CASE("a long iso mesh shows rising progress, can be stopped at any time and keeps its time limit",
-          "[iso]") {
+TEST_CASE("a long iso mesh shows rising progress, can be stopped at any time and keeps its time limit", "[iso]") {
     const Shape ball = shape("ball", make_sphere(1, 40, 30));
     std::vector<double> seen;
     int asked = 0;
-    const MeshingControl watch{[&] { return ++asked, false; }, [&](double done, std::string_view) { seen.push_back(done); }};
+    const MeshingControl watch{[&] { return ++asked, false; },
+                               [&](double done, std::string_view) { seen.push_back(done); }};
     const IsoMesh mesh = make_iso_mesh(ball.points, ball.triangles, options(0.1, 0.05), watch);
     REQUIRE(seen.size() > 10);
     CHECK(std::is_sorted(seen.begin(), seen.end()));

@@ -20,8 +20,7 @@ inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 inline std::array<Vec3, 4> corners_of(const TetMesh& mesh, std::size_t t) {
     const Tet& tet = mesh.tets[t];
-    return {mesh.vertices[at(tet[0])], mesh.vertices[at(tet[1])], mesh.vertices[at(tet[2])],
-            mesh.vertices[at(tet[3])]};
+    return {mesh.vertices[at(tet[0])], mesh.vertices[at(tet[1])], mesh.vertices[at(tet[2])], mesh.vertices[at(tet[3])]};
 }
 
 inline double volume_of(const TetMesh& mesh, std::size_t t) {
@@ -83,8 +82,7 @@ inline void require_sound(const TetMesh& mesh) {
     double least_volume = 1e300, least_coverage = 2, most_coverage = 0;
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         const Tet& tet = mesh.tets[t];
-        least_volume =
-            std::min(least_volume, volume_of(mesh, t) / std::pow(longest_edge(corners_of(mesh, t)), 3));
+        least_volume = std::min(least_volume, volume_of(mesh, t) / std::pow(longest_edge(corners_of(mesh, t)), 3));
         least_coverage = std::min(least_coverage, mesh.coverage[t]);
         most_coverage = std::max(most_coverage, mesh.coverage[t]);
         constexpr std::size_t outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
@@ -97,8 +95,7 @@ inline void require_sound(const TetMesh& mesh) {
         }
         for (std::size_t i = 0; i < 4; ++i) {
             used[at(tet[i])] = 1;
-            for (std::size_t j = 0; j < i; ++j)
-                edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
+            for (std::size_t j = 0; j < i; ++j) edges.insert({std::min(tet[i], tet[j]), std::max(tet[i], tet[j])});
         }
     }
     REQUIRE(least_volume > 0.01);
@@ -112,8 +109,7 @@ inline void require_sound(const TetMesh& mesh) {
     REQUIRE(places.size() == mesh.vertices.size());
     // Midpoints are exact but for the rounding of the coordinates.
     const auto is_vertex_near = [&](const Vec3& p, double slack) {
-        for (auto it = places.lower_bound(p - Vec3(0, 0, slack));
-             it != places.end() && it->z() <= p.z() + slack; ++it)
+        for (auto it = places.lower_bound(p - Vec3(0, 0, slack)); it != places.end() && it->z() <= p.z() + slack; ++it)
             if ((*it - p).norm() < slack) return true;
         return false;
     };
@@ -121,8 +117,8 @@ inline void require_sound(const TetMesh& mesh) {
     for (const auto& e : edges) {
         const Vec3 &a = mesh.vertices[at(e[0])], &b = mesh.vertices[at(e[1])];
         const Vec3 middle = 0.5 * (a + b);
-        hanging += places.count(middle) > 0 ||
-                   (mesh.vertices.size() < 3000 && is_vertex_near(middle, 1e-6 * (a - b).norm()));
+        hanging +=
+            places.count(middle) > 0 || (mesh.vertices.size() < 3000 && is_vertex_near(middle, 1e-6 * (a - b).norm()));
     }
     REQUIRE(hanging == 0);
     const Angles angles = dihedral_angles(mesh);

@@ -92,8 +92,8 @@ SurfaceMesh joined(const SurfaceMesh& a, const SurfaceMesh& b, const Vec3& shift
 std::vector<std::string> arm_meshes() {
     std::vector<std::string> files;
     for (const char* folder : {"bones", "muscles"})
-        for (const auto& entry : std::filesystem::directory_iterator(
-                 std::string(SINEW_SOURCE_DIR "/graphs/scenes/arm_ziva/") + folder))
+        for (const auto& entry :
+             std::filesystem::directory_iterator(std::string(SINEW_SOURCE_DIR "/graphs/scenes/arm_ziva/") + folder))
             if (entry.path().extension() == ".obj") files.push_back(entry.path().string());
     std::sort(files.begin(), files.end());
     return files;
@@ -107,8 +107,7 @@ TEST_CASE("the unit sphere at 2/3.5 has 600 tets, 168 of them wholly inside", "[
         const TetMesh mesh = lattice_of(sphere, size);
         REQUIRE(mesh.tets.size() == 600);
         REQUIRE(whole_count(mesh) == 168);
-        REQUIRE(covered_volume(mesh) ==
-                Approx(enclosed_volume(sphere.points, sphere.triangles)).epsilon(1e-12));
+        REQUIRE(covered_volume(mesh) == Approx(enclosed_volume(sphere.points, sphere.triangles)).epsilon(1e-12));
         require_sound(mesh, 2 / 3.5);
         // One lattice vertex lies exactly at the centre of the bounding box.
         REQUIRE(std::find(mesh.vertices.begin(), mesh.vertices.end(), Vec3(0, 0, 0)) != mesh.vertices.end());
@@ -221,8 +220,7 @@ TEST_CASE("parts that overlap count once", "[lattice]") {
     const double overlap = (0.5 - 0.437 + 0.4) * (0.5 - 0.119 + 0.5 + 0.119) * 0.6;
     const double volume = 1 + 0.8 * 1.3 * 0.6 - overlap;
     double error[2];
-    for (int k = 0; k < 2; ++k)
-        error[k] = std::abs(covered_volume(lattice_of(both, 0.3 / (1 << k))) / volume - 1);
+    for (int k = 0; k < 2; ++k) error[k] = std::abs(covered_volume(lattice_of(both, 0.3 / (1 << k))) / volume - 1);
     CAPTURE(error[0], error[1]);
     REQUIRE(error[0] < 2e-3);
     REQUIRE(error[1] < 5e-4);
@@ -231,8 +229,7 @@ TEST_CASE("parts that overlap count once", "[lattice]") {
     // A part that is inside out beside one that is not is solid too.
     SurfaceMesh turned = b;
     for (Triangle& t : turned.triangles) std::swap(t[0], t[1]);
-    REQUIRE(covered_volume(lattice_of(joined(a, turned, {3, 0, 0}), 0.3)) ==
-            Approx(1 + 0.8 * 1.3 * 0.6).epsilon(1e-6));
+    REQUIRE(covered_volume(lattice_of(joined(a, turned, {3, 0, 0}), 0.3)) == Approx(1 + 0.8 * 1.3 * 0.6).epsilon(1e-6));
 }
 
 TEST_CASE("vertices doubled along seams do not open a surface", "[lattice]") {
@@ -250,8 +247,7 @@ TEST_CASE("vertices doubled along seams do not open a surface", "[lattice]") {
 }
 
 TEST_CASE("a scanned bone with cracks and self-intersections is filled", "[lattice]") {
-    const SurfaceMesh radius =
-        read_surface(SINEW_SOURCE_DIR "/tests/solver/mesh/data/radius_with_cracks.obj");
+    const SurfaceMesh radius = read_surface(SINEW_SOURCE_DIR "/tests/solver/mesh/data/radius_with_cracks.obj");
     REQUIRE_FALSE(is_closed(radius.triangles));
     const double volume = enclosed_volume(radius.points, radius.triangles); // near enough with small cracks
     for (double parts : {3.5, 20.0}) {
@@ -410,7 +406,8 @@ TEST_CASE("a lattice of huge tets is refused at once with a size that would do",
                 FAIL("made");
             } catch (const Error& e) {
                 CHECK(e.code == "FE210");
-                CHECK(std::string(e.what()).find("too large for this mesh: its longest side is 3") != std::string::npos);
+                CHECK(std::string(e.what()).find("too large for this mesh: its longest side is 3") !=
+                      std::string::npos);
                 CHECK(e.hint.find("choose a tet size of ") == 0);
             }
         }

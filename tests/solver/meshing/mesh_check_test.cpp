@@ -23,8 +23,7 @@ std::size_t flaws(const MeshCheck& c) {
 
 /// Two tets with the given second one.
 Shape tet_and(const Points& more, std::vector<Triangle> triangles) {
-    Shape s{
-        "", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true};
+    Shape s{"", {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}, true};
     s.points.insert(s.points.end(), more.begin(), more.end());
     s.triangles.insert(s.triangles.end(), triangles.begin(), triangles.end());
     return s;
@@ -35,8 +34,7 @@ Shape tet_and(const Points& more, std::vector<Triangle> triangles) {
 TEST_CASE("closed primitives have no flaws", "[meshcheck]") {
     for (const Shape& s :
          {shape("sphere", make_sphere(1, 20, 20)), shape("cube", make_cube(1, 2, 3, 2, 2, 2)),
-          shape("cylinder", make_cylinder(1, 2, 20, 3, 2)),
-          shape("helix", make_helix(1, 0.2, 2, 2, 8, 20))}) {
+          shape("cylinder", make_cylinder(1, 2, 20, 3, 2)), shape("helix", make_helix(1, 0.2, 2, 2, 8, 20))}) {
         INFO(s.name);
         const MeshCheck c = inspect(s);
         CHECK(flaws(c) == 0);
@@ -46,8 +44,7 @@ TEST_CASE("closed primitives have no flaws", "[meshcheck]") {
         CHECK(c.volume == Approx(enclosed_volume(s.points, s.triangles)));
         CHECK(c.volume > 0);
     }
-    CHECK(inspect({"inside out", make_sphere(1, 8, 8).points, reversed(make_sphere(1, 8, 8).triangles)})
-              .volume < 0);
+    CHECK(inspect({"inside out", make_sphere(1, 8, 8).points, reversed(make_sphere(1, 8, 8).triangles)}).volume < 0);
     CHECK(inspect(ten_shapes()[7]).components == 6);
 }
 
@@ -92,8 +89,7 @@ TEST_CASE("each flaw is found alone and where it is", "[meshcheck]") {
     CHECK_THROWS_AS(inspect({"", {{0, 0, 0}, {1, 0, 0}, {0, NAN, 0}}, {{0, 1, 2}}}), Error);
 }
 
-TEST_CASE("crossings are found exactly: through, touching, overlapping, but not over what is shared",
-          "[meshcheck]") {
+TEST_CASE("crossings are found exactly: through, touching, overlapping, but not over what is shared", "[meshcheck]") {
     const auto count = [](const Points& points, const std::vector<Triangle>& triangles) {
         return self_intersections(points, triangles).count;
     };
@@ -123,8 +119,8 @@ TEST_CASE("crossings are found exactly: through, touching, overlapping, but not 
     std::size_t by_hand = 0;
     for (int s = 0; s < 12; ++s)
         for (int t = 12; t < 24; ++t)
-            by_hand += count(two.points, {two.triangles[static_cast<std::size_t>(s)],
-                                          two.triangles[static_cast<std::size_t>(t)]});
+            by_hand += count(two.points,
+                             {two.triangles[static_cast<std::size_t>(s)], two.triangles[static_cast<std::size_t>(t)]});
     CHECK(by_hand > 10);
     CHECK(count(two.points, two.triangles) == by_hand);
 }

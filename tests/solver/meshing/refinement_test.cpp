@@ -35,8 +35,7 @@ bool contains(const std::array<Vec3, 4>& tet, const Vec3& p) {
 
 /// The unit sphere with the number of levels wanted at each vertex as a function of the place.
 template <class Levels>
-TetMesh refined_sphere(double size, double propagation, const Levels& levels,
-                       Fill fill = Fill::filled_cavities) {
+TetMesh refined_sphere(double size, double propagation, const Levels& levels, Fill fill = Fill::filled_cavities) {
     const SurfaceMesh sphere = make_sphere(1, 20, 20);
     LatticeOptions options;
     options.tet_size = size;
@@ -132,8 +131,7 @@ TEST_CASE("the closure of a set of split edges is the smallest that a cut resolv
     }
 }
 
-TEST_CASE("all cuts of a lattice tet fill it and keep the dihedral angles in 30 to 116.57 degrees",
-          "[refinement]") {
+TEST_CASE("all cuts of a lattice tet fill it and keep the dihedral angles in 30 to 116.57 degrees", "[refinement]") {
     const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(1, 1, 1), 1);
     Angles green, red;
     for (std::int64_t tet = 0; tet < grid.tet_count(); ++tet) {
@@ -168,9 +166,8 @@ TEST_CASE("all cuts of a lattice tet fill it and keep the dihedral angles in 30 
     REQUIRE(red.most == Approx(90).margin(1e-6));
 }
 
-TEST_CASE(
-    "no paint leaves every bit of the lattice, full paint and propagation give the lattice of half the size",
-    "[refinement]") {
+TEST_CASE("no paint leaves every bit of the lattice, full paint and propagation give the lattice of half the size",
+          "[refinement]") {
     const auto everywhere = [](const Vec3&) { return true; };
     const TetMesh plain = refined_sphere(2 / 3.5, 0, [](const Vec3&) { return 0.0; });
     REQUIRE(plain.tets.size() == 600);
@@ -259,9 +256,9 @@ TEST_CASE("propagation sets the size of the inside", "[refinement]") {
 TEST_CASE("any paint gives a sound lattice that covers the solid's own volume", "[refinement]") {
     std::mt19937 random(3);
     std::uniform_real_distribution<double> u(0, 1);
-    const SurfaceMesh meshes[] = {
-        make_sphere(1, 12, 12), make_helix(1, 0.3, 1.5, 1.5, 10, 20), make_cube(1, 0.5, 2, 2, 3, 4),
-        read_surface(SINEW_SOURCE_DIR "/graphs/scenes/arm_ziva/muscles/biceps.obj")};
+    const SurfaceMesh meshes[] = {make_sphere(1, 12, 12), make_helix(1, 0.3, 1.5, 1.5, 10, 20),
+                                  make_cube(1, 0.5, 2, 2, 3, 4),
+                                  read_surface(SINEW_SOURCE_DIR "/graphs/scenes/arm_ziva/muscles/biceps.obj")};
     for (int trial = 0; trial < 24; ++trial) {
         const SurfaceMesh& mesh = meshes[trial % 4];
         LatticeOptions options;
@@ -275,8 +272,7 @@ TEST_CASE("any paint gives a sound lattice that covers the solid's own volume", 
         CAPTURE(trial, lattice.tets.size());
         require_sound(lattice);
         if (lattice.tets.size() < 4000) require_no_hidden_border(lattice);
-        REQUIRE(covered_volume(lattice) ==
-                Approx(enclosed_volume(mesh.points, mesh.triangles)).epsilon(1e-8));
+        REQUIRE(covered_volume(lattice) == Approx(enclosed_volume(mesh.points, mesh.triangles)).epsilon(1e-8));
     }
 }
 
@@ -297,8 +293,7 @@ TEST_CASE("an open surface is refined too, and its covered volume settles", "[re
 
 TEST_CASE("a refined lattice has the same bits on one thread and on many", "[refinement]") {
     const auto make = [] {
-        return refined_sphere(0.4, 0.7,
-                              [](const Vec3& p) { return 3 * std::abs(std::sin(7 * p.x() + 3 * p.y())); });
+        return refined_sphere(0.4, 0.7, [](const Vec3& p) { return 3 * std::abs(std::sin(7 * p.x() + 3 * p.y())); });
     };
     TetMesh one;
     {
@@ -335,8 +330,7 @@ TEST_CASE("refinement that cannot be used is refused with its code", "[refinemen
     REQUIRE(code_of(options) == "none");
     options.max_resolution = 95;
     REQUIRE(code_of(options, &message) == "FE210");
-    REQUIRE(message.find("96 cubes along the longest side, refined 3 times; the limit is 95") !=
-            std::string::npos);
+    REQUIRE(message.find("96 cubes along the longest side, refined 3 times; the limit is 95") != std::string::npos);
     options.max_resolution = 1 << 30;
     options.refinement = {60};
     REQUIRE(code_of(options) == "FE210");

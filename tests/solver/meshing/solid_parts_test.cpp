@@ -96,8 +96,7 @@ TEST_CASE("triangles that face the wrong way are turned to agree with their part
     Shape ball = shape("ball", make_sphere(1, 24, 16));
     ball.triangles.pop_back();
     const double whole = volume_of(ball);
-    for (std::size_t t = 0; t < ball.triangles.size(); t += 2)
-        std::swap(ball.triangles[t][1], ball.triangles[t][2]);
+    for (std::size_t t = 0; t < ball.triangles.size(); t += 2) std::swap(ball.triangles[t][1], ball.triangles[t][2]);
     CHECK(volume_of(ball) == Approx(whole).epsilon(1e-9));
 }
 
@@ -143,7 +142,8 @@ TEST_CASE("tets so large that their least share is more than a tenth of the soli
     for (int i = 0; i < 100; ++i)
         append(dust, make_cube(0.03, 0.03, 0.03, 1, 1, 1), 5 / 4294967296.0 * Vec3(random(), random(), random()));
     for (const auto& [s, size, volume] :
-         {std::tuple{shape("sphere", make_sphere(1, 20, 20)), 20.0, 4.0948632}, std::tuple{cube({1000, 1, 1}), 0.0, 1000.0},
+         {std::tuple{shape("sphere", make_sphere(1, 20, 20)), 20.0, 4.0948632},
+          std::tuple{cube({1000, 1, 1}), 0.0, 1000.0},
           std::tuple{shape("sphere", make_sphere(1, 20, 20)), 1e6, 4.0948632}, std::tuple{dust, 0.0, 100 * 2.7e-5}}) {
         INFO(s.name << " " << size);
         const Error e = refusal(s, size);

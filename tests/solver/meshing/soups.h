@@ -19,8 +19,7 @@ struct Shape {
     bool is_closed = true;
 };
 
-inline void append(Shape& to, const Points& points, std::vector<Triangle> triangles,
-                   const Vec3& by = Vec3::Zero()) {
+inline void append(Shape& to, const Points& points, std::vector<Triangle> triangles, const Vec3& by = Vec3::Zero()) {
     const int first = static_cast<int>(to.points.size());
     for (const Vec3& p : points) to.points.push_back(p + by);
     for (Triangle t : triangles) {
@@ -41,10 +40,10 @@ inline std::vector<Triangle> reversed(std::vector<Triangle> triangles) {
 
 /// Five clean closed shapes, three of several parts, two open ones.
 inline std::vector<Shape> ten_shapes() {
-    std::vector<Shape> all{
-        shape("sphere", make_sphere(1, 24, 16)), shape("cube", make_cube(1, 2, 3, 1, 1, 1)),
-        shape("cylinder", make_cylinder(0.3, 3, 20, 1, 1)), shape("helix", make_helix(1, 0.2, 2, 2, 12, 24)),
-        shape("flat box", make_cube(3, 0.2, 2, 3, 1, 2))};
+    std::vector<Shape> all{shape("sphere", make_sphere(1, 24, 16)), shape("cube", make_cube(1, 2, 3, 1, 1, 1)),
+                           shape("cylinder", make_cylinder(0.3, 3, 20, 1, 1)),
+                           shape("helix", make_helix(1, 0.2, 2, 2, 12, 24)),
+                           shape("flat box", make_cube(3, 0.2, 2, 3, 1, 2))};
     const SurfaceMesh ball = make_sphere(0.5, 20, 12);
     Shape hollow = shape("hollow ball", make_sphere(1, 24, 16));
     append(hollow, ball.points, reversed(ball.triangles));
