@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 #include "solver/mesh/mesh_files.h"
 
 namespace sinew::nodes {
@@ -16,12 +17,14 @@ const Wire<MeshList> meshes{
     .doc = "Several meshes to write into one file, for example zSolver.outMeshes.",
     .required = false,
 };
+constexpr Option<std::string (*)(const solver::SurfaceMesh&)> formats[] = {
+    {"obj", solver::write_obj}, {"ply", solver::write_ply}, {"stl", solver::write_stl}, {"off", solver::write_off}};
 const Input<std::string> format{
     .name = "format",
     .def = "obj",
     .doc = "The kind of file: obj and off (text, polygons), ply (binary, polygons), stl (binary, triangles).",
     .keyable = false,
-    .options = {"obj", "ply", "stl", "off"},
+    .options = words(formats),
 };
 const Output<FileContent> out_file{.name = "outFile", .doc = "The file's bytes and ending, in scene units."};
 
@@ -34,12 +37,6 @@ void append(solver::SurfaceMesh& all, const Mesh& m) {
     for (const auto& [a, b, c] : t.triangles) all.triangles.push_back({first + a, first + b, first + c});
 }
 
-std::string written(const solver::SurfaceMesh& m, const std::string& ending) {
-    if (ending == "ply") return solver::write_ply(m);
-    if (ending == "stl") return solver::write_stl(m);
-    return ending == "off" ? solver::write_off(m) : solver::write_obj(m);
-}
-
 void compute(const Reads& in, Writes& out) {
     const Mesh* one = in.find(mesh);
     const MeshList* many = in.find(meshes);
@@ -49,7 +46,9 @@ void compute(const Reads& in, Writes& out) {
     if (one) append(all, *one);
     if (many)
         for (const Mesh& m : many->meshes) append(all, m);
-    out.set(out_file, guarded(in, mesh.name, [&] { return FileContent{in[format], written(all, in[format])}; }));
+    out.set(out_file, guarded(in, mesh.name, [&] {
+                return FileContent{in[format], meaning(formats, in[format])(all)};
+            }));
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/solver_setup.h"
 
+#include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
 
 #include <algorithm>
@@ -101,22 +102,6 @@ std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& re
     return t;
 }
 
-std::string law_name(solver::ElasticLaw law) {
-    switch (law) {
-    case solver::ElasticLaw::stvk:
-        return "StVK";
-    case solver::ElasticLaw::neo_hookean:
-        return "NeoHookean";
-    case solver::ElasticLaw::log_neo_hookean:
-        return "LogNeoHookean";
-    case solver::ElasticLaw::corotational:
-        return "Corotational";
-    case solver::ElasticLaw::anisotropic:
-        return "Anisotropic";
-    }
-    return "";
-}
-
 } // namespace
 
 solver::Points to_metres(const solver::Points& points, double units) {
@@ -167,16 +152,8 @@ solver::SceneDescription describe_scene(const Setup& setup) {
 solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t steps_per_frame) {
     solver::StepInputs s;
     s.step_size = 1 / (in[frames_per_second] * static_cast<double>(steps_per_frame));
-    const std::string& scheme = in[integrator];
-    s.integrator = scheme == "BDF2"          ? solver::Integrator::bdf2
-                   : scheme == "TR-BDF2"     ? solver::Integrator::tr_bdf2
-                   : scheme == "QuasiStatic" ? solver::Integrator::quasi_static
-                                             : solver::Integrator::backward_euler;
-    const std::string& method = in[linear_solver];
-    s.linear_method = method == "Direct"      ? solver::LinearMethod::direct
-                      : method == "Iterative" ? solver::LinearMethod::iterative
-                      : method == "Plain"     ? solver::LinearMethod::plain
-                                              : solver::LinearMethod::automatic;
+    s.integrator = meaning(options_of<solver::Integrator>, in[integrator]);
+    s.linear_method = meaning(options_of<solver::LinearMethod>, in[linear_solver]);
     s.gravity = solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
     s.mass_damping = in[mass_damping];
     s.stiffness_damping = in[stiffness_damping];
@@ -230,14 +207,14 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
         if (!t) continue;
         r.tets += static_cast<std::int64_t>(t->tets.tets.size());
-        if (std::find(laws.begin(), laws.end(), law_name(t->law)) == laws.end()) laws.push_back(law_name(t->law));
+        const solver::LawFacts& law = law_facts(t->law);
+        if (std::find(laws.begin(), laws.end(), law.name) == laws.end()) laws.emplace_back(law.name);
         fibers = fibers || !t->fibers.empty();
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
-        const bool law_resists = t->law == solver::ElasticLaw::stvk || t->law == solver::ElasticLaw::neo_hookean;
-        resists = resists || (law_resists && values.compression_resistance > 0);
+        resists = resists || (law.resists_compression && values.compression_resistance > 0);
         for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
     }
-    const bool moves = in[integrator] != "QuasiStatic";
+    const bool moves = meaning(options_of<solver::Integrator>, in[integrator]) != solver::Integrator::quasi_static;
     r.terms = std::move(laws);
     if (resists) r.terms.push_back("compressionResistance");
     if (conserves) r.terms.push_back("volumeConservation");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 #include "solver/mesh/mesh_files.h"
 
 namespace sinew::nodes {
@@ -11,6 +12,9 @@ using namespace engine;
 namespace {
 
 const Wire<TetMeshValue> tets{.name = "tets", .doc = "The tets to write."};
+constexpr Option<std::string (*)(const solver::TetMesh&)> formats[] = {
+    {"vtk", solver::write_vtk}, {"mesh", solver::write_medit}, {"msh", solver::write_gmsh},
+    {"veg", solver::write_veg}, {"node", solver::write_node},  {"ele", solver::write_ele}};
 const Input<std::string> format{
     .name = "format",
     .def = "vtk",
@@ -19,20 +23,12 @@ const Input<std::string> format{
         "reads back; the others have no place for it, so their tets come back as all solid), mesh "
         "(Medit), "
         "msh (Gmsh 4.1), veg (VegaFEM), node and ele (TetGen; the two belong together, so take two writers).",
-    .options = {"vtk", "mesh", "msh", "veg", "node", "ele"},
+    .options = words(formats),
 };
 const Output<FileContent> out_file{.name = "outFile", .doc = "The file's bytes and ending, in scene units."};
 
-std::string written(const solver::TetMesh& m, const std::string& ending) {
-    if (ending == "mesh") return solver::write_medit(m);
-    if (ending == "msh") return solver::write_gmsh(m);
-    if (ending == "veg") return solver::write_veg(m);
-    if (ending == "node") return solver::write_node(m);
-    return ending == "ele" ? solver::write_ele(m) : solver::write_vtk(m);
-}
-
 void compute(const Reads& in, Writes& out) {
-    out.set(out_file, FileContent{in[format], written(*in[tets].mesh, in[format])});
+    out.set(out_file, FileContent{in[format], meaning(formats, in[format])(*in[tets].mesh)});
 }
 
 } // namespace

@@ -80,7 +80,7 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const
     for (std::size_t i = 0; i < parts.fibers.size(); ++i)
         t->fibers.push_back({directions(*t, parts.fibers[i]), std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
-    if (t->law == solver::ElasticLaw::anisotropic) t->stiff_directions = t->fibers.front().directions;
+    if (needs_direction(t->law)) t->stiff_directions = t->fibers.front().directions;
     auto rest = std::make_shared<BodyRest>();
     rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     rest->mesh = *parts.mesh;

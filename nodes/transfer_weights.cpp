@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 #include "solver/mesh/map_transfer.h"
 
 #include <algorithm>
@@ -25,13 +26,20 @@ const Wire<Mesh> new_mesh{
     .name = "newMesh",
     .doc = "The mesh that needs the map, for example the same model with other triangles, or its iso mesh.",
 };
+NumberList transfer_clamped(const solver::MapTransfer& places, const NumberList& map) {
+    NumberList out = solver::transfer_map(places, map);
+    for (double& w : out) w = std::clamp(w, 0.0, 1.0);
+    return out;
+}
+constexpr Option<NumberList (*)(const solver::MapTransfer&, const NumberList&)> modes[] = {
+    {"linear", transfer_clamped}, {"endPoints", solver::transfer_ends}};
 const Input<std::string> mode{
     .name = "mode",
     .def = "linear",
     .doc = "linear takes the value at the closest point of oldMesh. endPoints keeps the ends of fibres "
            "sharp: 0.9 and "
            "more become 1, 0.1 and less 0, all else 0.5, and no end is lost on a coarser mesh.",
-    .options = {"linear", "endPoints"},
+    .options = words(modes),
 };
 const Output<NumberList> out_weights{
     .name = "outWeights",
@@ -50,11 +58,7 @@ void compute(const Reads& in, Writes& out) {
     out.set(out_weights, guarded(in, new_mesh.name, [&]() -> NumberList {
                 const solver::MapTransfer places =
                     solver::find_places(*from.points, from.topology->triangles, *to.points, to.topology->triangles);
-                const NumberList values = per_vertex(map, from.points->size());
-                if (in[mode] == "endPoints") return solver::transfer_ends(places, values);
-                NumberList out_map = solver::transfer_map(places, values);
-                for (double& w : out_map) w = std::clamp(w, 0.0, 1.0);
-                return out_map;
+                return meaning(modes, in[mode])(places, per_vertex(map, from.points->size()));
             }));
 }
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/attribute.h"
+#include "nodes/options.h"
 #include "nodes/values.h"
 
 namespace sinew::nodes::z_solver {
@@ -38,21 +39,21 @@ inline const Input<double> scale{
 };
 inline const Input<std::string> integrator{
     .name = "integrator",
-    .def = "BackwardEuler",
+    .def = std::string(word_of(solver::Integrator::backward_euler)),
     .doc = "How time is stepped. BackwardEuler is the most robust and damps the most; BDF2 and, more so, TR-BDF2 keep "
            "swings alive and are accurate to second order, TR-BDF2 at twice the cost a step. QuasiStatic has no "
            "momentum: it finds the shape at rest for each frame, so every tissue must be tied to a bone. May be keyed.",
-    .options = {"BackwardEuler", "BDF2", "TR-BDF2", "QuasiStatic"},
+    .options = words(options_of<solver::Integrator>),
 };
 inline const Input<std::string> linear_solver{
     .name = "solver",
-    .def = "Auto",
+    .def = std::string(word_of(solver::LinearMethod::automatic)),
     .doc = "How the linear systems are solved. Direct factorises each; Iterative takes conjugate gradients with "
            "multigrid; Auto "
            "iterates and goes to the factorisation for a while where counted cost says that it is cheaper. Plain "
            "factorises all "
            "bodies together, as the library comes: the yardstick of `sinew bench scene`, never the faster choice.",
-    .options = {"Auto", "Direct", "Iterative", "Plain"},
+    .options = words(options_of<solver::LinearMethod>),
 };
 inline const Input<double> frames_per_second{
     .name = "framesPerSecond",

@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/carriers.h"
+#include "nodes/options.h"
 #include "nodes/tissue_rest.h"
 
 #include <algorithm>
@@ -33,23 +34,35 @@ const WireList<Material> materials{
     .doc = "Material layers from bottom to top; one at least.",
 };
 const WireList<Fiber> fibers{.name = "fibers", .doc = "Muscle fibres; their pulls add up."};
+std::string doc_of_laws() {
+    std::string doc = "The elastic law: ";
+    for (const solver::LawFacts& facts : solver::elastic_laws)
+        doc += std::string(&facts == solver::elastic_laws ? "" : ", ") + std::string(facts.name) + " (" +
+               std::string(facts.doc) + ")";
+    return doc + ".";
+}
+const std::string law_doc = doc_of_laws();
 const Input<std::string> law{
     .name = "material",
-    .def = "StVK",
-    .doc = "The elastic law: StVK (stiff under large stretch), NeoHookean (keeps its volume better), "
-           "Corotational (linear, stable under large rotation), Anisotropic (StVK that is softer or stiffer across the "
-           "first fibre than along it), LogNeoHookean (the form of engineering codes, to compare with; it cannot "
-           "recover a tet that starts inverted).",
+    .def = std::string(word_of(solver::ElasticLaw::stvk)),
+    .doc = law_doc,
     .keyable = false,
-    .options = {"StVK", "NeoHookean", "Corotational", "Anisotropic", "LogNeoHookean"},
+    .options = words(options_of<solver::ElasticLaw>),
 };
+std::string doc_of_resistance() {
+    std::string laws;
+    for (const solver::LawFacts& facts : solver::elastic_laws)
+        if (facts.resists_compression) laws += (laws.empty() ? "" : ", ") + std::string(facts.name);
+    return "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. Acts in the laws " +
+           laws + ".";
+}
+const std::string resistance_doc = doc_of_resistance();
 const Input<double> compression_resistance{
     .name = "compressionResistance",
     .def = 20000,
     .unit = "1",
     .limits = {.min = 0},
-    .doc = "Extra resistance against being squashed, relative to the stiffness; useful from 1e3 on. Acts in StVK "
-           "and NeoHookean.",
+    .doc = resistance_doc,
 };
 const Input<double> transverse_anisotropy{
     .name = "transverseAnisotropy",
@@ -74,13 +87,6 @@ const Output<Body> out_body{
     .name = "outBody",
     .doc = "The tissue, for zSolver.bodies, zAttachment and zEmbedder.",
 };
-
-solver::ElasticLaw law_of(const std::string& word) {
-    if (word == "NeoHookean") return solver::ElasticLaw::neo_hookean;
-    if (word == "LogNeoHookean") return solver::ElasticLaw::log_neo_hookean;
-    if (word == "Anisotropic") return solver::ElasticLaw::anisotropic;
-    return word == "Corotational" ? solver::ElasticLaw::corotational : solver::ElasticLaw::stvk;
-}
 
 void check_layers(const Reads& in, const TissueParts& parts) {
     if (parts.materials.empty())
@@ -113,8 +119,8 @@ void check_fibers(const Reads& in, const TissueParts& parts) {
 }
 
 void check_law(const Reads& in, const TissueParts& parts) {
-    if (parts.law == solver::ElasticLaw::anisotropic && parts.fibers.empty())
-        in.fail(law.name, "FE205", "the anisotropic law has no fibre to take its direction from",
+    if (needs_direction(parts.law) && parts.fibers.empty())
+        in.fail(law.name, "FE205", "the law " + in[law] + " has no fibre to take its direction from",
                 "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
 }
 
@@ -146,7 +152,8 @@ std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const
 }
 
 void compute(const Reads& in, Writes& out) {
-    const TissueParts parts{&in[mesh], in.find(tets), law_of(in[law]), in[materials], in[fibers]};
+    const TissueParts parts{&in[mesh], in.find(tets), meaning(options_of<solver::ElasticLaw>, in[law]), in[materials],
+                            in[fibers]};
     check_layers(in, parts);
     check_fibers(in, parts);
     check_law(in, parts);

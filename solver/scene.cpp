@@ -39,10 +39,10 @@ void check_tissue(const TissueRest& t, int body) {
             refuse(body, "FE204",
                    "a material layer has " + std::to_string(w.size()) + " weights for " + std::to_string(n) + " tets",
                    "one weight per tet");
-    if (t.law == ElasticLaw::anisotropic && t.stiff_directions.size() != n)
+    if (needs_direction(t.law) && t.stiff_directions.size() != n)
         refuse(body, "FE205",
-               "the anisotropic law has " + std::to_string(t.stiff_directions.size()) + " directions for " +
-                   std::to_string(n) + " tets",
+               "the law " + std::string(law_facts(t.law).name) + " has " + std::to_string(t.stiff_directions.size()) +
+                   " directions for " + std::to_string(n) + " tets",
                "connect a fibre: it gives the stiff direction");
     if (t.layer_weights.empty()) refuse(body, "FE206", "the tissue has no material", "connect at least one zMaterial");
     for (const auto& f : t.fibers)
@@ -127,7 +127,7 @@ Scene::Scene(SceneDescription description)
         batches.batch_count = corners.size();
         system->batches.insert(system->batches.end(), corners.begin(), corners.end());
         for (const FiberRest& f : t->fibers) batches.fibers.push_back(make_fiber_batches(f, corners.size()));
-        if (t->law == ElasticLaw::anisotropic) batches.anisotropy = make_anisotropy(*t, corners.size());
+        if (needs_direction(t->law)) batches.anisotropy = make_anisotropy(*t, corners.size());
         batches.first_gradient = system->gradient_size;
         batches.first_hessian = system->hessian_size;
         batches.first_strain = system->strain_size;

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/embedded_point.h"
+#include "solver/material/law.h"
 #include "solver/mesh/embedding.h"
 #include "solver/mesh/surface_mesh.h"
 
@@ -12,8 +13,6 @@
 #include <vector>
 
 namespace sinew::solver {
-
-enum class ElasticLaw { stvk, neo_hookean, log_neo_hookean, corotational, anisotropic };
 
 /// Shape functions of the tets. Linear: a vertex each corner, constant strain. Quadratic: also one at the middle of
 /// each edge, linear strain; their numbers follow those of the mesh's vertices, in the order of edges_of(mesh.tets).

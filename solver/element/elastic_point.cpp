@@ -4,85 +4,15 @@
 #include "solver/element/svd3.h"
 #include "solver/element/symmetric3.h"
 #include "solver/material/anisotropic.h"
-#include "solver/material/corotational.h"
-#include "solver/material/log_neo_hookean.h"
-#include "solver/material/neo_hookean.h"
-#include "solver/material/stvk.h"
+#include "solver/material/formulas.h"
 #include "solver/material/viscosity.h"
 
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 namespace sinew::solver {
 
 namespace {
-
-/// Laws that need no singular values, except to be projected.
-bool has_tensor_form(ElasticLaw law) {
-    return law == ElasticLaw::stvk || law == ElasticLaw::neo_hookean || law == ElasticLaw::log_neo_hookean;
-}
-
-/// `Form` is Principal with the principal stretches, or TensorForm with the strains.
-template <class Form, class At, class R>
-void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compression, Form& out) {
-    switch (law) {
-    case ElasticLaw::stvk:
-        stvk(at, mu, lambda, out);
-        add_compression_resistance(at, compression, out);
-        break;
-    case ElasticLaw::neo_hookean:
-        neo_hookean(at, mu, lambda, out);
-        add_compression_resistance(at, compression, out);
-        break;
-    case ElasticLaw::log_neo_hookean:
-        log_neo_hookean(at, mu, lambda, out);
-        break;
-    case ElasticLaw::corotational:
-        if constexpr (std::is_same_v<Form, Principal<R>>) corotational(at, mu, lambda, out);
-        break;
-    case ElasticLaw::anisotropic:
-        clear(out);
-        break; // not a function of principal stretches: material/anisotropic.h
-    }
-}
-
-template <class R>
-void evaluate_measure(ElasticLaw law, const R* s, Principal<R>& out) {
-    switch (law) {
-    case ElasticLaw::stvk:
-        stvk_measure(s, out);
-        break;
-    case ElasticLaw::log_neo_hookean:
-        log_neo_hookean_measure(s, out);
-        break;
-    case ElasticLaw::corotational:
-        corotational_measure(s, out);
-        break;
-    case ElasticLaw::neo_hookean:
-    case ElasticLaw::anisotropic:
-        clear(out);
-        add_volumetric(s, s[0] * s[1] * s[2] - R(1.0), R(1.0), R(0.0), out);
-        break;
-    }
-}
-
-template <class R>
-void evaluate_measure(ElasticLaw law, const Strains<R>& e, TensorForm<R>& out) {
-    switch (law) {
-    case ElasticLaw::stvk:
-        stvk_measure(e, out);
-        break;
-    case ElasticLaw::log_neo_hookean:
-        log_neo_hookean_measure(e, out);
-        break;
-    default: // J - 1
-        clear(out);
-        out.energy = e.j - R(1.0);
-        out.by_j = R(1.0);
-        break;
-    }
-}
 
 template <class R>
 void add_scaled(const Principal<R>& a, R factor, Principal<R>& out) {
@@ -177,10 +107,10 @@ void cofactor(const R* f, R* out) {
 }
 
 /// Whether the point's energy has a part in principal stretches.
-bool has_principal_part(const PointInputs& in) { return in.law != ElasticLaw::anisotropic || in.pressures; }
+bool has_principal_part(const PointInputs& in) { return !needs_direction(in.law) || in.pressures; }
 
 /// Whether damping is added to a part in principal stretches; tensor forms and the anisotropic law take it in.
-bool damps_alone(const PointInputs& in) { return in.viscosity > 0 && in.law != ElasticLaw::anisotropic; }
+bool damps_alone(const PointInputs& in) { return in.viscosity > 0 && !needs_direction(in.law); }
 
 std::array<Pack, 3> load_direction(const Anisotropy& a) {
     return {Pack::load(a.direction[0]), Pack::load(a.direction[1]), Pack::load(a.direction[2])};
@@ -360,7 +290,7 @@ void point_gradient(const PointInputs& in, const Corners& corners, double* out, 
         }
         add_stress_forces(batch, volume, p, g);
     }
-    if (in.law == ElasticLaw::anisotropic) {
+    if (needs_direction(in.law)) {
         const AnisotropicStVK<Pack> law = anisotropic_at(in, f);
         Pack p[9];
         law.stress(p);
@@ -392,7 +322,7 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
     } else
         for (auto& block : blocks)
             for (Pack& entry : block) entry = Pack(0.0);
-    if (in.law == ElasticLaw::anisotropic) add_anisotropic_blocks(in, f, volume, project, blocks);
+    if (needs_direction(in.law)) add_anisotropic_blocks(in, f, volume, project, blocks);
     for (const ActiveFiber& fiber : in.fibers) add_fiber_hessian(batch, fiber, f, volume, blocks);
 
     // Barycentric coordinates sum to one, so every row of blocks sums to zero: those of corner 0 follow from the
@@ -449,7 +379,7 @@ void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corner
 
 void elastic_stress(ElasticLaw law, double mu, double lambda, double compression, const double* f, double* p,
                     double* energy, const double* direction, double transverse) {
-    if (law == ElasticLaw::anisotropic) {
+    if (needs_direction(law)) {
         const AnisotropicStVK<double> a(f, {direction[0], direction[1], direction[2]}, std::pow(transverse, 0.25), mu,
                                         lambda);
         a.stress(p);

@@ -75,7 +75,7 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
     if (gradients)
         for (int n = 0; n < quadratic_nodes; ++n)
             for (int c = 0; c < 3; ++c) out.d_measure[n][c] = out.d_j[n][c] = Pack(0.0);
-    const bool with_measure = in.law != ElasticLaw::anisotropic;
+    const bool with_measure = !needs_direction(in.law);
     for (int point = 0; point < quadratic_points; ++point) {
         PointMeasures m;
         m.measure = Pack(0.0);

@@ -3,7 +3,7 @@
 
 #include "solver/error.h"
 #include "solver/material/principal.h"
-#include "solver/material/stvk.h"
+#include "solver/material/compression_resistance.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -170,8 +170,7 @@ void TissueEnergy::set_materials(std::size_t t, const TissueInputs& in) {
         const MaterialValues m = mix_layers(rest, in, tet);
         const Lame l = lame(m.youngs_modulus, m.poissons_ratio);
         // The last bit decides nothing: at nu = 0.4 itself, the default, there is no second part.
-        const bool splits =
-            quadratic && rest.law != ElasticLaw::anisotropic && l.lambda > (1 + 1e-9) * pointwise_lambda * l.mu;
+        const bool splits = quadratic && !needs_direction(rest.law) && l.lambda > (1 + 1e-9) * pointwise_lambda * l.mu;
         moduli.mu[lane] = l.mu;
         moduli.lambda[lane] = splits ? pointwise_lambda * l.mu : l.lambda;
         moduli.lambda_mean[lane] = volume_share_ * (l.lambda - moduli.lambda[lane]);

@@ -8,42 +8,44 @@
 
 namespace sinew::solver {
 
-/// Not a number for J <= 0, which the line search refuses.
-template <class R>
-inline void log_neo_hookean(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
-    clear(out);
-    const R inverse = R(1.0) / e.j, l = log(e.j);
-    out.energy = mu * e.trace + (R(0.5) * lambda * l - mu) * l;
-    out.uniform = mu;
-    out.by_j = (lambda * l - mu) * inverse;
-    out.by_jj = (lambda * (R(1.0) - l) + mu) * inverse * inverse;
-}
-template <class R>
-inline void log_neo_hookean(const R* s, R mu, R lambda, Principal<R>& out) {
-    clear(out);
-    out.energy = R(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
-    for (int i = 0; i < 3; ++i) {
-        out.first[i] = mu * s[i];
-        out.diagonal[i] = out.flip[i] = out.twist[i] = mu;
+struct LogNeoHookean {
+    /// Not a number for J <= 0, which the line search refuses.
+    template <class R>
+    static void energy(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
+        clear(out);
+        const R inverse = R(1.0) / e.j, l = log(e.j);
+        out.energy = mu * e.trace + (R(0.5) * lambda * l - mu) * l;
+        out.uniform = mu;
+        out.by_j = (lambda * l - mu) * inverse;
+        out.by_jj = (lambda * (R(1.0) - l) + mu) * inverse * inverse;
     }
-    const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j, l = log(j);
-    add_volumetric(s, (R(0.5) * lambda * l - mu) * l, (lambda * l - mu) * inverse,
-                   (lambda * (R(1.0) - l) + mu) * inverse * inverse, out);
-}
+    template <class R>
+    static void energy(const R* s, R mu, R lambda, Principal<R>& out) {
+        clear(out);
+        out.energy = R(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
+        for (int i = 0; i < 3; ++i) {
+            out.first[i] = mu * s[i];
+            out.diagonal[i] = out.flip[i] = out.twist[i] = mu;
+        }
+        const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j, l = log(j);
+        add_volumetric(s, (R(0.5) * lambda * l - mu) * l, (lambda * l - mu) * inverse,
+                       (lambda * (R(1.0) - l) + mu) * inverse * inverse, out);
+    }
 
-/// Its measure of volume, ln J: the part with lambda is lambda/2 (ln J)^2.
-template <class R>
-inline void log_neo_hookean_measure(const Strains<R>& e, TensorForm<R>& out) {
-    clear(out);
-    out.energy = log(e.j);
-    out.by_j = R(1.0) / e.j;
-    out.by_jj = -out.by_j * out.by_j;
-}
-template <class R>
-inline void log_neo_hookean_measure(const R* s, Principal<R>& out) {
-    clear(out);
-    const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j;
-    add_volumetric(s, log(j), inverse, -inverse * inverse, out);
-}
+    /// Its measure of volume, ln J: the part with lambda is lambda/2 (ln J)^2.
+    template <class R>
+    static void measure(const Strains<R>& e, TensorForm<R>& out) {
+        clear(out);
+        out.energy = log(e.j);
+        out.by_j = R(1.0) / e.j;
+        out.by_jj = -out.by_j * out.by_j;
+    }
+    template <class R>
+    static void measure(const R* s, Principal<R>& out) {
+        clear(out);
+        const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j;
+        add_volumetric(s, log(j), inverse, -inverse * inverse, out);
+    }
+};
 
 } // namespace sinew::solver

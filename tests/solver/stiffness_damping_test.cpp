@@ -10,13 +10,11 @@ using namespace sinew::test;
 namespace {
 
 constexpr Integrator moving_schemes[] = {Integrator::backward_euler, Integrator::bdf2, Integrator::tr_bdf2};
-constexpr ElasticLaw all_laws[] = {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean,
-                                   ElasticLaw::corotational, ElasticLaw::anisotropic};
 
 /// A body under any law; the anisotropic one about the x axis.
 Trial trial(const TetMesh& mesh, ElasticLaw law, ElementKind kind, const Where& held, const TissueInputs& values) {
     Trial t(mesh, law, kind, held, values);
-    if (law == ElasticLaw::anisotropic) t.rest->stiff_directions.assign(mesh.tets.size(), Vec3(1, 0, 0));
+    if (needs_direction(law)) t.rest->stiff_directions.assign(mesh.tets.size(), Vec3(1, 0, 0));
     return t;
 }
 

@@ -4,6 +4,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/step.h"
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
@@ -11,6 +12,13 @@
 #include <vector>
 
 namespace sinew::test {
+
+/// Every law there is.
+inline constexpr auto all_laws = [] {
+    std::array<solver::ElasticLaw, std::size(solver::elastic_laws)> out{};
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = solver::elastic_laws[i].law;
+    return out;
+}();
 
 /// nx x ny x nz cubes of six Kuhn tets each, filling [0, size].
 solver::TetMesh box_mesh(const solver::Vec3& size, int nx, int ny, int nz);

@@ -149,9 +149,9 @@ struct Trial {
         return worst;
     }
     std::string name() const {
-        return std::string(rest->element == ElementKind::linear ? "linear" : "quadratic") + ", law " +
-               std::to_string(static_cast<int>(rest->law)) + ", " + std::to_string(iterations) +
-               " iterations, residual " + std::to_string(state.record.residual);
+        return std::string(rest->element == ElementKind::linear ? "linear" : "quadratic") + ", " +
+               std::string(law_facts(rest->law).name) + ", " + std::to_string(iterations) + " iterations, residual " +
+               std::to_string(state.record.residual);
     }
 };
 

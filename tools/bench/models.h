@@ -2,9 +2,11 @@
 // line.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "nodes/options.h"
 #include "solver/scene.h"
 #include "solver/step_inputs.h"
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 
@@ -15,16 +17,26 @@ struct LawName {
     std::string_view catalogue; ///< name of the energy in the reference values
     solver::ElasticLaw law;
 };
-/// The isotropic laws.
-inline constexpr std::array laws{LawName{"StVK", "stvk", solver::ElasticLaw::stvk},
-                                 LawName{"NeoHookean", "snh", solver::ElasticLaw::neo_hookean},
-                                 LawName{"LogNeoHookean", "nh", solver::ElasticLaw::log_neo_hookean},
-                                 LawName{"Corotational", "corot", solver::ElasticLaw::corotational}};
+constexpr LawName name_of(const solver::LawFacts& facts) { return {facts.name, facts.reference, facts.law}; }
 
-/// With the one that needs directions and a ratio too.
-inline constexpr std::array all_laws{laws[0], laws[1], laws[2], laws[3],
-                                     LawName{"Anisotropic", "tistvk", solver::ElasticLaw::anisotropic}};
-static_assert(all_laws.size() == laws.size() + 1);
+/// All laws, in the order of the solver's table.
+inline constexpr auto all_laws = [] {
+    std::array<LawName, std::size(solver::elastic_laws)> out{};
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] = name_of(solver::elastic_laws[i]);
+    return out;
+}();
+
+/// Those that need no directions and have reference values.
+constexpr bool is_catalogued(const solver::LawFacts& facts) {
+    return facts.form != solver::LawForm::directional && !facts.reference.empty();
+}
+inline constexpr auto laws = [] {
+    std::array<LawName, std::ranges::count_if(solver::elastic_laws, is_catalogued)> out{};
+    std::size_t n = 0;
+    for (const solver::LawFacts& facts : solver::elastic_laws)
+        if (is_catalogued(facts)) out[n++] = name_of(facts);
+    return out;
+}();
 
 /// The entry whose energy the reference values call `catalogue`; nullptr if the engine has no such law.
 constexpr const LawName* find_law(std::string_view catalogue) {
@@ -37,8 +49,9 @@ struct ElementName {
     std::string_view word;
     solver::ElementKind kind;
 };
-inline constexpr std::array elements{ElementName{"linear", solver::ElementKind::linear},
-                                     ElementName{"quadratic", solver::ElementKind::quadratic}};
+inline constexpr std::array elements{
+    ElementName{nodes::word_of(solver::ElementKind::linear), solver::ElementKind::linear},
+    ElementName{nodes::word_of(solver::ElementKind::quadratic), solver::ElementKind::quadratic}};
 
 struct IntegratorName {
     std::string_view word;        ///< of zSolver.integrator
@@ -48,16 +61,19 @@ struct IntegratorName {
     double order; ///< of its global error in the step size
 };
 inline constexpr std::array integrators{
-    IntegratorName{"BackwardEuler", "BE", "BE", solver::Integrator::backward_euler, 1},
-    IntegratorName{"BDF2", "BDF2", "BDF2", solver::Integrator::bdf2, 2},
-    IntegratorName{"TR-BDF2", "TRBDF2_gamma_2_minus_sqrt2", "TRBDF2_2-sqrt2", solver::Integrator::tr_bdf2, 2}};
+    IntegratorName{nodes::word_of(solver::Integrator::backward_euler), "BE", "BE", solver::Integrator::backward_euler,
+                   1},
+    IntegratorName{nodes::word_of(solver::Integrator::bdf2), "BDF2", "BDF2", solver::Integrator::bdf2, 2},
+    IntegratorName{nodes::word_of(solver::Integrator::tr_bdf2), "TRBDF2_gamma_2_minus_sqrt2", "TRBDF2_2-sqrt2",
+                   solver::Integrator::tr_bdf2, 2}};
 
 struct LinearMethodName {
-    std::string_view word; ///< of zSolver.linearSolver
+    std::string_view word; ///< of zSolver.solver
     solver::LinearMethod method;
 };
-inline constexpr std::array linear_methods{LinearMethodName{"Auto", solver::LinearMethod::automatic},
-                                           LinearMethodName{"Direct", solver::LinearMethod::direct},
-                                           LinearMethodName{"Iterative", solver::LinearMethod::iterative}};
+inline constexpr std::array linear_methods{
+    LinearMethodName{nodes::word_of(solver::LinearMethod::automatic), solver::LinearMethod::automatic},
+    LinearMethodName{nodes::word_of(solver::LinearMethod::direct), solver::LinearMethod::direct},
+    LinearMethodName{nodes::word_of(solver::LinearMethod::iterative), solver::LinearMethod::iterative}};
 
 } // namespace sinew::bench
