@@ -1,4 +1,5 @@
-// Every code that the program can emit, what it means and what to do. Codes are stable and never reused.
+// Every code that the program can emit, what it means and what to do. Codes are stable and never
+// reused; FE214 is retired.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/diagnostics.h"
 
@@ -52,20 +53,20 @@ constexpr CodeInfo table[] = {
     {"DG110", "inputs of a node that do not fit together", "Change one of the inputs that the message names."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
-    {"FE202", "coordinates are not finite", "Repair the mesh: a coordinate is NaN or infinite."},
+    {"FE202", "number of a mesh or map is not finite", "Repair the coordinate or weight that is named: it is NaN or infinite."},
     {"FE203", "index out of range", "Repair the mesh: a face or element names a point that does not exist."},
-    {"FE204", "weights do not fit the mesh", "Give one weight for each point, or a single number for all."},
+    {"FE204", "list that does not fit the mesh", "Give one number for each point, or a single one for all."},
     {"FE205", "fibre end points missing", "Paint where the fibres start and end (weights 0 and 1)."},
     {"FE206", "tissue without a material", "Connect at least one zMaterial."},
     {"FE207", "attachment between two bones", "It does nothing: bones follow their animation."},
     {"FE208", "mesh is degenerate or invalid", "Repair the mesh; the message says where."},
-    {"FE209", "attachment to a body that the solver does not have", "Connect that body to the solver too."},
-    {"FE210", "lattice too fine or empty", "Choose another tet size."},
-    {"FE211", "mesh changes its topology over time", "Points and faces keep their number and order over frames."},
-    {"FE212", "no source vertices", "Paint at least one weight above 0."},
+    {"FE209", "body that the solver does not have", "Connect that body to the solver too."},
+    {"FE210", "tet size that does not suit the mesh", "Choose a larger one, or a smaller one, as the message says."},
+    {"FE211", "change over time of what must stay",
+     "Bodies, faces, rest shapes and painted maps keep to what they were at the start frame."},
+    {"FE212", "nothing is painted", "Paint at least one weight above 0."},
     {"FE213", "bodies that cannot be told apart", "Two bodies are identical; remove one or make them differ."},
-    {"FE214", "mesh belongs to another body", "Connect the mesh of the body that is named."},
-    {"FE215", "tet mesh is inverted", "Swap two indices of the tets that are named."},
+    {"FE215", "tet without volume or inside out", "Remove flat tets; swap two indices of those inside out."},
     {"FE216", "curve cannot be used", "Give x, y and z of two points or more."},
     {"FE217", "meshes with different vertices",
      "vertexID needs a target with the source's vertices; or use worldSpace."},
@@ -73,6 +74,10 @@ constexpr CodeInfo table[] = {
     {"FE219", "attachment from a body to itself", "Choose two bodies."},
     {"FE220", "mesh is not watertight", "Close the holes at the vertices that are named, or choose FilledCavities."},
     {"FE221", "tets repeated", "Remove the repeated tets; they would count twice in mass and stiffness."},
+    {"FE222", "setting that a mesh cannot be made with", "Choose a value in the range that the message names."},
+    {"FE223", "surface without an inside", "Give a surface that encloses a volume, all of it facing one way."},
+    {"FE224", "mesh beyond what numbers can hold", "Bring it nearer to the origin, or to a usual size."},
+    {"FE225", "law without directions", "Connect a fibre to the tissue: it gives the law its direction."},
     {"FE230", "open mesh where a closed one is needed", "Close the mesh, or remesh it by zIsoMesh with isoValue > 0."},
     {"FE231", "level set is empty or a sheet too thin to follow",
      "Below 0, choose an isoValue of smaller size; above 0, one of half a grid cell or more; or a higher resolution."},
@@ -90,6 +95,8 @@ constexpr CodeInfo table[] = {
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},
     {"FE303", "free body without inertia", "QuasiStatic needs every body held; attach it or use BackwardEuler."},
+    {"FE304", "value that a step cannot take", "Give a finite number in the range that the message names."},
+    {"FE305", "not enough memory", "Choose fewer tets, or the iterative linear solver."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

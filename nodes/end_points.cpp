@@ -35,7 +35,7 @@ void compute(const Reads& in, Writes& out) {
     NumberList ends(count, 0.5);
     for (std::size_t v = 0; v < count; ++v) {
         if (begin[v] > 0.5 && end[v] > 0.5)
-            in.fail(sink.name, "FE205", "vertex " + std::to_string(v) + " belongs to both source and sink",
+            in.fail(sink.name, "DG110", "vertex " + std::to_string(v) + " belongs to both source and sink",
                     "Keep the two ends apart.");
         if (begin[v] > 0.5) ends[v] = 0;
         if (end[v] > 0.5) ends[v] = 1;

@@ -138,7 +138,7 @@ TetMeshValue make_tets(const Reads& in) {
                        return TetMeshValue::from(
                            solver::make_lattice(*m->points, m->topology->triangles, options, meshing_control(in)));
                    },
-                   {{"FE206", tet_size.name},
+                   {{"FE222", tet_size.name},
                     {"FE210", is_refined ? surface_refinement.name : tet_size.name},
                     {"FE220", fill_interior.name}});
 }

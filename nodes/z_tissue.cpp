@@ -120,7 +120,7 @@ void check_fibers(const Reads& in, const TissueParts& parts) {
 
 void check_law(const Reads& in, const TissueParts& parts) {
     if (needs_direction(parts.law) && parts.fibers.empty())
-        in.fail(law.name, "FE205", "the law " + in[law] + " has no fibre to take its direction from",
+        in.fail(law.name, "FE225", "the law " + in[law] + " has no fibre to take its direction from",
                 "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
 }
 

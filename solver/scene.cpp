@@ -40,7 +40,7 @@ void check_tissue(const TissueRest& t, int body) {
                    "a material layer has " + std::to_string(w.size()) + " weights for " + std::to_string(n) + " tets",
                    "one weight per tet");
     if (needs_direction(t.law) && t.stiff_directions.size() != n)
-        refuse(body, "FE205",
+        refuse(body, "FE225",
                "the law " + std::string(law_facts(t.law).name) + " has " + std::to_string(t.stiff_directions.size()) +
                    " directions for " + std::to_string(n) + " tets",
                "connect a fibre: it gives the stiff direction");
@@ -57,11 +57,11 @@ void check_tissue(const TissueRest& t, int body) {
     };
     for (const auto& w : t.layer_weights)
         if (!all_finite(w))
-            refuse(body, "FE204", "a weight of a material layer is not a finite number", "check the painted map");
+            refuse(body, "FE202", "a weight of a material layer is not a finite number", "check the painted map");
     for (const auto& f : t.fibers)
         if (!all_finite(f.weights) ||
             !std::all_of(f.directions.begin(), f.directions.end(), [](const Vec3& d) { return d.allFinite(); }))
-            refuse(body, "FE204", "a weight or direction of a fibre field is not a finite number",
+            refuse(body, "FE202", "a weight or direction of a fibre field is not a finite number",
                    "check the painted map");
     if (!all_finite(t.tets.coverage))
         refuse(body, "FE202", "the coverage of a tet is not a finite number", "it lies between 0 and 1");

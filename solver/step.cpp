@@ -48,13 +48,13 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         in.attachments.size() != scene.description().attachments.size())
         throw std::logic_error("step inputs must name every body and attachment of the scene, in order");
     if (!(in.step_size > 0) || !std::isfinite(in.step_size))
-        throw Error("FE302", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
+        throw Error("FE304", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
     if (!in.gravity.allFinite())
-        throw Error("FE302", "gravity is not a finite number", "check what it is connected to");
+        throw Error("FE304", "gravity is not a finite number", "check what it is connected to");
     for (std::size_t k = 0; k < in.attachments.size(); ++k) {
         const AttachmentInputs& a = in.attachments[k];
         if (std::isfinite(a.stiffness) && std::isfinite(a.envelope) && std::isfinite(a.damping)) continue;
-        Error bad("FE302",
+        Error bad("FE304",
                   "a value of attachment " + std::to_string(k) + ", which starts from it, is not a finite number",
                   "stiffness, envelope and damping must be finite");
         bad.body = scene.description().attachments[k].source;

@@ -47,11 +47,11 @@ MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::s
     return m;
 }
 
-/// Throws Error FE302 that names the body where a value is not a finite number: further on it would only be an energy
+/// Throws Error FE304 that names the body where a value is not a finite number: further on it would only be an energy
 /// that is none, of the whole scene.
 void check_values(const TissueInputs& in, int body) {
     const auto refuse = [&](const char* what) {
-        Error e("FE302", std::string(what) + " is not a finite number",
+        Error e("FE304", std::string(what) + " is not a finite number",
                 "check the attribute and what it is connected to");
         e.body = body;
         throw e;

@@ -19,7 +19,7 @@ class TissueEnergy {
     ~TissueEnergy();
 
     /// Takes the material and fibre values of a step. Returns true if the couplings changed: volume conservation came
-    /// or went on a tissue of linear tets, whose patches couple more vertices. Throws Error FE302 with the body where a
+    /// or went on a tissue of linear tets, whose patches couple more vertices. Throws Error FE304 with the body where a
     /// value is not a finite number; then nothing is taken.
     bool set_values(const StepInputs& inputs);
     /// How many tenfold steps the stiffness on means and patches lies above a hundred times the shear modulus.

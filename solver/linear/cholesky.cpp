@@ -47,7 +47,7 @@ struct Cholesky::Impl {
                                                         p.row_start[static_cast<std::size_t>(i)] - 1);
         const std::size_t n = 3 * static_cast<std::size_t>(p.rows);
         matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, &common);
-        if (!matrix) throw Error("FE302", "not enough memory for a matrix of " + std::to_string(n) + " unknowns");
+        if (!matrix) throw Error("FE305", "not enough memory for a matrix of " + std::to_string(n) + " unknowns");
         int* start = static_cast<int*>(matrix->p);
         int* row = static_cast<int*>(matrix->i);
         int next = 0;
@@ -90,7 +90,7 @@ Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads)
     impl_->common.method[0].ordering = CHOLMOD_GIVEN;
     impl_->common.postorder = 1;
     impl_->factor = cholmod_analyze_p(impl_->matrix, order.data(), nullptr, 0, &impl_->common);
-    if (!impl_->factor) throw Error("FE302", "the symbolic analysis of the stiffness matrix failed (out of memory?)");
+    if (!impl_->factor) throw Error("FE305", "the symbolic analysis of the stiffness matrix failed (out of memory?)");
     impl_->factor_operations = impl_->common.fl;
     impl_->right = cholmod_zeros(impl_->matrix->nrow, 1, CHOLMOD_REAL, &impl_->common);
 }

@@ -65,7 +65,7 @@ ScalarCholesky::ScalarCholesky(const Eigen::SparseMatrix<double>& pattern)
     cholmod_sparse a = view(pattern);
     impl_->factor = cholmod_analyze(&a, &impl_->common);
     if (!impl_->factor)
-        throw Error("FE302", "the symbolic analysis of a matrix of " + std::to_string(a.nrow) +
+        throw Error("FE305", "the symbolic analysis of a matrix of " + std::to_string(a.nrow) +
                                  " unknowns failed (out of memory?)");
 }
 
@@ -90,7 +90,7 @@ Eigen::VectorXd ScalarCholesky::solve(const Eigen::VectorXd& b) const {
     right.dtype = CHOLMOD_DOUBLE;
     if (!cholmod_solve2(CHOLMOD_A, impl_->factor, &right, nullptr, &impl_->solution, nullptr, &impl_->work_y,
                         &impl_->work_e, &impl_->common))
-        throw Error("FE302", "not enough memory to solve for " + std::to_string(b.size()) + " unknowns");
+        throw Error("FE305", "not enough memory to solve for " + std::to_string(b.size()) + " unknowns");
     return Eigen::Map<const Eigen::VectorXd>(static_cast<const double*>(impl_->solution->x), b.size());
 }
 

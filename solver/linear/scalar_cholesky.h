@@ -10,14 +10,14 @@ namespace sinew::solver {
 
 class ScalarCholesky {
   public:
-    /// Analyses the pattern of a symmetric matrix, compressed; its upper triangle is not looked at. Throws Error FE302
+    /// Analyses the pattern of a symmetric matrix, compressed; its upper triangle is not looked at. Throws Error FE305
     /// (memory).
     explicit ScalarCholesky(const Eigen::SparseMatrix<double>& pattern);
     ~ScalarCholesky();
     /// Numeric factorisation of a matrix with the analysed pattern; the same bits on every run. False if it is not
     /// positive definite (or not finite): then there is no factor.
     bool factorize(const Eigen::SparseMatrix<double>& a);
-    /// Solves A x = b with the last factor. Not for several threads at once. Throws Error FE302 (memory).
+    /// Solves A x = b with the last factor. Not for several threads at once. Throws Error FE305 (memory).
     Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
 
   private:

@@ -155,7 +155,7 @@ ClosestPoint SurfaceTree::closest(const Vec3& p, double max_distance) const {
 
 ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowed, double max_distance) const {
     if (allowed.size() != impl_->triangles.size())
-        throw Error("FE203", std::to_string(allowed.size()) + " flags for " + std::to_string(impl_->triangles.size()) +
+        throw Error("FE204", std::to_string(allowed.size()) + " flags for " + std::to_string(impl_->triangles.size()) +
                                  " triangles");
     return impl_->closest(p, max_distance, [&](int t) { return allowed[at(t)] != 0; });
 }

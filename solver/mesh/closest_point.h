@@ -26,7 +26,7 @@ class SurfaceTree {
     /// `max_distance`: search radius; triangle = -1 if nothing is nearer. Ties go to the lowest triangle
     /// index.
     ClosestPoint closest(const Vec3& p, double max_distance = 1e300) const;
-    /// The same, over triangles whose `allowed` flag is set. Throws Error FE203 if the count differs.
+    /// The same, over triangles whose `allowed` flag is set. Throws Error FE204 if the count differs.
     ClosestPoint closest(const Vec3& p, const std::vector<char>& allowed, double max_distance = 1e300) const;
     /// Generalised winding number (Jacobson 2013, fast version Barill 2018): about 1 inside, 0 outside; works
     /// on soups. Error below `winding_error`.

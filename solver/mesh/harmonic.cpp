@@ -75,7 +75,7 @@ class HarmonicSolver {
         , surface_(surface) {
         for (std::size_t p = 0; p < painted.size(); ++p)
             if (painted[p]) points_.push_back(p);
-        if (points_.empty()) throw Error("FE205", "no point is painted, so there is nothing to extend into the volume");
+        if (points_.empty()) throw Error("FE212", "no point is painted, so there is nothing to extend into the volume");
         number_vertices();
         assemble(areas);
     }
@@ -183,7 +183,7 @@ class HarmonicSolver {
             added = share * scale;
             if (factor_->factorize(A_)) return;
         }
-        throw Error("FE212", "painted values cannot be extended into the volume: the tet mesh is degenerate");
+        throw Error("FE208", "painted values cannot be extended into the volume: the tet mesh is degenerate");
     }
 
     /// `target` comes as the painted values and leaves with the multipliers that hold them.
@@ -243,13 +243,13 @@ class HarmonicSolver {
 
 void check_sizes(const Embedding& surface, std::size_t areas, std::size_t painted) {
     const std::string points = std::to_string(surface.size()) + " embedded points";
-    if (areas != surface.size()) throw Error("FE203", std::to_string(areas) + " areas for " + points);
-    if (painted != surface.size()) throw Error("FE203", std::to_string(painted) + " flags for " + points);
+    if (areas != surface.size()) throw Error("FE204", std::to_string(areas) + " areas for " + points);
+    if (painted != surface.size()) throw Error("FE204", std::to_string(painted) + " flags for " + points);
 }
 
 void check_per_vertex(const TetMesh& mesh, const std::vector<double>& values) {
     if (values.size() != mesh.vertices.size())
-        throw Error("FE203", std::to_string(values.size()) + " values for " + std::to_string(mesh.vertices.size()) +
+        throw Error("FE204", std::to_string(values.size()) + " values for " + std::to_string(mesh.vertices.size()) +
                                  " vertices");
 }
 
@@ -262,7 +262,7 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
     check_sizes(surface, areas.size(), painted.size());
     for (const std::vector<double>& values : maps)
         if (values.size() != surface.size())
-            throw Error("FE203", std::to_string(values.size()) + " values for " + std::to_string(surface.size()) +
+            throw Error("FE204", std::to_string(values.size()) + " values for " + std::to_string(surface.size()) +
                                      " embedded points");
     std::vector<std::vector<double>> result;
     const HarmonicSolver solver(mesh, surface, areas, painted);

@@ -27,7 +27,7 @@ std::vector<MapTransfer::Place> places_on(const Points& points, const std::vecto
 
 void check_size(std::size_t values, std::size_t vertices) {
     if (values != vertices)
-        throw Error("FE203",
+        throw Error("FE204",
                     std::to_string(values) + " values for a mesh of " + std::to_string(vertices) + " vertices");
 }
 

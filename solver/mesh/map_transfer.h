@@ -25,13 +25,13 @@ MapTransfer find_places(const Points& old_points, const std::vector<Triangle>& o
 
 /// Each new vertex takes the value at its closest point on the old mesh, linear on triangles; so values stay
 /// within those of the old map, an unchanged mesh keeps its map to the bit, and linear maps come out linear
-/// where the new mesh lies on the old one. Throws Error FE203 unless there is one value per old vertex.
+/// where the new mesh lies on the old one. Throws Error FE204 unless there is one value per old vertex.
 std::vector<double> transfer_map(const MapTransfer& places, const std::vector<double>& values);
 
 /// Fibre ends, which must not be blurred: values of 0.9 and more count as 1, of 0.1 and less as 0, all others
 /// as 0.5. Each new vertex takes the value of the old vertex nearest to its closest point; then every old end
 /// that no new vertex has taken marks the new vertex nearest to it, so that ends survive on a coarser mesh.
-/// Throws Error FE203 unless there is one value per old vertex.
+/// Throws Error FE204 unless there is one value per old vertex.
 std::vector<double> transfer_ends(const MapTransfer& places, const std::vector<double>& values);
 
 } // namespace sinew::solver

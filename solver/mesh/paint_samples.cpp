@@ -124,10 +124,10 @@ class Splitter {
 void check(const PaintedSurface& surface, std::size_t painted) {
     const std::size_t points = surface.points.size();
     if (surface.embedding.size() != points)
-        throw Error("FE203", std::to_string(surface.embedding.size()) + " embedded points for " +
+        throw Error("FE204", std::to_string(surface.embedding.size()) + " embedded points for " +
                                  std::to_string(points) + " vertices");
     if (painted != points)
-        throw Error("FE203", std::to_string(painted) + " flags for " + std::to_string(points) + " embedded points");
+        throw Error("FE204", std::to_string(painted) + " flags for " + std::to_string(points) + " embedded points");
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
         for (const int v : surface.triangles[t])
             if (v < 0 || at(v) >= points)
@@ -139,7 +139,7 @@ void check(const PaintedSurface& surface, std::size_t painted) {
 
 std::vector<double> PaintSamples::values(const std::vector<double>& at_vertices) const {
     if (at_vertices.size() != vertices())
-        throw Error("FE203", std::to_string(at_vertices.size()) + " values for " + std::to_string(vertices()) +
+        throw Error("FE204", std::to_string(at_vertices.size()) + " values for " + std::to_string(vertices()) +
                                  " embedded points");
     std::vector<double> out = at_vertices;
     for (std::size_t i = 0; i < corners.size(); ++i) {

@@ -32,7 +32,7 @@ struct PaintSamples {
 /// it keeps it. So a triangle with three painted corners is halved across its longest edge until no edge is longer
 /// than half the mean edge of the tets at its ends; each part gives a third of its area to each of its corners.
 /// Triangles smaller than that add no point. Corners far outside of all tets (beyond twice their host's width) ask
-/// for no halving. Throws Error FE203 (sizes and indices), FE201 (no tets).
+/// for no halving. Throws Error FE204 (sizes), FE203 (indices), FE201 (no tets).
 PaintSamples sample_paint(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<char>& painted);
 
 } // namespace sinew::solver

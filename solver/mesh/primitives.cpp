@@ -16,12 +16,12 @@ namespace {
 void require_sizes(std::initializer_list<double> sizes) {
     for (double s : sizes)
         if (!(s > 0) || !std::isfinite(s))
-            throw Error("FE206", "a primitive's size must be positive, not " + std::to_string(s));
+            throw Error("FE222", "a primitive's size must be positive, not " + std::to_string(s));
 }
 
 void require_count(int count, int least, const char* what) {
     if (count < least || count > 4096)
-        throw Error("FE206", std::string(what) + " must lie in " + std::to_string(least) + " to 4096, not " +
+        throw Error("FE222", std::string(what) + " must lie in " + std::to_string(least) + " to 4096, not " +
                                  std::to_string(count));
 }
 
@@ -191,12 +191,12 @@ SurfaceMesh make_cylinder(double radius, double height, int sub_axis, int sub_he
 
 SurfaceMesh make_helix(double radius, double tube_radius, double height, double coils, int sub_axis, int sub_coil) {
     require_sizes({radius, tube_radius, coils});
-    if (!(height >= 0) || !std::isfinite(height)) throw Error("FE206", "a helix' height must not be negative");
-    if (!(tube_radius < radius)) throw Error("FE206", "the tube of a helix must be thinner than the helix is wide");
+    if (!(height >= 0) || !std::isfinite(height)) throw Error("FE222", "a helix' height must not be negative");
+    if (!(tube_radius < radius)) throw Error("FE222", "the tube of a helix must be thinner than the helix is wide");
     require_count(sub_axis, 3, "subdivisions about the tube");
     require_count(sub_coil, 3, "subdivisions of a coil");
     const double exact = coils * sub_coil;
-    if (exact > 1e6) throw Error("FE206", "the helix would have over a million rings");
+    if (exact > 1e6) throw Error("FE222", "the helix would have over a million rings");
     const int segments = std::max(1, static_cast<int>(std::lround(exact)));
     Points points;
     Faces faces;

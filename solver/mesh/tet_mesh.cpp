@@ -108,7 +108,7 @@ void check_and_orient(TetMesh& mesh) {
     refuse_repeated(mesh.tets);
     if (mesh.coverage.empty()) mesh.coverage.assign(mesh.tets.size(), 1.0);
     if (mesh.coverage.size() != mesh.tets.size())
-        throw Error("FE203", std::to_string(mesh.coverage.size()) + " coverage values for " +
+        throw Error("FE204", std::to_string(mesh.coverage.size()) + " coverage values for " +
                                  std::to_string(mesh.tets.size()) + " tets");
 }
 

@@ -121,7 +121,7 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
                            const DelaunayTetOptions& options, const MeshingControl& control) {
     check_usable(SurfaceMesh::from_triangles(points, triangles));
     if (!(options.refinement_quality >= 0 && options.refinement_quality <= 1))
-        throw Error("FE206",
+        throw Error("FE222",
                     "refinement quality " + std::to_string(options.refinement_quality) + " is not between 0 and 1");
     const MeshCheck found = check_mesh(points, triangles);
     check_surface(found);

@@ -21,7 +21,7 @@ struct DelaunayTetOptions {
 /// every run.
 /// \param triangles  closed, manifold, no vertex twice at one place, every vertex used, none crossing another;
 ///                   facing outwards, or all inwards
-/// Throws Stopped; Error FE201 to FE203 (input), FE206 (options), FE230 (open: the edges), FE236 (not
+/// Throws Stopped; Error FE201 to FE203 (input), FE222 (options), FE230 (open: the edges), FE236 (not
 /// manifold, oriented or clean: the edges, vertices, triangles; parts that face the wrong way), FE237
 /// (triangles that cross, that could not be recovered, or that leave flat tets), FE232 (too many tets).
 TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& triangles,

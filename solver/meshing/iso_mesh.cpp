@@ -31,7 +31,7 @@ std::string short_number(double x) {
 constexpr int most_resolution = 1024;
 
 void check(const IsoMeshOptions& o) {
-    const auto refuse = [](const std::string& what) { throw Error("FE206", what); };
+    const auto refuse = [](const std::string& what) { throw Error("FE222", what); };
     if (!std::isfinite(o.iso_value)) refuse("the iso value is not finite");
     if (!(o.triangle_size >= 0) || !std::isfinite(o.triangle_size))
         refuse("triangle size " + short_number(o.triangle_size) + " is not a length");
@@ -104,9 +104,9 @@ Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, do
     Frame frame;
     frame.farthest = std::max(box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff());
     if (!(size < 1e60) || !(frame.farthest < 1e60))
-        throw Error("FE202", "the mesh is larger than 1e60 units", "Repair the coordinates.");
+        throw Error("FE224", "the mesh is larger than 1e60 units", "Repair the coordinates.");
     if (size == 0) return frame; // nothing but triangles without an area, which the soup refuses
-    if (size < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units", "Repair the coordinates.");
+    if (size < 1e-60) throw Error("FE224", "the mesh is smaller than 1e-60 units", "Repair the coordinates.");
     frame.exponent = -64 * static_cast<int>(std::lround(std::ilogb(size) / 64.0));
     const double stride = std::ldexp(4096.0, std::ilogb(size));
     for (int d = 0; d < 3; ++d) frame.shift[d] = std::round(box.centre()[d] / stride) * stride;
@@ -117,7 +117,7 @@ Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, do
 void check_precision(const Frame& frame, double size) {
     const double spacing = frame.farthest * std::numeric_limits<double>::epsilon();
     if (spacing > 1e-5 * size)
-        throw Error("FE208",
+        throw Error("FE224",
                     "the mesh lies too far from the origin: numbers there are " + short_number(spacing) +
                         " apart, too much for triangles of size " + short_number(size),
                     "Move the mesh towards the origin.");
@@ -141,7 +141,7 @@ void drop_opposite(Soup& soup) {
         if (!gone[t]) soup.triangles[kept++] = soup.triangles[t];
     soup.triangles.resize(kept);
     if (kept == 0)
-        throw Error("FE211", "the surface is closed but encloses no volume: every triangle lies on another",
+        throw Error("FE223", "the surface is closed but encloses no volume: every triangle lies on another",
                     "Take the doubled faces away, or give an isoValue above 0 to wrap them.");
 }
 

@@ -35,8 +35,8 @@ double default_triangle_size(const Points& points, const std::vector<Triangle>& 
 /// and for every number of threads; a time limit ends in an error, never in another mesh.
 /// It is made near the origin and at a size near 1, wherever the surface is; of triangles that lie on each
 /// other face to face neither counts for an iso_value <= 0.
-/// Throws Stopped; Error FE201 to FE203 (input; larger than 1e60 or smaller than 1e-60 units), FE206 (options),
-/// FE208 (so far away that numbers there are more than 1e-5 triangle sizes apart), FE211 (closed, but encloses
+/// Throws Stopped; Error FE201 to FE203 (input), FE222 (options), FE224 (larger than 1e60 or smaller than 1e-60 units,
+/// or so far away that numbers there are more than 1e-5 triangle sizes apart), FE223 (closed, but encloses
 /// nothing), FE230 (open and iso_value <= 0), FE231 (nothing there, or sheets too thin to follow), FE232 (too many
 /// triangles or samples), FE233 (time), FE234 (not manifold after all, or parts that meet in an edge, so that
 /// refinement has no end).

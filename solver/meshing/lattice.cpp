@@ -27,9 +27,9 @@ constexpr double most_excess = 0.1;
 /// The side of the coarse cubes; throws where it would make no sense or too many cubes.
 double checked_side(const Solid& solid, const LatticeOptions& options, int levels) {
     if (!(options.tet_size >= 0) || !std::isfinite(options.tet_size))
-        throw Error("FE206", "the tet size must be positive, or 0 for the default");
+        throw Error("FE222", "the tet size must be positive, or 0 for the default");
     if (!(options.least_coverage >= 0) || options.least_coverage > 1)
-        throw Error("FE206", "the least coverage must lie in 0 to 1");
+        throw Error("FE222", "the least coverage must lie in 0 to 1");
     const double longest = solid.box.size().maxCoeff();
     const double side = options.tet_size > 0 ? options.tet_size : longest / 3.5;
     const double along = std::ceil(longest / side * std::exp2(levels) * (1 - 1e-12));

@@ -34,8 +34,8 @@ struct LatticeOptions {
 /// neighbours into two or four so that no vertex hangs (red_green.h): all dihedral angles lie in 60 to 90
 /// degrees without refinement, and in 30 to 116.6 degrees between levels. Order: tets by coarse cube (z, then
 /// y, then x), parts of a tet together; vertices by z, then y, then x; the same for any thread count. Throws
-/// Error FE201 (empty), FE202 (not finite), FE203 (index), FE204 (count of refinement), FE206 (options),
-/// FE210 (too fine, or too coarse to know its volume), FE211 (flat, closed around no volume, or one-sided),
+/// Error FE201 (empty), FE202 (not finite), FE203 (index), FE204 (count of refinement), FE222 (options),
+/// FE210 (too fine, or too coarse to know its volume), FE223 (flat, closed around no volume, or one-sided),
 /// FE220 (not watertight); Stopped.
 TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options,
                      const MeshingControl& control = {});

@@ -31,9 +31,9 @@ Paint::Paint(const Solid& solid, const std::vector<double>& levels, double propa
                         " vertices",
                     "give one per vertex, one for all, or none");
     if (!(propagation >= 0 && propagation <= 1))
-        throw Error("FE206", "the refinement's propagation must lie in 0 to 1");
+        throw Error("FE222", "the refinement's propagation must lie in 0 to 1");
     for (double l : levels)
-        if (!(l >= 0) || !std::isfinite(l)) throw Error("FE206", "refinement levels must be finite and not negative");
+        if (!(l >= 0) || !std::isfinite(l)) throw Error("FE222", "refinement levels must be finite and not negative");
     if (levels.empty()) return;
     levels_.assign(count, 0.0);
     for (std::size_t v = 0; v < count; ++v) {

@@ -15,7 +15,7 @@ namespace sinew::solver {
 class Paint {
   public:
     /// `levels`: per vertex of the mesh, one for all, or none for 0; vertices at the same place take the
-    /// highest. Throws Error FE204 (count), FE206 (a number that is negative or not finite, propagation
+    /// highest. Throws Error FE204 (count), FE222 (a number that is negative or not finite, propagation
     /// outside 0 to 1).
     Paint(const Solid& solid, const std::vector<double>& levels, double propagation);
 

@@ -17,7 +17,7 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void refuse_one_sided(const OneSided& found) {
     if (found.parts == 0) return;
-    throw Error("FE211",
+    throw Error("FE223",
                 std::to_string(found.parts) + (found.parts == 1 ? " part" : " parts") +
                     " of the mesh cannot be turned to face one way, the first at the edge between vertices " +
                     std::to_string(found.first[0]) + " and " + std::to_string(found.first[1]) +
@@ -91,17 +91,17 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     check_usable(view);
 
     auto [first, kept] = weld(points, triangles);
-    if (kept.empty()) throw Error("FE211", "the mesh has no triangle with an area");
+    if (kept.empty()) throw Error("FE223", "the mesh has no triangle with an area");
     Points used;
     for (const Triangle& t : kept)
         for (int v : t) used.push_back(points[at(v)]);
     const Box box = bounding_box(used);
     const double longest = box.size().maxCoeff();
-    if (!(longest < 1e60)) throw Error("FE202", "the mesh is larger than 1e60 units");
+    if (!(longest < 1e60)) throw Error("FE224", "the mesh is larger than 1e60 units");
     // Volumes below the smallest numbers there are; a flat or single place is named below.
-    if (longest > 0 && longest < 1e-60) throw Error("FE202", "the mesh is smaller than 1e-60 units");
+    if (longest > 0 && longest < 1e-60) throw Error("FE224", "the mesh is smaller than 1e-60 units");
     if (!(box.size().minCoeff() > 1e-9 * longest))
-        throw Error("FE211", "the mesh is flat: its bounding box has no volume",
+        throw Error("FE223", "the mesh is flat: its bounding box has no volume",
                     "a tissue needs a surface with an inside");
     auto border = border_edges_of(kept);
     if (!border.empty()) {
@@ -114,7 +114,7 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     if (closed) kept.insert(kept.end(), lids.begin(), lids.end());
     const double volume = apply_fill(points, kept, fill);
     if (closed && !(volume > 1e-12 * longest * longest * longest))
-        throw Error("FE211", "the surface is closed but encloses no volume",
+        throw Error("FE223", "the surface is closed but encloses no volume",
                     "look for doubled faces, or parts that are turned inside out");
 
     SurfaceTree tree(points, kept);

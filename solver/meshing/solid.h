@@ -33,7 +33,7 @@ struct Solid {
     double winding_number(const Vec3& p) const { return tree.winding_number(p); }
 };
 
-/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE211 (flat, closed around no volume, or one-sided),
+/// Throws Error FE201 (empty), FE202 (not finite), FE203 (index), FE223 (flat, closed around no volume, or one-sided),
 /// FE220 (not watertight, where empty cavities ask for it); Stopped.
 Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, Fill fill = Fill::filled_cavities,
                  const MeshingControl& control = {});

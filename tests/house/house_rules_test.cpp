@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -49,6 +51,22 @@ std::string offenders(const std::vector<SourceFile>& files, const std::string& f
             if (std::regex_search(f.lines[i], pattern)) out << f.path << ":" << i + 1 << ": " << f.lines[i] << "\n";
     }
     return out.str();
+}
+
+std::string text_of(const std::string& path) {
+    std::ifstream in(fs::path(SINEW_SOURCE_DIR) / path);
+    REQUIRE(in);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+/// Everything in `text` that the first group of `pattern` takes, with how often.
+std::map<std::string, int> matches(const std::string& text, const std::string& pattern) {
+    std::map<std::string, int> out;
+    const std::regex regex(pattern);
+    for (std::sregex_iterator m(text.begin(), text.end(), regex), end; m != end; ++m) ++out[(*m)[1]];
+    return out;
 }
 
 } // namespace
@@ -127,4 +145,41 @@ TEST_CASE("no mutable globals") {
     CHECK(offenders(sources({"engine", "solver", "nodes"}),
                     R"(^\s*(static|thread_local)\s+(?!const\b|constexpr\b)[^()]*[;={])",
                     {"solver/linear/cholmod_threads.cpp"}) == "");
+}
+
+TEST_CASE("every folder of a room is named in the room's README, and what the README names is there") {
+    for (const std::string room : {"engine", "solver", "nodes", "tools"}) {
+        const std::string readme = text_of(room + "/README.md");
+        const fs::path root = fs::path(SINEW_SOURCE_DIR) / room;
+        for (const auto& entry : fs::directory_iterator(root)) {
+            if (!entry.is_directory()) continue;
+            INFO(room << "/README.md does not say what " << entry.path().filename() << " is for");
+            CHECK(readme.find("`" + entry.path().filename().string() + "/") != std::string::npos);
+        }
+        for (const auto& [name, count] : matches(readme, "`([a-z_/]+(/|[.]h|[.]cpp))`")) {
+            INFO(room << "/README.md names " << name << ", which is not there");
+            CHECK((fs::exists(root / name) || fs::exists(fs::path(SINEW_SOURCE_DIR) / name)));
+        }
+    }
+}
+
+TEST_CASE("every diagnostic code in a source is in the table, and every one in the table is given somewhere") {
+    const std::string code = "\"((DG|FE|IO)[0-9][0-9][0-9])\"";
+    const auto known = matches(text_of("engine/codes.cpp"), "[{]" + code);
+    CHECK(known.size() > 80);
+    std::set<std::string> given;
+    for (const SourceFile& f : sources({"engine", "solver", "nodes", "tools"})) {
+        if (f.path == "engine/codes.cpp") continue;
+        for (const std::string& line : f.lines)
+            for (const auto& [name, count] : matches(line, code)) {
+                INFO(f.path << " gives " << name << ", which engine/codes.cpp does not explain");
+                CHECK(known.contains(name));
+                given.insert(name);
+            }
+    }
+    for (const auto& [name, count] : known) {
+        INFO(name << " is in engine/codes.cpp, but nothing gives it");
+        CHECK(count == 1);
+        CHECK(given.contains(name));
+    }
 }

@@ -94,7 +94,7 @@ TEST_CASE("unusable tet meshes are refused with their code", "[mesh]") {
     REQUIRE(code_of(mesh) == "FE215");
     mesh = one_tet();
     mesh.coverage = {1, 1};
-    REQUIRE(code_of(mesh) == "FE203");
+    REQUIRE(code_of(mesh) == "FE204");
 }
 
 TEST_CASE("unused vertices are dropped without changing the order of the others", "[mesh]") {

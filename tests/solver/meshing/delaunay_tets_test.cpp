@@ -222,8 +222,8 @@ TEST_CASE("what tets cannot have as their boundary is refused, and the message s
     CHECK(message.find("pairs of crossing triangles (") != std::string::npos);
 
     CHECK(code_of({"nothing", {}, {}}) == "FE201");
-    CHECK(code_of(ball, nullptr, 1.5) == "FE206");
-    CHECK(code_of(ball, nullptr, NAN) == "FE206");
+    CHECK(code_of(ball, nullptr, 1.5) == "FE222");
+    CHECK(code_of(ball, nullptr, NAN) == "FE222");
     Shape infinite = ball;
     infinite.points[5].x() = INFINITY;
     CHECK(code_of(infinite) == "FE202");

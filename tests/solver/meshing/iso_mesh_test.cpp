@@ -180,9 +180,9 @@ TEST_CASE("what has no level set is refused, and the message says why", "[iso]")
     const Shape ball = shape("ball", make_sphere(1, 20, 20));
     CHECK(code_of(ball, options(-1.5, 0.1)) == "FE231");
     CHECK(code_of(ball, options(0, 1e-5)) == "FE232");
-    CHECK(code_of(ball, options(0, 0.1, 8)) == "FE206");
-    CHECK(code_of(ball, options(0, -1)) == "FE206");
-    CHECK(code_of(ball, options(NAN, 0.1)) == "FE206");
+    CHECK(code_of(ball, options(0, 0.1, 8)) == "FE222");
+    CHECK(code_of(ball, options(0, -1)) == "FE222");
+    CHECK(code_of(ball, options(NAN, 0.1)) == "FE222");
     CHECK(code_of({"nothing", {}, {}}, options(0, 0.1)) == "FE201");
     CHECK(code_of({"a line", {{0, 0, 0}, {1, 0, 0}, {1, 0, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) == "FE201");
     CHECK(code_of({"not a number", {{0, 0, 0}, {1, 0, 0}, {1, NAN, 0}}, {{0, 1, 2}}}, options(0.1, 0.1)) == "FE202");

@@ -315,12 +315,12 @@ TEST_CASE("refinement that cannot be used is refused with its code", "[refinemen
     REQUIRE(message == "3 refinement levels for a mesh of 8 vertices");
     for (double bad : {-1.0, std::nan(""), HUGE_VAL}) {
         options.refinement = {bad};
-        REQUIRE(code_of(options) == "FE206");
+        REQUIRE(code_of(options) == "FE222");
     }
     options.refinement = {1};
     for (double bad : {-0.1, 1.1, std::nan("")}) {
         options.propagation = bad;
-        REQUIRE(code_of(options) == "FE206");
+        REQUIRE(code_of(options) == "FE222");
     }
     options.propagation = 0;
     // The limit counts the finest cubes: 3 / 0.25 = 12, refined three times 96.
