@@ -118,6 +118,7 @@ TEST_CASE("contacts travel as seven numbers each") {
     const PageData data = page_data(scene);
     const auto header = nlohmann::json::parse(data.header);
     CHECK_FALSE(header["frames"][0].contains("contacts"));
+    CHECK_FALSE(header["frames"][0].contains("contactCount"));
     CHECK(header["frames"][1]["contactCount"] == 2);
     CHECK(unpack_f32(data.blocks[header["frames"][1]["contacts"].get<std::size_t>()]) ==
           std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});

@@ -145,7 +145,6 @@ Json describe_step(const solver::StepRecord& r) {
              {{"assembly", r.seconds_assembly},
               {"factor", r.seconds_factor},
               {"solve", r.seconds_solve},
-              {"contact", 0.0},
               {"other", r.seconds_other}}},
             {"substeps", r.substeps},
             {"newton", r.newton_iterations},
@@ -155,9 +154,7 @@ Json describe_step(const solver::StepRecord& r) {
             {"energy", r.energy},
             {"min_J", r.min_j},
             {"inverted", r.inverted},
-            {"max_stretch_m", r.max_stretch},
-            {"contacts", 0},
-            {"max_penetration_m", 0.0}};
+            {"max_stretch_m", r.max_stretch}};
 }
 
 Json describe_value(const engine::Value& v) {

@@ -191,14 +191,15 @@ Json frame_json(Writer& w, const ViewFrame& f) {
         out["phases"] = {{"assembly", s.seconds_assembly},
                          {"factor", s.seconds_factor},
                          {"solve", s.seconds_solve},
-                         {"contact", f.seconds_contact},
                          {"other", s.seconds_other}};
+        if (f.seconds_contact > 0) out["phases"]["contact"] = f.seconds_contact;
         out["substeps"] = s.substeps, out["newton"] = s.newton_iterations;
         out["residual"] = s.residual, out["converged"] = s.converged, out["energy"] = s.energy;
         out["minJ"] = s.min_j, out["inverted"] = s.inverted, out["maxStretch"] = s.max_stretch;
     }
     if (!f.faults.empty()) out["faults"] = f.faults;
-    out["contactCount"] = std::max(f.contact_count, static_cast<int>(f.contacts.size()));
+    const int contacts = std::max(f.contact_count, static_cast<int>(f.contacts.size()));
+    if (contacts > 0) out["contactCount"] = contacts;
     if (!f.contacts.empty()) {
         std::vector<float> numbers;
         for (const ViewContact& c : f.contacts) {
