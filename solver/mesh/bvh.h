@@ -1,5 +1,5 @@
-// A bounding volume hierarchy over boxes, shared by the triangle and the tet queries. Double precision,
-// deterministic. SPDX-License-Identifier: GPL-3.0-or-later
+// A bounding volume hierarchy over boxes, shared by the triangle and the tet queries. Double precision, deterministic.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/types.h"
 

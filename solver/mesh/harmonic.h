@@ -21,10 +21,13 @@ enum class HarmonicRange {
 /// factorisation whether bounds bite or not; where they do, the map is flattened towards them over a tet's width, an
 /// error of first order. Parts of the mesh without a painted point take the value of the nearest painted point. A
 /// point's influence shrinks with the tets about it: paint that stands for an area is given by a PaintedSurface, below.
-/// \param areas   weight of each point [m^2] \param values  one per embedded point \param painted which of the points
-/// are prescribed; the others are free \return one value per tet-mesh vertex Throws Error FE204 (sizes), FE202 (a
-/// painted value is not finite), FE212 (no point is painted), FE215 (a tet without volume). Direct solve, the same bits
-/// on every run.
+/// Direct solve, the same bits on every run.
+/// \param areas   weight of each point [m^2]
+/// \param values  one per embedded point
+/// \param painted which of the points are prescribed; the others are free
+/// \return one value per vertex of the tet mesh
+/// Throws Error FE204 (sizes), FE202 (a painted value is not finite), FE212 (no point is painted), FE215 (a tet without
+/// volume).
 std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
                                        const std::vector<double>& values, const std::vector<char>& painted,
                                        HarmonicRange range = HarmonicRange::painted);

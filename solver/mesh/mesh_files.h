@@ -1,6 +1,7 @@
 // Mesh files, by file name ending. Readers throw Error IO401 (missing), IO402 (unreadable), IO403 (wrong
 // content, with the line), IO404 (unknown ending), FE2xx (unusable mesh). Writers give text or bytes; who
-// calls them writes. SPDX-License-Identifier: GPL-3.0-or-later
+// calls them puts them on disk.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/tet_mesh.h"
@@ -30,8 +31,8 @@ std::string write_obj(const SurfaceMesh& mesh);
 std::string write_ply(const SurfaceMesh& mesh); ///< binary little-endian, double coordinates
 std::string write_stl(const SurfaceMesh& mesh); ///< binary
 std::string write_off(const SurfaceMesh& mesh);
-std::string
-write_vtk(const TetMesh& mesh); ///< coverage as cell data, which read_tets takes back; other formats lose it
+/// Coverage as cell data, which read_tets takes back; the other formats lose it.
+std::string write_vtk(const TetMesh& mesh);
 std::string write_medit(const TetMesh& mesh); ///< .mesh
 std::string write_gmsh(const TetMesh& mesh);  ///< .msh 4.1, text
 std::string write_veg(const TetMesh& mesh);

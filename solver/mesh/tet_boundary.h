@@ -1,5 +1,5 @@
-// Bookkeeping on tet meshes that the geometry room shares: the border with its tets, removal of unused
-// vertices. SPDX-License-Identifier: GPL-3.0-or-later
+// Bookkeeping on tet meshes that the geometry room shares: the border with its tets, removal of unused vertices.
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/mesh/tet_mesh.h"
 

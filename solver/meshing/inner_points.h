@@ -16,7 +16,8 @@ struct InnerPoints {
 /// Centres and corners of an octree's leaves: a body-centred lattice wherever the leaves are alike. A leaf's
 /// size fits edges of length e + growth * distance, with e the mean edge of the surface at the closest point.
 /// Points closer to the surface than about half e are left out. In Morton order; the same for every thread
-/// count. \param triangles closed, facing outwards Throws Stopped; Error FE232 (more than `most` points).
+/// count. Throws Stopped; Error FE232 (more than `most` points).
+/// \param triangles closed, facing outwards
 InnerPoints inner_points(const Points& points, const std::vector<Triangle>& triangles, double growth, std::size_t most,
                          const MeshingControl& control);
 

@@ -16,8 +16,8 @@ struct IsoSeeds {
 /// Points where the grid's lines cross the level set, thinned so that those of one component are at least
 /// `spacing` apart; closer on components that would get less than thirty. A mesher that starts from random
 /// rays loses small components and thin shells; these points are on all of them. The same for every thread
-/// count. \param finer  components that get a fraction 1 / 2^finer[c] of the spacing; empty = none
-/// Throws Stopped; reports no progress.
+/// count. Throws Stopped; reports no progress.
+/// \param finer components that get a fraction 1 / 2^finer[c] of the spacing; empty = none
 IsoSeeds make_iso_seeds(const DistanceGrid& grid, double spacing, const std::vector<int>& finer = {},
                         const MeshingControl& control = {});
 

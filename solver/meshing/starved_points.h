@@ -10,8 +10,8 @@ namespace sinew::solver {
 /// surface's vertices lie on one sphere, though, none is taken. Points in tets that are more than three times
 /// as long as wanted are put in here: the tets whose balls hold the point and that can be reached from its
 /// own without crossing the boundary make room, as many as see it. The boundary stays as it is; without such
-/// points the mesh keeps its bits. New vertices come last. \param mesh  all tets positively oriented or flat
-/// Throws Stopped.
+/// points the mesh keeps its bits. New vertices come last. Throws Stopped.
+/// \param mesh all tets positively oriented or flat
 void add_starved_points(TetMesh& mesh, const InnerPoints& points, const MeshingControl& control);
 
 } // namespace sinew::solver

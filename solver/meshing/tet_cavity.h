@@ -25,8 +25,8 @@ class TetCavity {
     /// Takes out tets until every wall sees p with at least a quality, as far as the rest still hangs together
     /// with the first tet. False if that tet itself would have to go.
     bool make_star_shaped(const Vec3& p, double least_quality);
-    /// Grows by the tets behind the walls that see p worst, and stops where the star is best. \return its
-    /// quality where that exceeds the present one, otherwise 0
+    /// Grows by the tets behind the walls that see p worst, and stops where the star is best.
+    /// \return its quality where that exceeds the present one, otherwise 0
     double grow_for(const Vec3& p, std::size_t most_tets);
     /// The worst quality of the star of p; 0 if a vertex of the cavity would be left without tets.
     double star_quality(const Vec3& p) const;

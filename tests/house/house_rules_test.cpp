@@ -102,15 +102,20 @@ TEST_CASE("no unfinished work hides behind a word") {
     CHECK(offenders(sources({"engine", "solver", "nodes", "tools"}), R"(\b(TODO|FIXME|XXX|HACK)\b)") == "");
 }
 
-TEST_CASE("every source names its licence in its first lines") {
+TEST_CASE("every source names its licence in its first lines, on a line of its own") {
     std::ostringstream missing;
     for (const SourceFile& f : sources({"engine", "solver", "nodes", "tools", "tests"})) {
         bool found = false;
         for (std::size_t i = 0; i < f.lines.size() && i < 10; ++i)
-            found = found || f.lines[i].find("SPDX-License-Identifier: GPL-3.0-or-later") != std::string::npos;
+            found = found || f.lines[i] == "// SPDX-License-Identifier: GPL-3.0-or-later";
         if (!found) missing << f.path << "\n";
     }
     CHECK(missing.str() == "");
+}
+
+TEST_CASE("what a docstring says of a parameter begins a line") {
+    CHECK(offenders(sources({"engine", "solver", "nodes", "tools", "tests"}), R"(//.*[^ /].*[\\@](param|return)\b)",
+                    {"tests/house/"}) == "");
 }
 
 TEST_CASE("no source is longer than 600 lines") {

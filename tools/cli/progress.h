@@ -18,7 +18,8 @@ enum class ProgressStyle { bar, lines, json, quiet };
 
 class Progress : public engine::Observer {
   public:
-    /// \param out lines and JSON \param err the bar and warnings
+    /// \param out lines and JSON
+    /// \param err the bar and warnings
     Progress(ProgressStyle style, int frame_count, std::ostream& out, std::ostream& err);
     ~Progress() override;
 

@@ -16,7 +16,8 @@ namespace sinew::cli {
 
 class RunOutput {
   public:
-    /// \param formats of "obj", "ply", "glb" \param title names the GLB file
+    /// \param formats of "obj", "ply", "glb"
+    /// \param title names the GLB file
     RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
               SceneAxes axes);
 

@@ -42,7 +42,8 @@ struct Camera {
 /// holds every one. Keeps only what touches the picture's borders, so a long run costs no memory.
 class Framing {
   public:
-    /// \param aspect width / height; \param margin share of the picture kept free at each border
+    /// \param aspect width / height
+    /// \param margin share of the picture kept free at each border
     Framing(const View& view, double aspect, double margin = 0.05);
     void add(const Points& points);
     Camera camera() const;
@@ -63,7 +64,8 @@ class Framing {
 };
 
 /// The camera nearest to the scene, looking in the view's direction, whose picture holds every point.
-/// \param aspect width / height; \param margin share of the picture kept free at each border
+/// \param aspect width / height
+/// \param margin share of the picture kept free at each border
 Camera frame_points(const std::vector<const Points*>& points, const View& view, double aspect, double margin = 0.05);
 
 } // namespace sinew::render

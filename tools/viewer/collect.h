@@ -34,7 +34,8 @@ std::vector<std::string> shown_nodes(const engine::Graph& graph);
 ViewScene collect_graph(const Evaluation& evaluation);
 
 /// OBJ sequences in `folder`, its report and its graph if there are any. Never throws for what is missing or
-/// unreadable: notes say it, and what is there is shown. \param frames empty = all
+/// unreadable: notes say it, and what is there is shown.
+/// \param frames empty = all
 ViewScene collect_folder(const std::filesystem::path& folder, const std::vector<int>& frames = {});
 
 } // namespace sinew::viewer
