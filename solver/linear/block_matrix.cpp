@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/block_matrix.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -8,8 +9,8 @@
 namespace sinew::solver {
 
 int BlockPattern::find(int i, int j) const {
-    const auto first = column.begin() + row_start[static_cast<std::size_t>(i)];
-    const auto last = column.begin() + row_start[static_cast<std::size_t>(i) + 1];
+    const auto first = column.begin() + row_start[at(i)];
+    const auto last = column.begin() + row_start[at(i) + 1];
     const auto it = std::lower_bound(first, last, j);
     return it != last && *it == j ? static_cast<int>(it - column.begin()) : -1;
 }
@@ -17,47 +18,47 @@ int BlockPattern::find(int i, int j) const {
 BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings) {
     for (auto& [i, j] : couplings)
         if (i > j) std::swap(i, j);
-    couplings.reserve(couplings.size() + static_cast<std::size_t>(rows));
+    couplings.reserve(couplings.size() + at(rows));
     for (int i = 0; i < rows; ++i) couplings.emplace_back(i, i);
     std::sort(couplings.begin(), couplings.end());
     couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
 
     BlockPattern p;
     p.rows = rows;
-    p.row_start.assign(static_cast<std::size_t>(rows) + 1, 0);
-    p.lower_start.assign(static_cast<std::size_t>(rows) + 1, 0);
+    p.row_start.assign(at(rows) + 1, 0);
+    p.lower_start.assign(at(rows) + 1, 0);
     p.column.reserve(couplings.size());
     for (const auto& [i, j] : couplings) {
-        ++p.row_start[static_cast<std::size_t>(i) + 1];
-        if (j > i) ++p.lower_start[static_cast<std::size_t>(j) + 1];
+        ++p.row_start[at(i) + 1];
+        if (j > i) ++p.lower_start[at(j) + 1];
         p.column.push_back(j);
     }
-    for (std::size_t i = 0; i < static_cast<std::size_t>(rows); ++i) {
+    for (std::size_t i = 0; i < at(rows); ++i) {
         p.row_start[i + 1] += p.row_start[i];
         p.lower_start[i + 1] += p.lower_start[i];
     }
-    p.lower.resize(static_cast<std::size_t>(p.lower_start.back()));
+    p.lower.resize(at(p.lower_start.back()));
     std::vector<int> next(p.lower_start.begin(), p.lower_start.end() - 1);
     for (std::size_t b = 0; b < couplings.size(); ++b) {
         const auto [i, j] = couplings[b];
-        if (j > i) p.lower[static_cast<std::size_t>(next[static_cast<std::size_t>(j)]++)] = {static_cast<int>(b), i};
+        if (j > i) p.lower[at(next[at(j)]++)] = {static_cast<int>(b), i};
     }
     return p;
 }
 
 void multiply(const BlockMatrix& a, const double* x, double* y) {
     const BlockPattern& p = *a.pattern;
-    parallel_for(static_cast<std::size_t>(p.rows), 512, [&](std::size_t i) {
+    parallel_for(at(p.rows), 512, [&](std::size_t i) {
         double sum[3] = {0, 0, 0};
         for (int e = p.lower_start[i]; e < p.lower_start[i + 1]; ++e) {
-            const auto [index, column] = p.lower[static_cast<std::size_t>(e)];
-            const double* b = a.block(static_cast<std::size_t>(index));
-            const double* v = x + 3 * static_cast<std::size_t>(column);
+            const auto [index, column] = p.lower[at(e)];
+            const double* b = a.block(at(index));
+            const double* v = x + 3 * at(column);
             for (int c = 0; c < 3; ++c) sum[c] += b[c] * v[0] + b[3 + c] * v[1] + b[6 + c] * v[2];
         }
         for (int e = p.row_start[i]; e < p.row_start[i + 1]; ++e) {
-            const double* b = a.block(static_cast<std::size_t>(e));
-            const double* v = x + 3 * static_cast<std::size_t>(p.column[static_cast<std::size_t>(e)]);
+            const double* b = a.block(at(e));
+            const double* v = x + 3 * at(p.column[at(e)]);
             for (int c = 0; c < 3; ++c) sum[c] += b[3 * c] * v[0] + b[3 * c + 1] * v[1] + b[3 * c + 2] * v[2];
         }
         for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = sum[c];

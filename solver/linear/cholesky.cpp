@@ -2,6 +2,7 @@
 #include "solver/linear/cholesky.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/linear/cholmod_threads.h"
 #include "solver/parallel.h"
 
@@ -42,10 +43,8 @@ struct Cholesky::Impl {
     /// The scalar lower triangle: column 3i+c holds rows 3i+c…3i+2, then three rows a block (i, j > i).
     void build_structure(const BlockPattern& p) {
         std::size_t entries = 0;
-        for (int i = 0; i < p.rows; ++i)
-            entries += 6 + 9 * static_cast<std::size_t>(p.row_start[static_cast<std::size_t>(i) + 1] -
-                                                        p.row_start[static_cast<std::size_t>(i)] - 1);
-        const std::size_t n = 3 * static_cast<std::size_t>(p.rows);
+        for (int i = 0; i < p.rows; ++i) entries += 6 + 9 * at(p.row_start[at(i) + 1] - p.row_start[at(i)] - 1);
+        const std::size_t n = 3 * at(p.rows);
         matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, &common);
         if (!matrix) throw Error("FE305", "not enough memory for a matrix of " + std::to_string(n) + " unknowns");
         int* start = static_cast<int*>(matrix->p);
@@ -55,16 +54,15 @@ struct Cholesky::Impl {
             for (int c = 0; c < 3; ++c) {
                 start[3 * i + c] = next;
                 for (int r = c; r < 3; ++r) row[next++] = 3 * i + r;
-                for (int e = p.row_start[static_cast<std::size_t>(i)] + 1;
-                     e < p.row_start[static_cast<std::size_t>(i) + 1]; ++e)
-                    for (int r = 0; r < 3; ++r) row[next++] = 3 * p.column[static_cast<std::size_t>(e)] + r;
+                for (int e = p.row_start[at(i)] + 1; e < p.row_start[at(i) + 1]; ++e)
+                    for (int r = 0; r < 3; ++r) row[next++] = 3 * p.column[at(e)] + r;
             }
         start[n] = next;
     }
 
     /// Fill-reducing order of the vertices, three unknowns each.
     std::vector<int> order_vertices(const BlockPattern& p) {
-        const std::size_t n = static_cast<std::size_t>(p.rows);
+        const std::size_t n = at(p.rows);
         cholmod_sparse* graph = cholmod_allocate_sparse(n, n, p.block_count(), 1, 1, -1, CHOLMOD_PATTERN, &common);
         std::memcpy(graph->p, p.row_start.data(), (n + 1) * sizeof(int));
         std::memcpy(graph->i, p.column.data(), p.block_count() * sizeof(int));
@@ -74,7 +72,7 @@ struct Cholesky::Impl {
         if (!ok)
             for (std::size_t i = 0; i < n; ++i) vertices[i] = static_cast<int>(i);
         for (std::size_t i = 0; i < n; ++i)
-            for (int c = 0; c < 3; ++c) unknowns[3 * i + static_cast<std::size_t>(c)] = 3 * vertices[i] + c;
+            for (int c = 0; c < 3; ++c) unknowns[3 * i + at(c)] = 3 * vertices[i] + c;
         return unknowns;
     }
 };
@@ -101,13 +99,13 @@ bool Cholesky::factorize(const BlockMatrix& a) {
     const BlockPattern& p = *a.pattern;
     double* value = static_cast<double*>(impl_->matrix->x);
     const int* start = static_cast<const int*>(impl_->matrix->p);
-    parallel_for(static_cast<std::size_t>(p.rows), 256, [&](std::size_t i) {
+    parallel_for(at(p.rows), 256, [&](std::size_t i) {
         for (int c = 0; c < 3; ++c) {
-            double* out = value + start[3 * i + static_cast<std::size_t>(c)];
-            const double* diagonal = a.block(static_cast<std::size_t>(p.row_start[i]));
+            double* out = value + start[3 * i + at(c)];
+            const double* diagonal = a.block(at(p.row_start[i]));
             for (int r = c; r < 3; ++r) *out++ = diagonal[3 * r + c];
             for (int e = p.row_start[i] + 1; e < p.row_start[i + 1]; ++e) {
-                const double* block = a.block(static_cast<std::size_t>(e));
+                const double* block = a.block(at(e));
                 for (int r = 0; r < 3; ++r) *out++ = block[3 * c + r]; // entry (3j+r, 3i+c) of the lower triangle
             }
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/component_factors.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -12,23 +13,22 @@ namespace {
 
 /// Component of every row, by its lowest row.
 std::vector<int> components(const BlockPattern& pattern) {
-    std::vector<int> root(static_cast<std::size_t>(pattern.rows));
-    for (int i = 0; i < pattern.rows; ++i) root[static_cast<std::size_t>(i)] = i;
+    std::vector<int> root(at(pattern.rows));
+    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = i;
     const auto find = [&](int i) {
-        while (root[static_cast<std::size_t>(i)] != i) {
-            int& parent = root[static_cast<std::size_t>(i)];
-            parent = root[static_cast<std::size_t>(parent)];
+        while (root[at(i)] != i) {
+            int& parent = root[at(i)];
+            parent = root[at(parent)];
             i = parent;
         }
         return i;
     };
     for (int i = 0; i < pattern.rows; ++i)
-        for (int e = pattern.row_start[static_cast<std::size_t>(i)];
-             e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
-            const int a = find(i), b = find(pattern.column[static_cast<std::size_t>(e)]);
-            root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
+        for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
+            const int a = find(i), b = find(pattern.column[at(e)]);
+            root[at(std::max(a, b))] = std::min(a, b);
         }
-    for (int i = 0; i < pattern.rows; ++i) root[static_cast<std::size_t>(i)] = find(i);
+    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = find(i);
     return root;
 }
 
@@ -36,26 +36,23 @@ std::vector<int> components(const BlockPattern& pattern) {
 
 ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
     const bool plain = factoring == Factoring::plain;
-    const std::vector<int> component =
-        plain ? std::vector<int>(static_cast<std::size_t>(pattern.rows), 0) : components(pattern);
+    const std::vector<int> component = plain ? std::vector<int>(at(pattern.rows), 0) : components(pattern);
     std::vector<int> part_of(component.size(), -1), local(component.size());
     for (std::size_t i = 0; i < component.size(); ++i) {
-        int& part = part_of[static_cast<std::size_t>(component[i])];
+        int& part = part_of[at(component[i])];
         if (part < 0) {
             part = static_cast<int>(parts_.size());
             parts_.push_back(std::make_unique<Part>());
         }
-        std::vector<int>& rows = parts_[static_cast<std::size_t>(part)]->rows;
+        std::vector<int>& rows = parts_[at(part)]->rows;
         local[i] = static_cast<int>(rows.size());
         rows.push_back(static_cast<int>(i));
     }
     for (auto& part : parts_) {
         std::vector<std::pair<int, int>> couplings;
         for (const int i : part->rows)
-            for (int e = pattern.row_start[static_cast<std::size_t>(i)];
-                 e < pattern.row_start[static_cast<std::size_t>(i) + 1]; ++e) {
-                couplings.emplace_back(local[static_cast<std::size_t>(i)],
-                                       local[static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(e)])]);
+            for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
+                couplings.emplace_back(local[at(i)], local[at(pattern.column[at(e)])]);
                 part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
@@ -73,7 +70,7 @@ bool ComponentFactors::factorize(const BlockMatrix& a) {
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
         for (std::size_t b = 0; b < part.source.size(); ++b)
-            std::copy_n(a.block(static_cast<std::size_t>(part.source[b])), 9, part.matrix->block(b));
+            std::copy_n(a.block(at(part.source[b])), 9, part.matrix->block(b));
         if (!part.factor->factorize(*part.matrix)) good = false;
     });
     return good;

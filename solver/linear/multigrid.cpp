@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/multigrid.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <Eigen/Cholesky>
@@ -29,14 +30,14 @@ using GridPoint = std::array<int, 4>; // body, then the grid's indices
 
 /// Corners and weights of the simplex of a unit cube's Kuhn subdivision that holds a point: walk from the lowest corner
 /// to the highest along the axes in the order of falling fractions.
-void kuhn_weights(int body, const Vec3& at, std::vector<std::pair<GridPoint, double>>& out) {
+void kuhn_weights(int body, const Vec3& point, std::vector<std::pair<GridPoint, double>>& out) {
     GridPoint corner{body, 0, 0, 0};
     std::array<double, 3> fraction{};
     std::array<std::size_t, 3> order{0, 1, 2};
     for (std::size_t c = 0; c < 3; ++c) {
-        const double base = std::floor(at[static_cast<Eigen::Index>(c)]);
+        const double base = std::floor(point[static_cast<Eigen::Index>(c)]);
         corner[c + 1] = static_cast<int>(base);
-        fraction[c] = at[static_cast<Eigen::Index>(c)] - base;
+        fraction[c] = point[static_cast<Eigen::Index>(c)] - base;
     }
     std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
         return fraction[a] != fraction[b] ? fraction[a] > fraction[b] : a < b;
@@ -73,11 +74,11 @@ struct Multigrid::Level {
     std::vector<int> product_start, product_target; ///< per member: where the entries of its T row go in the coarse row
 
     explicit Level(int rows) {
-        for (auto* v : {&r, &x, &old, &rest}) v->assign(3 * static_cast<std::size_t>(rows) + 1, 0.0f);
-        outside.resize(static_cast<std::size_t>(rows));
-        chunk = std::max(least_chunk, (static_cast<std::size_t>(rows) + most_chunks - 1) / most_chunks);
+        for (auto* v : {&r, &x, &old, &rest}) v->assign(3 * at(rows) + 1, 0.0f);
+        outside.resize(at(rows));
+        chunk = std::max(least_chunk, (at(rows) + most_chunks - 1) / most_chunks);
     }
-    std::size_t rows() const { return static_cast<std::size_t>(a->rows); }
+    std::size_t rows() const { return at(a->rows); }
     void set_outside();
     std::size_t chunks() const { return (rows() + chunk - 1) / chunk; }
     void prepare_products(int coarse_rows, RowBlocks& coarse);
@@ -100,51 +101,48 @@ void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
         std::vector<int> columns;
         const int first = a->row_start[i], last = a->row_start[i + 1];
         for (int e = first; e < last; ++e) {
-            const Interpolation& p = up[static_cast<std::size_t>(a->column[static_cast<std::size_t>(e)])];
+            const Interpolation& p = up[at(a->column[at(e)])];
             columns.insert(columns.end(), p.coarse.begin(), p.coarse.begin() + p.count);
         }
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
         for (int e = first; e < last; ++e) {
-            const Interpolation& p = up[static_cast<std::size_t>(a->column[static_cast<std::size_t>(e)])];
+            const Interpolation& p = up[at(a->column[at(e)])];
             for (int k = 0; k < p.count; ++k)
-                t_target[static_cast<std::size_t>(e)][static_cast<std::size_t>(k)] =
-                    t_start.back() + static_cast<int>(std::lower_bound(columns.begin(), columns.end(),
-                                                                       p.coarse[static_cast<std::size_t>(k)]) -
-                                                      columns.begin());
+                t_target[at(e)][at(k)] =
+                    t_start.back() +
+                    static_cast<int>(std::lower_bound(columns.begin(), columns.end(), p.coarse[at(k)]) -
+                                     columns.begin());
         }
         t_column.insert(t_column.end(), columns.begin(), columns.end());
         t_start.push_back(static_cast<int>(t_column.size()));
     }
     t_blocks.resize(t_column.size());
 
-    std::vector<std::vector<std::pair<int, float>>> by_coarse(static_cast<std::size_t>(coarse_rows));
+    std::vector<std::vector<std::pair<int, float>>> by_coarse(at(coarse_rows));
     for (std::size_t i = 0; i < rows(); ++i)
         for (int k = 0; k < up[i].count; ++k)
-            by_coarse[static_cast<std::size_t>(up[i].coarse[static_cast<std::size_t>(k)])].emplace_back(
-                static_cast<int>(i), up[i].weight[static_cast<std::size_t>(k)]);
+            by_coarse[at(up[i].coarse[at(k)])].emplace_back(static_cast<int>(i), up[i].weight[at(k)]);
     coarse.rows = coarse_rows;
     coarse.row_start = member_start = product_start = {0};
     for (int c = 0; c < coarse_rows; ++c) {
         std::vector<int> columns;
-        for (const auto& [i, w] : by_coarse[static_cast<std::size_t>(c)])
-            columns.insert(columns.end(), t_column.begin() + t_start[static_cast<std::size_t>(i)],
-                           t_column.begin() + t_start[static_cast<std::size_t>(i) + 1]);
+        for (const auto& [i, w] : by_coarse[at(c)])
+            columns.insert(columns.end(), t_column.begin() + t_start[at(i)], t_column.begin() + t_start[at(i) + 1]);
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-        const auto at = [&](int column) {
+        const auto place_of = [&](int column) {
             return coarse.row_start.back() +
                    static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
         };
-        for (const auto& member : by_coarse[static_cast<std::size_t>(c)]) {
+        for (const auto& member : by_coarse[at(c)]) {
             members.push_back(member);
-            for (int t = t_start[static_cast<std::size_t>(member.first)];
-                 t < t_start[static_cast<std::size_t>(member.first) + 1]; ++t)
-                product_target.push_back(at(t_column[static_cast<std::size_t>(t)]));
+            for (int t = t_start[at(member.first)]; t < t_start[at(member.first) + 1]; ++t)
+                product_target.push_back(place_of(t_column[at(t)]));
             product_start.push_back(static_cast<int>(product_target.size()));
         }
         member_start.push_back(static_cast<int>(members.size()));
-        coarse.diagonal.push_back(at(c));
+        coarse.diagonal.push_back(place_of(c));
         coarse.column.insert(coarse.column.end(), columns.begin(), columns.end());
         coarse.row_start.push_back(static_cast<int>(coarse.column.size()));
     }
@@ -161,24 +159,21 @@ void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {
 
 void Multigrid::Level::multiply_products(RowBlocks& coarse) {
     parallel_for(rows(), 256, [&](std::size_t i) {
-        for (int t = t_start[i]; t < t_start[i + 1]; ++t) t_blocks[static_cast<std::size_t>(t)] = {};
+        for (int t = t_start[i]; t < t_start[i + 1]; ++t) t_blocks[at(t)] = {};
         for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
-            const std::size_t entry = static_cast<std::size_t>(e);
-            const Interpolation& p = up[static_cast<std::size_t>(a->column[entry])];
-            for (std::size_t k = 0; k < static_cast<std::size_t>(p.count); ++k)
-                add_scaled(a->blocks[entry], p.weight[k], t_blocks[static_cast<std::size_t>(t_target[entry][k])]);
+            const std::size_t entry = at(e);
+            const Interpolation& p = up[at(a->column[entry])];
+            for (std::size_t k = 0; k < at(p.count); ++k)
+                add_scaled(a->blocks[entry], p.weight[k], t_blocks[at(t_target[entry][k])]);
         }
     });
-    parallel_for(static_cast<std::size_t>(coarse.rows), 64, [&](std::size_t c) {
-        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e)
-            coarse.blocks[static_cast<std::size_t>(e)] = {};
+    parallel_for(at(coarse.rows), 64, [&](std::size_t c) {
+        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e) coarse.blocks[at(e)] = {};
         for (int m = member_start[c]; m < member_start[c + 1]; ++m) {
-            const auto [i, weight] = members[static_cast<std::size_t>(m)];
-            int target = product_start[static_cast<std::size_t>(m)];
-            for (int t = t_start[static_cast<std::size_t>(i)]; t < t_start[static_cast<std::size_t>(i) + 1];
-                 ++t, ++target)
-                add_scaled(t_blocks[static_cast<std::size_t>(t)], weight,
-                           coarse.blocks[static_cast<std::size_t>(product_target[static_cast<std::size_t>(target)])]);
+            const auto [i, weight] = members[at(m)];
+            int target = product_start[at(m)];
+            for (int t = t_start[at(i)]; t < t_start[at(i) + 1]; ++t, ++target)
+                add_scaled(t_blocks[at(t)], weight, coarse.blocks[at(product_target[at(target)])]);
         }
     });
 }
@@ -188,9 +183,9 @@ void Multigrid::Level::set_outside() {
         const int first = static_cast<int>(i / chunk * chunk), last = first + static_cast<int>(chunk);
         float sum = 0;
         for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
-            const int j = a->column[static_cast<std::size_t>(e)];
+            const int j = a->column[at(e)];
             if (j >= first && j < last) continue;
-            const FloatBlock& b = a->blocks[static_cast<std::size_t>(e)];
+            const FloatBlock& b = a->blocks[at(e)];
             const Float4 squares = b.col(0) * b.col(0) + b.col(1) * b.col(1) + b.col(2) * b.col(2);
             sum += 0.5f * std::sqrt(squares[0] + squares[1] + squares[2]);
         }
@@ -203,7 +198,7 @@ void Multigrid::Level::sweep_forward_from_zero() {
         const int first = static_cast<int>(k * chunk);
         for (std::size_t i = k * chunk; i < std::min((k + 1) * chunk, rows()); ++i) {
             int e = a->row_start[i];
-            while (a->column[static_cast<std::size_t>(e)] < first) ++e;
+            while (a->column[at(e)] < first) ++e;
             Float4 s = a->product(e, a->diagonal[i], x.data());
             const float* right = r.data() + 3 * i;
             const FloatBlock& d = inverse[i];
@@ -219,7 +214,7 @@ void Multigrid::Level::residual_after_forward() {
     parallel_for(rows(), 256, [&](std::size_t i) {
         const int first = static_cast<int>(i / chunk * chunk);
         int e = a->row_start[i];
-        while (a->column[static_cast<std::size_t>(e)] < first) ++e;
+        while (a->column[at(e)] < first) ++e;
         const Float4 s =
             a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
         for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = outside[i] * x[3 * i + c] - s[c];
@@ -231,10 +226,10 @@ void Multigrid::Level::sweep_backward() {
     parallel_for(chunks(), 1, [&](std::size_t k) {
         const int first = static_cast<int>(k * chunk), last = static_cast<int>(std::min((k + 1) * chunk, rows()));
         for (int row = last - 1; row >= first; --row) {
-            const std::size_t i = static_cast<std::size_t>(row);
+            const std::size_t i = at(row);
             int low = a->row_start[i], high = a->row_start[i + 1];
-            while (a->column[static_cast<std::size_t>(low)] < first) ++low;
-            while (a->column[static_cast<std::size_t>(high) - 1] >= last) --high;
+            while (a->column[at(low)] < first) ++low;
+            while (a->column[at(high) - 1] >= last) --high;
             const Float4 s = a->product(a->row_start[i], low, old.data()) + a->product(low, high, x.data()) +
                              a->product(high, a->row_start[i + 1], old.data());
             const float* right = r.data() + 3 * i;
@@ -251,39 +246,39 @@ Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places)
     levels_.push_back(std::make_unique<Level>(fine.rows));
     levels_.back()->a = &fine;
     // Places in units of the first grid's spacing, which is twice that of the mesh.
-    Points at(places.points);
+    Points points(places.points);
     std::vector<int> body = places.body;
-    for (std::size_t i = 0; i < at.size(); ++i) at[i] /= 2 * places.spacing[static_cast<std::size_t>(body[i])];
+    for (std::size_t i = 0; i < points.size(); ++i) points[i] /= 2 * places.spacing[at(body[i])];
     while (levels_.back()->a->rows > coarsest_rows) {
         Level& level = *levels_.back();
-        level.up.resize(at.size());
+        level.up.resize(points.size());
         std::map<GridPoint, int> number;
-        std::vector<std::vector<std::pair<GridPoint, double>>> weights(at.size());
-        for (std::size_t i = 0; i < at.size(); ++i) {
-            kuhn_weights(body[i], at[i], weights[i]);
+        std::vector<std::vector<std::pair<GridPoint, double>>> weights(points.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            kuhn_weights(body[i], points[i], weights[i]);
             for (const auto& [point, w] : weights[i]) number.emplace(point, 0);
         }
         // At least half as many: else a mesh of scattered pieces has come to its end.
         if (static_cast<int>(number.size()) > level.a->rows / 2) break;
-        Points coarse_at;
+        Points coarse_points;
         std::vector<int> coarse_body;
         for (auto& [point, n] : number) {
-            n = static_cast<int>(coarse_at.size());
-            coarse_at.push_back(0.5 * Vec3(point[1], point[2], point[3]));
+            n = static_cast<int>(coarse_points.size());
+            coarse_points.push_back(0.5 * Vec3(point[1], point[2], point[3]));
             coarse_body.push_back(point[0]);
         }
-        for (std::size_t i = 0; i < at.size(); ++i) {
+        for (std::size_t i = 0; i < points.size(); ++i) {
             Interpolation& p = level.up[i];
             for (const auto& [point, w] : weights[i]) {
-                p.coarse[static_cast<std::size_t>(p.count)] = number[point];
-                p.weight[static_cast<std::size_t>(p.count++)] = static_cast<float>(w);
+                p.coarse[at(p.count)] = number[point];
+                p.weight[at(p.count++)] = static_cast<float>(w);
             }
         }
-        auto next = std::make_unique<Level>(static_cast<int>(coarse_at.size()));
-        level.prepare_products(static_cast<int>(coarse_at.size()), next->own);
+        auto next = std::make_unique<Level>(static_cast<int>(coarse_points.size()));
+        level.prepare_products(static_cast<int>(coarse_points.size()), next->own);
         next->a = &next->own;
         levels_.push_back(std::move(next));
-        at = std::move(coarse_at);
+        points = std::move(coarse_points);
         body = std::move(coarse_body);
     }
 }
@@ -306,12 +301,11 @@ bool Multigrid::set_values() {
     const Eigen::Index n = 3 * last.a->rows;
     coarsest_->matrix.setZero(n, n);
     for (Eigen::Index i = 0; i < last.a->rows; ++i)
-        for (int e = last.a->row_start[static_cast<std::size_t>(i)];
-             e < last.a->row_start[static_cast<std::size_t>(i) + 1]; ++e) {
-            const FloatBlock& b = last.a->blocks[static_cast<std::size_t>(e)];
+        for (int e = last.a->row_start[at(i)]; e < last.a->row_start[at(i) + 1]; ++e) {
+            const FloatBlock& b = last.a->blocks[at(e)];
             for (int c = 0; c < 3; ++c)
                 for (int r = 0; r < 3; ++r)
-                    coarsest_->matrix(3 * i + r, 3 * last.a->column[static_cast<std::size_t>(e)] + c) = b.column[c][r];
+                    coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b.column[c][r];
         }
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {
@@ -340,17 +334,17 @@ void Multigrid::cycle(std::size_t k) {
         parallel_for(coarse.rows(), 256, [&](std::size_t c) {
             float sum[3] = {};
             for (int m = level.member_start[c]; m < level.member_start[c + 1]; ++m) {
-                const auto [i, weight] = level.members[static_cast<std::size_t>(m)];
-                for (std::size_t d = 0; d < 3; ++d) sum[d] += weight * level.rest[3 * static_cast<std::size_t>(i) + d];
+                const auto [i, weight] = level.members[at(m)];
+                for (std::size_t d = 0; d < 3; ++d) sum[d] += weight * level.rest[3 * at(i) + d];
             }
             for (std::size_t d = 0; d < 3; ++d) coarse.r[3 * c + d] = sum[d];
         });
         cycle(k + 1);
         parallel_for(level.rows(), 512, [&](std::size_t i) {
             const Interpolation& p = level.up[i];
-            for (std::size_t n = 0; n < static_cast<std::size_t>(p.count); ++n)
+            for (std::size_t n = 0; n < at(p.count); ++n)
                 for (std::size_t d = 0; d < 3; ++d)
-                    level.x[3 * i + d] += p.weight[n] * coarse.x[3 * static_cast<std::size_t>(p.coarse[n]) + d];
+                    level.x[3 * i + d] += p.weight[n] * coarse.x[3 * at(p.coarse[n]) + d];
         });
     }
     level.sweep_backward();

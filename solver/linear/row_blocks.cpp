@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/row_blocks.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <Eigen/Cholesky>
@@ -11,7 +12,7 @@ namespace sinew::solver {
 RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source) {
     RowBlocks out;
     out.rows = pattern.rows;
-    const std::size_t n = static_cast<std::size_t>(pattern.rows), count = 2 * pattern.block_count() - n;
+    const std::size_t n = at(pattern.rows), count = 2 * pattern.block_count() - n;
     out.row_start.assign(n + 1, 0);
     out.diagonal.resize(n);
     out.column.reserve(count);
@@ -19,13 +20,13 @@ RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source)
     source.reserve(count);
     for (std::size_t i = 0; i < n; ++i) {
         for (int e = pattern.lower_start[i]; e < pattern.lower_start[i + 1]; ++e) {
-            const auto [index, column] = pattern.lower[static_cast<std::size_t>(e)];
+            const auto [index, column] = pattern.lower[at(e)];
             out.column.push_back(column);
             source.push_back(-index - 1);
         }
         out.diagonal[i] = static_cast<int>(out.column.size());
         for (int e = pattern.row_start[i]; e < pattern.row_start[i + 1]; ++e) {
-            out.column.push_back(pattern.column[static_cast<std::size_t>(e)]);
+            out.column.push_back(pattern.column[at(e)]);
             source.push_back(e);
         }
         out.row_start[i + 1] = static_cast<int>(out.column.size());
@@ -36,13 +37,13 @@ RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source)
 
 void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks& out,
                  std::vector<FloatBlock>& row_sums) {
-    row_sums.resize(static_cast<std::size_t>(out.rows));
-    parallel_for(static_cast<std::size_t>(out.rows), 128, [&](std::size_t i) {
+    row_sums.resize(at(out.rows));
+    parallel_for(at(out.rows), 128, [&](std::size_t i) {
         double sum[9] = {};
         for (int e = out.row_start[i]; e < out.row_start[i + 1]; ++e) {
-            const std::size_t k = static_cast<std::size_t>(e);
+            const std::size_t k = at(e);
             const bool transposed = source[k] < 0;
-            const double* block = a.block(static_cast<std::size_t>(transposed ? -source[k] - 1 : source[k]));
+            const double* block = a.block(at(transposed ? -source[k] - 1 : source[k]));
             for (int c = 0; c < 3; ++c) {
                 for (int r = 0; r < 3; ++r) {
                     const double v = transposed ? block[3 * c + r] : block[3 * r + c];
@@ -60,11 +61,11 @@ void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks
 }
 
 bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse) {
-    const std::size_t n = static_cast<std::size_t>(a.rows);
+    const std::size_t n = at(a.rows);
     inverse.resize(n);
     std::atomic<bool> good = true;
     parallel_for(n, 512, [&](std::size_t i) {
-        const FloatBlock& block = a.blocks[static_cast<std::size_t>(a.diagonal[i])];
+        const FloatBlock& block = a.blocks[at(a.diagonal[i])];
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r)

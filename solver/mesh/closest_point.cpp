@@ -3,6 +3,7 @@
 #include "solver/mesh/closest_point.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/bvh.h"
 #include "solver/mesh/far_field.h"
 #include "solver/mesh/triangle_math.h"
@@ -14,8 +15,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// A node is taken from afar when its distance exceeds this many radii. With three terms the error of the
 /// winding number stays below SurfaceTree::winding_error.

@@ -3,6 +3,7 @@
 #include "solver/mesh/embedding.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/bvh.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
@@ -24,8 +25,6 @@ using Barycentric = std::array<double, 4>;
 constexpr double face_slack = 1e-10;
 /// Points nearer to a vertex than this share of the mesh's diagonal are on it.
 constexpr double snap_share = 1e-13;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Barycentric coordinates(const TetMesh& mesh, std::size_t tet, const Vec3& p) {
     const Tet& t = mesh.tets[tet];

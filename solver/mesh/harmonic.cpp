@@ -3,6 +3,7 @@
 #include "solver/mesh/harmonic.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/linear/scalar_cholesky.h"
 
 #include <Eigen/LU>
@@ -20,11 +21,6 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Sparse = Eigen::SparseMatrix<double>;
 using Entries = std::vector<Eigen::Triplet<double>>;
-
-template <class Int>
-std::size_t at(Int i) {
-    return static_cast<std::size_t>(i);
-}
 
 /// Gradients of the four barycentric coordinates, one a column.
 Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, std::size_t tet) {

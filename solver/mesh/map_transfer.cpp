@@ -3,6 +3,7 @@
 #include "solver/mesh/map_transfer.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/parallel.h"
@@ -11,8 +12,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<MapTransfer::Place> places_on(const Points& points, const std::vector<Triangle>& triangles,
                                           const Points& seekers) {

@@ -3,6 +3,7 @@
 #include "solver/mesh/mesh_check.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/tet_quality.h"
 
@@ -14,8 +15,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Use {
     int low, high, triangle;

@@ -36,6 +36,30 @@ std::string read_bytes(const std::string& path) {
     return bytes;
 }
 
+template <class Mesh>
+struct Format {
+    std::string_view ending, name;
+    Mesh (*read)(std::string_view bytes, const std::string& file);
+};
+constexpr Format<SurfaceMesh> surface_formats[] = {
+    {".obj", "", read_obj}, {".off", "", read_off}, {".ply", "", read_ply}, {".stl", "", read_stl}};
+/// Those of one file; TetGen's two come beside them.
+constexpr Format<TetMesh> tet_formats[] = {{".mesh", "Medit", read_medit},
+                                           {".vtk", "legacy, ascii", read_vtk},
+                                           {".msh", "Gmsh", read_gmsh},
+                                           {".veg", "VegaFEM", read_veg}};
+
+/// ".mesh (Medit), .vtk (legacy, ascii)", for hints.
+template <class Formats>
+std::string listed(const Formats& formats) {
+    std::string out;
+    for (const auto& format : formats) {
+        out += (out.empty() ? "" : ", ") + std::string(format.ending);
+        if (!format.name.empty()) out += " (" + std::string(format.name) + ")";
+    }
+    return out;
+}
+
 /// Runs `make`; puts the file's name in front of an Error that does not name it.
 template <class Make>
 auto in_file(const std::string& file, const Make& make) {
@@ -71,29 +95,34 @@ TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> t
     });
 }
 
-std::vector<std::string> surface_endings() { return {".obj", ".off", ".ply", ".stl"}; }
-std::vector<std::string> tet_endings() { return {".mesh", ".vtk", ".msh", ".veg", ".node", ".ele"}; }
+std::vector<std::string> surface_endings() {
+    std::vector<std::string> out;
+    for (const auto& format : surface_formats) out.emplace_back(format.ending);
+    return out;
+}
+std::vector<std::string> tet_endings() {
+    std::vector<std::string> out;
+    for (const auto& format : tet_formats) out.emplace_back(format.ending);
+    out.insert(out.end(), {".node", ".ele"});
+    return out;
+}
 
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
-    if (ending == ".obj") return read_obj(bytes, path);
-    if (ending == ".off") return read_off(bytes, path);
-    if (ending == ".ply") return read_ply(bytes, path);
-    if (ending == ".stl") return read_stl(bytes, path);
+    for (const auto& format : surface_formats)
+        if (format.ending == ending) return format.read(bytes, path);
     throw Error("IO404", path + ": '" + ending + "' is not a surface format that can be read",
-                "use .obj, .off, .ply or .stl");
+                "use " + listed(surface_formats));
 }
 
 TetMesh parse_tets(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
-    if (ending == ".mesh") return read_medit(bytes, path);
-    if (ending == ".vtk") return read_vtk(bytes, path);
-    if (ending == ".msh") return read_gmsh(bytes, path);
-    if (ending == ".veg") return read_veg(bytes, path);
+    for (const auto& format : tet_formats)
+        if (format.ending == ending) return format.read(bytes, path);
     if (ending == ".node" || ending == ".ele")
         throw Error("IO404", path + ": TetGen's meshes are two files", "name both the .node and the .ele file");
     throw Error("IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
-                "use .mesh (Medit), .vtk (legacy, ascii), .msh (Gmsh), .veg (VegaFEM) or .node with .ele (TetGen)");
+                "use " + listed(tet_formats) + ", .node with .ele (TetGen)");
 }
 
 SurfaceMesh read_surface(const std::string& path) { return parse_surface(read_bytes(path), path); }

@@ -3,6 +3,7 @@
 #include "solver/mesh/paint_samples.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/parallel.h"
 
@@ -15,11 +16,6 @@
 
 namespace sinew::solver {
 namespace {
-
-template <class Int>
-std::size_t at(Int i) {
-    return static_cast<std::size_t>(i);
-}
 
 constexpr double no_limit = std::numeric_limits<double>::infinity();
 

@@ -3,6 +3,7 @@
 #include "solver/mesh/surface_mesh.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/triangulate.h"
 
 #include <algorithm>
@@ -11,12 +12,6 @@
 #include <limits>
 
 namespace sinew::solver {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
-
 SurfaceMesh SurfaceMesh::from_triangles(Points points, std::vector<Triangle> triangles) {
     SurfaceMesh mesh;
     mesh.face_sizes.assign(triangles.size(), 3);

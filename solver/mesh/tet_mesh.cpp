@@ -3,6 +3,7 @@
 #include "solver/mesh/tet_mesh.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/tet_boundary.h"
 
 #include <algorithm>
@@ -10,8 +11,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct Face {
     std::array<int, 3> sorted;

@@ -1,6 +1,7 @@
 // Writers. Text numbers are the shortest that read back to the same bits.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/mesh_files.h"
 #include "solver/mesh/text_output.h"
 
@@ -12,8 +13,6 @@ namespace sinew::solver {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "binary files are written without swapping bytes");
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 template <class Number>
 void put_bytes(std::string& out, Number value) {

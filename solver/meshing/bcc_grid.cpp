@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/bcc_grid.h"
 
+#include "solver/index.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,8 +13,6 @@ namespace {
 /// Corners of a cube's lower face across an axis, counter-clockwise about that axis, in the two following
 /// axes.
 constexpr int corner_offset[4][2] = {{0, 0}, {2, 0}, {2, 2}, {0, 2}};
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 BccGrid::Key cube_of(const BccGrid& grid, std::int64_t tet) {
     const std::int64_t cube = tet / 12;

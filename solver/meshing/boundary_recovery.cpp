@@ -3,6 +3,7 @@
 #include "solver/meshing/boundary_recovery.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/tet_quality.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -15,8 +16,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 using Edge = std::array<int, 2>;
 Edge edge_of(int a, int b) { return {std::min(a, b), std::max(a, b)}; }

@@ -3,6 +3,7 @@
 #include "solver/meshing/distance_grid.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/parallel.h"
 
@@ -17,8 +18,6 @@ namespace {
 constexpr int cells = DistanceGrid::cells, samples = DistanceGrid::samples;
 constexpr std::size_t block_samples = samples * samples * samples;
 using Block = std::array<int, 3>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Triangles cut into pieces no longer than `length`; those between two places that are both inside are left
 /// out.

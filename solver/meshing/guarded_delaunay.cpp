@@ -3,6 +3,7 @@
 #include "solver/meshing/guarded_delaunay.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/tet_boundary.h"
 #include "solver/meshing/boundary_recovery.h"
@@ -28,8 +29,6 @@ using CellBase =
 using Delaunay = CGAL::Delaunay_triangulation_3<Kernel, CGAL::Triangulation_data_structure_3<VertexBase, CellBase>>;
 using Cell = Delaunay::Cell_handle;
 using Facet = Delaunay::Facet;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct TriangleHash {
     std::size_t operator()(const Triangle& t) const {

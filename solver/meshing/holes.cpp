@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/holes.h"
 
+#include "solver/index.h"
 #include "solver/meshing/shells.h"
 
 #include <algorithm>
@@ -10,8 +11,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Directed edges that are used more often than their reverse, once for each use too many, by their start.
 std::multimap<int, int> border_edges(const std::vector<Triangle>& triangles) {

@@ -3,6 +3,7 @@
 #include "solver/meshing/inner_points.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
 
@@ -13,8 +14,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Mean length of the edges at each vertex.
 std::vector<double> vertex_edges(const Points& points, const std::vector<Triangle>& triangles) {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/iso_seeds.h"
 
+#include "solver/index.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -14,8 +16,6 @@ namespace {
 
 constexpr int cells = DistanceGrid::cells;
 using Index = std::array<int, 3>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Which cells of the filled blocks the level set passes, joined over the faces that it crosses.
 class Components {

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/lattice_cells.h"
 
+#include "solver/index.h"
+
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -16,8 +18,6 @@ struct Contact {
     int triangle;
     bool operator<(const Contact& o) const { return tet != o.tet ? tet < o.tet : triangle < o.triangle; }
 };
-
-std::size_t at(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 /// All tets that one triangle touches.
 void find_contacts(const BccGrid& grid, const std::array<Vec3, 3>& corners, int triangle, std::vector<Contact>& out) {

@@ -3,6 +3,7 @@
 #include "solver/meshing/paint.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/meshing/lattice_cells.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Products like 0.1 * 30 may exceed their whole number by rounding.
 constexpr double rounding = 1e-9;

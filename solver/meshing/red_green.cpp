@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/red_green.h"
 
+#include "solver/index.h"
+
 #include <algorithm>
 #include <bit>
 
@@ -13,8 +15,6 @@ constexpr std::size_t edge_ends[6][2] = {{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3},
 constexpr unsigned opposite_pairs[3] = {0b100001, 0b010010, 0b001100};
 /// Edges of the faces opposite corners 0…3.
 constexpr unsigned face_edges[4] = {0b111000, 0b100110, 0b010101, 0b001011};
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Edge between corners i and j.
 int edge_between(int i, int j) {

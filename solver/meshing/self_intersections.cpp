@@ -3,6 +3,7 @@
 #include "solver/meshing/self_intersections.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
@@ -16,8 +17,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, int>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Finder {
   public:

@@ -3,6 +3,7 @@
 #include "solver/meshing/shells.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
 
@@ -16,8 +17,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// An edge of a triangle: its ends in rising order, its direction, and where it comes from.
 struct Side {

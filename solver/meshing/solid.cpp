@@ -3,6 +3,7 @@
 #include "solver/meshing/solid.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/meshing/holes.h"
 #include "solver/meshing/welding.h"
 
@@ -12,8 +13,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void refuse_one_sided(const OneSided& found) {
     if (found.parts == 0) return;

@@ -3,6 +3,7 @@
 #include "solver/meshing/soup.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/shells.h"
 #include "solver/meshing/welding.h"
@@ -11,8 +12,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void find_open_edges(Soup& soup) {
     const auto border = border_edges_of(soup.triangles);

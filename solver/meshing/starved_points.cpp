@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/starved_points.h"
 
+#include "solver/index.h"
 #include "solver/mesh/embedding.h"
 #include "solver/meshing/tet_cavity.h"
 
@@ -13,8 +14,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 class Inserter {
   public:

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/surface_mesher.h"
 
+#include "solver/index.h"
+
 #include <CGAL/Complex_2_in_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_3.h>
 #include <CGAL/Delaunay_triangulation_cell_base_with_circumcenter_3.h>
@@ -48,8 +50,6 @@ using Triangulation =
 using Complex = CGAL::Complex_2_in_triangulation_3<Triangulation>;
 using Point = Triangulation::Point;
 using Surface = CGAL::Implicit_surface_3<Traits>;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 struct EdgeUse {
     int triangle;

@@ -2,18 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/tet_cavity.h"
 
+#include "solver/index.h"
 #include "solver/mesh/tet_quality.h"
 
 #include <algorithm>
 #include <limits>
 
 namespace sinew::solver {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-} // namespace
-
 void TetCavity::start(int tet) {
     ++round_;
     tets_.clear();

@@ -2,12 +2,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/tet_complex.h"
 
+#include "solver/index.h"
+
 #include <algorithm>
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The two other corners (c, d) of a tet, such that (a, b, c, d) is positively oriented.
 std::array<int, 2> across(const Tet& t, int a, int b) {

@@ -3,6 +3,7 @@
 #include "solver/meshing/tet_improve.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/tet_quality.h"
 #include "solver/meshing/tet_cavity.h"
 
@@ -12,8 +13,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 constexpr double fair = 0.5;  ///< tets below are worth a flip
 constexpr double bad = 0.35;  ///< tets below are worth a new vertex

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/welding.h"
 
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 
 #include <algorithm>
@@ -9,8 +10,6 @@
 
 namespace sinew::solver {
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 std::vector<int> first_at_place(const Points& points) {
     std::vector<int> order(points.size());

@@ -41,6 +41,7 @@ TEST_CASE("stresses and energies of every law equal the trusted values for thirt
     const Vec3 direction(a[0], a[1], a[2]);
     for (const LawFacts& facts : elastic_laws) {
         const std::string reference(facts.reference);
+        if (reference.empty()) continue; // no code gave values: the tests below remain
         const auto& cases = patch["cases"];
         double w = 0;
         stress(facts.law, l, 0, matrix(cases[rotation]["F"]), &w, direction, patch["tistvk"]["t"]);
@@ -173,11 +174,12 @@ TEST_CASE("the small-strain limit of every law is linear elasticity with exactly
 
 TEST_CASE("projected Hessians of every law are positive semi-definite on ten thousand random and inverted tets") {
     std::mt19937 random(13);
-    const nlohmann::json flat = accuracy()["material_patch"]["cases"][inverted];
     for (const LawFacts& facts : elastic_laws)
         for (const double ratio : ratios(facts)) {
             const OneTet tet(facts.law, resistance(facts), ratio);
-            const bool has_inverse = flat[std::string(facts.reference)].is_object();
+            Row3 turned_inside_out = Row3::Identity();
+            turned_inside_out(0, 0) = -0.3;
+            const bool has_inverse = std::isfinite(tet.energy(tet.positions(turned_inside_out)));
             double least = 0;
             int checked = 0;
             for (int i = 0; i < 10000; ++i) {

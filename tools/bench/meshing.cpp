@@ -21,16 +21,12 @@ namespace {
 using namespace solver;
 namespace fs = std::filesystem;
 
-constexpr std::string_view surface_endings[] = {".obj", ".off", ".ply", ".stl"};
-constexpr std::string_view tet_endings[] = {".mesh", ".vtk", ".msh", ".veg", ".ele"};
-
-template <class List>
-bool ends_like(const fs::path& path, const List& endings) {
-    return std::find(std::begin(endings), std::end(endings), path.extension().string()) != std::end(endings);
+bool ends_like(const fs::path& path, const std::vector<std::string>& endings) {
+    return std::find(endings.begin(), endings.end(), path.extension().string()) != endings.end();
 }
 
 SurfaceMesh read(const std::string& file) {
-    if (!ends_like(file, tet_endings)) return read_surface(file);
+    if (!ends_like(file, tet_endings())) return read_surface(file);
     TetMesh tets = read_tets(file);
     return SurfaceMesh::from_triangles(std::move(tets.vertices), boundary_triangles(tets.tets));
 }
@@ -125,7 +121,8 @@ std::vector<std::string> mesh_files_under(const std::vector<std::string>& paths)
         const std::size_t first = files.size();
         for (const auto& entry : fs::recursive_directory_iterator(path))
             if (entry.is_regular_file() &&
-                (ends_like(entry.path(), surface_endings) || ends_like(entry.path(), tet_endings)))
+                (ends_like(entry.path(), surface_endings()) || ends_like(entry.path(), tet_endings())) &&
+                entry.path().extension() != ".node") // its .ele is read
                 files.push_back(entry.path().string());
         std::sort(files.begin() + static_cast<std::ptrdiff_t>(first), files.end());
     }

@@ -100,7 +100,7 @@ Command bench_command() {
           "cantilever: cubes along the box, 6 tets each, multiples of 4 from 4 to 400; default: 24,40 (5,184 and "
           "24,000 tets)"},
          {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
-         {"--law", "LAW", "cantilever: StVK, NeoHookean (default), LogNeoHookean or Corotational"},
+         {"--law", "LAW", "cantilever: an isotropic law of zTissue.material; default: NeoHookean"},
          {"--steps", "N", "cantilever: steps; default: 20; scene, report: frames after the first; default: all"},
          {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
          {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
