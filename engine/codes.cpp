@@ -53,7 +53,8 @@ constexpr CodeInfo table[] = {
     {"DG110", "inputs of a node that do not fit together", "Change one of the inputs that the message names."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
-    {"FE202", "number of a mesh or map is not finite", "Repair the coordinate or weight that is named: it is NaN or infinite."},
+    {"FE202", "number of a mesh or map is not finite",
+     "Repair the coordinate or weight that is named: it is NaN or infinite."},
     {"FE203", "index out of range", "Repair the mesh: a face or element names a point that does not exist."},
     {"FE204", "list that does not fit the mesh", "Give one number for each point, or a single one for all."},
     {"FE205", "fibre end points missing", "Paint where the fibres start and end (weights 0 and 1)."},

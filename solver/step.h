@@ -38,8 +38,8 @@ struct StepControl {
 State initial_state(const Scene& scene, const StepInputs& inputs);
 
 /// Advances by all of `substeps`, each with its own step size. Non-convergence is recorded, not thrown. Throws
-/// Error FE304 or FE202 (an input is not finite or out of range), FE302 (the step gives NaN), FE305 (memory), and leaves
-/// no half-made state.
+/// Error FE304 or FE202 (an input is not finite or out of range), FE302 (the step gives NaN), FE305 (memory), and
+/// leaves no half-made state.
 State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
               const StepControl& control = {});
 

@@ -96,6 +96,8 @@ Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads)
 Cholesky::~Cholesky() = default;
 
 bool Cholesky::factorize(const BlockMatrix& a) {
+    // LAPACK kernels differ in whether they notice a NaN among their pivots.
+    if (!std::isfinite(ordered_sum(a.values.size(), [&](std::size_t i) { return a.values[i]; }))) return false;
     const BlockPattern& p = *a.pattern;
     double* value = static_cast<double*>(impl_->matrix->x);
     const int* start = static_cast<const int*>(impl_->matrix->p);

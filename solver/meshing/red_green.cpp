@@ -178,7 +178,8 @@ void RedGreen::drain() {
     }
 }
 
-/// Cuts the new red cells. \return where each level's new cells begin
+/// Cuts the new red cells.
+/// \return where each level's new cells begin
 std::vector<std::size_t> RedGreen::make_children() {
     const std::vector<CellName> reds = std::move(new_reds_);
     new_reds_.clear();

@@ -25,7 +25,8 @@ void find_open_edges(Soup& soup) {
     soup.is_closed = soup.open_edges == 0;
 }
 
-/// Renumbers the vertices that are used, in their order. \return the old number of each
+/// Renumbers the vertices that are used, in their order.
+/// \return the old number of each
 std::vector<int> compact(Soup& soup, const Points& all) {
     std::vector<char> used(all.size(), 0);
     for (const Triangle& t : soup.triangles)

@@ -161,9 +161,11 @@ TEST_CASE("every folder of a room is named in the room's README, and what the RE
             INFO(room << "/README.md does not say what " << entry.path().filename() << " is for");
             CHECK(readme.find("`" + entry.path().filename().string() + "/") != std::string::npos);
         }
+        std::set<std::string> files;
+        for (const SourceFile& f : sources({room, "tests"})) files.insert(fs::path(f.path).filename().string());
         for (const auto& [name, count] : matches(readme, "`([a-z_/]+(/|[.]h|[.]cpp))`")) {
             INFO(room << "/README.md names " << name << ", which is not there");
-            CHECK((fs::exists(root / name) || fs::exists(fs::path(SINEW_SOURCE_DIR) / name)));
+            CHECK((fs::exists(root / name) || fs::exists(fs::path(SINEW_SOURCE_DIR) / name) || files.contains(name)));
         }
     }
 }
@@ -186,5 +188,31 @@ TEST_CASE("every diagnostic code in a source is in the table, and every one in t
         INFO(name << " is in engine/codes.cpp, but nothing gives it");
         CHECK(count == 1);
         CHECK(given.contains(name));
+    }
+}
+
+TEST_CASE("links and paths in the documentation lead somewhere") {
+    const fs::path root = SINEW_SOURCE_DIR;
+    std::vector<fs::path> pages{"README.md"};
+    for (const char* folder : {"docs", "engine", "solver", "nodes", "tools", "graphs", "tests"})
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            const std::string path = fs::relative(entry.path(), root).generic_string();
+            if (entry.path().extension() == ".md" && path.find("node_modules") == std::string::npos)
+                pages.push_back(path);
+        }
+    CHECK(pages.size() > 15);
+    for (const fs::path& page : pages) {
+        const std::string text = text_of(page.generic_string());
+        for (const auto& [link, count] : matches(text, "\\]\\(([^)#:]+)(#[^)]*)?\\)")) {
+            INFO(page.generic_string() << " links to " << link);
+            CHECK(fs::exists(root / page.parent_path() / link));
+        }
+        // Words in capitals stand for names of the reader's own.
+        for (const auto& [path, count] :
+             matches(text, "`((docs|graphs|tools|tests|nodes|solver|engine)/[a-zA-Z0-9_/.-]+)`")) {
+            if (std::regex_search(path, std::regex("[A-Z]{3}")) && path.find("README") == std::string::npos) continue;
+            INFO(page.generic_string() << " names " << path);
+            CHECK(fs::exists(root / path));
+        }
     }
 }

@@ -2,7 +2,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
+#include <cctype>
 #include <set>
+#include <utility>
 
 using namespace bench;
 
@@ -103,6 +105,25 @@ std::string another(const engine::AttributeInfo& a) {
 
 TEST_CASE("the registry holds exactly the listed node types", "[nodes]") {
     CHECK(nodes::make_registry()->names() == all_types);
+}
+
+TEST_CASE("every node type has its place in nodes/README.md", "[nodes]") {
+    std::ifstream in(std::string(SINEW_SOURCE_DIR) + "/nodes/README.md");
+    REQUIRE(in);
+    std::set<std::string> first_cells; // words of the first column
+    for (std::string line; std::getline(in, line);) {
+        if (line.empty() || line[0] != '|') continue;
+        std::string word;
+        for (const char c : line.substr(1, line.find('|', 1) - 1) + ",")
+            if (std::isalnum(static_cast<unsigned char>(c)))
+                word += c;
+            else if (!word.empty())
+                first_cells.insert(std::exchange(word, ""));
+    }
+    for (const std::string& name : all_types) {
+        INFO(name);
+        CHECK(first_cells.contains(name));
+    }
 }
 
 TEST_CASE("every node type, input and output is documented, every number with its unit", "[nodes]") {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/mesh_report.h"
 
+#include "nodes/options.h"
 #include "nodes/values.h"
 #include "solver/error.h"
 #include "solver/mesh/mesh_files.h"
@@ -117,7 +118,7 @@ bool keeps_cavities(const engine::Graph& graph, const std::string& tets) {
     const auto& inputs = graph.find(tets)->inputs;
     const auto fill = inputs.find("fillInterior");
     const auto* word = fill == inputs.end() ? nullptr : std::get_if<engine::Value>(&fill->second);
-    return word && word->is<std::string>() && word->as<std::string>() == "EmptyCavities";
+    return word && word->is<std::string>() && word->as<std::string>() == nodes::word_of(solver::Fill::empty_cavities);
 }
 
 /// What the mesh at this input cannot do; empty if nothing.
