@@ -53,7 +53,8 @@ void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_dige
 
 void add(Hasher& h, const solver::StepRecord& r) {
     h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps).add(r.halvings);
-    h.add(r.energy).add(r.min_j).add(r.inverted).add(r.max_stretch);
+    h.add(r.energy).add(r.min_j).add(r.inverted);
+    for (const solver::Measured& m : r.measured) h.add(m.what->term).add(m.what->name).add(m.value);
 }
 
 void add(Hasher& h, const SceneKey& k) {
@@ -241,8 +242,8 @@ void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::Simulatio
 std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
     const solver::State& s = v.state;
     std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
-                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration) +
-                    size_of(s.history.strain_rate);
+                    size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
+    for (const solver::TermMemory& m : s.memories) n += size_of(m.bytes);
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);

@@ -3,6 +3,7 @@
 
 #include "solver/error.h"
 #include "solver/system.h"
+#include "solver/term/type.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,17 @@ void check_tissue(const TissueRest& t, int body) {
         refuse(body, "FE202", "the coverage of a tet is not a finite number", "it lies between 0 and 1");
 }
 
+double volume_of(const TetMesh& mesh) {
+    double volume = 0;
+    for (const Tet& tet : mesh.tets) {
+        const auto corner = [&](std::size_t k) -> const Vec3& {
+            return mesh.vertices[static_cast<std::size_t>(tet[k])];
+        };
+        volume += tet_volume(corner(0), corner(1), corner(2), corner(3));
+    }
+    return volume;
+}
+
 /// make_batches, whose Error does not know the body.
 std::vector<TetBatch> checked_batches(const TissueRest& t, int first_vertex, int body) {
     try {
@@ -121,7 +133,7 @@ Scene::Scene(SceneDescription description)
         batches.kind = t->element;
         batches.first_batch = system->batches.size();
         batches.first_edge_batch = system->edge_batches.size();
-        batches.first_unknown = system->vertex_of_unknown.size();
+        batches.deformable = system->numbering.deformables.size();
         batches.tet_count = t->tets.tets.size();
         const std::vector<TetBatch> corners = checked_batches(*t, vertex_count_, body);
         batches.batch_count = corners.size();
@@ -142,15 +154,12 @@ Scene::Scene(SceneDescription description)
         Points nodes = t->tets.vertices;
         system->edge_vertices.resize(static_cast<std::size_t>(body) + 1); // bones before this one have none
         if (t->element == ElementKind::quadratic) add_edges(*t, vertex_count_, corners, nodes, *system);
-        for (const Vec3& p : nodes)
-            for (int c = 0; c < 3; ++c) system->rest.push_back(p[c]);
         std::vector<char> held(nodes.size(), 0);
         for (const int v : t->fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
-        for (std::size_t v = 0; v < held.size(); ++v) {
-            system->unknown.push_back(held[v] ? -1 : static_cast<int>(system->vertex_of_unknown.size()));
-            if (!held[v]) system->vertex_of_unknown.push_back(vertex_count_ + static_cast<int>(v));
-        }
-        batches.unknown_count = system->vertex_of_unknown.size() - batches.first_unknown;
+        for (const Part& part : description_.parts)
+            if (part.type->hold && std::find(part.bodies.begin(), part.bodies.end(), body) != part.bodies.end())
+                part.type->hold(part, *t, held);
+        system->numbering.add(body, nodes, held, std::cbrt(volume_of(t->tets) / static_cast<double>(nodes.size())));
         system->tissues.push_back(std::move(batches));
         vertex_count_ += static_cast<int>(nodes.size());
     }
@@ -159,23 +168,29 @@ Scene::Scene(SceneDescription description)
             throw Error("FE209", "an attachment names a body that is not in the scene",
                         "both of its bodies must be among zSolver.bodies");
 
+    for (const Part& part : description_.parts)
+        for (const int body : part.bodies)
+            if (body < 0 || body >= body_count())
+                throw Error("FE209", "a " + std::string(part.type->name) + " names a body that is not in the scene",
+                            "its bodies must be among zSolver.bodies");
+
     // Element nodes by unknown: count, then fill in batch order, which fixes the order of every sum.
     const auto for_each_node = [&](const auto& visit) {
         for (const TissueBatches& t : system->tissues)
             for (std::size_t i = 0; i < t.batch_count; ++i)
                 for (int n = 0; n < t.nodes(); ++n)
                     for (std::size_t lane = 0; lane < lanes && i * lanes + lane < t.tet_count; ++lane) {
-                        const int u = system->unknown[static_cast<std::size_t>(system->node(t, i, n)[lane])];
+                        const int u = system->numbering.unknown[static_cast<std::size_t>(system->node(t, i, n)[lane])];
                         if (u >= 0)
                             visit(u,
                                   static_cast<int>(t.gradient_at(i) + static_cast<std::size_t>(3 * n) * lanes + lane));
                     }
     };
-    system->node_start.assign(system->vertex_of_unknown.size() + 1, 0);
+    system->node_start.assign(system->numbering.vertex_of_unknown.size() + 1, 0);
     for_each_node([&](int u, int) { ++system->node_start[static_cast<std::size_t>(u) + 1]; });
     for (std::size_t u = 0; u + 1 < system->node_start.size(); ++u) {
         if (system->node_start[u + 1] == 0) {
-            const int vertex = system->vertex_of_unknown[u];
+            const int vertex = system->numbering.vertex_of_unknown[u];
             int body = 0;
             while (body + 1 < body_count() && first_vertex_[static_cast<std::size_t>(body) + 1] <= vertex) ++body;
             refuse(body, "FE208",
@@ -192,6 +207,8 @@ Scene::Scene(SceneDescription description)
 }
 
 Scene::~Scene() = default;
+
+const Numbering& Scene::numbering() const { return system_->numbering; }
 
 const TissueRest* Scene::tissue(int body) const {
     const auto* p =

@@ -6,6 +6,8 @@
 #include "solver/material/law.h"
 #include "solver/mesh/embedding.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/numbering.h"
+#include "solver/term/part.h"
 
 #include <memory>
 #include <string>
@@ -62,6 +64,7 @@ struct AttachmentRest {
 struct SceneDescription {
     std::vector<BodyRest> bodies;
     std::vector<AttachmentRest> attachments;
+    std::vector<Part> parts; ///< further forces
 };
 
 /// Derived once from the description: numbering of the unknowns, element batches, sparsity pattern.
@@ -74,10 +77,11 @@ class Scene {
     int body_count() const { return static_cast<int>(description_.bodies.size()); }
     const TissueRest* tissue(int body) const; ///< nullptr for bones
     const BoneRest* bone(int body) const;
-    /// First unknown vertex of a tissue in the state's arrays.
+    const Numbering& numbering() const;
+    /// First vertex of a body that deforms in the state's arrays; the next one's for others.
     int first_vertex(int body) const { return first_vertex_[static_cast<std::size_t>(body)]; }
-    int vertex_count() const { return vertex_count_; } ///< vertices of all tissues
-    /// Vertices of one tissue in the state's arrays; 0 for bones.
+    int vertex_count() const { return vertex_count_; } ///< vertices of all bodies that deform
+    /// Vertices of one body in the state's arrays; 0 for bones.
     std::size_t vertex_count(int body) const {
         const std::size_t next = static_cast<std::size_t>(body) + 1;
         return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) -

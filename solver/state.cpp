@@ -2,8 +2,11 @@
 #include "solver/state.h"
 
 #include "solver/error.h"
+#include "solver/terms/all_terms.h"
 
+#include <algorithm>
 #include <cstring>
+#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -11,7 +14,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 5\n";
+constexpr std::string_view magic = "sinew state 6\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -83,6 +86,62 @@ void get_bones(Reader& r, std::vector<Points>& bones) {
     for (Points& points : bones) get_points(r, points);
 }
 
+void put_text(Writer& w, std::string_view text) {
+    w.put(static_cast<std::uint64_t>(text.size()));
+    for (const char c : text) w.put(c);
+}
+
+std::string get_text(Reader& r) {
+    std::string text(r.get_count(1), ' ');
+    for (char& c : text) r.get(c);
+    return text;
+}
+
+void put_memories(Writer& w, const std::vector<TermMemory>& memories) {
+    w.put(static_cast<std::uint64_t>(memories.size()));
+    for (const TermMemory& m : memories) {
+        put_text(w, m.term);
+        w.put(m.version);
+        w.put_all(m.bytes);
+    }
+}
+
+void get_memories(Reader& r, std::vector<TermMemory>& memories) {
+    memories.resize(r.get_count(sizeof(std::uint64_t)));
+    for (TermMemory& m : memories) {
+        m.term = get_text(r);
+        r.get(m.version);
+        r.get_all(m.bytes);
+        const auto types = all_terms();
+        const auto type =
+            std::find_if(types.begin(), types.end(), [&](const TermType* t) { return t->name == m.term; });
+        if (type == types.end() || !(*type)->has_memory)
+            throw Error("IO403",
+                        "a saved simulation state holds the memory of \"" + m.term + "\", which is not known here");
+        if ((*type)->memory_version != m.version)
+            throw Error("IO403", "a saved simulation state holds version " + std::to_string(m.version) +
+                                     " of the memory of \"" + m.term + "\"; version " +
+                                     std::to_string((*type)->memory_version) + " can be read");
+    }
+}
+
+void put_measured(Writer& w, const std::vector<Measured>& measured) {
+    w.put(static_cast<std::uint64_t>(measured.size()));
+    for (const Measured& m : measured) put_text(w, m.what->term), put_text(w, m.what->name), w.put(m.value);
+}
+
+void get_measured(Reader& r, std::vector<Measured>& measured) {
+    measured.resize(r.get_count(sizeof(std::uint64_t)));
+    for (Measured& m : measured) {
+        const std::string term = get_text(r), name = get_text(r);
+        m.what = find_measure(term, name);
+        if (!m.what)
+            throw Error("IO403",
+                        "a saved simulation state holds \"" + term + "." + name + "\", which is not known here");
+        r.get(m.value);
+    }
+}
+
 void put_values(Writer& w, const std::optional<StepInputs>& values) {
     w.put(values.has_value());
     if (!values) return;
@@ -98,6 +157,8 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         put_points(w, t->forces);
     }
     w.put_all(values->attachments);
+    w.put(static_cast<std::uint64_t>(values->parts.size()));
+    for (const PartValues& part : values->parts) w.put_all(part);
 }
 
 void get_values(Reader& r, std::optional<StepInputs>& values) {
@@ -122,6 +183,8 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
         body = std::move(t);
     }
     r.get_all(values->attachments);
+    values->parts.resize(r.get_count(sizeof(std::uint64_t)));
+    for (PartValues& part : values->parts) r.get_all(part);
 }
 
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
@@ -129,7 +192,7 @@ template <class Record, class Visit>
 void visit_record(Record& r, const Visit& visit) {
     visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.halvings),
         visit(r.linear_iterations), visit(r.energy);
-    visit(r.min_j), visit(r.inverted), visit(r.max_stretch);
+    visit(r.min_j), visit(r.inverted);
 }
 
 } // namespace
@@ -141,7 +204,7 @@ std::vector<std::byte> save(const State& s) {
     w.put_all(s.x);
     w.put_all(s.v);
     w.put(s.history.step_size);
-    w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration), w.put_all(s.history.strain_rate);
+    w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
     put_bones(w, s.history.bones);
     put_values(w, s.history.values);
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
@@ -153,10 +216,12 @@ std::vector<std::byte> save(const State& s) {
             w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
         }
     }
+    put_memories(w, s.memories);
     put_bones(w, s.bones);
     w.put(s.steps);
     w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
+    put_measured(w, s.record.measured);
     return out;
 }
 
@@ -171,7 +236,7 @@ State load(std::span<const std::byte> bytes) {
     r.get_all(s.x);
     r.get_all(s.v);
     r.get(s.history.step_size);
-    r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration), r.get_all(s.history.strain_rate);
+    r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
     get_bones(r, s.history.bones);
     get_values(r, s.history.values);
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
@@ -183,10 +248,12 @@ State load(std::span<const std::byte> bytes) {
             r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
         }
     }
+    get_memories(r, s.memories);
     get_bones(r, s.bones);
     r.get(s.steps);
     r.get(s.linear.factor_steps_left);
     visit_record(s.record, [&](auto& field) { r.get(field); });
+    get_measured(r, s.record.measured);
     if (!r.at_end()) throw Error("IO403", "a saved simulation state has bytes left over");
     return s;
 }

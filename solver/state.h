@@ -3,6 +3,8 @@
 #pragma once
 #include "solver/linear/linear_solver.h"
 #include "solver/step_inputs.h"
+#include "solver/term/measure.h"
+#include "solver/term/memory.h"
 #include "solver/types.h"
 
 #include <array>
@@ -31,12 +33,12 @@ struct StepRecord {
     double residual = 0; ///< force residual / forces at work
     bool converged = true;
     int newton_iterations = 0, substeps = 0;
-    int halvings = 0;          ///< steps that failed and were taken again in two halves
-    int linear_iterations = 0; ///< of conjugate gradients; 0 where every solve was direct
-    double energy = 0;         ///< elastic + fibre + attachment [J]
-    double min_j = 1;          ///< least det F over all tets
-    int inverted = 0;          ///< tets with det F <= 0
-    double max_stretch = 0;    ///< longest attachment [m]
+    int halvings = 0;               ///< steps that failed and were taken again in two halves
+    int linear_iterations = 0;      ///< of conjugate gradients; 0 where every solve was direct
+    double energy = 0;              ///< elastic + fibre + attachment [J]
+    double min_j = 1;               ///< least det F over all tets
+    int inverted = 0;               ///< tets with det F <= 0
+    std::vector<Measured> measured; ///< of the terms, in their order
     double seconds_assembly = 0, seconds_factor = 0, seconds_solve = 0, seconds_other = 0; ///< not digested
 };
 
@@ -46,7 +48,6 @@ struct History {
     std::vector<double> x, v;         ///< at the start of the last step
     std::vector<Points> bones;        ///< likewise, per body
     std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
-    std::vector<double> strain_rate;  ///< likewise of all points, in the order of the elements [1/s]; empty = not known
     std::optional<StepInputs> values; ///< that the last step ended with, as copy_values leaves them
 };
 
@@ -54,6 +55,7 @@ struct State {
     std::vector<double> x, v; ///< 3 numbers per unknown vertex; order of the scene [m], [m/s]
     History history;
     std::vector<std::vector<Anchor>> anchors; ///< per attachment
+    std::vector<TermMemory> memories;         ///< of the terms that keep something
     std::vector<Points> bones; ///< per body: bone vertex positions at the end of the step; empty for tissues
     long long steps = 0;       ///< since the start frame
     LinearMemory linear;

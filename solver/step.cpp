@@ -7,6 +7,7 @@
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
+#include "solver/terms/all_terms.h"
 
 #include <algorithm>
 #include <chrono>
@@ -16,17 +17,20 @@
 namespace sinew::solver {
 
 struct Workspace::Impl {
+    const Scene& scene;
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    std::vector<double> x, v, x_gamma, v_gamma, acceleration, strain_rate;
+    std::vector<double> x, v, x_gamma, v_gamma, acceleration;
+    std::vector<Measured> measured;
     std::vector<Points> bones; ///< at the end of the step
     StepInputs between;        ///< values within it
     explicit Impl(const Scene& scene)
-        : potential(scene) {}
+        : scene(scene)
+        , potential(scene) {}
 
-    void prepare(const std::vector<std::vector<Anchor>>& anchors, const StepInputs& in) {
-        const bool new_pattern = potential.set_structure(anchors, in);
+    void prepare(const State& before, const StepInputs& in) {
+        const bool new_pattern = potential.take(before, in);
         if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
         newton = std::make_unique<NewtonWorkspace>(potential);
     }
@@ -45,8 +49,9 @@ constexpr double base_tolerance = 1e-6;
 
 void check_inputs(const Scene& scene, const StepInputs& in) {
     if (static_cast<int>(in.bodies.size()) != scene.body_count() ||
-        in.attachments.size() != scene.description().attachments.size())
-        throw std::logic_error("step inputs must name every body and attachment of the scene, in order");
+        in.attachments.size() != scene.description().attachments.size() ||
+        in.parts.size() != scene.description().parts.size())
+        throw std::logic_error("step inputs must name every body, attachment and part of the scene, in order");
     if (!(in.step_size > 0) || !std::isfinite(in.step_size))
         throw Error("FE304", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
     if (!in.gravity.allFinite())
@@ -59,6 +64,20 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
                   "stiffness, envelope and damping must be finite");
         bad.body = scene.description().attachments[k].source;
         throw bad;
+    }
+    for (std::size_t k = 0; k < in.parts.size(); ++k) {
+        const Part& part = scene.description().parts[k];
+        if (in.parts[k].size() != part.type->values.size())
+            throw std::logic_error("step inputs must give every value of a part");
+        for (std::size_t i = 0; i < in.parts[k].size(); ++i) {
+            if (std::isfinite(in.parts[k][i])) continue;
+            Error bad("FE304",
+                      std::string("the ") + part.type->values[i].name + " of a " + std::string(part.type->name) +
+                          " is not a finite number",
+                      "check what it is connected to");
+            if (!part.bodies.empty()) bad.body = part.bodies.front();
+            throw bad;
+        }
     }
     for (int body = 0; body < scene.body_count(); ++body) {
         const BodyInputs& b = in.bodies[static_cast<std::size_t>(body)];
@@ -102,6 +121,7 @@ void set_bones(const Scene& scene, const StepInputs& in, std::vector<Points>& bo
 void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, const std::vector<Points>& bones,
                  const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     impl.potential.begin_stage(s, impl.form, bones);
+    impl.potential.place_held(x);
     const NewtonOptions options{in.max_newton_iterations, base_tolerance * in.tolerance_factor, in.linear_method};
     if (impl.newton) minimise(impl.potential, *impl.newton, options, control, x, memory, record);
 }
@@ -129,13 +149,13 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
         tr_bdf2_trapezoid_form(s, h, impl.form);
         if (s.history.values) {
-            values_between(*s.history.values, in, tr_bdf2_gamma, impl.between);
-            impl.potential.set_values(impl.between);
+            values_between(impl.scene, *s.history.values, in, tr_bdf2_gamma, impl.between);
+            impl.potential.set_values(s, impl.between);
         }
         solve_stage(impl, s, in, bones, control, impl.x, memory, record);
         update_velocity(impl.form, impl.x, impl.v_gamma);
         impl.x_gamma = impl.x;
-        if (s.history.values) impl.potential.set_values(in);
+        if (s.history.values) impl.potential.set_values(s, in);
         tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, impl.form);
         break;
     }
@@ -145,11 +165,10 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     update_velocity(impl.form, impl.x, impl.v);
     // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
     impl.acceleration.clear();
-    impl.strain_rate.clear();
-    if (in.integrator == Integrator::tr_bdf2 && record.converged) {
-        implied_acceleration(impl.form, impl.x, impl.acceleration);
-        impl.potential.strain_rates(impl.x, impl.strain_rate);
-    }
+    const bool keeps_history = in.integrator == Integrator::tr_bdf2 && record.converged;
+    if (keeps_history) implied_acceleration(impl.form, impl.x, impl.acceleration);
+    impl.potential.measure(impl.x, impl.measured);
+    impl.potential.remember(impl.x, keeps_history, s.memories);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep) {
         s.history.step_size = h;
@@ -157,7 +176,6 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         s.history.v.swap(s.v);
         s.history.bones.swap(s.bones);
         s.history.acceleration.swap(impl.acceleration);
-        s.history.strain_rate.swap(impl.strain_rate);
         if (in.integrator == Integrator::tr_bdf2) {
             if (!s.history.values) s.history.values.emplace();
             copy_values(in, *s.history.values);
@@ -227,7 +245,7 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
 State initial_state(const Scene& scene, const StepInputs& inputs) {
     check_inputs(scene, inputs);
     State s;
-    s.x = scene.system().rest;
+    s.x = scene.numbering().rest;
     s.v.assign(s.x.size(), 0.0);
     set_bones(scene, inputs, s.bones);
     std::vector<Points> surfaces(s.bones);
@@ -235,6 +253,12 @@ State initial_state(const Scene& scene, const StepInputs& inputs) {
         if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
     for (const AttachmentRest& a : scene.description().attachments)
         s.anchors.push_back(make_anchors(scene, a, surfaces));
+    for (const TermType* type : all_terms())
+        if (type->start) {
+            TermMemory memory{std::string(type->name), type->memory_version, {}};
+            type->start(scene, surfaces, memory);
+            s.memories.push_back(std::move(memory));
+        }
     return s;
 }
 
@@ -256,7 +280,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     for (; k < substeps.size(); ++k) {
         const StepInputs& in = substeps[k];
         check_inputs(scene, in);
-        impl.prepare(s.anchors, in);
+        impl.prepare(s, in);
         set_bones(scene, in, impl.bones);
         take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
@@ -265,6 +289,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     for (const double c : s.x)
         if (!std::isfinite(c)) throw Error("FE302", "the step gave positions that are not finite numbers");
     impl.potential.describe(s.x, record);
+    record.measured = impl.measured;
     const double total = std::chrono::duration<double>(Clock::now() - start).count();
     record.seconds_other =
         std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);

@@ -1,7 +1,9 @@
 // What may change from step to step: bone positions, material values, excitation, solver settings.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/fields.h"
 #include "solver/linear/linear_solver.h"
+#include "solver/term/part.h"
 #include "solver/types.h"
 
 #include <algorithm>
@@ -19,12 +21,27 @@ struct MaterialValues {
     double mass_density = 1060; ///< [kg/m^3]
     double envelope = 1;
     double volume_conservation = 0; ///< [Pa], independent of Young's modulus
+    static constexpr auto fields() {
+        using T = MaterialValues;
+        return std::to_array<Field<T>>({{"youngsModulus", "Pa", &T::youngs_modulus},
+                                        {"poissonsRatio", "1", &T::poissons_ratio},
+                                        {"massDensity", "kg/m^3", &T::mass_density},
+                                        {"envelope", "1", &T::envelope},
+                                        {"volumeConservation", "Pa", &T::volume_conservation}});
+    }
 };
 
 struct FiberValues {
     double strength = 12e3;       ///< [Pa]
     double contraction_limit = 0; ///< fibre stretch at which the pull ends
     double excitation = 0, envelope = 1;
+    static constexpr auto fields() {
+        using T = FiberValues;
+        return std::to_array<Field<T>>({{"strength", "Pa", &T::strength},
+                                        {"contractionLimit", "1", &T::contraction_limit},
+                                        {"excitation", "1", &T::excitation},
+                                        {"envelope", "1", &T::envelope}});
+    }
 };
 
 struct TissueInputs {
@@ -33,6 +50,11 @@ struct TissueInputs {
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
+    static constexpr auto fields() {
+        using T = TissueInputs;
+        return std::to_array<Field<T>>({{"compressionResistance", "1", &T::compression_resistance},
+                                        {"transverseAnisotropy", "1", &T::transverse_anisotropy}});
+    }
 };
 
 /// Whether some layer does; on linear tets it couples more vertices.
@@ -51,6 +73,12 @@ struct AttachmentInputs {
     double stiffness = 1e8; ///< [N/m^3]
     double envelope = 1;
     double damping = 0; ///< [N s/m^3]
+    static constexpr auto fields() {
+        using T = AttachmentInputs;
+        return std::to_array<Field<T>>({{"stiffness", "N/m^3", &T::stiffness},
+                                        {"envelope", "1", &T::envelope},
+                                        {"damping", "N*s/m^3", &T::damping}});
+    }
 };
 
 struct StepInputs {
@@ -65,6 +93,7 @@ struct StepInputs {
     int max_halvings = 0;           ///< how often a step that fails is taken again in two halves, and those again
     std::vector<BodyInputs> bodies; ///< one per body, same order as the scene's
     std::vector<AttachmentInputs> attachments; ///< one per attachment
+    std::vector<PartValues> parts;             ///< one per part, in the order of the scene's
 };
 
 } // namespace sinew::solver

@@ -4,6 +4,7 @@
 #pragma once
 #include "solver/element/quadratic_tets.h"
 #include "solver/fiber/active_stress.h"
+#include "solver/numbering.h"
 #include "solver/scene.h"
 
 namespace sinew::solver {
@@ -14,8 +15,8 @@ struct TissueBatches {
     ElasticLaw law = ElasticLaw::stvk;
     ElementKind kind = ElementKind::linear;
     std::size_t first_batch = 0, batch_count = 0, tet_count = 0;
-    std::size_t first_edge_batch = 0; ///< quadratic only
-    std::size_t first_unknown = 0, unknown_count = 0;
+    std::size_t first_edge_batch = 0;            ///< quadratic only
+    std::size_t deformable = 0;                  ///< place among the scene's deformables
     std::vector<std::vector<FiberBatch>> fibers; ///< [fibre field][batch within the tissue]
     std::vector<Anisotropy> anisotropy;          ///< per batch for that law: directions, root 1
 
@@ -40,9 +41,7 @@ struct Scene::System {
     std::vector<EdgeBatch> edge_batches;
     std::vector<TissueBatches> tissues;
     std::size_t gradient_size = 0, hessian_size = 0, strain_size = 0; ///< doubles that all elements' entries take
-    std::vector<int> unknown;           ///< per vertex: its row among the unknowns; -1 if it is held fixed
-    std::vector<int> vertex_of_unknown; ///< the inverse
-    std::vector<double> rest;           ///< rest positions, 3 a vertex [m]
+    Numbering numbering;
     /// Per body with quadratic tets: the vertices at the middles of each tet's edges. Empty otherwise.
     std::vector<std::vector<std::array<int, 6>>> edge_vertices;
     /// Element nodes that meet at each unknown, in fixed order: where the first component of their gradient stands; the

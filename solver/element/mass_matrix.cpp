@@ -30,35 +30,60 @@ double quadratic_entry(int a, int b) {
 
 } // namespace
 
-void MassMatrix::set(const Scene::System& system, const BlockPattern& pattern, const std::vector<double>& of_tet) {
+void MassMatrix::start(const Numbering& numbering, const BlockPattern& pattern) {
+    numbering_ = &numbering;
     pattern_ = &pattern;
     diagonal_ = true;
-    weight_.assign(system.unknown.size(), 0.0);
+    weight_.assign(numbering.vertex_count(), 0.0);
     value_.assign(pattern.block_count(), 0.0);
-    for (const TissueBatches& t : system.tissues) {
-        const bool quadratic = t.kind == ElementKind::quadratic;
-        diagonal_ = diagonal_ && !quadratic;
+    held_.clear();
+}
+
+void MassMatrix::add_lumped(int vertex, double mass) {
+    weight_[static_cast<std::size_t>(vertex)] += mass;
+    const int i = numbering_->unknown[static_cast<std::size_t>(vertex)];
+    if (i >= 0) value_[static_cast<std::size_t>(pattern_->row_start[static_cast<std::size_t>(i)])] += mass;
+}
+
+void MassMatrix::add(int vertex, int other, double mass) {
+    diagonal_ = false;
+    weight_[static_cast<std::size_t>(vertex)] += mass;
+    if (vertex != other) weight_[static_cast<std::size_t>(other)] += mass;
+    int i = numbering_->unknown[static_cast<std::size_t>(vertex)];
+    int j = numbering_->unknown[static_cast<std::size_t>(other)];
+    if (i < 0 && j < 0) return;
+    if (i < 0) std::swap(i, j), std::swap(vertex, other);
+    if (j < 0)
+        held_.push_back({i, other, mass});
+    else
+        value_[static_cast<std::size_t>(pattern_->find(std::min(i, j), std::max(i, j)))] += mass;
+}
+
+void MassMatrix::add_tets(const Scene::System& system, const std::vector<double>& of_tet) {
+    for (const TissueBatches& t : system.tissues)
         for (std::size_t slot = 0; slot < t.tet_count; ++slot) {
             const double mass = of_tet[t.first_batch * lanes + slot];
+            const auto vertex = [&](int n) { return system.node(t, slot / lanes, n)[slot % lanes]; };
             for (int a = 0; a < t.nodes(); ++a) {
-                const int v = system.node(t, slot / lanes, a)[slot % lanes];
-                const int i = system.unknown[static_cast<std::size_t>(v)];
-                if (!quadratic) {
-                    weight_[static_cast<std::size_t>(v)] += 0.25 * mass;
-                    if (i >= 0)
-                        value_[static_cast<std::size_t>(pattern.row_start[static_cast<std::size_t>(i)])] += 0.25 * mass;
+                if (t.kind == ElementKind::linear) {
+                    add_lumped(vertex(a), 0.25 * mass);
                     continue;
                 }
-                weight_[static_cast<std::size_t>(v)] += (a < 4 ? -0.05 : 0.2) * mass;
-                for (int b = 0; b < t.nodes(); ++b) {
-                    const int j =
-                        system.unknown[static_cast<std::size_t>(system.node(t, slot / lanes, b)[slot % lanes])];
-                    if (i >= 0 && j >= i)
-                        value_[static_cast<std::size_t>(pattern.find(i, j))] += quadratic_entry(a, b) * mass;
-                }
+                for (int b = a; b < t.nodes(); ++b) add(vertex(a), vertex(b), quadratic_entry(a, b) * mass);
             }
         }
-    }
+}
+
+double MassMatrix::add_held(const std::vector<double>& h, const std::vector<double>& u,
+                            std::vector<double>& m_u) const {
+    double work = 0;
+    for (const Held& e : held_)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const double f = e.mass * h[3 * static_cast<std::size_t>(e.vertex) + c];
+            work += f * u[3 * static_cast<std::size_t>(e.unknown) + c];
+            m_u[3 * static_cast<std::size_t>(e.unknown) + c] += f;
+        }
+    return work;
 }
 
 void MassMatrix::multiply(const std::vector<double>& u, std::vector<double>& out) const {

@@ -10,8 +10,15 @@ namespace sinew::solver {
 
 class MassMatrix {
   public:
-    /// `of_tet`: mass of every slot of every batch [kg]. The pattern must outlive this.
-    void set(const Scene::System& system, const BlockPattern& pattern, const std::vector<double>& of_tet);
+    /// Begins anew with no mass; terms add theirs. Numbering and pattern must outlive this.
+    void start(const Numbering& numbering, const BlockPattern& pattern);
+    /// The tets of a scene. `of_tet`: mass of every slot of every batch [kg].
+    void add_tets(const Scene::System& system, const std::vector<double>& of_tet);
+    /// A mass that moves with one vertex [kg].
+    void add_lumped(int vertex, double mass);
+    /// An entry of a consistent mass matrix, and of its transpose where the vertices differ [kg].
+    void add(int vertex, int other, double mass);
+
     /// Sum of each vertex's row, held vertices too: what weighs there [kg]. Negative at corners of quadratic tets.
     const std::vector<double>& weight() const { return weight_; }
     /// out = M u, 3 numbers an unknown.
@@ -20,9 +27,20 @@ class MassMatrix {
     void solve(const std::vector<double>& f, std::vector<double>& u) const;
     void add_to(BlockMatrix& a, double factor) const;
 
+    /// Entries between unknowns and held vertices, of consistent masses.
+    struct Held {
+        int unknown, vertex;
+        double mass;
+    };
+    const std::vector<Held>& held() const { return held_; }
+    /// Adds M h to m_u, h what held vertices do, 3 a vertex (read where held() names it). Returns u . M h.
+    double add_held(const std::vector<double>& h, const std::vector<double>& u, std::vector<double>& m_u) const;
+
   private:
+    const Numbering* numbering_ = nullptr;
     const BlockPattern* pattern_ = nullptr;
-    bool diagonal_ = true;               ///< all tets are linear
+    bool diagonal_ = true; ///< every mass is lumped
+    std::vector<Held> held_;
     std::vector<double> weight_, value_; ///< per vertex; per block of the pattern
 };
 

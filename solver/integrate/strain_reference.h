@@ -12,11 +12,11 @@ struct StrainReference {
     double start = 1;
     const std::vector<double>* x_between = nullptr; ///< another time the scheme looks at; null where its weight is 0
     double between = 0;
-    /// dE/dt at the start of the step: as the last step ended with it, by points [1/s], or from the velocities there, 3
-    /// a vertex [m/s]; both null where the weight is 0. Velocities of turning bodies are chords and strain them by a
-    /// little.
-    const std::vector<double>* known_rate = nullptr;
+    /// Velocities at the start of the step, for dE/dt there, 3 a vertex [m/s]; null where its weight is 0. Velocities
+    /// of turning bodies are chords and strain them by a little: where the last step's rate of strain is remembered and
+    /// `takes_known_rate`, that is taken in their place.
     const std::vector<double>* v = nullptr;
+    bool takes_known_rate = false;
     double rate = 0; ///< [s]
 };
 

@@ -10,11 +10,7 @@ void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm&
     form.mass_factor = 1 / (half * half);
     form.velocity_factor = 1 / half;
     set_bone_weights(before, step_size, tr_bdf2_gamma, form);
-    const bool known = !before.history.strain_rate.empty();
-    form.strain = {.x = &before.x,
-                   .known_rate = known ? &before.history.strain_rate : nullptr,
-                   .v = known ? nullptr : &before.v,
-                   .rate = half};
+    form.strain = {.x = &before.x, .v = &before.v, .takes_known_rate = true, .rate = half};
     form.target.resize(n);
     form.velocity_offset.resize(n);
     for (std::size_t i = 0; i < n; ++i) {

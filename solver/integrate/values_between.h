@@ -2,6 +2,7 @@
 // order.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/scene.h"
 #include "solver/step_inputs.h"
 
 namespace sinew::solver {
@@ -13,6 +14,7 @@ void copy_values(const StepInputs& in, StepInputs& out);
 /// The values at `share` of the way from those of `before` to those of `after`, each on a line (second order); settings
 /// and bones are those of `after`, or empty. Where volume conservation comes or goes, materials jump to `after`; so
 /// does an attachment that is made or released.
-void values_between(const StepInputs& before, const StepInputs& after, double share, StepInputs& out);
+void values_between(const Scene& scene, const StepInputs& before, const StepInputs& after, double share,
+                    StepInputs& out);
 
 } // namespace sinew::solver

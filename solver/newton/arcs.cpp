@@ -35,10 +35,12 @@ Vec3 turn_rate(const Mat3& inertia, const Vec3& momentum) {
 void Arcs::fit(const Potential& potential, const std::vector<double>& x, const std::vector<double>& direction,
                const std::vector<double>& gain) {
     const std::vector<double>& weight = potential.vertex_stiffness();
-    const std::vector<int>& unknown = potential.unknown_of_vertex();
-    turns_.resize(potential.tissue_count());
+    const std::vector<int>& unknown = potential.numbering().unknown;
+    const std::vector<Deformable>& bodies = potential.numbering().deformables;
+    turns_.resize(bodies.size());
     for (std::size_t t = 0; t < turns_.size(); ++t) {
-        const auto [first, count] = potential.vertices_of(t); // held ones too: they are known to stay
+        // Held vertices too: they are known to stay.
+        const std::size_t first = bodies[t].first_vertex, count = bodies[t].vertex_count;
         const auto moves_by = [&](std::size_t v) {
             return unknown[v] < 0 ? Vec3(Vec3::Zero()) : at(direction, 3 * static_cast<std::size_t>(unknown[v]));
         };
@@ -81,7 +83,7 @@ void Arcs::fit(const Potential& potential, const std::vector<double>& x, const s
 
 void Arcs::move(const Potential& potential, const std::vector<double>& x, const std::vector<double>& direction,
                 double share, std::vector<double>& out) const {
-    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    const std::vector<int>& vertex_of = potential.numbering().vertex_of_unknown;
     out = x;
     for (std::size_t t = 0; t < turns_.size(); ++t) {
         const Turn& turn = turns_[t];
@@ -95,7 +97,8 @@ void Arcs::move(const Potential& potential, const std::vector<double>& x, const 
             const double half = std::sin(0.5 * angle);
             beyond = (std::sin(angle) - angle) * k + 2 * half * half * k * k;
         }
-        const auto [first, count] = potential.unknowns_of(t);
+        const Deformable& body = potential.numbering().deformables[t];
+        const std::size_t first = body.first_unknown, count = body.unknown_count;
         parallel_for(count, 4096, [&](std::size_t i) {
             const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[first + i]);
             const Vec3 p = at(x, v), moved = p + share * at(direction, 3 * (first + i)) + beyond * (p - turn.centre);

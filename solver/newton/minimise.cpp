@@ -74,9 +74,9 @@ double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double
 }
 
 /// The volume let go while this lives; given back also where a solve is stopped or fails.
-struct RelaxedVolume {
+struct RelaxedTerms {
     Potential& potential;
-    ~RelaxedVolume() { potential.relax_volume(0); }
+    ~RelaxedTerms() { potential.relax(0); }
 };
 
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
@@ -105,6 +105,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
                 "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
+        value += potential.begin_iteration(x);
         const double slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         ++record.newton_iterations;
 
@@ -113,7 +114,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         const Stopwatch timer(record.seconds_assembly);
         const double rounding = potential.energy_rounding();
         const double before = value;
-        double t = 1;
+        double t = potential.longest_move(x, w.direction);
         bool accepted = false;
         potential.work(w.gradient, w.direction, w.gain);
         w.arcs.fit(potential, x, w.direction, w.gain);
@@ -173,7 +174,7 @@ bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions&
 /// x with every body's rest shape, made small, laid over it: that opens flat tets the right way round.
 std::vector<double> nudged(const Potential& potential, const std::vector<double>& x) {
     const UnknownPlaces places = potential.places();
-    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    const std::vector<int>& vertex_of = potential.numbering().vertex_of_unknown;
     std::vector<Vec3> centre(places.spacing.size(), Vec3::Zero());
     std::vector<double> count(places.spacing.size(), 0.0);
     for (std::size_t u = 0; u < vertex_of.size(); ++u) {
@@ -227,7 +228,7 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     w.linear.begin_step();
     double r = 0;
-    const int levels = potential.volume_levels();
+    const int levels = potential.levels();
     bool definite = false;
     End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory,
                       definite, record, r);
@@ -237,9 +238,9 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
         NewtonOptions rough = options;
         rough.tolerance = std::max(options.tolerance, 1e-2);
         {
-            const RelaxedVolume guard{potential};
+            const RelaxedTerms guard{potential};
             for (int level = levels; level > 0; --level) {
-                potential.relax_volume(level);
+                potential.relax(level);
                 iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, definite,
                         record, r);
             }

@@ -62,7 +62,7 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.history.x = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.v = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.acceleration = {1}; }));
-    CHECK(changed([](auto& s) { s.state.history.strain_rate = {1}; }));
+    CHECK(changed([](auto& s) { s.state.memories.push_back({"elastic", 1, {std::byte{1}}}); }));
     CHECK(changed([](auto& s) { s.state.history.bones = {{}}; }));
     CHECK(changed([](auto& s) { s.state.history.values.emplace(); }));
     CHECK(changed([](auto& s) { s.state.record.halvings = 1; }));
@@ -73,7 +73,9 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.record.energy = 1; }));
     CHECK(changed([](auto& s) { s.state.record.min_j = 0; }));
     CHECK(changed([](auto& s) { s.state.record.inverted = 1; }));
-    CHECK(changed([](auto& s) { s.state.record.max_stretch = 1; }));
+    CHECK(changed([](auto& s) {
+        s.state.record.measured.push_back({solver::find_measure("attachment", "max_stretch_m"), 1});
+    }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_assembly = 1; }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_factor = 1; }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_solve = 1; }));

@@ -21,11 +21,11 @@ struct Turning {
         t.use_backward_euler(1.0 / 24);
         t.start();
         potential = std::make_unique<Potential>(*t.scene);
-        potential->set_structure(t.state.anchors, t.in);
+        potential->take(t.state, t.in);
         potential->begin_step(t.state, t.in);
         backward_euler_form(t.state, t.in.step_size, form);
         potential->begin_stage(t.state, form, t.state.bones);
-        for (const int v : potential->vertex_of_unknown()) {
+        for (const int v : potential->numbering().vertex_of_unknown) {
             const Vec3 d = angle * axis.cross(place(v) - centre()) + shift;
             for (int c = 0; c < 3; ++c) direction.push_back(d[c]);
         }

@@ -184,7 +184,7 @@ TEST_CASE("with means, patches and fibres the gradient and Hessian converge to f
             Potential potential(scene);
             ImplicitForm form;
             backward_euler_form(s, in.step_size, form);
-            potential.set_structure(s.anchors, in);
+            potential.take(s, in);
             potential.begin_step(s, in);
             potential.begin_stage(s, form, s.bones);
             std::mt19937 random(4);

@@ -155,7 +155,7 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 t.start();
                 State& s = t.state;
                 const auto shaken = [&](double by) {
-                    std::vector<double> x = t.scene->system().rest;
+                    std::vector<double> x = t.scene->numbering().rest;
                     for (double& c : x) c += by * normal(random);
                     return x;
                 };
@@ -167,12 +167,12 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 if (scheme == Integrator::bdf2) bdf2_form(s, t.in.step_size, form);
                 if (scheme == Integrator::tr_bdf2) tr_bdf2_bdf2_form(s, between, s.v, t.in.step_size, form);
                 Potential p(*t.scene);
-                p.set_structure(s.anchors, t.in);
+                p.take(s, t.in);
                 p.begin_step(s, t.in);
                 p.begin_stage(s, form, s.bones);
                 const std::vector<double> x = shaken(0.004), direction = [&] {
                     std::vector<double> d(x.size());
-                    for (const int v : p.vertex_of_unknown())
+                    for (const int v : p.numbering().vertex_of_unknown)
                         for (std::size_t c = 0; c < 3; ++c)
                             d[3 * static_cast<std::size_t>(v) + c] = 0.0005 * normal(random);
                     return d;
@@ -185,7 +185,8 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 std::vector<double> g, plus, minus, unknown(3 * p.unknown_count()), hd(3 * p.unknown_count());
                 for (std::size_t u = 0; u < p.unknown_count(); ++u)
                     for (std::size_t c = 0; c < 3; ++c)
-                        unknown[3 * u + c] = direction[3 * static_cast<std::size_t>(p.vertex_of_unknown()[u]) + c];
+                        unknown[3 * u + c] =
+                            direction[3 * static_cast<std::size_t>(p.numbering().vertex_of_unknown[u]) + c];
                 p.evaluate(x, &g, nullptr);
                 BlockMatrix h(p.pattern());
                 p.assemble(x, false, h);

@@ -88,7 +88,7 @@ struct Trial {
                 quasi_static_form(before, form);
             else
                 backward_euler_form(before, t.in.step_size, form);
-            potential.set_structure(before.anchors, t.in);
+            potential.take(before, t.in);
             potential.begin_step(before, t.in);
             potential.begin_stage(before, form, t.state.bones);
         }

@@ -173,7 +173,7 @@ HoldingForces::HoldingForces(const TissueRest& rest, const TissueInputs& values)
     inputs_.integrator = Integrator::quasi_static;
     inputs_.bodies = {values};
     state_ = initial_state(*scene_, inputs_);
-    potential_.set_structure(state_.anchors, inputs_);
+    potential_.take(state_, inputs_);
     potential_.begin_step(state_, inputs_);
     quasi_static_form(state_, form_);
     potential_.begin_stage(state_, form_, state_.bones);
@@ -189,7 +189,8 @@ Points HoldingForces::at(const std::vector<double>& x, double* energy) {
     }
     Points out(static_cast<std::size_t>(scene_->vertex_count()), Vec3::Zero());
     for (std::size_t i = 0; i < potential_.unknown_count(); ++i)
-        out[static_cast<std::size_t>(potential_.vertex_of_unknown()[i])] = position(gradient, static_cast<int>(i));
+        out[static_cast<std::size_t>(potential_.numbering().vertex_of_unknown[i])] =
+            position(gradient, static_cast<int>(i));
     return out;
 }
 

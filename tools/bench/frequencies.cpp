@@ -31,7 +31,7 @@ std::vector<double> natural_frequencies(const TissueRest& rest, const TissueInpu
     in.bodies = {values};
     State state = initial_state(scene, in);
     Potential potential(scene);
-    potential.set_structure(state.anchors, in);
+    potential.take(state, in);
     potential.begin_step(state, in);
     ImplicitForm still, moving;
     quasi_static_form(state, still);

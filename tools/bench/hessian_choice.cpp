@@ -19,7 +19,7 @@ constexpr int most_iterations = 200;
 /// Moves x along `direction` until the value falls enough, by the solver's own rule. False if it does not.
 bool line_search(Potential& potential, const std::vector<double>& direction, double slope, std::vector<double>& x,
                  double& value, std::vector<double>& gradient, std::vector<BodyForces>& forces) {
-    const std::vector<int>& vertex_of = potential.vertex_of_unknown();
+    const std::vector<int>& vertex_of = potential.numbering().vertex_of_unknown;
     const double before = value, rounding = potential.energy_rounding();
     double t = 1;
     for (int trial = 0; trial < 40; ++trial, t *= 0.5) {
@@ -41,7 +41,7 @@ bool line_search(Potential& potential, const std::vector<double>& direction, dou
 HessianRun solve_step(const Scene& scene, const State& before, const StepInputs& inputs, bool always_project,
                       const std::stop_token& stop) {
     Potential potential(scene);
-    potential.set_structure(before.anchors, inputs);
+    potential.take(before, inputs);
     BlockMatrix hessian(potential.pattern());
     Cholesky factor(potential.pattern());
     std::vector<double> gradient(3 * potential.unknown_count()), direction(gradient.size());

@@ -112,7 +112,7 @@ FactorRow measure_factor(int n, double dgemm) {
     const State state = initial_state(scene, in);
     Potential potential(scene);
     ImplicitForm form;
-    potential.set_structure(state.anchors, in);
+    potential.take(state, in);
     potential.begin_step(state, in);
     backward_euler_form(state, in.step_size, form);
     potential.begin_stage(state, form, state.bones);

@@ -141,6 +141,8 @@ void append_text(const Json& d, const std::string& indent, std::string& out) {
 } // namespace
 
 Json describe_step(const solver::StepRecord& r) {
+    Json terms = Json::object();
+    for (const solver::Measured& m : r.measured) terms[std::string(m.what->term)][std::string(m.what->name)] = m.value;
     return {{"phases",
              {{"assembly", r.seconds_assembly},
               {"factor", r.seconds_factor},
@@ -154,7 +156,7 @@ Json describe_step(const solver::StepRecord& r) {
             {"energy", r.energy},
             {"min_J", r.min_j},
             {"inverted", r.inverted},
-            {"max_stretch_m", r.max_stretch}};
+            {"terms", terms}};
 }
 
 Json describe_value(const engine::Value& v) {

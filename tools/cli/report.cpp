@@ -37,9 +37,36 @@ std::string phases_text(const std::vector<solver::StepRecord>& steps) {
                 factor * scale, solve * scale, other * scale);
 }
 
+/// ", largest attachment stretch 1.2 mm": what the terms measured, over all steps.
+std::string terms_text(const std::vector<solver::StepRecord>& steps) {
+    std::vector<solver::Measured> all = steps.front().measured;
+    for (std::size_t s = 1; s < steps.size(); ++s)
+        for (std::size_t m = 0; m < all.size() && m < steps[s].measured.size(); ++m) {
+            const double value = steps[s].measured[m].value;
+            switch (all[m].what->combine) {
+            case solver::Combine::sum:
+                all[m].value += value;
+                break;
+            case solver::Combine::most:
+                all[m].value = std::max(all[m].value, value);
+                break;
+            case solver::Combine::last:
+                all[m].value = value;
+                break;
+            }
+        }
+    std::string out;
+    for (const solver::Measured& m : all) {
+        const bool is_length = m.what->unit == "m";
+        out += text(", %s %.2g %s", std::string(m.what->title).c_str(), is_length ? 1000 * m.value : m.value,
+                    is_length ? "mm" : std::string(m.what->unit).c_str());
+    }
+    return out;
+}
+
 std::string health_text(const std::vector<solver::StepRecord>& steps) {
     int unconverged = 0, inverted = 0, most_newton = 0;
-    double residual = 0, newton = 0, stretch = 0;
+    double residual = 0, newton = 0;
     for (const auto& s : steps) {
         unconverged += !s.converged;
         inverted = std::max(inverted, s.inverted);
@@ -47,12 +74,10 @@ std::string health_text(const std::vector<solver::StepRecord>& steps) {
         newton += s.newton_iterations;
         // NaN must not hide behind a comparison.
         residual = std::isnan(s.residual) ? s.residual : std::max(residual, s.residual);
-        stretch = std::max(stretch, s.max_stretch);
     }
-    return text("  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d, "
-                "largest attachment stretch %.2g mm\n",
+    return text("  %d unconverged, worst residual %.2g, Newton %.1f a frame (most %d), inverted tets at most %d%s\n",
                 unconverged, residual, newton / static_cast<double>(steps.size()), most_newton, inverted,
-                1000 * stretch);
+                terms_text(steps).c_str());
 }
 
 } // namespace

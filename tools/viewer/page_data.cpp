@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/page_data.h"
 
+#include "solver/terms/all_terms.h"
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -195,7 +196,9 @@ Json frame_json(Writer& w, const ViewFrame& f) {
         if (f.seconds_contact > 0) out["phases"]["contact"] = f.seconds_contact;
         out["substeps"] = s.substeps, out["newton"] = s.newton_iterations;
         out["residual"] = s.residual, out["converged"] = s.converged, out["energy"] = s.energy;
-        out["minJ"] = s.min_j, out["inverted"] = s.inverted, out["maxStretch"] = s.max_stretch;
+        out["minJ"] = s.min_j, out["inverted"] = s.inverted;
+        for (const solver::Measured& m : s.measured)
+            out["terms"][std::string(m.what->term)][std::string(m.what->name)] = m.value;
     }
     if (!f.faults.empty()) out["faults"] = f.faults;
     const int contacts = std::max(f.contact_count, static_cast<int>(f.contacts.size()));
@@ -260,10 +263,14 @@ PageData page_data(const ViewScene& scene) {
                    {"up", std::string(1, scene.up)},
                    {"bounds", bounds(scene)},
                    {"frames", Json::array()},
+                   {"measures", Json::array()},
                    {"bodies", Json::array()},
                    {"attachments", Json::array()},
                    {"notes", Json::array()}};
     for (const ViewFrame& f : scene.frames) header["frames"].push_back(frame_json(w, f));
+    for (const solver::TermType* type : solver::all_terms())
+        for (const solver::Measure& m : type->measures)
+            header["measures"].push_back({{"term", m.term}, {"name", m.name}, {"unit", m.unit}, {"title", m.title}});
     for (const ViewBody& b : scene.bodies) header["bodies"].push_back(body_json(w, b));
     for (const ViewAttachment& a : scene.attachments) header["attachments"].push_back(attachment_json(w, a));
     for (const ViewNote& n : scene.notes) header["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/read_report.h"
 
+#include "solver/terms/all_terms.h"
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -70,7 +71,14 @@ ViewFrame frame_of(Fields& in, const json& j) {
     s.substeps = in.whole(j, "substeps", 0), s.newton_iterations = in.whole(j, "newton", 0);
     s.residual = in.real(j, "residual", NAN), s.converged = in.flag(j, "converged", true);
     s.energy = in.real(j, "energy", NAN), s.min_j = in.real(j, "min_J", NAN), s.inverted = in.whole(j, "inverted", 0);
-    s.max_stretch = in.real(j, "max_stretch_m", 0);
+    const auto terms = j.find("terms");
+    for (const solver::TermType* type : solver::all_terms())
+        for (const solver::Measure& m : type->measures) {
+            if (terms == j.end() || !terms->is_object() || !terms->contains(m.term)) continue;
+            const json& of_term = (*terms)[std::string(m.term)];
+            if (of_term.is_object() && of_term.contains(m.name))
+                s.measured.push_back({&m, in.real(of_term, std::string(m.name).c_str(), NAN)});
+        }
     f.step = s;
     return f;
 }

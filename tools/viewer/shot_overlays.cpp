@@ -142,8 +142,9 @@ Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t 
 double longest(const ViewScene& scene) {
     double most = 0;
     for (const ViewFrame& f : scene.frames)
-        if (f.step && f.faults.empty() && std::isfinite(f.step->max_stretch))
-            most = std::max(most, 1000 * f.step->max_stretch);
+        if (f.step && f.faults.empty())
+            if (const double m = solver::value_of(f.step->measured, "attachment", "max_stretch_m"); std::isfinite(m))
+                most = std::max(most, 1000 * m);
     return most > 0 ? most : 5;
 }
 

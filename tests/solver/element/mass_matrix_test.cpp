@@ -71,13 +71,14 @@ struct Masses {
                 of_tet.push_back(system.batches[slot / lanes].volume[slot % lanes]);
                 for (int a = 0; a < t.nodes(); ++a)
                     for (int b = 0; b < t.nodes(); ++b) {
-                        const int i = system.unknown[std::size_t(system.node(t, slot / lanes, a)[slot % lanes])],
-                                  j = system.unknown[std::size_t(system.node(t, slot / lanes, b)[slot % lanes])];
+                        const int i = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, a)[slot % lanes])],
+                                  j = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, b)[slot % lanes])];
                         if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
                     }
             }
-        pattern = make_pattern(static_cast<int>(system.vertex_of_unknown.size()), couplings);
-        m.set(system, pattern, of_tet);
+        pattern = make_pattern(static_cast<int>(system.numbering.vertex_of_unknown.size()), couplings);
+        m.start(system.numbering, pattern);
+        m.add_tets(system, of_tet);
         nodes = mesh.vertices;
         if (kind == ElementKind::quadratic)
             for (const auto& [a, b] : edges_of(mesh.tets))
@@ -86,7 +87,7 @@ struct Masses {
     /// A field at the unknowns, 3 numbers each.
     std::vector<double> field(const std::function<Vec3(const Vec3&)>& f) const {
         std::vector<double> out;
-        for (const int v : scene->system().vertex_of_unknown) {
+        for (const int v : scene->numbering().vertex_of_unknown) {
             const Vec3 u = f(nodes[std::size_t(v)]);
             out.insert(out.end(), {u.x(), u.y(), u.z()});
         }
@@ -123,8 +124,8 @@ TEST_CASE("the consistent mass matrix of a ten-node tet is the integral of its s
     std::set<std::pair<int, int>> seen;
     for (int n = 0; n < 10; ++n)
         for (int k = 0; k < 10; ++k) {
-            const int i = system.unknown[std::size_t(system.node(system.tissues[0], 0, n)[0])],
-                      j = system.unknown[std::size_t(system.node(system.tissues[0], 0, k)[0])];
+            const int i = system.numbering.unknown[std::size_t(system.node(system.tissues[0], 0, n)[0])],
+                      j = system.numbering.unknown[std::size_t(system.node(system.tissues[0], 0, k)[0])];
             if (i > j) continue;
             seen.insert({i, j});
             const double* block = a.block(std::size_t(masses.pattern.find(i, j)));

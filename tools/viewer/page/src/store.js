@@ -27,7 +27,7 @@ export const overlayNames = ["lattice", "fibres", "attachments", "contacts", "gr
 
 /** Attachments: up to the longest of the run, so that frames compare. */
 function usualRanges(scene) {
-    const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.faults ? 0 : (f.maxStretch ?? 0)), 0);
+    const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.faults ? 0 : (f.terms?.attachment?.max_stretch_m ?? 0)), 0);
     return longest > 0 ? { distance: [0, Number(longest.toPrecision(2))] } : {};
 }
 

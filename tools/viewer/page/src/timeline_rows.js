@@ -31,6 +31,15 @@ export function phaseTimes(frame) {
     return phases.map(([name]) => 1000 * (frame.phases[name] ?? 0));
 }
 
+/** A row for each number that a term reports, lengths in millimetres. */
+function measureRows(scene) {
+    return (scene.measures ?? []).map(({ term, name, title, unit }) => {
+        const scale = unit === "m" ? 1000 : 1;
+        const values = scene.frames.map((f) => scale * Number(f.terms?.[term]?.[name] ?? NaN));
+        return { key: `${term}.${name}`, title: title[0].toUpperCase() + title.slice(1), unit: unit === "m" ? "mm" : unit, kind: "line", usual: 30, values, colour: "#b0713a" };
+    });
+}
+
 export function timelineRows(scene) {
     const { frames } = scene;
     const of = (key) => frames.map((f) => (f[key] === undefined || f[key] === null ? NaN : Number(f[key])));
@@ -42,7 +51,7 @@ export function timelineRows(scene) {
         { key: "energy", title: "Energy", unit: "J", kind: "line", usual: 34, values: of("energy"), colour: "#e0913a" },
         { key: "volume", title: "Volume error", unit: "%", kind: "line", usual: 34, values: volumeError(scene), colour: "#2f9e75", zero: true },
         { key: "minJ", title: "Least det F", unit: "", kind: "line", usual: 30, values: of("minJ"), colour: "#2b93a8", zero: true },
-        { key: "stretch", title: "Longest attachment", unit: "mm", kind: "line", usual: 30, values: of("maxStretch").map((v) => 1000 * v), colour: "#b0713a" },
+        ...measureRows(scene),
         { key: "contacts", title: "Contacts", unit: "", kind: "bars", usual: 26, values: of("contactCount"), colour: "#d0524f" },
     ];
     // A frame that flies apart would flatten all others; its bars are cut off at the top.

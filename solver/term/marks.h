@@ -1,0 +1,26 @@
+// What a term shows in pictures: points and lines with a number each. The viewer and snapshots draw them all alike.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <string_view>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A line, or a point where both ends are the same [m].
+struct Mark {
+    int part = -1; ///< of the scene's parts, or of its attachments
+    Vec3 from, to;
+    double value = 0; ///< in the group's unit
+};
+
+struct MarkGroup {
+    std::string_view term, what; ///< "attachment", "stretch"
+    std::string_view unit;       ///< of the values
+    std::vector<Mark> marks;
+};
+
+using Marks = std::vector<MarkGroup>;
+
+} // namespace sinew::solver

@@ -1,0 +1,34 @@
+// A kind of force, as data: one constant a kind, listed in terms/all_terms.cpp.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/fields.h"
+#include "solver/scene.h"
+#include "solver/term/term.h"
+
+#include <memory>
+#include <span>
+#include <string_view>
+
+namespace sinew::solver {
+
+struct TermType {
+    std::string_view name; ///< in the report, in saved states
+    int numerics = 1;      ///< raised when its bits change
+    std::span<const FieldName> values = {};
+    std::span<const Measure> measures = {};
+    /// The term of a scene; null: the scene does not use it, and it costs nothing.
+    std::unique_ptr<Term> (*make)(const Scene&) = nullptr;
+    /// What it keeps at the start frame, from the surfaces of all bodies then [m]; null: nothing.
+    void (*start)(const Scene&, const std::vector<Points>& surfaces, TermMemory&) = nullptr;
+    int memory_version = 0;
+    bool has_memory = false;
+    /// Flags vertices of a deformable body that a part holds (they are no unknowns); null: none. `body`: in
+    /// part.bodies.
+    void (*hold)(const Part&, const TissueRest&, std::vector<char>& held) = nullptr;
+    /// Whether a part's values may be mixed between two times; null: always.
+    bool (*may_mix)(std::span<const double> before, std::span<const double> after) = nullptr;
+    /// Whether a part with these values pulls a deformable body towards what is prescribed: ties it in QuasiStatic.
+    bool ties = false;
+};
+
+} // namespace sinew::solver

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/all_terms.h"
+
+#include "solver/terms/attachment/attachment.h"
+#include "solver/terms/elastic/elastic.h"
+
+namespace sinew::solver {
+
+std::span<const TermType* const> all_terms() {
+    static constexpr const TermType* terms[] = {
+        &elastic_type,
+        &attachment_type,
+    };
+    return terms;
+}
+
+const TermMemory* find_memory(const std::vector<TermMemory>& memories, std::string_view term) {
+    for (const TermMemory& m : memories)
+        if (m.term == term) return &m;
+    return nullptr;
+}
+
+const Measure* find_measure(std::string_view term, std::string_view name) {
+    for (const TermType* type : all_terms())
+        for (const Measure& m : type->measures)
+            if (m.term == term && m.name == name) return &m;
+    return nullptr;
+}
+
+double value_of(const std::vector<Measured>& measured, std::string_view term, std::string_view name) {
+    for (const Measured& m : measured)
+        if (m.what->term == term && m.what->name == name) return m.value;
+    return 0;
+}
+
+} // namespace sinew::solver

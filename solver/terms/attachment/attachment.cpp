@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/attachment/attachment.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+constexpr Measure measures[] = {
+    {"attachment", "max_stretch_m", "m", "largest attachment stretch", Combine::most},
+};
+
+} // namespace
+
+const TermType attachment_type{
+    .name = "attachment",
+    .measures = measures,
+    .make = [](const Scene& scene) -> std::unique_ptr<Term> {
+        return scene.description().attachments.empty() ? nullptr : std::make_unique<Attachments>(scene);
+    },
+};
+
+Changes Attachments::take(const StepInputs&, const State& before) {
+    if (anchors_ && *anchors_ == before.anchors) return {};
+    anchors_ = before.anchors;
+    springs_ = std::make_unique<Springs>(scene_, *anchors_);
+    return {.couplings = true};
+}
+
+double Attachments::energy(const Positions& x, bool with_forces) {
+    if (with_forces) gradient_.assign(x.size(), 0.0);
+    return springs_->energy(x, with_forces ? gradient_.data() : nullptr);
+}
+
+void Attachments::add_gradient(std::span<double> gradient) const {
+    const std::vector<int>& vertex_of = scene_.numbering().vertex_of_unknown;
+    for (std::size_t u = 0; u < vertex_of.size(); ++u)
+        for (std::size_t c = 0; c < 3; ++c)
+            gradient[3 * u + c] += gradient_[3 * static_cast<std::size_t>(vertex_of[u]) + c];
+}
+
+void Attachments::add_held_gradient(std::span<double> gradient) const {
+    const std::vector<int>& unknown = scene_.numbering().unknown;
+    for (std::size_t v = 0; v < unknown.size(); ++v)
+        for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) gradient[c] += gradient_[c];
+}
+
+void Attachments::raise_forces_at_work(const Positions& x, std::span<double> largest) const {
+    of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
+    springs_->add_squared_forces(x, of_body_);
+    const auto& bodies = scene_.numbering().deformables;
+    for (std::size_t d = 0; d < bodies.size(); ++d)
+        largest[d] = std::max(largest[d], std::sqrt(of_body_[static_cast<std::size_t>(bodies[d].body)]));
+}
+
+void Attachments::add_squared_stiffnesses(std::span<double> squares) const {
+    of_body_.assign(static_cast<std::size_t>(scene_.body_count()), 0.0);
+    springs_->add_squared_stiffnesses(of_body_);
+    const auto& bodies = scene_.numbering().deformables;
+    for (std::size_t d = 0; d < bodies.size(); ++d) squares[d] += of_body_[static_cast<std::size_t>(bodies[d].body)];
+}
+
+void Attachments::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
+    out.push_back({&measures[0], springs_->longest(x)});
+}
+
+} // namespace sinew::solver

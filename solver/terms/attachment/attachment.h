@@ -1,0 +1,41 @@
+// Attachments as a term: springs per area between the surfaces of two bodies (solver/attach).
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/attach/springs.h"
+#include "solver/term/type.h"
+
+#include <optional>
+
+namespace sinew::solver {
+
+extern const TermType attachment_type;
+
+class Attachments final : public Term {
+  public:
+    explicit Attachments(const Scene& scene)
+        : scene_(scene) {}
+
+    Changes take(const StepInputs& inputs, const State& before) override;
+    void add_couplings(Couplings& couplings) const override { springs_->add_couplings(couplings); }
+    void bind(const BlockPattern& pattern) override { springs_->set_pattern(pattern, scene_.numbering().unknown); }
+    void begin_stage(const Stage& stage) override {
+        springs_->begin_stage(stage.inputs, stage.before, stage.bones_after, stage.form);
+    }
+    double energy(const Positions& x, bool with_forces) override;
+    void add_gradient(std::span<double> gradient) const override;
+    void add_held_gradient(std::span<double> gradient) const override;
+    void add_hessian(const Positions&, bool, BlockMatrix& a) override { springs_->add_hessian(a); }
+    void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
+    void add_squared_stiffnesses(std::span<double> squares) const override;
+    double stored_energy(const Positions& x) override { return springs_->stored_energy(x); }
+    void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
+
+  private:
+    const Scene& scene_;
+    std::optional<std::vector<std::vector<Anchor>>> anchors_;
+    std::unique_ptr<Springs> springs_;
+    std::vector<double> gradient_;        ///< 3 a vertex
+    mutable std::vector<double> of_body_; ///< squares, per body of the scene
+};
+
+} // namespace sinew::solver

@@ -1,0 +1,17 @@
+// Material layers of a tissue, composited into one material a tet.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/scene.h"
+#include "solver/step_inputs.h"
+
+namespace sinew::solver {
+
+/// Whether both make the same moduli and masses.
+bool same_material(const TissueInputs& a, const TissueInputs& b);
+/// Layers composited bottom to top: M_N = a m_N + (1 - a) M_{N-1}, a = envelope x weight; the first layer is opaque.
+MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::size_t tet);
+/// Throws Error FE304 that names the body where a value is not a finite number: further on it would only be an energy
+/// that is none, of the whole scene.
+void check_values(const TissueInputs& in, int body);
+
+} // namespace sinew::solver
