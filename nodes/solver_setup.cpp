@@ -42,17 +42,18 @@ void refuse_twins(const Reads& in, const Setup& setup) {
 }
 
 /// Position among the simulated bodies; -1 if the body is connected but disabled.
-int resolve(const Reads& in, const Setup& setup, std::size_t entry, const BodyId& wanted, int hint, const char* end) {
-    const std::string name = in.source_name(attachments.name, entry);
+int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std::size_t entry, const BodyId& wanted,
+            int hint, const char* end) {
+    const std::string name = in.source_name(attribute, entry);
     const int found = find_body(setup.ids, wanted, hint);
     if (found == body_ambiguous)
-        in.fail(attachments.name, "FE213",
+        in.fail(attribute, "FE213",
                 "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
     if (found != body_missing) return found;
     for (const Body& b : setup.bodies)
         if (!b.enable && b.rest->digest == wanted.rest) return -1;
-    in.fail(attachments.name, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
+    in.fail(attribute, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
             "Connect that body to zSolver.bodies too.");
 }
 
@@ -63,14 +64,41 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         if (a.rest.mode == solver::AttachmentMode::none) continue;
         const std::size_t next = setup.key.links.size();
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
-        const int from = resolve(in, setup, i, a.source_body, hint[0], "source");
-        const int to = resolve(in, setup, i, a.target_body, hint[1], "target");
+        const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], "source");
+        const int to = resolve(in, setup, attachments.name, i, a.target_body, hint[1], "target");
         if (from < 0 || to < 0) continue;
         setup.attachments.emplace_back(a);
         setup.attachment_entries.push_back(static_cast<int>(i));
         setup.key.links.push_back({from, to});
         setup.key.attachments.push_back(static_digest(a.rest));
     }
+}
+
+void take_force(Setup& setup, const Force& f, std::vector<int> bodies) {
+    setup.forces.emplace_back(f);
+    setup.key.forces.push_back(static_digest(f));
+    setup.key.reach.push_back(std::move(bodies));
+}
+
+/// Bodies are found as those of attachments are. A force all of whose bodies are disabled takes no part.
+void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
+    const auto all = in[z_solver::forces];
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Force& f = all[i];
+        const std::size_t next = setup.key.reach.size();
+        std::vector<int> reached;
+        for (std::size_t b = 0; b < f.bodies.size(); ++b) {
+            const bool has_hint = known && next < known->reach.size() && b < known->reach[next].size();
+            const int found = resolve(in, setup, z_solver::forces.name, i, f.bodies[b],
+                                      has_hint ? known->reach[next][b] : -1, "body");
+            if (found >= 0) reached.push_back(found);
+        }
+        for (std::size_t b = 0; f.on_all && b < setup.simulated.size(); ++b)
+            if (!setup.body(b).is_bone()) reached.push_back(static_cast<int>(b));
+        if (!reached.empty()) take_force(setup, f, std::move(reached));
+    }
+    for (std::size_t b = 0; b < setup.simulated.size(); ++b)
+        for (const Force& f : setup.body(b).forces) take_force(setup, f, {static_cast<int>(b)});
 }
 
 void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) {
@@ -92,7 +120,10 @@ void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) 
                         in.source_name(attachments.name, static_cast<std::size_t>(setup.attachment_entries[i])) +
                         " are not those of the start frame",
                     hint);
-    in.fail(bodies.name, "FE211", "other bodies or attachments take part than at the start frame", hint);
+    if (now.forces != known.forces)
+        in.fail(z_solver::forces.name, "FE211",
+                "the painted weights or options of a force are not those of the start frame", hint);
+    in.fail(bodies.name, "FE211", "other bodies, attachments or forces take part than at the start frame", hint);
 }
 
 std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& rest, double units) {
@@ -123,6 +154,7 @@ Setup read_setup(const Reads& in, const SceneKey* known) {
     take_bodies(in, setup);
     if (!known) refuse_twins(in, setup);
     take_attachments(in, setup, known);
+    take_forces(in, setup, known);
     if (known) refuse_changes(in, setup, *known);
     return setup;
 }
@@ -146,6 +178,10 @@ solver::SceneDescription describe_scene(const Setup& setup) {
         rest.target = setup.key.links[i][1];
         scene.attachments.push_back(std::move(rest));
     }
+    for (std::size_t i = 0; i < setup.forces.size(); ++i) {
+        const Force& f = setup.forces[i];
+        scene.parts.push_back({f.type, setup.key.reach[i], f.rest});
+    }
     return scene;
 }
 
@@ -168,6 +204,11 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
             s.bodies.emplace_back(std::get<solver::TissueInputs>(b.values));
     }
     for (const Attachment& a : setup.attachments) s.attachments.push_back(a.values);
+    for (const Force& f : setup.forces) {
+        solver::PartValues& values = s.parts.emplace_back(f.values);
+        for (std::size_t i = 0; i < values.size(); ++i)
+            if (f.type->values[i].unit == std::string_view("m")) values[i] /= setup.key.scale;
+    }
     return s;
 }
 
@@ -185,6 +226,9 @@ void check_all_tied(const Reads& in, const Setup& setup) {
         group[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
     }
     std::vector<char> holds(group.size(), 0);
+    for (std::size_t i = 0; i < setup.forces.size(); ++i)
+        if (setup.forces[i].get().type->ties)
+            for (const int body : setup.key.reach[i]) holds[root(static_cast<std::size_t>(body))] = 1;
     for (std::size_t i = 0; i < group.size(); ++i)
         if (setup.body(i).is_bone()) holds[root(i)] = 1;
     for (std::size_t i = 0; i < group.size(); ++i)
@@ -223,6 +267,9 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");
     if (fibers) r.terms.push_back("fiber");
     if (!setup.attachments.empty()) r.terms.push_back("attachment");
+    for (const Force& f : setup.forces)
+        if (std::find(r.terms.begin(), r.terms.end(), f.type->name) == r.terms.end())
+            r.terms.emplace_back(f.type->name);
     return r;
 }
 

@@ -63,6 +63,8 @@ void add(Hasher& h, const SceneKey& k) {
     h.add(static_cast<std::uint64_t>(k.attachments.size()));
     for (const Digest& d : k.attachments) h.add(d);
     h.add_ints(numbers(k.links));
+    h.add(static_cast<std::uint64_t>(k.forces.size()));
+    for (std::size_t i = 0; i < k.forces.size(); ++i) h.add(k.forces[i]).add_ints(k.reach[i]);
 }
 
 } // namespace
@@ -113,6 +115,7 @@ BodyId id_of(const Body& body) {
     Hasher h;
     h.add(body.enable).add(body.is_bone());
     std::visit([&](const auto& v) { add(h, v); }, body.values);
+    for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
     return {body.rest->digest, h.finish()};
 }
 
@@ -139,6 +142,10 @@ Digest static_digest(const solver::AttachmentRest& rest) {
         .add_doubles(rest.source_weights)
         .add_doubles(rest.target_weights)
         .finish();
+}
+
+Digest static_digest(const Force& force) {
+    return Hasher().add(force.type->name).add(force.type->numerics).add(force.on_all).add(force.digest).finish();
 }
 
 Digest SceneKey::digest() const {
@@ -211,6 +218,12 @@ void ValueTraits<nodes::Attachment>::hash(Hasher& h, const nodes::Attachment& v)
 std::size_t ValueTraits<nodes::Attachment>::bytes(const nodes::Attachment& v) {
     return size_of(v.rest.source_weights) + size_of(v.rest.target_weights);
 }
+
+void ValueTraits<nodes::Force>::hash(Hasher& h, const nodes::Force& v) {
+    h.add(nodes::static_digest(v)).add_doubles(v.values).add(static_cast<std::uint64_t>(v.bodies.size()));
+    for (const nodes::BodyId& id : v.bodies) add(h, id);
+}
+std::size_t ValueTraits<nodes::Force>::bytes(const nodes::Force& v) { return size_of(v.bodies) + size_of(v.values); }
 
 void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& v) {
     add(h, v.record);

@@ -6,6 +6,7 @@
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step_inputs.h"
+#include "solver/term/type.h"
 
 #include <array>
 #include <compare>
@@ -93,6 +94,7 @@ struct Body {
     /// its bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact
     /// term that reads it must bring it into BodyRest::digest.
     std::shared_ptr<const CollisionSurface> collision = nullptr;
+    std::vector<Force> forces = {}; ///< that its own attributes ask for; they act on this body
     bool is_bone() const { return values.index() == 1; }
 };
 
@@ -110,6 +112,17 @@ BodyId id_of(const Body& body);
 constexpr int body_missing = -1, body_ambiguous = -2;
 int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint = body_missing);
 
+/// A further force of the scene, of any kind that solver/terms knows: a field, a hold … Lengths among the values are in
+/// scene units, all else is SI.
+struct Force {
+    const solver::TermType* type = nullptr;
+    std::vector<BodyId> bodies;                   ///< that it acts on
+    bool on_all = false;                          ///< on all tissues of the solver instead
+    std::shared_ptr<const solver::PartRest> rest; ///< may be null
+    engine::Digest digest;                        ///< of all that `rest` was made from
+    solver::PartValues values;
+};
+
 struct Attachment {
     BodyId source_body, target_body;
     solver::AttachmentRest rest; ///< body indices are set by zSolver
@@ -119,11 +132,16 @@ struct Attachment {
 /// Digest of an attachment's rest data without the body indices.
 engine::Digest static_digest(const solver::AttachmentRest& rest);
 
+/// Digest of a force's type and rest data, without its bodies.
+engine::Digest static_digest(const Force& force);
+
 /// What all frames of one simulation must share: the static data that its scene is built from.
 struct SceneKey {
     double scale = 100;                              ///< scene units per metre
     std::vector<engine::Digest> bodies, attachments; ///< of those that take part
     std::vector<std::array<int, 2>> links;           ///< source and target of each attachment, positions in `bodies`
+    std::vector<engine::Digest> forces;              ///< of the further forces that take part
+    std::vector<std::vector<int>> reach;             ///< of each, the bodies it acts on, positions in `bodies`
     engine::Digest digest() const;
     friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
@@ -175,6 +193,7 @@ SINEW_NODE_VALUE(nodes::Material, "material")
 SINEW_NODE_VALUE(nodes::Fiber, "fiber")
 SINEW_NODE_VALUE(nodes::Body, "body")
 SINEW_NODE_VALUE(nodes::Attachment, "attachment")
+SINEW_NODE_VALUE(nodes::Force, "force")
 SINEW_NODE_VALUE(nodes::SolveReport, "solve report")
 SINEW_NODE_VALUE(nodes::Solved, "solved bodies")
 SINEW_NODE_VALUE(nodes::FileContent, "file content")

@@ -160,6 +160,7 @@ void add_z_solver(Registry& registry) {
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),
+                        describe(forces),
                         describe(enable),
                         describe(start_frame),
                         describe(scale),

@@ -18,6 +18,10 @@ inline const WireList<Attachment> attachments{
     .name = "attachments",
     .doc = "The attachments between them.",
 };
+inline const WireList<Force> forces{
+    .name = "forces",
+    .doc = "Further forces: fields, holds and whatever else acts on bodies.",
+};
 inline const Input<bool> enable{
     .name = "enable",
     .def = true,

@@ -71,8 +71,9 @@ struct Masses {
                 of_tet.push_back(system.batches[slot / lanes].volume[slot % lanes]);
                 for (int a = 0; a < t.nodes(); ++a)
                     for (int b = 0; b < t.nodes(); ++b) {
-                        const int i = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, a)[slot % lanes])],
-                                  j = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, b)[slot % lanes])];
+                        const int
+                            i = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, a)[slot % lanes])],
+                            j = system.numbering.unknown[std::size_t(system.node(t, slot / lanes, b)[slot % lanes])];
                         if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
                     }
             }
