@@ -85,7 +85,26 @@ struct CollisionSurface {
     CarriedPoints carriers;
 };
 
-/// … and its values at one time.
+/// How a body is recognised at the other end of a wire. Names never travel, so that renaming changes nothing:
+/// a body is its rest data and, where several share those (one mesh used for two bones), its values at that
+/// time.
+struct BodyId {
+    engine::Digest rest, value;
+    friend auto operator<=>(const BodyId&, const BodyId&) = default;
+};
+
+/// A further force of the scene, of any kind that solver/terms knows: a field, a hold … Lengths among the values are in
+/// scene units, all else is SI.
+struct Force {
+    const solver::TermType* type = nullptr;
+    std::vector<BodyId> bodies;                   ///< that it acts on
+    bool on_all = false;                          ///< on all tissues of the solver instead
+    std::shared_ptr<const solver::PartRest> rest; ///< may be null
+    engine::Digest digest;                        ///< of all that `rest` was made from
+    solver::PartValues values;
+};
+
+/// A body: its rest data and its values at one time.
 struct Body {
     std::shared_ptr<const BodyRest> rest;
     bool enable = true;
@@ -98,30 +117,12 @@ struct Body {
     bool is_bone() const { return values.index() == 1; }
 };
 
-/// How a body is recognised at the other end of a wire. Names never travel, so that renaming changes nothing:
-/// a body is its rest data and, where several share those (one mesh used for two bones), its values at that
-/// time.
-struct BodyId {
-    engine::Digest rest, value;
-    friend auto operator<=>(const BodyId&, const BodyId&) = default;
-};
 BodyId id_of(const Body& body);
 
 /// Position of `wanted` in `bodies`. `hint`: the answer of an earlier frame, taken where two bodies are alike
 /// in all.
 constexpr int body_missing = -1, body_ambiguous = -2;
 int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint = body_missing);
-
-/// A further force of the scene, of any kind that solver/terms knows: a field, a hold … Lengths among the values are in
-/// scene units, all else is SI.
-struct Force {
-    const solver::TermType* type = nullptr;
-    std::vector<BodyId> bodies;                   ///< that it acts on
-    bool on_all = false;                          ///< on all tissues of the solver instead
-    std::shared_ptr<const solver::PartRest> rest; ///< may be null
-    engine::Digest digest;                        ///< of all that `rest` was made from
-    solver::PartValues values;
-};
 
 struct Attachment {
     BodyId source_body, target_body;
