@@ -204,7 +204,10 @@ TEST_CASE("squashed to a twentieth between held plates a body keeps its plates a
         for (const ElasticLaw law : laws)
             for (const bool slow : {true, false}) {
                 Trial t(box_mesh({0.1, 0.1, 0.1}, 3, 3, 3), law, kind, at_ends(0.1), flesh(1e4, 0.4, 20000));
-                if (law == ElasticLaw::corotational) t.in.max_newton_iterations = 20;
+                // Quadratic tets buckle on the way; how many iterations that takes hangs on rounding.
+                t.in.max_newton_iterations = law == ElasticLaw::corotational  ? 20
+                                             : kind == ElementKind::quadratic ? 600
+                                                                              : 200;
                 t.start();
                 int missed = 0;
                 for (const double height :
