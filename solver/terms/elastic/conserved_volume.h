@@ -13,9 +13,8 @@ class ConservedVolume {
   public:
     ConservedVolume(const Scene& scene, const TissueBatches& batches);
 
-    /// Forgets all stiffnesses; then one call of add_stiffness a tet.
+    /// Forgets all stiffnesses; then one call of add_stiffness a tet, with its volume [m^3] and modulus [Pa].
     void clear();
-    /// \param volume [m^3] \param modulus [Pa]
     void add_stiffness(std::size_t tet, double volume, double modulus);
     void add_couplings(Couplings& couplings) const;
     void bind(const BlockPattern& pattern);
