@@ -39,6 +39,7 @@ ExitCode bench_scaling(const Invocation& in);
 ExitCode bench_levers(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
 ExitCode bench_scene(const Invocation& in);
+ExitCode bench_elements(const Invocation& in);
 ExitCode bench_report(const Invocation& in);
 
 } // namespace sinew::cli

@@ -29,6 +29,7 @@ constexpr Benchmark benchmarks[] = {
     {"scaling", bench_scaling, "--quick --only --output"},
     {"idle-cost", bench_idle_cost, "--quick --only"},
     {"scene", bench_scene, "--quick --steps", true},
+    {"elements", bench_elements, "--quick --steps --only --output", true},
     {"report", bench_report, "--quick --steps --output", true},
 };
 
@@ -83,17 +84,21 @@ Command bench_command() {
           "times; "
           "scaling: time and memory from a thousand to half a million tets; idle-cost: what unused "
           "features cost; scene: the frames of a graph under each linear solver and under the yardstick "
-          "Plain; report: all of them but meshing as a page with pictures"},
+          "Plain; elements: the motion of a graph with linear and quadratic tets of several sizes, against time; "
+          "report: all of them but meshing as a page with pictures"},
          {"FILES",
-          "meshing: mesh files, or folders whose mesh files are taken; scene: a graph file; report: graph files, a "
+          "meshing: mesh files, or folders whose mesh files are taken; scene, elements: a graph file; report: graph "
+          "files, a "
           "scene each",
           false, true}},
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
          {"--only", "LETTERS",
-          "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name"},
+          "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name; "
+          "elements: the one tissue that takes part"},
          {"--output", "PATH",
-          "convergence, work-precision, scaling: a folder to write plots to, of work-precision CSV and JSON too; "
+          "convergence, work-precision, scaling, elements: a folder to write plots to, of work-precision CSV and JSON "
+          "too; "
           "report: the page to write",
           false, 'o'},
          {"--n", "LIST",
@@ -101,7 +106,9 @@ Command bench_command() {
           "24,000 tets)"},
          {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
          {"--law", "LAW", "cantilever: an isotropic law of zTissue.material; default: NeoHookean"},
-         {"--steps", "N", "cantilever: steps; default: 20; scene, report: frames after the first; default: all"},
+         {"--steps", "N",
+          "cantilever: steps; default: 20; scene, report: frames after the first; default: all; "
+          "elements: default: 12"},
          {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
          {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
          {"--threads", "N", "default: all cores", false, 'j'}},

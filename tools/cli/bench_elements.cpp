@@ -1,0 +1,39 @@
+// `sinew bench elements`: linear against quadratic tets on a scene.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/bench/elements.h"
+
+#include "engine/format/graph_file.h"
+#include "nodes/register_all.h"
+#include "tools/cli/atomic_file.h"
+#include "tools/cli/bench_common.h"
+#include "tools/cli/open_graph.h"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+namespace sinew::cli {
+
+ExitCode bench_elements(const Invocation& in) {
+    const auto file = in.arguments.operand(1);
+    if (!file) throw UsageError("elements needs a graph file.");
+    if (in.arguments.operand(2)) throw UsageError("elements takes one graph file.");
+    const auto graph = engine::load_graph(nodes::make_registry(), *file).graph;
+    const std::string tissue = in.arguments.value("--only").value_or("");
+    if (!tissue.empty() && (!graph->find(tissue) || graph->find(tissue)->type_name != "zTissue"))
+        throw UsageError("--only: the graph has no zTissue called '" + tissue + "'.");
+    const bool quick = in.arguments.has("--quick");
+    const auto folder = output_folder(in);
+    const int first = start_frame(*graph, upstream_of(*graph, {default_plug(*graph).node}));
+    const int frames = in.arguments.whole_number("--steps", quick ? 2 : 12, 2);
+    const std::vector<double> scales =
+        quick ? std::vector<double>{2, 1.5} : std::vector<double>{2, 1.4, 1, 0.7, 0.5, 0.35};
+    const bench::ElementBench r =
+        bench::run_elements(graph, default_plug(*graph).node, tissue, first, first + frames, scales, run_options(in));
+    print_result(in, "elements", bench::elements_table(r), bench::elements_json(r),
+                 r.name + ", frames " + std::to_string(r.first + 1) + " to " + std::to_string(r.last) +
+                     "; distances from the quadratic tets of the first row");
+    if (folder) write_file(*folder / "elements.svg", bench::draw(bench::elements_plot(r)));
+    return done;
+}
+
+} // namespace sinew::cli
