@@ -196,3 +196,28 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     CHECK(run_program({"bench", "report"}).code == 2);
     CHECK(run_program({"bench", "report", "-o", (folder / "page.txt").string()}).code == 2);
 }
+
+TEST_CASE("bench elements compares elements and sizes with the finest quadratic tets, and plots it", "[tools]") {
+    const std::string graph = SINEW_SOURCE_DIR "/graphs/learn/04_moving_bone.json";
+    const TemporaryFolder folder;
+    const Said said = run_program({"bench", "elements", graph, "--quick", "--json", "-o", folder.path().string()});
+    REQUIRE(said.code == 0);
+    const auto rows = nlohmann::json::parse(said.out).at("rows");
+    REQUIRE(rows.size() == 4);
+    // The reference first: it is not compared with itself.
+    CHECK(rows[0]["element"] == "quadratic");
+    CHECK(rows[0]["scale"] == 1.5);
+    CHECK(rows[0]["rms_mm"].is_null());
+    CHECK(rows[1]["scale"] == 2);
+    CHECK(rows[1]["tets"] == rows[2]["tets"]);
+    CHECK(rows[3]["tets"] == rows[0]["tets"]);
+    CHECK(rows[1]["unknowns"].get<int>() > 3 * rows[2]["unknowns"].get<int>());
+    for (std::size_t r = 1; r < 4; ++r) {
+        CHECK(rows[r]["unconverged"] == 0);
+        CHECK(rows[r]["rms_mm"].get<double>() > 0);
+        CHECK(rows[r]["most_mm"].get<double>() >= rows[r]["rms_mm"].get<double>());
+    }
+    CHECK(well_formed(read_text(folder / "elements.svg")));
+    CHECK(run_program({"bench", "elements"}).code == 2);
+    CHECK(run_program({"bench", "elements", graph, "--only", "nobody"}).code == 2);
+}

@@ -126,6 +126,7 @@ Command bench_command() {
         "without\n"
         "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "
         "frames\n"
+        "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
         "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
         run_bench};
 }
