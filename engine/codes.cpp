@@ -92,6 +92,9 @@ constexpr CodeInfo table[] = {
     {"FE237", "triangles that cross, or that tets cannot keep", "Remesh the surface by zIsoMesh."},
     {"FE238", "mesh switches a feature off", "Repair the edges that are named, or remesh by zIsoMesh."},
     {"FE239", "mesh far from the tets that shall carry it", "Model it where the tissue is at rest, in the same units."},
+    {"FE240", "attachment finds no hold", "Paint the target where the source is to hold on, or raise maxDistance."},
+    {"FE241", "part of an attachment holds on to nothing", "Paint source and target where they face each other."},
+    {"FE242", "attachment reaches far", "Check that it ties what it should; paint targetWeights."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

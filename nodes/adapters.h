@@ -36,17 +36,26 @@ auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call,
     }
 }
 
-/// Fails with FE204 unless a painted map fits: no entry (= 1 everywhere), one for all, or one per vertex.
+/// Fails with FE204 unless a painted map fits: no entry (= 1 everywhere), one for all, or one per vertex (or face).
 /// \param whose "weights of biceps", for the message
+/// \param what "vertex" or "face"
 inline void check_map(const engine::Reads& in, std::string_view attribute, const engine::NumberList& map,
-                      std::size_t vertex_count, const std::string& whose) {
-    if (map.size() <= 1 || map.size() == vertex_count) return;
+                      std::size_t count, const std::string& whose, std::string_view what = "vertex") {
+    if (map.size() <= 1 || map.size() == count) return;
     in.fail(attribute, "FE204",
-            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " + std::to_string(vertex_count) +
-                " vertices",
-            "Give one number per vertex, one number for all, or none for 1 everywhere; the map may have been "
-            "made "
-            "for another mesh.");
+            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " + std::to_string(count) +
+                (what == "vertex" ? " vertices" : " faces"),
+            "Give one number per " + std::string(what) +
+                ", one number for all, or none for 1 everywhere; the map may have been made for another mesh.");
+}
+
+/// A map of a polygon mesh's faces with one number per triangle.
+inline engine::NumberList per_triangle(const MeshTopology& topology, const engine::NumberList& of_faces) {
+    engine::NumberList out;
+    out.reserve(topology.triangles.size());
+    for (std::size_t f = 0; f < topology.face_sizes.size(); ++f)
+        out.insert(out.end(), static_cast<std::size_t>(topology.face_sizes[f] - 2), of_faces[f]);
+    return out;
 }
 
 /// The map with one number per vertex.

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace sinew::nodes {
 
@@ -58,29 +59,58 @@ NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, 
     return out;
 }
 
-NumberList vertex_map(std::size_t vertex_count, const NumberList& vertices) {
-    NumberList out(vertex_count, 0.0);
-    for (const double v : vertices) {
-        if (!(v >= 0 && v < static_cast<double>(vertex_count)) || v != std::floor(v)) {
-            const std::string number = v == std::floor(v) && std::abs(v) < 1e15
-                                           ? std::to_string(static_cast<long long>(v))
-                                           : std::to_string(v);
+NumberList listed_map(std::size_t count, const NumberList& indices, const char* what) {
+    NumberList out(count, 0.0);
+    for (const double i : indices) {
+        if (!(i >= 0 && i < static_cast<double>(count)) || i != std::floor(i)) {
+            const std::string number = i == std::floor(i) && std::abs(i) < 1e15
+                                           ? std::to_string(static_cast<long long>(i))
+                                           : std::to_string(i);
+            const bool vertices = std::string_view(what) == "vertex";
             throw Error("FE203",
-                        "there is no vertex " + number + " in a mesh of " + std::to_string(vertex_count) + " vertices",
-                        "Vertices count from 0.");
+                        std::string("there is no ") + what + " " + number + " in a mesh of " + std::to_string(count) +
+                            (vertices ? " vertices" : " faces"),
+                        vertices ? "Vertices count from 0." : "Faces count from 0.");
         }
-        out[static_cast<std::size_t>(v)] = 1;
+        out[static_cast<std::size_t>(i)] = 1;
     }
     return out;
 }
 
-NumberList file_map(std::size_t vertex_count, const std::string& path, const std::string& pointer) {
+NumberList faces_within(const MeshTopology& topology, const NumberList& of_vertices) {
+    NumberList out;
+    out.reserve(topology.face_sizes.size());
+    auto corner = topology.face_vertices.begin();
+    for (const int size : topology.face_sizes) {
+        out.push_back(
+            std::all_of(corner, corner + size, [&](int v) { return of_vertices[static_cast<std::size_t>(v)] > 0; }));
+        corner += size;
+    }
+    return out;
+}
+
+solver::Points face_centres(const Mesh& mesh) {
+    solver::Points out;
+    out.reserve(mesh.topology->face_sizes.size());
+    auto corner = mesh.topology->face_vertices.begin();
+    for (const int size : mesh.topology->face_sizes) {
+        solver::Vec3 sum = solver::Vec3::Zero();
+        for (int i = 0; i < size; ++i) sum += (*mesh.points)[static_cast<std::size_t>(*corner++)];
+        out.emplace_back(sum / size);
+    }
+    return out;
+}
+
+FileMap file_map(const std::string& path, const std::string& pointer) {
+    using Kind = FileMap::Kind;
     const nlohmann::json file = read_json(path);
     const nlohmann::json& part = part_of(file, pointer, path);
-    if (part.is_object() && part.contains("vertices"))
-        return vertex_map(vertex_count, numbers_of(part["vertices"], "\"vertices\"", path));
-    NumberList numbers = numbers_of(part, pointer.empty() ? "the map" : "\"" + pointer + "\"", path);
-    return pointer.ends_with("/vertices") ? vertex_map(vertex_count, numbers) : numbers;
+    for (const auto& [key, kind] : {std::pair{"vertices", Kind::vertices}, std::pair{"faces", Kind::faces}}) {
+        if (part.is_object() && part.contains(key))
+            return {kind, numbers_of(part[key], "\"" + std::string(key) + "\"", path)};
+        if (pointer.ends_with("/" + std::string(key))) return {kind, numbers_of(part, "\"" + pointer + "\"", path)};
+    }
+    return {Kind::numbers, numbers_of(part, pointer.empty() ? "the map" : "\"" + pointer + "\"", path)};
 }
 
 } // namespace sinew::nodes

@@ -1,4 +1,4 @@
-// The shapes of painted maps that the weights node offers: one function a mode, one number a vertex.
+// The shapes of painted maps that the weights node offers: one function a mode, one number a vertex or face.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
@@ -15,10 +15,21 @@ engine::NumberList ramp_map(const solver::Points& points, int axis, double start
 engine::NumberList near_map(const solver::Points& points, const Mesh& other, double inner, double outer);
 /// 1 in the sphere, 0 from `falloff` outside of it on, smooth between.
 engine::NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius, double falloff);
-/// 1 at the listed vertices, else 0. Throws solver::Error FE203 for an index that is none of the mesh's.
-engine::NumberList vertex_map(std::size_t vertex_count, const engine::NumberList& vertices);
-/// Numbers, or {"vertices": […]}, or a list of indices under a key that ends in /vertices.
-/// Throws solver::Error IO401…IO403, FE203.
-engine::NumberList file_map(std::size_t vertex_count, const std::string& path, const std::string& pointer);
+/// 1 at the listed indices, else 0. Throws solver::Error FE203 for one that is none of the mesh's. `what`: "vertex" or
+/// "face".
+engine::NumberList listed_map(std::size_t count, const engine::NumberList& indices, const char* what);
+/// Of a map of the vertices: 1 at the faces whose vertices all have a weight above 0.
+engine::NumberList faces_within(const MeshTopology& topology, const engine::NumberList& of_vertices);
+/// The mean of each face's vertices.
+solver::Points face_centres(const Mesh& mesh);
+
+/// What a file holds for a map: numbers, or indices of vertices or faces.
+struct FileMap {
+    enum class Kind { numbers, vertices, faces } kind;
+    engine::NumberList numbers;
+};
+/// A list, or {"vertices": […]} or {"faces": […]}; a list under a key that ends in /vertices or /faces holds indices.
+/// Throws solver::Error IO401…IO403.
+FileMap file_map(const std::string& path, const std::string& pointer);
 
 } // namespace sinew::nodes

@@ -176,6 +176,7 @@ solver::SceneDescription describe_scene(const Setup& setup) {
         solver::AttachmentRest rest = setup.attachments[i].get().rest;
         rest.source = setup.key.links[i][0];
         rest.target = setup.key.links[i][1];
+        rest.max_distance /= units;
         scene.attachments.push_back(std::move(rest));
     }
     for (std::size_t i = 0; i < setup.forces.size(); ++i) {

@@ -141,6 +141,9 @@ Digest static_digest(const solver::AttachmentRest& rest) {
         .add(rest.maintain_offset)
         .add_doubles(rest.source_weights)
         .add_doubles(rest.target_weights)
+        .add(static_cast<int>(rest.source_painted))
+        .add(static_cast<int>(rest.target_painted))
+        .add(rest.max_distance)
         .finish();
 }
 

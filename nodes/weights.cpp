@@ -1,4 +1,4 @@
-// weights: a painted map, one number per vertex of a mesh, by one of several rules.
+// weights: a painted map, one number per vertex or face of a mesh, by one of several rules.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
@@ -14,15 +14,25 @@ namespace {
 
 const Wire<Mesh> mesh{
     .name = "mesh",
-    .doc = "The mesh that is painted; its vertices give the numbers' order.",
+    .doc = "The mesh that is painted; its vertices or faces give the numbers' order.",
+};
+const Input<std::string> on{
+    .name = "on",
+    .def = "vertices",
+    .doc =
+        "What is painted: vertices, between which weights run linearly, or faces, which are sharp. A face is where the "
+        "mean of its vertices is. Attachments take maps of faces (zAttachment.weightsOn).",
+    .options = {"vertices", "faces"},
 };
 const Input<std::string> mode{
     .name = "mode",
     .def = "constant",
-    .doc = "The rule: constant (one value), list (given numbers), ramp (along an axis), near "
-           "(distance to another mesh), sphere (distance to a point), file (numbers or "
-           "vertices from a JSON file), vertices (1 at the listed vertices).",
-    .options = {"constant", "list", "ramp", "near", "sphere", "file", "vertices"},
+    .doc =
+        "The rule: constant (one value), list (given numbers), ramp (along an axis), near "
+        "(distance to another mesh), sphere (distance to a point), file (numbers, vertices or faces from a JSON "
+        "file), vertices (1 at the listed vertices; of faces those with all vertices listed), faces (1 at the listed "
+        "faces; always paints faces).",
+    .options = {"constant", "list", "ramp", "near", "sphere", "file", "vertices", "faces"},
 };
 const Input<double> value{
     .name = "value",
@@ -33,7 +43,7 @@ const Input<double> value{
 };
 const Input<NumberList> values{
     .name = "values",
-    .doc = "list: one number per vertex; may come from another node.",
+    .doc = "list: one number per vertex (or face); may come from another node.",
 };
 const Input<std::string> axis{
     .name = "axis",
@@ -96,16 +106,21 @@ const Input<double> falloff{
 };
 const Input<File> file{
     .name = "file",
-    .doc = "file: a JSON file with a list of numbers or with {\"vertices\": [ … ]}.",
+    .doc = "file: a JSON file with a list of numbers, or with {\"vertices\": [ … ]} or {\"faces\": [ … ]}.",
 };
 const Input<std::string> key{
     .name = "key",
     .doc = "file: JSON pointer to the list, for example /attachments/0/vertices; empty if the "
-           "file is the list. A list under a key \"vertices\" holds vertex numbers.",
+           "file is the list. A list under a key \"vertices\" or \"faces\" holds indices; "
+           "faces need on faces.",
 };
 const Input<NumberList> vertices{
     .name = "vertices",
     .doc = "vertices: the numbers of the vertices with weight 1, from 0.",
+};
+const Input<NumberList> faces{
+    .name = "faces",
+    .doc = "faces: the numbers of the faces with weight 1, from 0.",
 };
 const Input<bool> invert{
     .name = "invert",
@@ -130,43 +145,66 @@ const Input<double> offset{
 };
 const Output<NumberList> out_weights{
     .name = "outWeights",
-    .doc = "One number per vertex, 0 to 1.",
+    .doc = "One number per vertex or face, 0 to 1.",
     .unit = "1",
 };
 
-NumberList near_weights(const Reads& in) {
+NumberList near_weights(const Reads& in, const solver::Points& points) {
     const Mesh* m = in.find(other);
     if (!m) in.fail(other.name, "DG110", "mode near needs a mesh to measure to", "Connect otherMesh.");
     if (in[outer] < in[inner])
         in.fail(outer.name, "DG110",
                 "outerDistance " + std::to_string(in[outer]) + " is below innerDistance " + std::to_string(in[inner]),
                 "Make it equal or larger.");
-    return near_map(*in[mesh].points, *m, in[inner], in[outer]);
+    return near_map(points, *m, in[inner], in[outer]);
+}
+
+/// 1 at listed vertices, as they are or as a map of faces.
+NumberList vertex_weights(const Reads& in, const NumberList& list, bool by_faces) {
+    const Mesh& m = in[mesh];
+    NumberList map = listed_map(m.points->size(), list, "vertex");
+    return by_faces ? faces_within(*m.topology, map) : map;
+}
+
+/// Numbers that are given, as many as there are vertices or faces.
+NumberList given_weights(const Reads& in, std::string_view attribute, const NumberList& map, std::size_t count,
+                         bool by_faces) {
+    if (map.empty() && count > 0)
+        in.fail(attribute, "FE204",
+                "no numbers for a mesh of " + std::to_string(count) + (by_faces ? " faces" : " vertices"),
+                by_faces ? "Give one number per face." : "Give one number per vertex.");
+    check_map(in, attribute, map, count, "the weights", by_faces ? "face" : "vertex");
+    return per_vertex(map, count);
+}
+
+NumberList file_weights(const Reads& in, std::size_t count, bool by_faces) {
+    if (in[file].path.empty())
+        in.fail(file.name, "DG110", "mode file needs a file", "Name a JSON file with numbers, vertices or faces.");
+    const FileMap map = guarded(in, file.name, [&] { return file_map(in[file].path, in[key]); });
+    if (map.kind == FileMap::Kind::numbers) return given_weights(in, file.name, map.numbers, count, by_faces);
+    if (map.kind == FileMap::Kind::vertices)
+        return guarded(in, file.name, [&] { return vertex_weights(in, map.numbers, by_faces); });
+    if (!by_faces) in.fail(on.name, "DG110", "the file lists faces, but vertices are painted", "Set on to faces.");
+    return guarded(in, file.name, [&] { return listed_map(count, map.numbers, "face"); });
 }
 
 NumberList by_rule(const Reads& in) {
-    const solver::Points& points = *in[mesh].points;
+    const Mesh& m = in[mesh];
     const std::string& rule = in[mode];
-    if (rule == "constant") return NumberList(points.size(), in[value]);
-    if (rule == "near") return near_weights(in);
+    const bool by_faces = rule == "faces" || in[on] == "faces";
+    const std::size_t count = by_faces ? m.topology->face_sizes.size() : m.points->size();
+    if (rule == "constant") return NumberList(count, in[value]);
+    if (rule == "vertices")
+        return guarded(in, vertices.name, [&] { return vertex_weights(in, in[vertices], by_faces); });
+    if (rule == "faces") return guarded(in, faces.name, [&] { return listed_map(count, in[faces], "face"); });
+    if (rule == "file") return file_weights(in, count, by_faces);
+    if (rule == "list") return given_weights(in, values.name, in[values], count, by_faces);
+    const solver::Points points = by_faces ? face_centres(m) : *m.points;
+    if (rule == "near") return near_weights(in, points);
     if (rule == "sphere") return sphere_map(points, in[centre], in[radius], in[falloff]);
-    if (rule == "vertices") return guarded(in, vertices.name, [&] { return vertex_map(points.size(), in[vertices]); });
-    if (rule == "ramp") {
-        if (in[start] == in[end])
-            in.fail(end.name, "DG110", "start and end are both " + std::to_string(in[start]), "Give two coordinates.");
-        return ramp_map(points, in[axis][0] - 'x', in[start], in[end], in[smooth]);
-    }
-    const bool by_file = rule == "file";
-    if (by_file && in[file].path.empty())
-        in.fail(file.name, "DG110", "mode file needs a file", "Name a JSON file with numbers or vertices.");
-    NumberList map =
-        by_file ? guarded(in, file.name, [&] { return file_map(points.size(), in[file].path, in[key]); }) : in[values];
-    if (map.empty() && !points.empty())
-        in.fail(by_file ? file.name : values.name, "FE204",
-                "no numbers for a mesh of " + std::to_string(points.size()) + " vertices",
-                "Give one number per vertex.");
-    check_map(in, by_file ? file.name : values.name, map, points.size(), "the weights");
-    return per_vertex(map, points.size());
+    if (in[start] == in[end])
+        in.fail(end.name, "DG110", "start and end are both " + std::to_string(in[start]), "Give two coordinates.");
+    return ramp_map(points, in[axis][0] - 'x', in[start], in[end], in[smooth]);
 }
 
 void compute(const Reads& in, Writes& out) {
@@ -180,11 +218,13 @@ void compute(const Reads& in, Writes& out) {
 void add_weights(Registry& registry) {
     NodeType type;
     type.name = "weights";
-    type.doc = "Paints a mesh: one number per vertex, for materials, fibres and attachments.";
-    type.inputs = {describe(mesh),  describe(mode),     describe(value),  describe(values),  describe(axis),
-                   describe(start), describe(end),      describe(smooth), describe(other),   describe(inner),
-                   describe(outer), describe(centre),   describe(radius), describe(falloff), describe(file),
-                   describe(key),   describe(vertices), describe(invert), describe(scale),   describe(offset)};
+    type.doc =
+        "Paints a mesh: one number per vertex, for materials, fibres and attachments, or per face, for attachments.";
+    type.inputs = {describe(mesh),  describe(on),    describe(mode),     describe(value),  describe(values),
+                   describe(axis),  describe(start), describe(end),      describe(smooth), describe(other),
+                   describe(inner), describe(outer), describe(centre),   describe(radius), describe(falloff),
+                   describe(file),  describe(key),   describe(vertices), describe(faces),  describe(invert),
+                   describe(scale), describe(offset)};
     type.outputs = {describe(out_weights)};
     type.compute = compute;
     registry.add(std::move(type));

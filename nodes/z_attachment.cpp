@@ -1,4 +1,4 @@
-// zAttachment: ties the painted vertices of one body to the surface of another.
+// zAttachment: ties the painted part of one body's surface to the surface of another.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
@@ -16,17 +16,17 @@ const Input<double> envelope{
     .def = 1,
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "Scales the stiffness.",
+    .doc = "Scales the stiffness and the damping.",
 };
-const Wire<Body> source{.name = "source", .doc = "The body whose vertices are attached."};
+const Wire<Body> source{.name = "source", .doc = "The body whose painted surface is attached."};
 const Wire<Body> target{
     .name = "target",
-    .doc = "The body that they hold on to. Not a bone if the source is one.",
+    .doc = "The body that it holds on to. Not a bone if the source is one.",
 };
 const Input<std::string> mode{
     .name = "attachmentMode",
     .def = "fixed",
-    .doc = "fixed holds the vertices at their places on the target; none switches the attachment off.",
+    .doc = "fixed holds the surface at its places on the target; none switches the attachment off.",
     .keyable = false,
     .options = {"none", "fixed"},
 };
@@ -47,15 +47,14 @@ const Input<double> damping{
 const Input<bool> maintain_offset{
     .name = "maintainOffset",
     .def = true,
-    .doc = "Keeps the distance that there is at the start frame; off pulls the vertices onto the target.",
+    .doc = "Keeps the distance that there is at the start frame; off pulls the surface onto the target.",
     .keyable = false,
 };
 const Input<std::string> correspondence{
     .name = "correspondence",
     .def = "worldSpace",
-    .doc = "worldSpace ties each vertex to the closest point of the target at the start frame; vertexID to "
-           "the vertex "
-           "of the same number.",
+    .doc = "worldSpace ties each point of the source's surface to the closest point of the target at the start frame; "
+           "vertexID to the same place in the triangle of the same vertex numbers.",
     .keyable = false,
     .options = {"worldSpace", "vertexID"},
 };
@@ -63,16 +62,42 @@ const Input<NumberList> weights{
     .name = "weights",
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "One number per vertex of the source, one for all, or none for 1 everywhere: above 0 is attached, "
-           "and the "
-           "number scales the stiffness.",
+    .doc =
+        "One number per vertex or face of the source (see weightsOn), one for all, or none for 1 everywhere: above 0 "
+        "is attached, and the number scales stiffness and damping.",
+};
+const Input<std::string> weights_on{
+    .name = "weightsOn",
+    .def = "vertices",
+    .doc = "What weights counts. Between vertices the weight runs linearly, so paint fades out over the faces at its "
+           "rim (but not around an edge that bends by more than 60 degrees from faces that are painted whole); painted "
+           "faces are sharp.",
+    .keyable = false,
+    .options = {"vertices", "faces"},
 };
 const Input<NumberList> target_weights{
     .name = "targetWeights",
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "One number per vertex of the target, one for all, or none for 1 everywhere: where it is 0 "
-           "nothing holds on.",
+    .doc = "One number per vertex or face of the target (see targetWeightsOn), one for all, or none for 1 everywhere: "
+           "where it is 0 nothing holds on.",
+};
+const Input<std::string> target_weights_on{
+    .name = "targetWeightsOn",
+    .def = "vertices",
+    .doc = "What targetWeights counts. A face whose vertices are painted in part is not held on to.",
+    .keyable = false,
+    .options = {"vertices", "faces"},
+};
+const Input<double> max_distance{
+    .name = "maxDistance",
+    .def = 0,
+    .limits = {.min = 0},
+    .doc =
+        "worldSpace: a point of the source whose closest point of the target has no target weight holds on to the "
+        "closest one that has, up to this far away in scene units, and to nothing beyond. 0 takes twice the mean edge "
+        "length of the target's painted part or of the source's samples, whichever is smaller.",
+    .keyable = false,
 };
 const Output<Attachment> out_attachment{
     .name = "outAttachment",
@@ -80,6 +105,28 @@ const Output<Attachment> out_attachment{
 };
 
 std::size_t vertex_count(const Body& body) { return body.rest->mesh.points->size(); }
+
+/// A painted map with one number per vertex, or per triangle of the body's faces.
+NumberList painted(const Reads& in, const Input<NumberList>& map, const Input<std::string>& on, const Body& body,
+                   const std::string& name) {
+    const MeshTopology& topology = *body.rest->mesh.topology;
+    const bool by_faces = in[on] == "faces";
+    const std::size_t faces = topology.face_sizes.size(), count = by_faces ? faces : vertex_count(body);
+    const NumberList& given = in[map];
+    if (given.size() > 1 && given.size() != count && given.size() == (by_faces ? vertex_count(body) : faces))
+        in.fail(map.name, "FE204",
+                std::string(map.name) + " for " + name + ": " + std::to_string(given.size()) +
+                    " numbers, as many as the mesh has " + (by_faces ? "vertices" : "faces") + ", for its " +
+                    std::to_string(count) + (by_faces ? " faces" : " vertices"),
+                "Set " + std::string(on.name) + " to " + (by_faces ? "vertices" : "faces") + ".");
+    check_map(in, map.name, given, count, std::string(map.name) + " for " + name, by_faces ? "face" : "vertex");
+    const NumberList each = per_vertex(given, count);
+    return by_faces ? per_triangle(topology, each) : each;
+}
+
+solver::PaintedOn painted_on(const std::string& on) {
+    return on == "faces" ? solver::PaintedOn::faces : solver::PaintedOn::vertices;
+}
 
 bool is_blank(const NumberList& map) {
     return std::all_of(map.begin(), map.end(), [](double w) { return w <= 0; });
@@ -97,21 +144,21 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
     rest.correspondence =
         in[correspondence] == "vertexID" ? solver::Correspondence::vertex_id : solver::Correspondence::closest_point;
     rest.maintain_offset = in[maintain_offset];
-    check_map(in, weights.name, in[weights], vertex_count(from), "weights for " + in.source_name(source.name));
-    check_map(in, target_weights.name, in[target_weights], vertex_count(to),
-              "targetWeights for " + in.source_name(target.name));
-    rest.source_weights = per_vertex(in[weights], vertex_count(from));
-    rest.target_weights = per_vertex(in[target_weights], vertex_count(to));
+    rest.source_weights = painted(in, weights, weights_on, from, in.source_name(source.name));
+    rest.target_weights = painted(in, target_weights, target_weights_on, to, in.source_name(target.name));
+    rest.source_painted = painted_on(in[weights_on]);
+    rest.target_painted = painted_on(in[target_weights_on]);
+    rest.max_distance = in[max_distance];
     return rest;
 }
 
 void check_reach(const Reads& in, const solver::AttachmentRest& rest, const Body& from, const Body& to) {
     if (rest.mode == solver::AttachmentMode::none) return;
     if (is_blank(rest.source_weights))
-        in.fail(weights.name, "FE212", "no vertex of " + in.source_name(source.name) + " has a weight above 0",
-                "Paint the vertices that are to be attached.");
+        in.fail(weights.name, "FE212", "nothing of " + in.source_name(source.name) + " has a weight above 0",
+                "Paint what is to be attached.");
     if (is_blank(rest.target_weights))
-        in.fail(target_weights.name, "FE212", "no vertex of " + in.source_name(target.name) + " has a weight above 0",
+        in.fail(target_weights.name, "FE212", "nothing of " + in.source_name(target.name) + " has a weight above 0",
                 "Paint where the source may hold on.");
     if (rest.correspondence == solver::Correspondence::vertex_id && vertex_count(from) != vertex_count(to))
         in.fail(correspondence.name, "FE217",
@@ -141,9 +188,10 @@ void add_z_attachment(Registry& registry) {
     NodeType type;
     type.name = "zAttachment";
     type.doc = "Ties a tissue to a bone or to another tissue; forces act on both.";
-    type.inputs = {describe(envelope),  describe(source),        describe(target),          describe(mode),
-                   describe(stiffness), describe(damping),       describe(maintain_offset), describe(correspondence),
-                   describe(weights),   describe(target_weights)};
+    type.inputs = {describe(envelope),         describe(source),  describe(target),          describe(mode),
+                   describe(stiffness),        describe(damping), describe(maintain_offset), describe(correspondence),
+                   describe(max_distance),     describe(weights), describe(weights_on),      describe(target_weights),
+                   describe(target_weights_on)};
     type.outputs = {describe(out_attachment)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -35,7 +35,12 @@ struct Stage {
         , workspace(scene) {}
 };
 
-/// Runs a solver call; its errors become diagnostics that name the body to blame.
+std::string attachment_name(const Reads& in, const Setup& setup, int attachment) {
+    const int entry = setup.attachment_entries[static_cast<std::size_t>(attachment)];
+    return in.source_name(attachments.name, static_cast<std::size_t>(entry));
+}
+
+/// Runs a solver call; its errors become diagnostics that name the body or attachment to blame.
 template <class Call>
 auto solving(const Reads& in, const Setup& setup, Call&& call) {
     try {
@@ -44,6 +49,8 @@ auto solving(const Reads& in, const Setup& setup, Call&& call) {
         throw Cancelled();
     } catch (const solver::Error& e) {
         std::string message = e.what();
+        if (e.attachment >= 0)
+            in.fail(attachments.name, e.code, attachment_name(in, setup, e.attachment) + ": " + message, e.hint);
         if (e.body >= 0)
             message = in.source_name(bodies.name,
                                      static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
@@ -76,13 +83,47 @@ void warn_if_unconverged(const Reads& in, const solver::StepRecord& record) {
             "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
 }
 
+/// Says what an attachment leaves out, and where it reaches farther than the painted part of its source is large.
+void warn_of_reach(const Reads& in, const Setup& setup, const std::vector<solver::AttachmentStart>& starts) {
+    const double units = setup.key.scale;
+    char text[200];
+    for (std::size_t a = 0; a < starts.size(); ++a) {
+        const solver::AttachmentStart& s = starts[a];
+        const std::string name = attachment_name(in, setup, static_cast<int>(a)) + ": ";
+        if (s.left_out > 0) {
+            if (s.max_distance > 0)
+                std::snprintf(
+                    text, sizeof text,
+                    "%.3g %% of the painted area holds on to nothing: its closest points of the target have no "
+                    "target weight, and none within %.4g has",
+                    100 * s.left_out / s.painted, s.max_distance * units);
+            else
+                std::snprintf(text, sizeof text,
+                              "%.3g %% of the painted area holds on to nothing: the target has no target weight there",
+                              100 * s.left_out / s.painted);
+            in.warn(attachments.name, "FE241", name + text,
+                    "Paint source and target where they face each other, or set maxDistance.");
+        }
+        if (s.longest > s.source_size) {
+            std::snprintf(text, sizeof text, "it reaches %.4g far, while the painted part of its source is %.4g large",
+                          s.longest * units, s.source_size * units);
+            in.warn(attachments.name, "FE242", name + text,
+                    "Check that it ties what it should; paint the part of the target that is meant as targetWeights.");
+        }
+    }
+}
+
 SimulationState initial(const Reads& in) {
     if (!in[enable]) return {};
     const Setup setup = read_setup(in, nullptr);
     if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
     auto stage = lease_stage(in, setup);
     const solver::StepInputs inputs = step_inputs(in, setup, 1);
-    return {setup.key, solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs); })};
+    std::vector<solver::AttachmentStart> starts;
+    SimulationState out{setup.key,
+                        solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, &starts); })};
+    warn_of_reach(in, setup, starts);
+    return out;
 }
 
 SimulationState advance(const SimulationState& before, std::span<const Reads> times) {
@@ -156,7 +197,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 5;
+    type.base.numerics = 6;
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),

@@ -14,7 +14,8 @@ class Error : public std::runtime_error {
         , code(std::move(code))
         , hint(std::move(hint)) {}
     std::string code, hint;
-    int body = -1; ///< index of the body in the scene, if one is to blame
+    int body = -1;       ///< index of the body in the scene, if one is to blame
+    int attachment = -1; ///< likewise of the attachment
 };
 
 /// The host asked to stop.

@@ -7,6 +7,7 @@
 #include "solver/mesh/embedding.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/numbering.h"
+#include "solver/surface/paint.h"
 #include "solver/term/part.h"
 
 #include <memory>
@@ -56,8 +57,13 @@ struct AttachmentRest {
     int source = -1, target = -1; ///< body indices
     AttachmentMode mode = AttachmentMode::fixed;
     Correspondence correspondence = Correspondence::closest_point;
-    std::vector<double> source_weights; ///< per surface vertex of the source; > 0 = attached
-    std::vector<double> target_weights; ///< per surface vertex of the target; 0 = forbidden
+    /// Painted on the surface's vertices or triangles: a number for each, one for all, or none for 1 everywhere.
+    std::vector<double> source_weights; ///< > 0 = attached
+    std::vector<double> target_weights; ///< 0 = forbidden
+    PaintedOn source_painted = PaintedOn::vertices, target_painted = PaintedOn::vertices;
+    /// A sample whose closest point of the target is forbidden holds on to the closest allowed one up to this far [m];
+    /// 0 = twice the mean edge of the target's allowed part or of the source's samples, whichever is smaller.
+    double max_distance = 0;
     bool maintain_offset = true;
 };
 

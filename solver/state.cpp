@@ -14,7 +14,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 6\n";
+constexpr std::string_view magic = "sinew state 7\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -208,14 +208,7 @@ std::vector<std::byte> save(const State& s) {
     put_bones(w, s.history.bones);
     put_values(w, s.history.values);
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
-    for (const auto& list : s.anchors) {
-        w.put(static_cast<std::uint64_t>(list.size()));
-        for (const Anchor& a : list) {
-            w.put(a.source_vertex), w.put(a.source_tet), w.put(a.source_coordinates), w.put(a.target_triangle),
-                w.put(a.target_tet);
-            w.put(a.coordinates), w.put(a.offset), w.put(a.area_weight);
-        }
-    }
+    for (const auto& list : s.anchors) w.put_all(list);
     put_memories(w, s.memories);
     put_bones(w, s.bones);
     w.put(s.steps);
@@ -240,14 +233,7 @@ State load(std::span<const std::byte> bytes) {
     get_bones(r, s.history.bones);
     get_values(r, s.history.values);
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
-    for (auto& list : s.anchors) {
-        list.resize(r.get_count(sizeof(double)));
-        for (Anchor& a : list) {
-            r.get(a.source_vertex), r.get(a.source_tet), r.get(a.source_coordinates), r.get(a.target_triangle),
-                r.get(a.target_tet);
-            r.get(a.coordinates), r.get(a.offset), r.get(a.area_weight);
-        }
-    }
+    for (auto& list : s.anchors) r.get_all(list);
     get_memories(r, s.memories);
     get_bones(r, s.bones);
     r.get(s.steps);

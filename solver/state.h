@@ -15,18 +15,22 @@
 
 namespace sinew::solver {
 
-/// Where a source vertex holds on to its target, fixed at the start frame.
+/// A point that a body carries.
+struct AnchorEnd {
+    int tet = -1;                            ///< of a tissue; -1 on a bone
+    std::array<int, 3> vertices{-1, -1, -1}; ///< of a bone's surface: those of a triangle
+    std::array<double, 4> coordinates{};     ///< barycentric in the tet, or in the triangle (the fourth is 0)
+    friend bool operator==(const AnchorEnd&, const AnchorEnd&) = default;
+};
+
+/// Where a sample of a source's surface holds on to the target, fixed at the start frame.
 struct Anchor {
-    int source_vertex = -1; ///< of the source's surface
-    int source_tet = -1; ///< where the anchor holds the middle of a surface edge from that vertex: the tet it rides on
-    std::array<double, 4> source_coordinates{}; ///< barycentric in that tet
-    int target_triangle = -1;                   ///< bones: the triangle that carries the anchor
-    int target_tet = -1;                        ///< tissues: the tet of the target body that carries the anchor
-    std::array<double, 4> coordinates{}; ///< tissue: barycentric in the tet; bone: barycentric in the triangle, then 0
-    std::array<double, 3> offset{};      ///< bone: offset in the triangle's own frame [m]
-    double area_weight = 0;              ///< vertex area x painted weight [m^2]
+    AnchorEnd source, target;
+    std::array<double, 3> offset{}; ///< from the target's point, in the frame of its triangle [m]; bones only
+    double area_weight = 0;         ///< the sample's area x painted weight [m^2]
     friend bool operator==(const Anchor&, const Anchor&) = default;
 };
+static_assert(sizeof(Anchor) == 4 * 2 * 4 + 8 * (4 + 4 + 3 + 1), "no padding: its bytes are saved as they are");
 
 /// What the last step did, for the report. Part of the state, so that a reused frame reports what it did when it ran.
 struct StepRecord {

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/step.h"
 
-#include "solver/attach/anchors.h"
 #include "solver/error.h"
 #include "solver/integrate/values_between.h"
 #include "solver/newton/minimise.h"
@@ -242,7 +241,7 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
 
 } // namespace
 
-State initial_state(const Scene& scene, const StepInputs& inputs) {
+State initial_state(const Scene& scene, const StepInputs& inputs, std::vector<AttachmentStart>* starts) {
     check_inputs(scene, inputs);
     State s;
     s.x = scene.numbering().rest;
@@ -251,8 +250,7 @@ State initial_state(const Scene& scene, const StepInputs& inputs) {
     std::vector<Points> surfaces(s.bones);
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
-    for (const AttachmentRest& a : scene.description().attachments)
-        s.anchors.push_back(make_anchors(scene, a, surfaces));
+    s.anchors = make_anchors(scene, surfaces, starts);
     for (const TermType* type : all_terms())
         if (type->start) {
             TermMemory memory{std::string(type->name), type->memory_version, {}};

@@ -1,22 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/attach/anchors.h"
 
+#include "solver/attach/find_targets.h"
 #include "solver/error.h"
-#include "solver/mesh/closest_point.h"
+#include "solver/parallel.h"
+#include "solver/surface/quadrature.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
-#include <map>
+#include <memory>
 #include <string>
 
 namespace sinew::solver {
 
 namespace {
 
-const std::vector<Triangle>& triangles_of(const Scene& scene, int body) {
-    const TissueRest* t = scene.tissue(body);
-    return t ? t->triangles : scene.bone(body)->triangles;
-}
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Rotation whose columns are the triangle's first edge, the in-plane normal to it, and the normal.
 Mat3 triangle_frame(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -29,199 +28,180 @@ Mat3 triangle_frame(const Vec3& a, const Vec3& b, const Vec3& c) {
     return frame;
 }
 
-std::vector<double> weights_for(const std::vector<double>& weights, std::size_t count, const char* which) {
-    if (weights.empty()) return std::vector<double>(count, 1.0);
-    if (weights.size() == 1) return std::vector<double>(count, weights.front());
-    if (weights.size() != count)
-        throw Error("FE204",
-                    std::string(which) + " weights: " + std::to_string(weights.size()) + " for a mesh of " +
-                        std::to_string(count) + " vertices",
-                    "give one weight per vertex, or one for all");
-    return weights;
+Mat3 frame_of(const AnchorEnd& end, const Points& positions) {
+    return triangle_frame(positions[at(end.vertices[0])], positions[at(end.vertices[1])],
+                          positions[at(end.vertices[2])]);
 }
 
-/// First triangle that uses each vertex; -1 where none does.
-std::vector<int> triangle_of_vertex(const std::vector<Triangle>& triangles, std::size_t vertex_count) {
-    std::vector<int> first(vertex_count, -1);
-    for (std::size_t t = triangles.size(); t-- > 0;)
-        for (const int v : triangles[t]) first[static_cast<std::size_t>(v)] = static_cast<int>(t);
-    return first;
+/// Barycentric coordinates in a tet, extrapolated where p lies outside.
+std::array<double, 4> coordinates_in(const TetMesh& mesh, int tet, const Vec3& p) {
+    const Tet& t = mesh.tets[at(tet)];
+    Mat3 edges;
+    for (int a = 1; a < 4; ++a) edges.col(a - 1) = mesh.vertices[at(t[at(a)])] - mesh.vertices[at(t[0])];
+    const Vec3 b = edges.inverse() * (p - mesh.vertices[at(t[0])]);
+    return {1 - b.sum(), b[0], b[1], b[2]};
 }
 
-/// A point of the source that holds on to the target: a vertex of its surface, or the middle of an edge.
-struct Holder {
-    int vertex, other; ///< other = -1: the vertex itself
-    double area_weight;
-    Vec3 place; ///< at the start frame
+/// Search structures of the bodies, made when they are needed, shared by all attachments.
+class Bodies {
+  public:
+    Bodies(const Scene& scene, const std::vector<Points>& surfaces)
+        : scene_(scene)
+        , surfaces_(surfaces)
+        , tets_(surfaces.size())
+        , trees_(surfaces.size()) {}
+    const std::vector<Triangle>& triangles(int body) const {
+        const TissueRest* t = scene_.tissue(body);
+        return t ? t->triangles : scene_.bone(body)->triangles;
+    }
+    /// Null for bones.
+    const CarrierTets* tets(int body) {
+        const TissueRest* t = scene_.tissue(body);
+        if (t && !tets_[at(body)]) tets_[at(body)] = std::make_unique<CarrierTets>(t->tets);
+        return tets_[at(body)].get();
+    }
+    const SurfaceTree& tree(int body) {
+        if (!trees_[at(body)]) trees_[at(body)] = std::make_unique<SurfaceTree>(surfaces_[at(body)], triangles(body));
+        return *trees_[at(body)];
+    }
+
+  private:
+    const Scene& scene_;
+    const std::vector<Points>& surfaces_;
+    std::vector<std::unique_ptr<CarrierTets>> tets_;
+    std::vector<std::unique_ptr<SurfaceTree>> trees_;
 };
 
-/// Longest edge of a surface, in edges of the tets it rides on, whose vertices hold everything that quadratic tets can
-/// do.
-constexpr double fine_enough = 0.5;
+struct Samples {
+    std::vector<SurfaceSample> all;
+    double mean_edge = 0, size = 0; ///< of the painted part, cut to size [m]
+};
 
-/// Takes edges of the source's surface whose ends both hold, where the tets are quadratic and no larger than the
-/// triangles: the nodes in the middles of the tets' edges would be free otherwise. What an edge holds, three quarters,
-/// is taken from its ends, so the sum stays that of the vertices.
-void add_edges(const TissueRest& tissue, const std::vector<double>& weights, const Points& source,
-               std::vector<Holder>& holders) {
-    std::vector<int> holder(source.size(), -1);
-    for (std::size_t h = 0; h < holders.size(); ++h)
-        holder[static_cast<std::size_t>(holders[h].vertex)] = static_cast<int>(h);
-    std::map<std::pair<int, int>, double> edges; // area x weight
-    for (const Triangle& t : tissue.triangles) {
-        const auto rest = [&](int i) -> const Vec3& {
-            return tissue.surface[static_cast<std::size_t>(t[static_cast<std::size_t>(i)])];
-        };
-        const double area = 0.5 * (rest(1) - rest(0)).cross(rest(2) - rest(0)).norm();
+Samples sample_source(const Scene& scene, const AttachmentRest& a, const Points& start, Bodies& bodies) {
+    const TissueRest* tissue = scene.tissue(a.source);
+    // Areas at rest, so that the spring a sample gets does not depend on the pose of the start frame.
+    const Points& surface = tissue ? tissue->surface : start;
+    const std::vector<Triangle>& triangles = bodies.triangles(a.source);
+    const CornerWeights paint = corner_weights(surface, triangles, a.source_weights, a.source_painted);
+    std::vector<int> painted;
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        if (std::any_of(paint[t].begin(), paint[t].end(), [](double w) { return w > 0; }))
+            painted.push_back(static_cast<int>(t));
+    if (painted.empty()) throw Error("FE212", "no face of the source has a weight above 0", "paint some of them");
+    SurfaceDensity density;
+    for (const int body : {a.source, a.target})
+        if (const TissueRest* t = scene.tissue(body)) density.carriers.push_back({bodies.tets(body), t->element});
+    const SampledSurface cut = cut_surface(surface, triangles, painted, density);
+    Samples out;
+    out.all = quadrature_samples(cut, paint, density);
+    if (out.all.empty()) throw Error("FE212", "the painted faces of the source have no area", "paint others");
+    Points corners;
+    for (const Triangle& t : cut.triangles)
         for (std::size_t i = 0; i < 3; ++i) {
-            const auto [a, b] = std::minmax(t[i], t[(i + 1) % 3]);
-            if (holder[static_cast<std::size_t>(a)] < 0 || holder[static_cast<std::size_t>(b)] < 0) continue;
-            const Tet& tet =
-                tissue.tets.tets[static_cast<std::size_t>(tissue.embedding.tet[static_cast<std::size_t>(a)])];
-            double longest = 0;
-            for (std::size_t p = 0; p < 4; ++p)
-                for (std::size_t q = 0; q < p; ++q)
-                    longest = std::max(longest, (tissue.tets.vertices[static_cast<std::size_t>(tet[p])] -
-                                                 tissue.tets.vertices[static_cast<std::size_t>(tet[q])])
-                                                    .norm());
-            if ((tissue.surface[static_cast<std::size_t>(a)] - tissue.surface[static_cast<std::size_t>(b)]).norm() <
-                fine_enough * longest)
-                continue;
-            for (const int v : {a, b}) {
-                const double share = area / 3 * 0.375 * weights[static_cast<std::size_t>(v)];
-                holders[static_cast<std::size_t>(holder[static_cast<std::size_t>(v)])].area_weight -= share;
-                edges[{a, b}] += share;
-            }
+            corners.push_back(cut.points[at(t[i])]);
+            out.mean_edge += (cut.points[at(t[i])] - cut.points[at(t[(i + 1) % 3])]).norm();
         }
+    out.mean_edge /= static_cast<double>(corners.size());
+    out.size = bounding_box(corners).size().norm();
+    // Where the samples are at the start frame.
+    for (SurfaceSample& s : out.all) {
+        const Triangle& t = triangles[at(s.triangle)];
+        s.point = s.place[0] * start[at(t[0])] + s.place[1] * start[at(t[1])] + s.place[2] * start[at(t[2])];
     }
-    for (const auto& [edge, area_weight] : edges)
-        holders.push_back(
-            {edge.first, edge.second, area_weight,
-             0.5 * (source[static_cast<std::size_t>(edge.first)] + source[static_cast<std::size_t>(edge.second)])});
+    return out;
 }
 
-/// Closest points of the target to each source point: triangle and barycentric coordinates.
-std::vector<ClosestPoint> find_targets(const AttachmentRest& attachment, const std::vector<Holder>& holders,
-                                       const Points& target, const std::vector<Triangle>& triangles) {
-    const std::vector<double> weights = weights_for(attachment.target_weights, target.size(), "target");
-    std::vector<ClosestPoint> found;
-    found.reserve(holders.size());
-    if (attachment.correspondence == Correspondence::vertex_id) {
-        const std::vector<int> triangle = triangle_of_vertex(triangles, target.size());
-        for (const Holder& h : holders) {
-            const int v = h.vertex, t = triangle[static_cast<std::size_t>(v)];
-            if (t < 0) throw Error("FE208", "vertex " + std::to_string(v) + " of the target belongs to no face");
-            ClosestPoint c;
-            c.triangle = t;
-            c.point = target[static_cast<std::size_t>(v)];
-            for (int i = 0; i < 3; ++i)
-                c.barycentric[i] = triangles[static_cast<std::size_t>(t)][static_cast<std::size_t>(i)] == v ? 1.0 : 0.0;
-            found.push_back(c);
+AnchorEnd on_bone(const Triangle& triangle, const Vec3& place) {
+    AnchorEnd end;
+    end.vertices = triangle;
+    end.coordinates = {place[0], place[1], place[2], 0};
+    return end;
+}
+
+std::vector<Anchor> anchors_of(const Scene& scene, const AttachmentRest& a, const std::vector<Points>& surfaces,
+                               Bodies& bodies, AttachmentStart& start) {
+    const Points &source = surfaces[at(a.source)], &target = surfaces[at(a.target)];
+    if (a.correspondence == Correspondence::vertex_id && source.size() != target.size())
+        throw Error("FE217",
+                    "vertex correspondence between meshes of " + std::to_string(source.size()) + " and " +
+                        std::to_string(target.size()) + " vertices",
+                    "both meshes need the same vertices; use worldSpace otherwise");
+    const Samples samples = sample_source(scene, a, source, bodies);
+    TargetSearch search{a, target, bodies.triangles(a.target), bodies.triangles(a.source), nullptr, samples.mean_edge};
+    if (a.correspondence == Correspondence::closest_point) search.tree = &bodies.tree(a.target);
+    const FoundTargets found = find_targets(search, samples.all);
+    start.source_size = samples.size;
+    start.max_distance = found.max_distance;
+
+    const CarrierTets *source_tets = bodies.tets(a.source), *target_tets = bodies.tets(a.target);
+    std::vector<Anchor> all(samples.all.size());
+    parallel_for(all.size(), 64, [&](std::size_t i) {
+        const SurfaceSample& s = samples.all[i];
+        const TargetPoint& t = found.points[i];
+        Anchor& anchor = all[i];
+        if (!t.allowed) return;
+        anchor.area_weight = s.area * s.weight;
+        if (source_tets)
+            anchor.source.tet = source_tets->locate(s.point, anchor.source.coordinates);
+        else
+            anchor.source = on_bone(bodies.triangles(a.source)[at(s.triangle)], s.place);
+        if (target_tets) {
+            anchor.target.tet = target_tets->locate(t.point, anchor.target.coordinates);
+            if (a.maintain_offset)
+                anchor.target.coordinates = coordinates_in(target_tets->mesh(), anchor.target.tet, s.point);
+        } else {
+            anchor.target = on_bone(t.vertices, t.place);
+            if (a.maintain_offset) {
+                const Vec3 local = frame_of(anchor.target, target).transpose() * (s.point - t.point);
+                anchor.offset = {local[0], local[1], local[2]};
+            }
         }
-        return found;
+    });
+    std::vector<Anchor> out;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const double amount = samples.all[i].area * samples.all[i].weight;
+        start.painted += amount;
+        if (!found.points[i].allowed) {
+            start.left_out += amount;
+            continue;
+        }
+        start.longest = std::max(start.longest, (samples.all[i].point - found.points[i].point).norm());
+        out.push_back(all[i]);
     }
-    std::vector<char> allowed(triangles.size(), 1);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (const int v : triangles[t])
-            if (!(weights[static_cast<std::size_t>(v)] > 0)) allowed[t] = 0;
-    if (std::find(allowed.begin(), allowed.end(), 1) == allowed.end())
-        throw Error("FE212", "no face of the target has a target weight above 0 at all its vertices",
-                    "paint the target where the source may attach");
-    const SurfaceTree tree(target, triangles);
-    for (const Holder& h : holders) found.push_back(tree.closest(h.place, allowed));
-    return found;
+    return out;
 }
 
 } // namespace
 
-Vec3 bone_anchor(const Anchor& anchor, const std::vector<Triangle>& triangles, const Points& positions) {
-    const Triangle& t = triangles[static_cast<std::size_t>(anchor.target_triangle)];
-    const Vec3 &a = positions[static_cast<std::size_t>(t[0])], &b = positions[static_cast<std::size_t>(t[1])],
-               &c = positions[static_cast<std::size_t>(t[2])];
-    const Vec3 point = anchor.coordinates[0] * a + anchor.coordinates[1] * b + anchor.coordinates[2] * c;
-    if (anchor.offset == std::array<double, 3>{}) return point;
-    return point + triangle_frame(a, b, c) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
+Vec3 bone_point(const AnchorEnd& end, const Points& positions) {
+    return end.coordinates[0] * positions[at(end.vertices[0])] + end.coordinates[1] * positions[at(end.vertices[1])] +
+           end.coordinates[2] * positions[at(end.vertices[2])];
 }
 
-std::vector<Anchor> make_anchors(const Scene& scene, const AttachmentRest& attachment,
-                                 const std::vector<Points>& surfaces) {
-    std::vector<Anchor> anchors;
-    if (attachment.mode == AttachmentMode::none) return anchors;
-    const Points& source = surfaces[static_cast<std::size_t>(attachment.source)];
-    const Points& target = surfaces[static_cast<std::size_t>(attachment.target)];
-    if (attachment.correspondence == Correspondence::vertex_id && source.size() != target.size())
-        throw Error("FE204",
-                    "vertex correspondence between meshes of " + std::to_string(source.size()) + " and " +
-                        std::to_string(target.size()) + " vertices",
-                    "both meshes need the same vertices; use worldSpace otherwise");
-    const std::vector<double> weights = weights_for(attachment.source_weights, source.size(), "source");
-    const TissueRest* source_tissue = scene.tissue(attachment.source);
-    // Areas at rest, so that the spring a vertex gets does not depend on the pose of the start frame.
-    const std::vector<double> areas =
-        vertex_areas(source_tissue ? source_tissue->surface : source, triangles_of(scene, attachment.source));
-    std::vector<Holder> holders;
-    for (std::size_t v = 0; v < weights.size(); ++v)
-        if (weights[v] > 0) holders.push_back({static_cast<int>(v), -1, areas[v] * weights[v], source[v]});
-    if (holders.empty())
-        throw Error("FE212", "no source vertex has a weight above 0", "paint at least one vertex of the source");
-    if (source_tissue && source_tissue->element == ElementKind::quadratic &&
-        attachment.correspondence != Correspondence::vertex_id)
-        add_edges(*source_tissue, weights, source, holders);
+Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {
+    const Vec3 point = bone_point(anchor.target, positions);
+    if (anchor.offset == std::array<double, 3>{}) return point;
+    return point + frame_of(anchor.target, positions) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
+}
 
-    const std::vector<Triangle>& target_triangles = triangles_of(scene, attachment.target);
-    const std::vector<ClosestPoint> found = find_targets(attachment, holders, target, target_triangles);
-    const TissueRest* target_tissue = scene.tissue(attachment.target);
-    Embedding hosts, edge_hosts; // of the target's points, and of the source's edges
-    if (target_tissue) {
-        Points on_target;
-        for (const ClosestPoint& c : found) on_target.push_back(c.point);
-        hosts = embed(target_tissue->tets, on_target);
-    }
-    if (holders.back().other >= 0) {
-        Points middles;
-        for (const Holder& h : holders)
-            if (h.other >= 0) middles.push_back(h.place);
-        edge_hosts = embed(source_tissue->tets, middles);
-    }
-    const std::size_t vertex_count = holders.size() - edge_hosts.size();
-    for (std::size_t i = 0; i < holders.size(); ++i) {
-        Anchor anchor;
-        anchor.source_vertex = holders[i].vertex;
-        anchor.area_weight = holders[i].area_weight;
-        if (i >= vertex_count) {
-            anchor.source_tet = edge_hosts.tet[i - vertex_count];
-            anchor.source_coordinates = edge_hosts.barycentric[i - vertex_count];
+std::vector<std::vector<Anchor>> make_anchors(const Scene& scene, const std::vector<Points>& surfaces,
+                                              std::vector<AttachmentStart>* starts) {
+    const auto& attachments = scene.description().attachments;
+    std::vector<std::vector<Anchor>> out(attachments.size());
+    if (starts) starts->assign(attachments.size(), {});
+    Bodies bodies(scene, surfaces);
+    for (std::size_t a = 0; a < attachments.size(); ++a) {
+        if (attachments[a].mode == AttachmentMode::none) continue;
+        try {
+            AttachmentStart start;
+            out[a] = anchors_of(scene, attachments[a], surfaces, bodies, start);
+            if (starts) (*starts)[a] = start;
+        } catch (Error& e) {
+            e.attachment = static_cast<int>(a);
+            throw;
         }
-        const Vec3& from = holders[i].place;
-        if (target_tissue) {
-            anchor.target_tet = hosts.tet[i];
-            anchor.coordinates = hosts.barycentric[i];
-            if (attachment.maintain_offset) {
-                const Tet& tet = target_tissue->tets.tets[static_cast<std::size_t>(anchor.target_tet)];
-                const Points& x = target_tissue->tets.vertices;
-                Mat3 edges;
-                for (int a = 1; a < 4; ++a)
-                    edges.col(a - 1) = x[static_cast<std::size_t>(tet[static_cast<std::size_t>(a)])] -
-                                       x[static_cast<std::size_t>(tet[0])];
-                const Vec3 b = edges.inverse() * (from - x[static_cast<std::size_t>(tet[0])]);
-                anchor.coordinates = {1 - b.sum(), b[0], b[1], b[2]};
-            }
-        } else {
-            anchor.target_triangle = found[i].triangle;
-            anchor.coordinates = {found[i].barycentric[0], found[i].barycentric[1], found[i].barycentric[2], 0};
-            if (attachment.maintain_offset) {
-                const Triangle& t = target_triangles[static_cast<std::size_t>(anchor.target_triangle)];
-                const Vec3 local =
-                    triangle_frame(target[static_cast<std::size_t>(t[0])], target[static_cast<std::size_t>(t[1])],
-                                   target[static_cast<std::size_t>(t[2])])
-                        .transpose() *
-                    (from - found[i].point);
-                anchor.offset = {local[0], local[1], local[2]};
-            }
-        }
-        anchors.push_back(anchor);
     }
-    return anchors;
+    return out;
 }
 
 } // namespace sinew::solver

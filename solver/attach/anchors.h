@@ -6,19 +6,35 @@
 
 namespace sinew::solver {
 
-/// Position of a bone anchor: the point on its triangle plus the offset, turned with the triangle.
-Vec3 bone_anchor(const Anchor& anchor, const std::vector<Triangle>& triangles, const Points& positions);
+/// What became of an attachment at the start frame.
+struct AttachmentStart {
+    double painted = 0;      ///< area x weight of the source's samples [m^2]
+    double left_out = 0;     ///< that of those without an allowed point of the target near by [m^2]
+    double max_distance = 0; ///< in use [m]
+    double longest = 0;      ///< farthest that a sample reaches to the target [m]
+    double source_size = 0;  ///< diagonal of the box around the painted part of the source [m]
+};
 
-/// Anchors of one attachment: source vertices, and on quadratic tets with a surface as coarse as they are the middles
-/// of its edges too, so that the tets' own nodes there are held. `surfaces[body]` are the surface positions of every
-/// body at the start frame [m].
+/// Position of an end on a bone.
+Vec3 bone_point(const AnchorEnd& end, const Points& positions);
+/// Position of an anchor whose target is a bone: the point on its triangle plus the offset, turned with the triangle.
+Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
+
+/// Anchors of all attachments, those of mode none without any. `surfaces[body]` are the surface positions of every body
+/// at the start frame [m]; areas are those at rest.
 ///
-/// A tissue target carries the anchor in the tet that holds the closest point: with maintainOffset the coordinates are
+/// The source's painted triangles are cut to the size of the tets that carry either end, and sampled (solver/surface).
+/// Each sample holds on to the closest point of the target; if that is forbidden, to the closest allowed one up to
+/// max_distance away, or to nothing. By vertex_id it holds on to the same place in the triangle of the same vertex
+/// numbers, where all three are allowed.
+///
+/// A tissue target carries the anchor in the tet that holds the closest point: with maintain_offset the coordinates are
 /// those of the source point itself (outside the tet they extrapolate), so the offset turns and stretches with the
 /// target and the forces on both sides balance in sum and in moment. A bone target carries it in the closest
 /// triangle's own frame, which is exact for rigid motion.
-/// Throws Error FE204 (weights), FE212 (nothing to attach or nowhere to attach to).
-std::vector<Anchor> make_anchors(const Scene& scene, const AttachmentRest& attachment,
-                                 const std::vector<Points>& surfaces);
+/// Throws Error, its attachment set: FE204 (weights), FE212 (nothing painted), FE240 (nothing of it finds a hold),
+/// FE232 (too many samples).
+std::vector<std::vector<Anchor>> make_anchors(const Scene& scene, const std::vector<Points>& surfaces,
+                                              std::vector<AttachmentStart>* starts = nullptr);
 
 } // namespace sinew::solver

@@ -23,8 +23,9 @@ nodes::SimulationState small_state() {
     s.scene.links = {{1, 0}};
     s.state.x = {1, 2, 3};
     s.state.v = {0, -1, 0};
-    s.state.anchors = {
-        {{.source_vertex = 3, .target_triangle = 7, .coordinates = {0.5, 0.25, 0.25, 0}, .area_weight = 2}}};
+    s.state.anchors = {{{.source = {.tet = 3},
+                         .target = {.vertices = {7, 8, 9}, .coordinates = {0.5, 0.25, 0.25, 0}},
+                         .area_weight = 2}}};
     s.state.bones = {{solver::Vec3(1, 2, 3)}, {}};
     s.state.steps = 4;
     s.state.record.residual = 1e-7;
@@ -46,12 +47,12 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.scene.links[0][1] = 2; }));
     CHECK(changed([](auto& s) { s.state.x[2] = 4; }));
     CHECK(changed([](auto& s) { s.state.v[0] = 1e-300; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source_vertex = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source_tet = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source_coordinates[1] = 1; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].target_triangle = 8; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].target_tet = 8; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].coordinates[3] = 1; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.tet = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.vertices[1] = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.coordinates[3] = 1; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.tet = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.vertices[1] = 4; }));
+    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.coordinates[3] = 1; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].offset[1] = 1; }));
     CHECK(changed([](auto& s) { s.state.anchors[0][0].area_weight = 1; }));
     CHECK(changed([](auto& s) { s.state.anchors.emplace_back(); }));

@@ -343,19 +343,7 @@ TEST_CASE("quadratic tets glued to a bone are as stiff as clamped ones") {
         State s = initial_state(*scene, in);
         for (const auto& list : s.anchors)
             for (const Anchor& a : list) area += a.area_weight;
-        if (glued) {
-            // A third of every triangle goes to each of its painted corners: the face, and a third or two of its
-            // neighbours.
-            double painted = 0;
-            for (const Triangle& tri : t->triangles) {
-                const auto corner = [&](int i) {
-                    return t->surface[static_cast<std::size_t>(tri[static_cast<std::size_t>(i)])];
-                };
-                const double size = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm();
-                for (int i = 0; i < 3; ++i) painted += at_end(corner(i)) ? size / 3 : 0;
-            }
-            CHECK(area == Approx(painted));
-        }
+        if (glued) CHECK(area == Approx(0.01)); // the end's own: paint does not run around the edges
         Workspace w(scene);
         s = settle(w, s, in);
         return position(s, static_cast<int>(mesh.vertices.size()) - 1).z() - 0.1;

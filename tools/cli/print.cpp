@@ -77,7 +77,7 @@ Json describe(const nodes::Attachment& a) {
     std::size_t held = 0;
     for (const double w : a.rest.source_weights) held += w > 0;
     return {{"attachmentMode", a.rest.mode == solver::AttachmentMode::fixed ? "fixed" : "none"},
-            {"source_vertices", held},
+            {a.rest.source_painted == solver::PaintedOn::faces ? "source_triangles" : "source_vertices", held},
             {"stiffness", a.values.stiffness},
             {"damping", a.values.damping},
             {"envelope", a.values.envelope}};

@@ -162,8 +162,8 @@ class Collector {
             if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
             const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
                               target_body = source.solved[static_cast<std::size_t>(to)];
-            ViewAttachment view = attachment_of(state.state.anchors[a], *solved.rests[static_cast<std::size_t>(to)],
-                                                scene_.units_per_metre);
+            ViewAttachment view = attachment_of(state.state.anchors[a], *solved.rests[static_cast<std::size_t>(from)],
+                                                *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
             view.node = a < names.size() ? names[a] : "";
             view.source = static_cast<int>(source.bodies[source_body]);
             view.target = static_cast<int>(source.bodies[target_body]);

@@ -14,6 +14,28 @@ bool varies(const NumberList& map) {
     return std::any_of(map.begin(), map.end(), [&](double w) { return w != map.front(); });
 }
 
+/// Lines drawn of one attachment.
+constexpr std::size_t most_anchors = 400;
+
+ViewCarried carried(const solver::AnchorEnd& end, const nodes::BodyRest& body) {
+    ViewCarried out;
+    if (const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.data))
+        out.host = (*tissue)->tets.tets[static_cast<std::size_t>(end.tet)];
+    else
+        std::copy(end.vertices.begin(), end.vertices.end(), out.host.begin());
+    for (std::size_t k = 0; k < 4; ++k) out.weights[k] = static_cast<float>(end.coordinates[k]);
+    return out;
+}
+
+/// A map with one number a triangle as one with one number a vertex, the largest of its triangles.
+NumberList on_vertices(const nodes::Mesh& mesh, const NumberList& map) {
+    NumberList out(mesh.points->size(), 0.0);
+    for (std::size_t t = 0; t < map.size(); ++t)
+        for (const int v : mesh.topology->triangles[t])
+            out[static_cast<std::size_t>(v)] = std::max(out[static_cast<std::size_t>(v)], map[t]);
+    return out;
+}
+
 void add_map(std::vector<ViewMap>& maps, const std::string& node, const std::string& name, const NumberList& values) {
     if (!varies(values)) return;
     ViewMap map{node, name, {}};
@@ -61,11 +83,17 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
     }
     for (const std::string& name : graph.node_names()) {
         if (graph.find(name)->type_name != "zAttachment") continue;
-        for (const auto& [end, attribute] : {std::pair("source", "weights"), std::pair("target", "targetWeights")}) {
-            const std::vector<Plug> body = connections(graph, name, end), map = connections(graph, name, attribute);
+        for (const char* end : {"source", "target"}) {
+            const bool from = std::string_view(end) == "source";
+            const std::vector<Plug> body = connections(graph, name, end),
+                                    map = connections(graph, name, from ? "weights" : "targetWeights");
             if (body.empty() || body.front().node != node || map.empty()) continue;
-            const engine::Value value = pull(map.front());
-            if (value.is<NumberList>()) add_map(maps, name, std::string("attachment ") + end, value.as<NumberList>());
+            const engine::Value value = pull({name, "outAttachment"}), at_end = pull(body.front());
+            const solver::AttachmentRest& rest = value.as<nodes::Attachment>().rest;
+            const NumberList& weights = from ? rest.source_weights : rest.target_weights;
+            const bool by_faces = (from ? rest.source_painted : rest.target_painted) == solver::PaintedOn::faces;
+            add_map(maps, name, std::string("attachment ") + end,
+                    by_faces ? on_vertices(at_end.as<nodes::Body>().rest->mesh, weights) : weights);
         }
     }
     return maps;
@@ -86,26 +114,16 @@ std::vector<std::string> acting_attachments(const engine::Graph& graph, const st
     return out;
 }
 
-ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& target,
-                             double units_per_metre) {
+ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& source,
+                             const nodes::BodyRest& target, double units_per_metre) {
     ViewAttachment out;
-    const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&target.data);
-    for (const solver::Anchor& anchor : anchors) {
-        if (anchor.source_tet >= 0) continue; // the middle of an edge: the ends are drawn
-        ViewAnchor view;
-        view.source_vertex = anchor.source_vertex;
-        if (tissue && anchor.target_tet >= 0) {
-            const solver::Tet& tet = (*tissue)->tets.tets[static_cast<std::size_t>(anchor.target_tet)];
-            std::copy(tet.begin(), tet.end(), view.host.begin());
-        } else if (anchor.target_triangle >= 0) {
-            const auto& t = target.mesh.topology->triangles[static_cast<std::size_t>(anchor.target_triangle)];
-            std::copy(t.begin(), t.end(), view.host.begin());
-        } else {
-            continue;
-        }
-        for (std::size_t k = 0; k < 4; ++k) view.weights[k] = static_cast<float>(anchor.coordinates[k]);
+    const std::size_t drawn = std::min(anchors.size(), most_anchors);
+    for (std::size_t i = 0; i < drawn; ++i) {
+        const solver::Anchor& anchor = anchors[i * anchors.size() / drawn];
+        ViewAnchor& view = out.anchors.emplace_back();
+        view.source = carried(anchor.source, source);
+        view.target = carried(anchor.target, target);
         for (std::size_t k = 0; k < 3; ++k) view.offset[k] = static_cast<float>(anchor.offset[k] * units_per_metre);
-        out.anchors.push_back(view);
     }
     return out;
 }

@@ -29,8 +29,8 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
 std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
                                             const nodes::Solved& solved, const Puller& pull);
 
-/// Anchors in scene units; node and bodies are left for the caller.
-ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& target,
-                             double units_per_metre);
+/// Anchors in scene units, some hundreds evenly chosen where there are more; node and bodies are left for the caller.
+ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& source,
+                             const nodes::BodyRest& target, double units_per_metre);
 
 } // namespace sinew::viewer

@@ -166,22 +166,25 @@ Json body_json(Writer& w, const ViewBody& body) {
 }
 
 Json attachment_json(Writer& w, const ViewAttachment& a) {
-    std::vector<std::uint32_t> vertices, hosts;
-    std::vector<float> weights, offsets;
-    for (const ViewAnchor& anchor : a.anchors) {
-        vertices.push_back(static_cast<std::uint32_t>(anchor.source_vertex));
-        for (const int h : anchor.host) hosts.push_back(static_cast<std::uint32_t>(std::max(0, h)));
-        weights.insert(weights.end(), anchor.weights.begin(), anchor.weights.end());
+    const auto carried_json = [&](ViewCarried ViewAnchor::*end) -> Json {
+        std::vector<std::uint32_t> hosts;
+        std::vector<float> weights;
+        for (const ViewAnchor& anchor : a.anchors) {
+            for (const int h : (anchor.*end).host) hosts.push_back(static_cast<std::uint32_t>(std::max(0, h)));
+            weights.insert(weights.end(), (anchor.*end).weights.begin(), (anchor.*end).weights.end());
+        }
+        return {{"hosts", w.indices(hosts, 1, 4)}, {"weights", w.floats(weights)}};
+    };
+    std::vector<float> offsets;
+    for (const ViewAnchor& anchor : a.anchors)
         offsets.insert(offsets.end(), anchor.offset.begin(), anchor.offset.end());
-    }
     return {{"node", a.node},
             {"mode", a.mode},
             {"source", a.source},
             {"target", a.target},
             {"count", a.anchors.size()},
-            {"vertices", w.indices(vertices, 1)},
-            {"hosts", w.indices(hosts, 1, 4)},
-            {"weights", w.floats(weights)},
+            {"from", carried_json(&ViewAnchor::source)},
+            {"to", carried_json(&ViewAnchor::target)},
             {"offsets", w.floats(offsets)}};
 }
 

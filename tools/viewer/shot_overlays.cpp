@@ -121,17 +121,25 @@ void add_fibres(const ViewBody& body, std::size_t frame, std::vector<Segment>& o
     }
 }
 
-/// Where an attached vertex holds on.
-Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t frame) {
-    const auto host = [&](std::size_t k) {
-        return target.lattice ? at(target.lattice->frames[frame], anchor.host[k]) : at(target, frame, anchor.host[k]);
-    };
+/// A vertex of what carries points of a body: its tets, or a bone's surface.
+Vec3 host_place(const ViewBody& body, std::size_t frame, int vertex) {
+    return body.lattice ? at(body.lattice->frames[frame], vertex) : at(body, frame, vertex);
+}
+
+Vec3 carried_place(const ViewCarried& point, const ViewBody& body, std::size_t frame) {
     Vec3 p = Vec3::Zero();
     for (std::size_t k = 0; k < 4; ++k)
-        if (anchor.host[k] >= 0) p += static_cast<double>(anchor.weights[k]) * host(k);
+        if (point.host[k] >= 0) p += static_cast<double>(point.weights[k]) * host_place(body, frame, point.host[k]);
+    return p;
+}
+
+/// Where an attached point holds on.
+Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t frame) {
+    const Vec3 p = carried_place(anchor.target, target, frame);
     const Vec3 offset(static_cast<double>(anchor.offset[0]), static_cast<double>(anchor.offset[1]),
                       static_cast<double>(anchor.offset[2]));
     if (offset.isZero()) return p;
+    const auto host = [&](std::size_t k) { return host_place(target, frame, anchor.target.host[k]); };
     // The triangle's own frame: first edge, across, normal (solver/attach/anchors.cpp).
     const Vec3 along = (host(1) - host(0)).normalized(),
                normal = (host(1) - host(0)).cross(host(2) - host(0)).normalized();
@@ -155,7 +163,7 @@ void add_attachments(const ViewScene& scene, std::size_t frame, std::vector<Segm
                        &target = scene.bodies[static_cast<std::size_t>(a.target)];
         if (!source.is_there(frame) || !target.is_there(frame)) continue;
         for (const ViewAnchor& anchor : a.anchors) {
-            const Vec3 from = at(source, frame, anchor.source_vertex), to = anchor_place(anchor, target, frame);
+            const Vec3 from = carried_place(anchor.source, source, frame), to = anchor_place(anchor, target, frame);
             const Eigen::Vector3f colour =
                 colour_at(distance, 1000 * (to - from).norm() / scene.units_per_metre / most);
             out.push_back({from, to, colour, 1.0f});

@@ -83,12 +83,15 @@ struct ViewBody {
     bool is_there(std::size_t frame) const { return present.empty() || present[frame]; }
 };
 
-/// The far end of one attached vertex: a weighted sum of the target's points plus an offset that turns with
-/// them.
-struct ViewAnchor {
-    int source_vertex = -1;
-    std::array<int, 4> host{-1, -1, -1, -1}; ///< tet vertices of a tissue, or surface vertices of a bone (then 3)
+/// A point that a body carries: a weighted sum of tet vertices of a tissue, or of surface vertices of a bone (then 3).
+struct ViewCarried {
+    std::array<int, 4> host{-1, -1, -1, -1};
     std::array<float, 4> weights{};
+};
+
+/// An attached point and where it holds on: a point of the target plus an offset that turns with it.
+struct ViewAnchor {
+    ViewCarried source, target;
     std::array<float, 3> offset{}; ///< bones: in the frame of the triangle
 };
 

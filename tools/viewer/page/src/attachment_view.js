@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Attachments: a dot at each attached vertex and a line to where it holds on, coloured by the distance between them.
+// Attachments: a dot at attached points and a line to where it holds on, coloured by the distance between them.
 import { BufferAttribute, BufferGeometry, CanvasTexture, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
 import { rangeOf, tableOf, writeColour } from "./colour_maps.js";
 import { isShown } from "./store.js";
@@ -18,21 +18,33 @@ function dot(isRing) {
     return new CanvasTexture(canvas);
 }
 
-/** Anchors of an attachment at a frame, 3 numbers each. Also used by tests through window.sinew. */
-export function anchorPoints(attachment, bodies, frame, out) {
-    const target = bodies[attachment.target];
-    const p = target.lattice ? target.lattice.positionsAt(frame) : target.positionsAt(frame);
-    const { hosts, weights, offsets } = attachment;
-    for (let i = 0; i < attachment.count; ++i) {
-        const v = [0, 1, 2, 3].map((k) => 3 * hosts[4 * i + k]);
+/** Positions of what carries points of a body: its tets, or a bone's surface. */
+const hostPositions = (body, frame) => (body.lattice ? body.lattice.positionsAt(frame) : body.positionsAt(frame));
+
+function carriedPoints({ hosts, weights }, p, out) {
+    for (let i = 0; i < hosts.length / 4; ++i)
         for (let c = 0; c < 3; ++c) {
             let x = 0;
-            for (let k = 0; k < 4; ++k) x += weights[4 * i + k] * p[v[k] + c];
+            for (let k = 0; k < 4; ++k) x += weights[4 * i + k] * p[3 * hosts[4 * i + k] + c];
             out[3 * i + c] = x;
         }
+    return out;
+}
+
+/** The attached points at a frame, 3 numbers each. */
+export const attachedPoints = (attachment, bodies, frame, out) =>
+    carriedPoints(attachment.from, hostPositions(bodies[attachment.source], frame), out);
+
+/** Where they hold on. Also used by tests through window.sinew. */
+export function anchorPoints(attachment, bodies, frame, out) {
+    const p = hostPositions(bodies[attachment.target], frame);
+    const { offsets, to } = attachment;
+    carriedPoints(to, p, out);
+    for (let i = 0; i < attachment.count; ++i) {
         const o = [offsets[3 * i], offsets[3 * i + 1], offsets[3 * i + 2]];
         if (o[0] === 0 && o[1] === 0 && o[2] === 0) continue;
         // The triangle's own frame: first edge, across, normal (solver/attach/anchors.cpp).
+        const v = [0, 1, 2].map((k) => 3 * to.hosts[4 * i + k]);
         const u = [0, 1, 2].map((c) => p[v[1] + c] - p[v[0] + c]), w = [0, 1, 2].map((c) => p[v[2] + c] - p[v[0] + c]);
         const unit = (a) => a.map((x) => x / (Math.hypot(...a) || 1));
         const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
@@ -48,6 +60,7 @@ export class AttachmentView {
         this.scene = scene;
         this.group = new Group();
         const n = attachment.count;
+        this.starts = new Float32Array(3 * n);
         this.ends = new Float32Array(3 * n);
         const attribute = (size) => new BufferAttribute(new Float32Array(size), 3);
         const lines = new BufferGeometry().setAttribute("position", attribute(6 * n)).setAttribute("color", attribute(6 * n));
@@ -67,30 +80,27 @@ export class AttachmentView {
     /** Longest distance, in metres. */
     measure(frame) {
         const { attachment, scene } = this;
-        anchorPoints(attachment, scene.bodies, frame, this.ends);
-        const p = scene.bodies[attachment.source].positionsAt(frame);
+        const from = attachedPoints(attachment, scene.bodies, frame, this.starts), to = anchorPoints(attachment, scene.bodies, frame, this.ends);
         let most = 0;
-        for (let i = 0; i < attachment.count; ++i) {
-            const v = 3 * attachment.vertices[i];
-            most = Math.max(most, Math.hypot(p[v] - this.ends[3 * i], p[v + 1] - this.ends[3 * i + 1], p[v + 2] - this.ends[3 * i + 2]));
-        }
+        for (let i = 0; i < 3 * attachment.count; i += 3)
+            most = Math.max(most, Math.hypot(from[i] - to[i], from[i + 1] - to[i + 1], from[i + 2] - to[i + 2]));
         return most / scene.unitsPerMetre;
     }
 
     update(state) {
         const { attachment, scene } = this;
-        const { source, target, count, vertices } = attachment;
+        const { source, target, count } = attachment;
         const there = scene.bodies[source].isThere(state.frame) && scene.bodies[target].isThere(state.frame);
         this.group.visible = there && (isShown(state, source) || isShown(state, target));
         if (!this.group.visible) return;
+        attachedPoints(attachment, scene.bodies, state.frame, this.starts);
         anchorPoints(attachment, scene.bodies, state.frame, this.ends);
-        const p = scene.bodies[source].positionsAt(state.frame);
         const table = tableOf("distance"), [least, most] = rangeOf(state, "distance");
         const line = this.lines.geometry.attributes, dots = this.dots.geometry.attributes;
         for (let i = 0; i < count; ++i) {
             let squared = 0;
             for (let c = 0; c < 3; ++c) {
-                const from = p[3 * vertices[i] + c], to = this.ends[3 * i + c];
+                const from = this.starts[3 * i + c], to = this.ends[3 * i + c];
                 line.position.array[6 * i + c] = dots.position.array[3 * i + c] = from;
                 line.position.array[6 * i + 3 + c] = to;
                 squared += (from - to) ** 2;

@@ -165,10 +165,9 @@ export async function loadScene(onProgress = () => {}) {
         onProgress(scene.bodies.length / header.bodies.length);
     }
     for (const a of header.attachments) {
-        const [vertices, hosts, weights, offsets] = await Promise.all(
-            [a.vertices, a.hosts, a.weights, a.offsets].map((id) => blocks.get(id)),
-        );
-        scene.attachments.push({ ...a, vertices, hosts, weights, offsets });
+        const [from, to] = await Promise.all([a.from, a.to].map(async ({ hosts, weights }) =>
+            ({ hosts: await blocks.get(hosts), weights: await blocks.get(weights) })));
+        scene.attachments.push({ ...a, from, to, offsets: await blocks.get(a.offsets) });
     }
     for (const frame of scene.frames) if (frame.contacts !== undefined) frame.contacts = await blocks.get(frame.contacts);
     if (scene.graph) scene.graph.svg = new TextDecoder().decode(await blocks.get(scene.graph.svg));
