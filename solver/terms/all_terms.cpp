@@ -3,6 +3,7 @@
 
 #include "solver/terms/attachment/attachment.h"
 #include "solver/terms/elastic/elastic.h"
+#include "solver/terms/field/field.h"
 
 namespace sinew::solver {
 
@@ -10,6 +11,7 @@ std::span<const TermType* const> all_terms() {
     static constexpr const TermType* terms[] = {
         &elastic_type,
         &attachment_type,
+        &field_type,
     };
     return terms;
 }
