@@ -6,6 +6,7 @@
 #include "nodes/solver_setup.h"
 #include "nodes/z_solver_attributes.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace sinew::nodes {
@@ -24,6 +25,12 @@ const Output<Solved> out_solved{.name = "outSolved", .doc = "The solved tets; co
 const Output<SolveReport> out_report{
     .name = "outReport",
     .doc = "How well this frame converged, and the size of the scene.",
+};
+
+const Output<MarkList> out_marks{
+    .name = "outMarks",
+    .doc = "What forces show of themselves at this frame, for viewers: points and lines in scene units with a number "
+           "each, in SI units. Empty if no force of the scene shows anything.",
 };
 
 /// The scene and its buffers: derived data that is kept from frame to frame only to save work.
@@ -122,16 +129,39 @@ void publish_tissue(const solver::Scene& scene, const solver::State& state, int 
     midpoints = to_scene_units(std::move(midpoints), units);
 }
 
+/// Groups of the same kind become one, as the first of them stands.
+MarkList publish_marks(solver::Marks groups, double units) {
+    MarkList out;
+    for (solver::MarkGroup& group : groups) {
+        for (solver::Mark& m : group.marks) m.from *= units, m.to *= units;
+        const auto same = [&](const solver::MarkGroup& g) {
+            return g.term == group.term && g.what == group.what && g.unit == group.unit;
+        };
+        const auto at = std::find_if(out.groups.begin(), out.groups.end(), same);
+        if (at == out.groups.end())
+            out.groups.push_back(std::move(group));
+        else
+            at->marks.insert(at->marks.end(), group.marks.begin(), group.marks.end());
+    }
+    return out;
+}
+
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
     const bool runs = in[enable];
     const Setup setup = read_setup(in, runs ? &s.scene : nullptr);
     MeshList meshes = unsolved_meshes(setup);
     Solved solved;
     SolveReport report;
+    MarkList marks;
     if (runs) {
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
         report.record = s.state.record;
+        if (stage->workspace.has_marks()) {
+            const solver::StepInputs inputs = step_inputs(in, setup, 1);
+            marks = publish_marks(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
+                                  setup.key.scale);
+        }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);
             Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
@@ -149,6 +179,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
     out.set(out_meshes, std::move(meshes));
     out.set(out_solved, std::move(solved));
     out.set(out_report, std::move(report));
+    out.set(out_marks, std::move(marks));
 }
 
 } // namespace
@@ -174,7 +205,7 @@ void add_z_solver(Registry& registry) {
                         describe(stiffness_damping),
                         describe(mass_damping),
                         describe(gravity)};
-    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report)};
+    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks)};
     type.initial = initial;
     type.advance = advance;
     type.publish = publish;

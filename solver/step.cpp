@@ -30,9 +30,12 @@ struct Workspace::Impl {
         , potential(scene) {}
 
     void prepare(const State& before, const StepInputs& in) {
-        const bool new_pattern = potential.take(before, in);
-        if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
-        newton = std::make_unique<NewtonWorkspace>(potential);
+        take(before, in);
+        if (potential.unknown_count() > 0 && !newton) newton = std::make_unique<NewtonWorkspace>(potential);
+    }
+    /// A new pattern leaves nothing of the old one's analysis.
+    void take(const State& before, const StepInputs& in) {
+        if (potential.take(before, in)) newton.reset();
     }
 };
 
@@ -41,6 +44,7 @@ Workspace::Workspace(std::shared_ptr<const Scene> scene)
     , impl_(std::make_unique<Impl>(*scene_)) {}
 Workspace::~Workspace() = default;
 int Workspace::symbolic_analyses() const { return impl_->newton ? impl_->newton->linear.symbolic_analyses() : 0; }
+bool Workspace::has_marks() const { return impl_->potential.has_marks(); }
 
 namespace {
 
@@ -295,6 +299,19 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
     s.record = record;
     return s;
+}
+
+Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs) {
+    Workspace::Impl& impl = workspace.impl();
+    Marks out;
+    if (!impl.potential.has_marks()) return out;
+    check_inputs(workspace.scene(), inputs);
+    impl.take(state, inputs);
+    impl.potential.begin_step(state, inputs);
+    standing_form(state, impl.form);
+    impl.potential.begin_stage(state, impl.form, state.bones);
+    impl.potential.marks(state.x, out);
+    return out;
 }
 
 Points surface_positions(const Scene& scene, const State& state, int body) {

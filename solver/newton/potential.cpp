@@ -83,16 +83,8 @@ void Potential::place_held(Positions& x) const {
 }
 
 void Potential::accelerations(const State& before, std::vector<double>& out) {
-    // A stage without inertia that ends where it starts, with the velocities of `before`: its gradient is the force.
-    ImplicitForm now;
-    now.velocity_factor = 1;
-    now.target = before.x;
-    now.velocity_offset.resize(before.x.size());
-    for (std::size_t i = 0; i < before.x.size(); ++i) now.velocity_offset[i] = before.v[i] - before.x[i];
-    now.strain = {.x = &before.x, .v = &before.v, .rate = -1};
-    now.bone_position = {0, 1, 0};
-    if (const double h = before.history.step_size; h > 0 && !before.history.bones.empty())
-        now.bone_velocity = {-1 / h, 1 / h, 0};
+    ImplicitForm now; // the gradient of its stage is the force
+    standing_form(before, now);
     begin_stage(before, now, before.bones);
     std::vector<double> gradient, solved;
     begin_iteration(before.x);
@@ -237,6 +229,10 @@ double Potential::least_j(const Positions& x) {
         term->add_quality(nullptr, quality);
     }
     return quality.least_j;
+}
+
+bool Potential::has_marks() const {
+    return std::any_of(types_.begin(), types_.end(), [](const TermType* type) { return type->has_marks; });
 }
 
 void Potential::marks(const Positions& x, Marks& out) const {

@@ -155,6 +155,7 @@ export async function loadScene(onProgress = () => {}) {
         up: header.up,
         bounds: header.bounds,
         frames: header.frames,
+        measures: header.measures,
         notes: header.notes,
         graph: header.graph,
         bodies: [],
@@ -170,7 +171,7 @@ export async function loadScene(onProgress = () => {}) {
         );
         scene.attachments.push({ ...a, vertices, hosts, weights, offsets });
     }
-    for (const frame of scene.frames) if (frame.contacts !== undefined) frame.contacts = await blocks.get(frame.contacts);
+    for (const frame of scene.frames) for (const group of frame.marks ?? []) group.numbers = await blocks.get(group.numbers);
     if (scene.graph) scene.graph.svg = new TextDecoder().decode(await blocks.get(scene.graph.svg));
     return scene;
 }
