@@ -246,22 +246,6 @@ std::size_t ValueTraits<nodes::Solved>::bytes(const nodes::Solved& v) {
     return n;
 }
 
-void ValueTraits<nodes::MarkList>::hash(Hasher& h, const nodes::MarkList& v) {
-    h.add(static_cast<std::uint64_t>(v.groups.size()));
-    for (const solver::MarkGroup& group : v.groups) {
-        h.add(group.term).add(group.what).add(group.unit).add(static_cast<std::uint64_t>(group.marks.size()));
-        for (const solver::Mark& m : group.marks) {
-            h.add(m.part).add(m.value);
-            for (const solver::Vec3* p : {&m.from, &m.to}) h.add_doubles(std::span<const double>(p->data(), 3));
-        }
-    }
-}
-std::size_t ValueTraits<nodes::MarkList>::bytes(const nodes::MarkList& v) {
-    std::size_t n = size_of(v.groups);
-    for (const solver::MarkGroup& group : v.groups) n += size_of(group.marks);
-    return n;
-}
-
 void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& v) { h.add(v.ending).add(v.bytes); }
 std::size_t ValueTraits<nodes::FileContent>::bytes(const nodes::FileContent& v) { return v.bytes.size(); }
 

@@ -170,12 +170,6 @@ struct Solved {
     std::vector<solver::Points> midpoints;
 };
 
-/// What the forces of a solver show of one frame: points and lines with a number each, for viewers. One group for each
-/// force's kind and quantity. Positions in scene units; values in the group's unit, which is SI.
-struct MarkList {
-    solver::Marks groups;
-};
-
 /// A file that a writer node made: pure content; the command line puts it on disk, whole or not at all.
 struct FileContent {
     std::string ending; ///< "obj", "ply", "vtk" …
@@ -203,7 +197,6 @@ SINEW_NODE_VALUE(nodes::Attachment, "attachment")
 SINEW_NODE_VALUE(nodes::Force, "force")
 SINEW_NODE_VALUE(nodes::SolveReport, "solve report")
 SINEW_NODE_VALUE(nodes::Solved, "solved bodies")
-SINEW_NODE_VALUE(nodes::MarkList, "marks")
 SINEW_NODE_VALUE(nodes::FileContent, "file content")
 SINEW_NODE_VALUE(nodes::SimulationState, "simulation state")
 #undef SINEW_NODE_VALUE

@@ -2,11 +2,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/marks_of.h"
 
-#include <algorithm>
 #include <cstdio>
 
 namespace sinew::nodes {
@@ -129,23 +130,6 @@ void publish_tissue(const solver::Scene& scene, const solver::State& state, int 
     midpoints = to_scene_units(std::move(midpoints), units);
 }
 
-/// Groups of the same kind become one, as the first of them stands.
-MarkList publish_marks(solver::Marks groups, double units) {
-    MarkList out;
-    for (solver::MarkGroup& group : groups) {
-        for (solver::Mark& m : group.marks) m.from *= units, m.to *= units;
-        const auto same = [&](const solver::MarkGroup& g) {
-            return g.term == group.term && g.what == group.what && g.unit == group.unit;
-        };
-        const auto at = std::find_if(out.groups.begin(), out.groups.end(), same);
-        if (at == out.groups.end())
-            out.groups.push_back(std::move(group));
-        else
-            at->marks.insert(at->marks.end(), group.marks.begin(), group.marks.end());
-    }
-    return out;
-}
-
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
     const bool runs = in[enable];
     const Setup setup = read_setup(in, runs ? &s.scene : nullptr);
@@ -157,10 +141,10 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
         report.record = s.state.record;
-        if (stage->workspace.has_marks()) {
+        if (!setup.forces.empty()) {
             const solver::StepInputs inputs = step_inputs(in, setup, 1);
-            marks = publish_marks(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
-                                  setup.key.scale);
+            marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
+                              setup.key.scale);
         }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);

@@ -3,7 +3,9 @@
 
 #include "solver/attach/anchors.h"
 #include "solver/error.h"
+#include "solver/integrate/standing_form.h"
 #include "solver/integrate/values_between.h"
+#include "solver/marks_of.h"
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
@@ -44,7 +46,6 @@ Workspace::Workspace(std::shared_ptr<const Scene> scene)
     , impl_(std::make_unique<Impl>(*scene_)) {}
 Workspace::~Workspace() = default;
 int Workspace::symbolic_analyses() const { return impl_->newton ? impl_->newton->linear.symbolic_analyses() : 0; }
-bool Workspace::has_marks() const { return impl_->potential.has_marks(); }
 
 namespace {
 
@@ -302,10 +303,10 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
 }
 
 Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs) {
-    Workspace::Impl& impl = workspace.impl();
     Marks out;
-    if (!impl.potential.has_marks()) return out;
+    if (workspace.scene().description().parts.empty()) return out;
     check_inputs(workspace.scene(), inputs);
+    Workspace::Impl& impl = workspace.impl();
     impl.take(state, inputs);
     impl.potential.begin_step(state, inputs);
     standing_form(state, impl.form);

@@ -5,7 +5,6 @@
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step_inputs.h"
-#include "solver/term/marks.h"
 
 #include <functional>
 #include <memory>
@@ -23,7 +22,6 @@ class Workspace {
     Impl& impl() { return *impl_; }
     /// Symbolic analyses done so far; a steady simulation does one.
     int symbolic_analyses() const;
-    bool has_marks() const; ///< whether a term of the scene shows anything
 
   private:
     std::shared_ptr<const Scene> scene_;
@@ -44,10 +42,6 @@ State initial_state(const Scene& scene, const StepInputs& inputs);
 /// leaves no half-made state.
 State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
               const StepControl& control = {});
-
-/// What the scene's terms show of `state` under the values of its time. Empty, at no cost, where no term of the scene
-/// has marks. Errors as `advance`.
-Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs);
 
 /// Deformed surface of every body [m]: tissues through their embedding, bones as given.
 Points surface_positions(const Scene& scene, const State& state, int body);

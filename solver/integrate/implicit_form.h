@@ -47,10 +47,6 @@ void tr_bdf2_bdf2_form(const State& before, const std::vector<double>& x_gamma, 
 /// No momentum: equilibrium under the present loads, v' = 0.
 void quasi_static_form(const State& before, ImplicitForm& form);
 
-/// Not a step: no inertia, ends where `before` is, with the velocities that it has there. What acts on the state as it
-/// is.
-void standing_form(const State& before, ImplicitForm& form);
-
 /// New velocities from new positions, 3 a vertex.
 void update_velocity(const ImplicitForm& form, const std::vector<double>& x, std::vector<double>& v);
 /// Accelerations that the solved stage implies, m (x' - target), 3 a vertex.

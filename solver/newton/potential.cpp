@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/newton/potential.h"
 
+#include "solver/integrate/standing_form.h"
 #include "solver/parallel.h"
 #include "solver/terms/all_terms.h"
 
@@ -83,7 +84,7 @@ void Potential::place_held(Positions& x) const {
 }
 
 void Potential::accelerations(const State& before, std::vector<double>& out) {
-    ImplicitForm now; // the gradient of its stage is the force
+    ImplicitForm now;
     standing_form(before, now);
     begin_stage(before, now, before.bones);
     std::vector<double> gradient, solved;
@@ -229,10 +230,6 @@ double Potential::least_j(const Positions& x) {
         term->add_quality(nullptr, quality);
     }
     return quality.least_j;
-}
-
-bool Potential::has_marks() const {
-    return std::any_of(types_.begin(), types_.end(), [](const TermType* type) { return type->has_marks; });
 }
 
 void Potential::marks(const Positions& x, Marks& out) const {

@@ -83,7 +83,6 @@ class Potential {
     void describe(const Positions& x, StepRecord& record);
     /// Least det F where the energy is taken, at x.
     double least_j(const Positions& x);
-    bool has_marks() const; ///< whether a term of the scene has any
     void marks(const Positions& x, Marks& out) const;
 
   private:

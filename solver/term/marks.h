@@ -1,6 +1,4 @@
 // What a term shows in pictures: points and lines with a number each. The viewer and snapshots draw them all alike.
-// Terms are asked at the positions where a stage has begun, without an evaluation before, and give a few hundred a part
-// at most.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/types.h"
@@ -17,10 +15,9 @@ struct Mark {
     double value = 0; ///< in the group's unit
 };
 
-/// The words are constants of the term: they outlive every scene.
 struct MarkGroup {
-    std::string_view term, what; ///< "field", "wind"
-    std::string_view unit;       ///< of the values, SI
+    std::string_view term, what; ///< "attachment", "stretch"
+    std::string_view unit;       ///< of the values
     std::vector<Mark> marks;
 };
 

@@ -29,7 +29,6 @@ struct TermType {
     bool (*may_mix)(std::span<const double> before, std::span<const double> after) = nullptr;
     /// Whether a part with these values pulls a deformable body towards what is prescribed: ties it in QuasiStatic.
     bool ties = false;
-    bool has_marks = false; ///< whether Term::marks shows anything
 };
 
 } // namespace sinew::solver

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/print.h"
 
+#include "nodes/marks.h"
 #include "nodes/values.h"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/graph.h"
+#include "nodes/marks.h"
 #include "nodes/values.h"
 #include "tools/viewer/view_data.h"
 
