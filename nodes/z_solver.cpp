@@ -2,9 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/marks_of.h"
 
 #include <cstdio>
 
@@ -24,6 +26,12 @@ const Output<Solved> out_solved{.name = "outSolved", .doc = "The solved tets; co
 const Output<SolveReport> out_report{
     .name = "outReport",
     .doc = "How well this frame converged, and the size of the scene.",
+};
+
+const Output<MarkList> out_marks{
+    .name = "outMarks",
+    .doc = "What forces show of themselves at this frame, for viewers: points and lines in scene units with a number "
+           "each, in SI units. Empty if no force of the scene shows anything.",
 };
 
 /// The scene and its buffers: derived data that is kept from frame to frame only to save work.
@@ -169,10 +177,16 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
     MeshList meshes = unsolved_meshes(setup);
     Solved solved;
     SolveReport report;
+    MarkList marks;
     if (runs) {
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
         report.record = s.state.record;
+        if (!setup.forces.empty()) {
+            const solver::StepInputs inputs = step_inputs(in, setup, 1);
+            marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
+                              setup.key.scale);
+        }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);
             Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
@@ -190,6 +204,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
     out.set(out_meshes, std::move(meshes));
     out.set(out_solved, std::move(solved));
     out.set(out_report, std::move(report));
+    out.set(out_marks, std::move(marks));
 }
 
 } // namespace
@@ -215,7 +230,7 @@ void add_z_solver(Registry& registry) {
                         describe(stiffness_damping),
                         describe(mass_damping),
                         describe(gravity)};
-    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report)};
+    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks)};
     type.initial = initial;
     type.advance = advance;
     type.publish = publish;

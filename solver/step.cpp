@@ -2,7 +2,9 @@
 #include "solver/step.h"
 
 #include "solver/error.h"
+#include "solver/integrate/standing_form.h"
 #include "solver/integrate/values_between.h"
+#include "solver/marks_of.h"
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
@@ -29,9 +31,12 @@ struct Workspace::Impl {
         , potential(scene) {}
 
     void prepare(const State& before, const StepInputs& in) {
-        const bool new_pattern = potential.take(before, in);
-        if (potential.unknown_count() == 0 || (newton && !new_pattern)) return;
-        newton = std::make_unique<NewtonWorkspace>(potential);
+        take(before, in);
+        if (potential.unknown_count() > 0 && !newton) newton = std::make_unique<NewtonWorkspace>(potential);
+    }
+    /// A new pattern leaves nothing of the old one's analysis.
+    void take(const State& before, const StepInputs& in) {
+        if (potential.take(before, in)) newton.reset();
     }
 };
 
@@ -293,6 +298,19 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
     s.record = record;
     return s;
+}
+
+Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs) {
+    Marks out;
+    if (workspace.scene().description().parts.empty()) return out;
+    check_inputs(workspace.scene(), inputs);
+    Workspace::Impl& impl = workspace.impl();
+    impl.take(state, inputs);
+    impl.potential.begin_step(state, inputs);
+    standing_form(state, impl.form);
+    impl.potential.begin_stage(state, impl.form, state.bones);
+    impl.potential.marks(state.x, out);
+    return out;
 }
 
 Points surface_positions(const Scene& scene, const State& state, int body) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/newton/potential.h"
 
+#include "solver/integrate/standing_form.h"
 #include "solver/parallel.h"
 #include "solver/terms/all_terms.h"
 
@@ -83,16 +84,8 @@ void Potential::place_held(Positions& x) const {
 }
 
 void Potential::accelerations(const State& before, std::vector<double>& out) {
-    // A stage without inertia that ends where it starts, with the velocities of `before`: its gradient is the force.
     ImplicitForm now;
-    now.velocity_factor = 1;
-    now.target = before.x;
-    now.velocity_offset.resize(before.x.size());
-    for (std::size_t i = 0; i < before.x.size(); ++i) now.velocity_offset[i] = before.v[i] - before.x[i];
-    now.strain = {.x = &before.x, .v = &before.v, .rate = -1};
-    now.bone_position = {0, 1, 0};
-    if (const double h = before.history.step_size; h > 0 && !before.history.bones.empty())
-        now.bone_velocity = {-1 / h, 1 / h, 0};
+    standing_form(before, now);
     begin_stage(before, now, before.bones);
     std::vector<double> gradient, solved;
     begin_iteration(before.x);

@@ -166,11 +166,11 @@ test("the keyboard plays, steps and toggles", async () => {
     await page.keyboard.press("Escape");
     assert.equal((await state()).selectedNode, null);
     await page.keyboard.press("4");
-    // There are no contacts: the key says so and leaves all as it is.
+    // No force shows marks: the key says so and leaves all as it is.
     await page.keyboard.press("k");
-    assert.equal((await state()).overlays.contacts, false);
+    assert.equal((await state()).overlays.marks, false);
     assert.equal(await page.locator(".legend-card").count(), 0);
-    assert.match(await page.locator(".toast").innerText(), /no contacts/);
+    assert.match(await page.locator(".toast").innerText(), /no marks/);
     await page.keyboard.press("?");
     assert.ok(await page.isVisible(".sheet"));
     await page.keyboard.press("Escape");
@@ -363,6 +363,8 @@ test("a click on the time line goes to the frame", async () => {
         assert.equal(await page.evaluate(() => sinew.frame), frame);
     }
     assert.match(await page.locator(".tip").innerText(), /Frame 128/);
+    // What forces measure has its rows too.
+    assert.ok((await page.evaluate(() => sinew.timelineTitles)).includes("Largest attachment stretch"));
     assert.deepEqual(page.problems, []);
 });
 

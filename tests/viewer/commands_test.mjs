@@ -29,14 +29,26 @@ test("sinew run --open says where the page is, and the page has the run's times"
     assert.deepEqual(page.problems, []);
     assert.equal((await sinew("run", "graphs/learn/02_muscle_pulls.json", "--open")).code, 2);
 
-    // Contacts have their place in a page before a solver finds any.
+    // Marks of forces: lines and dots, a colour range for each unit over the frames without faults.
     const plain = await page.evaluate(() => sinew.picture());
     await page.evaluate(() => {
-        sinew.scene.frames[0].contacts = new Float32Array([0, 0, 6, 0, 1, 0, 0.01, 1, 1, 6, 0, 1, 0, 0.1]);
-        sinew.toggle("contacts", true);
+        sinew.scene.frames[0].marks = [
+            { term: "field", what: "wind", unit: "N/m^3", numbers: new Float32Array([0, 0, 6, 0, 4, 6, 5, 1, 1, 6, 1, 5, 6, 10]) },
+            { term: "hold", what: "distance", unit: "m", numbers: new Float32Array([0, 0, 6, 0, 0, 6, 0.002]) },
+        ];
+        sinew.toggle("marks", true);
+        sinew.set({ ranges: { ...sinew.state.ranges, "marks N/m^3": [0, 10], "marks m": [0, 4] } });
     });
     assert.notEqual(await page.evaluate(() => sinew.picture()), plain);
-    assert.equal(await page.locator(".legend-card[data-quantity=depth]").count(), 1);
+    assert.match(await page.locator('.legend-card[data-quantity="marks N/m^3"]').innerText(), /Wind N\/m³/);
+    assert.match(await page.locator('.legend-card[data-quantity="marks m"]').innerText(), /Distance mm/);
+    // Half, the end, and half of 4 mm: #f5bb2e is 0.913 0.497 0.027 in linear light.
+    const dots = await page.evaluate(() => sinew.drawnColours("marks"));
+    assert.equal(dots.length, 9);
+    for (const first of [0, 6]) [0.913, 0.497, 0.027].forEach((c, i) => assert.ok(Math.abs(dots[first + i] - c) < 0.02, `${dots}`));
+    [0.366, 0.0075, 0.205].forEach((c, i) => assert.ok(Math.abs(dots[3 + i] - c) < 0.01, `${dots}`));
+    await page.locator('.legend-card[data-quantity="marks m"] button').click();
+    assert.deepEqual(await page.evaluate(() => sinew.state.ranges["marks m"]), [0, 2]);
     assert.deepEqual(page.problems, []);
 });
 
@@ -63,7 +75,7 @@ test("reused frames and a solve without convergence are marked on the time line"
     const frames = [];
     for (let f = 1; f <= 4; ++f) {
         await writeFile(path.join(place, `a.${f}.obj`), obj);
-        frames.push({ frame: f, reused: f === 2, wall_s: 0.1, phases: { assembly: 0.02, solve: 0.05 }, newton: 3 * f, residual: 1e-6, converged: f !== 3, contacts: f });
+        frames.push({ frame: f, reused: f === 2, wall_s: 0.1, phases: { assembly: 0.02, solve: 0.05 }, newton: 3 * f, residual: 1e-6, converged: f !== 3 });
     }
     await writeFile(path.join(place, "report.json"), JSON.stringify({ frames }));
     const view = await sinew("view", place);

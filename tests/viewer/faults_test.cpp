@@ -3,6 +3,7 @@
 #include "tools/viewer/collect.h"
 #include "tools/viewer/faults.h"
 #include "tools/viewer/page_data.h"
+#include "tools/viewer/shot_overlays.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -112,14 +113,67 @@ TEST_CASE("a small body that comes late counts for the bounds") {
     CHECK(bounds(scene) == std::array<std::array<float, 3>, 2>{{{3, 0, 0}, {4, 1, 1}}});
 }
 
-TEST_CASE("contacts travel as seven numbers each") {
+TEST_CASE("marks travel as seven numbers each, a block for each frame and kind") {
     ViewScene scene = test::made_scene(10, 2);
-    scene.frames[1].contacts = {{{1, 2, 3}, {0, 1, 0}, 0.5f}, {{4, 5, 6}, {1, 0, 0}, -0.25f}};
+    scene.frames[1].marks = {{"field", "wind", "N/m^3", {{{1, 2, 3}, {0, 1, 0}, 0.5f}, {{4, 5, 6}, {1, 0, 0}, -0.25f}}},
+                             {"pressure", "pressure", "Pa", {{{7, 8, 9}, {7, 8, 9}, 2000}}},
+                             {"hold", "reaction", "N", {}}};
     const PageData data = page_data(scene);
     const auto header = nlohmann::json::parse(data.header);
-    CHECK_FALSE(header["frames"][0].contains("contacts"));
-    CHECK_FALSE(header["frames"][0].contains("contactCount"));
-    CHECK(header["frames"][1]["contactCount"] == 2);
-    CHECK(unpack_f32(data.blocks[header["frames"][1]["contacts"].get<std::size_t>()]) ==
-          std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});
+    CHECK_FALSE(header["frames"][0].contains("marks"));
+    const auto& groups = header["frames"][1]["marks"];
+    REQUIRE(groups.size() == 2); // one has none
+    CHECK(groups[0]["term"] == "field");
+    CHECK(groups[0]["what"] == "wind");
+    CHECK(groups[0]["unit"] == "N/m^3");
+    const auto numbers = [&](std::size_t g) {
+        return unpack_f32(data.blocks[groups[g]["numbers"].get<std::size_t>()]);
+    };
+    CHECK(numbers(0) == std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});
+    CHECK(numbers(1) == std::vector<float>{7, 8, 9, 7, 8, 9, 2000});
+}
+
+TEST_CASE("marks that cannot be drawn are left out, and their frame is named") {
+    ViewScene scene = test::made_scene(10, 3);
+    for (std::size_t f = 0; f < 3; ++f)
+        scene.frames[f].marks = {{"field", "wind", "N/m^3", {{{1, 2, 3}, {0, 1, 0}, 0.5f}, {{4, 5, 6}, {1, 0, 0}, 1}}}};
+    scene.frames[1].marks[0].marks[0].value = NAN;
+    scene.frames[2].marks[0].marks[1].to[2] = 1e30f;
+    find_faults(scene);
+    CHECK(scene.frames[0].marks[0].marks.size() == 2);
+    CHECK(scene.frames[0].faults.empty());
+    REQUIRE(scene.frames[1].marks[0].marks.size() == 1);
+    CHECK(scene.frames[1].marks[0].marks[0].value == 1);
+    REQUIRE(scene.frames[2].marks[0].marks.size() == 1);
+    CHECK(scene.frames[2].marks[0].marks[0].value == 0.5f);
+    CHECK(scene.frames[1].faults.size() == 1);
+    CHECK(all_notes(scene) ==
+          "Frames 2-3: marks of field, wind have coordinates or values that are no numbers or beyond "
+          "any; they are left out.\n");
+}
+
+TEST_CASE("pictures draw marks in the colours of their unit's range over the frames without faults") {
+    ViewScene scene = test::made_scene(10, 3);
+    const auto arrow = [](float value) {
+        return std::vector<ViewMarks>{{"field", "wind", "N/m^3", {{{1, 0, 0}, {1, 2, 0}, value}}}};
+    };
+    scene.frames[0].marks = arrow(5), scene.frames[1].marks = arrow(10), scene.frames[2].marks = arrow(1e6f);
+    scene.frames[2].faults.push_back("ball flies far away");
+    // A point, in another unit: its range is its own.
+    scene.frames[0].marks.push_back({"pressure", "pressure", "Pa", {{{3, 3, 3}, {3, 3, 3}, 7}}});
+    const auto lines = overlay_segments(scene, 0, {"marks"});
+    REQUIRE(lines.size() == 3); // the arrow, its dot, and the point's dot
+    CHECK((lines[0].from == solver::Vec3(1, 0, 0)));
+    CHECK((lines[0].to == solver::Vec3(1, 2, 0)));
+    CHECK((lines[1].from == lines[1].to));
+    CHECK((lines[2].from == solver::Vec3(3, 3, 3)));
+    // Half of the scale is #f5bb2e, its end #a3157d.
+    const auto srgb = [](unsigned hex) {
+        const auto c = [&](unsigned shift) { return render::to_linear(static_cast<float>(hex >> shift & 255) / 255); };
+        return Eigen::Vector3f(c(16), c(8), c(0));
+    };
+    CHECK((lines[0].colour - srgb(0xf5bb2e)).norm() < 1e-5f);
+    CHECK((lines[2].colour - srgb(0xa3157d)).norm() < 1e-5f);
+    CHECK((overlay_segments(scene, 1, {"marks"})[0].colour - srgb(0xa3157d)).norm() < 1e-5f);
+    CHECK(overlay_segments(scene, 0, {"attachments"}).empty());
 }

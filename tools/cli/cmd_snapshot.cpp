@@ -113,7 +113,7 @@ std::set<std::string> parse_overlays(const Arguments& arguments) {
     const std::vector<std::string> known(viewer::overlay_names().begin(), viewer::overlay_names().end());
     for (const std::string& word : split(*text, ',')) {
         if (!viewer::overlay_names().contains(word))
-            throw UsageError("unknown overlay '" + word + "'; known are lattice, fibers and attachments." +
+            throw UsageError("unknown overlay '" + word + "'; known are lattice, fibers, attachments and marks." +
                              did_you_mean(word, known));
         out.insert(word);
     }
@@ -226,7 +226,7 @@ Command snapshot_command() {
          {"--view", "VIEW", "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
          {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
          {"--overlays", "LIST",
-          "graphs: lattice, fibers, attachments; flesh is then seen through. Same colours as in the viewer"},
+          "graphs: lattice, fibers, attachments, marks; flesh is then seen through. Same colours as in the viewer"},
          {"--smooth", "N", "samples along each side of a pixel; default: 3"},
          {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/print.h"
 
+#include "nodes/marks.h"
 #include "nodes/values.h"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -87,6 +89,20 @@ Json describe(const nodes::SolveReport& r) {
     Json out = describe_step(r.record);
     out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},  {"triangles", r.triangles}, {"dofs", r.dofs},
                    {"attachments", r.attachments}, {"terms", r.terms}};
+    return out;
+}
+
+Json describe(const nodes::MarkList& list) {
+    Json out = Json::array();
+    for (const solver::MarkGroup& group : list.groups) {
+        Json json = {{"term", group.term}, {"what", group.what}, {"marks", group.marks.size()}};
+        if (!group.marks.empty()) {
+            const auto less = [](const solver::Mark& a, const solver::Mark& b) { return a.value < b.value; };
+            const auto [least, most] = std::minmax_element(group.marks.begin(), group.marks.end(), less);
+            json["unit"] = group.unit, json["least"] = least->value, json["most"] = most->value;
+        }
+        out.push_back(std::move(json));
+    }
     return out;
 }
 
@@ -199,6 +215,7 @@ Json describe_value(const engine::Value& v) {
     if (v.is<Attachment>()) return describe(v.as<Attachment>());
     if (v.is<SolveReport>()) return describe(v.as<SolveReport>());
     if (v.is<Solved>()) return describe(v.as<Solved>());
+    if (v.is<MarkList>()) return describe(v.as<MarkList>());
     if (v.is<FileContent>())
         return {{"ending", v.as<FileContent>().ending}, {"bytes", v.as<FileContent>().bytes.size()}};
     return Json::object();

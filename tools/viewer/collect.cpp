@@ -95,6 +95,9 @@ class Collector {
         for (const Source& source : sources_)
             if (source.is_solver && !view.step)
                 view.step = pull({source.meshes.node, "outReport"}, frame).as<nodes::SolveReport>().record;
+        for (const Source& source : sources_)
+            if (source.is_solver && e_.with_lattices)
+                add_marks(pull({source.meshes.node, "outMarks"}, frame).as<nodes::MarkList>(), view.marks);
         // All that can fail has been computed now, so a frame is added whole or not at all.
         stop_ = {};
         if (scene_.frames.empty())

@@ -23,7 +23,7 @@ struct Evaluation {
     std::function<void(const ViewFrame&)> end_frame = {};
     std::vector<engine::Plug> shown = {}; ///< whose meshes; empty = outMeshes of shown_nodes
     bool keeps_frames = true;             ///< a later frame that fails ends the run with a note; without, it throws
-    bool with_lattices = true;            ///< without: smaller, but no tets, fibres and heat maps
+    bool with_lattices = true;            ///< without: smaller, but no tets, fibres, marks and heat maps
 };
 
 /// The nodes whose meshes are shown: all zSolvers and zEmbedders, in file order.

@@ -159,9 +159,30 @@ void note(ViewScene& scene, const Found& found, Say say) {
     }
 }
 
+/// Marks that cannot be drawn are left out; their frame says so.
+void drop_broken_marks(ViewScene& scene) {
+    const auto is_broken = [](const ViewMark& m) {
+        const auto bad = [](float v) { return !is_drawable(v); };
+        return std::any_of(m.from.begin(), m.from.end(), bad) || std::any_of(m.to.begin(), m.to.end(), bad) ||
+               !std::isfinite(m.value);
+    };
+    Found broken;
+    for (std::size_t f = 0; f < scene.frames.size(); ++f)
+        for (ViewMarks& group : scene.frames[f].marks) {
+            if (std::erase_if(group.marks, is_broken) == 0) continue;
+            std::vector<std::size_t>& of_group = broken["marks of " + group.term + ", " + group.what];
+            if (of_group.empty() || of_group.back() != f) of_group.push_back(f);
+            scene.frames[f].faults.push_back("marks of " + group.term + " have numbers that are none");
+        }
+    note(scene, broken, [](const auto&, const auto& names) {
+        return joined(names) + " have coordinates or values that are no numbers or beyond any; they are left out.";
+    });
+}
+
 } // namespace
 
 void find_faults(ViewScene& scene) {
+    drop_broken_marks(scene);
     Found broken, far;
     for (ViewBody& body : scene.bodies) {
         std::vector<std::size_t> bad;

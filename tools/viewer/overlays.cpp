@@ -99,6 +99,22 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
     return maps;
 }
 
+void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out) {
+    const auto single = [](const solver::Vec3& p) {
+        return std::array{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
+    };
+    for (const solver::MarkGroup& group : list.groups) {
+        const auto same = [&](const ViewMarks& v) {
+            return v.term == group.term && v.what == group.what && v.unit == group.unit;
+        };
+        auto at = std::find_if(out.begin(), out.end(), same);
+        if (at == out.end())
+            at = out.insert(at, {std::string(group.term), std::string(group.what), std::string(group.unit), {}});
+        for (const solver::Mark& m : group.marks)
+            at->marks.push_back({single(m.from), single(m.to), static_cast<float>(m.value)});
+    }
+}
+
 std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
                                             const nodes::Solved& solved, const Puller& pull) {
     std::vector<std::string> out;

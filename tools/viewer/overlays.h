@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/graph.h"
+#include "nodes/marks.h"
 #include "nodes/values.h"
 #include "tools/viewer/view_data.h"
 
@@ -24,6 +25,9 @@ std::vector<ViewFibres> fibres_of(const engine::Graph& graph, const std::string&
 /// What is painted on the body `node`: material and fibre weights, end points, attachment weights. Maps that
 /// are the same everywhere are left out.
 std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node, const Puller& pull);
+
+/// Adds the marks of a solver, to groups of the same kind where there are some.
+void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out);
 
 /// The zAttachment nodes that act in `solver`, in the order of its anchors.
 std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,

@@ -196,7 +196,6 @@ Json frame_json(Writer& w, const ViewFrame& f) {
                          {"factor", s.seconds_factor},
                          {"solve", s.seconds_solve},
                          {"other", s.seconds_other}};
-        if (f.seconds_contact > 0) out["phases"]["contact"] = f.seconds_contact;
         out["substeps"] = s.substeps, out["newton"] = s.newton_iterations;
         out["residual"] = s.residual, out["converged"] = s.converged, out["energy"] = s.energy;
         out["minJ"] = s.min_j, out["inverted"] = s.inverted;
@@ -204,16 +203,16 @@ Json frame_json(Writer& w, const ViewFrame& f) {
             out["terms"][std::string(m.what->term)][std::string(m.what->name)] = m.value;
     }
     if (!f.faults.empty()) out["faults"] = f.faults;
-    const int contacts = std::max(f.contact_count, static_cast<int>(f.contacts.size()));
-    if (contacts > 0) out["contactCount"] = contacts;
-    if (!f.contacts.empty()) {
-        std::vector<float> numbers;
-        for (const ViewContact& c : f.contacts) {
-            numbers.insert(numbers.end(), c.point.begin(), c.point.end());
-            numbers.insert(numbers.end(), c.normal.begin(), c.normal.end());
-            numbers.push_back(c.depth);
+    for (const ViewMarks& group : f.marks) {
+        if (group.marks.empty()) continue;
+        std::vector<float> numbers; // seven a mark
+        for (const ViewMark& m : group.marks) {
+            numbers.insert(numbers.end(), m.from.begin(), m.from.end());
+            numbers.insert(numbers.end(), m.to.begin(), m.to.end());
+            numbers.push_back(m.value);
         }
-        out["contacts"] = w.floats(numbers);
+        out["marks"].push_back(
+            {{"term", group.term}, {"what", group.what}, {"unit", group.unit}, {"numbers", w.floats(numbers)}});
     }
     return out;
 }

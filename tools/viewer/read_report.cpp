@@ -61,13 +61,11 @@ ViewFrame frame_of(Fields& in, const json& j) {
     f.frame = in.whole(j, "frame", 0);
     f.reused = in.flag(j, "reused", false);
     f.wall_s = in.real(j, "wall_s", 0, 0);
-    f.contact_count = std::max(0, in.whole(j, "contacts", 0));
     const auto phases = j.find("phases");
     if (phases == j.end() || !phases->is_object()) return f;
     solver::StepRecord s;
     s.seconds_assembly = in.real(*phases, "assembly", 0, 0), s.seconds_factor = in.real(*phases, "factor", 0, 0);
     s.seconds_solve = in.real(*phases, "solve", 0, 0), s.seconds_other = in.real(*phases, "other", 0, 0);
-    f.seconds_contact = in.real(*phases, "contact", 0, 0);
     s.substeps = in.whole(j, "substeps", 0), s.newton_iterations = in.whole(j, "newton", 0);
     s.residual = in.real(j, "residual", NAN), s.converged = in.flag(j, "converged", true);
     s.energy = in.real(j, "energy", NAN), s.min_j = in.real(j, "min_J", NAN), s.inverted = in.whole(j, "inverted", 0);

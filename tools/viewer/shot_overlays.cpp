@@ -1,4 +1,5 @@
-// The other side of page/src: lattice_view.js, fibre_view.js, attachment_view.js and colour_maps.js.
+// The other side of page/src: lattice_view.js, fibre_view.js, attachment_view.js, marks_view.js and
+// colour_maps.js.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/shot_overlays.h"
 
@@ -172,10 +173,40 @@ void add_attachments(const ViewScene& scene, std::size_t frame, std::vector<Segm
     }
 }
 
+/// Least and most value of one unit over the frames without faults (all, if each has some), zero included.
+std::array<double, 2> marks_range(const ViewScene& scene, const std::string& unit) {
+    const bool none_is_good =
+        std::none_of(scene.frames.begin(), scene.frames.end(), [](const ViewFrame& f) { return f.faults.empty(); });
+    std::array<double, 2> out{0, 0};
+    for (const ViewFrame& f : scene.frames) {
+        if (!f.faults.empty() && !none_is_good) continue;
+        for (const ViewMarks& group : f.marks)
+            for (const ViewMark& m : group.marks)
+                if (group.unit == unit)
+                    out = {std::min(out[0], static_cast<double>(m.value)),
+                           std::max(out[1], static_cast<double>(m.value))};
+    }
+    return out[0] < out[1] ? out : std::array<double, 2>{0, 1};
+}
+
+void add_marks(const ViewScene& scene, std::size_t frame, std::vector<Segment>& out) {
+    const auto place = [](const std::array<float, 3>& p) {
+        return Vec3(static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2]));
+    };
+    for (const ViewMarks& group : scene.frames[frame].marks) {
+        const auto [least, most] = marks_range(scene, group.unit);
+        for (const ViewMark& m : group.marks) {
+            const Eigen::Vector3f colour = colour_at(distance, (static_cast<double>(m.value) - least) / (most - least));
+            if (m.from != m.to) out.push_back({place(m.from), place(m.to), colour, 1.3f});
+            out.push_back({place(m.from), place(m.from), colour, 2.6f});
+        }
+    }
+}
+
 } // namespace
 
 const std::set<std::string>& overlay_names() {
-    static const std::set<std::string> names{"lattice", "fibers", "attachments"};
+    static const std::set<std::string> names{"lattice", "fibers", "attachments", "marks"};
     return names;
 }
 
@@ -187,6 +218,7 @@ std::vector<Segment> overlay_segments(const ViewScene& scene, std::size_t frame,
         if (names.contains("fibers")) add_fibres(body, frame, out);
     }
     if (names.contains("attachments")) add_attachments(scene, frame, out);
+    if (names.contains("marks")) add_marks(scene, frame, out);
     return out;
 }
 

@@ -1,4 +1,4 @@
-// Tets, fibres and attachments of a frame as coloured lines for tools/render, in the colours of the page.
+// Tets, fibres, attachments and marks of a frame as coloured lines for tools/render, in the colours of the page.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/render/picture.h"
@@ -9,7 +9,7 @@
 
 namespace sinew::viewer {
 
-/// "lattice", "fibers" and "attachments".
+/// "lattice", "fibers", "attachments" and "marks".
 const std::set<std::string>& overlay_names();
 
 /// Lines of the overlays in `names` at `frame` (an index). What a scene does not have gives none.

@@ -101,9 +101,16 @@ struct ViewAttachment {
     std::vector<ViewAnchor> anchors;
 };
 
-struct ViewContact {
-    std::array<float, 3> point{}, normal{};
-    float depth = 0; ///< > 0 = penetrating
+/// A line, or a point where both ends are the same.
+struct ViewMark {
+    std::array<float, 3> from{}, to{};
+    float value = 0;
+};
+
+/// What a force shows of itself: a field's arrows, what is held.
+struct ViewMarks {
+    std::string term, what, unit; ///< "field", "wind", "N/m^3": SI
+    std::vector<ViewMark> marks;
 };
 
 /// What is known of one frame's solve.
@@ -112,9 +119,7 @@ struct ViewFrame {
     bool reused = false;
     double wall_s = 0;
     std::optional<solver::StepRecord> step = {}; ///< times, convergence, energy
-    double seconds_contact = 0;
-    std::vector<ViewContact> contacts = {};
-    int contact_count = 0;                ///< where `contacts` are not kept
+    std::vector<ViewMarks> marks = {};
     std::vector<std::string> faults = {}; ///< what must not be believed, for people: "biceps flies apart"
 };
 

@@ -59,9 +59,10 @@ export function makeApi(app, loadMs) {
         bodiesOf: (node) => selection.bodiesOf(node).map((i) => scene.bodies[i].name),
         /** Names of the bodies whose meshes are drawn. */
         drawn: () => (api.draw(), (world.bodies ?? []).filter((v) => v.group.visible && (v.mesh.visible || v.edges.visible)).map((v) => v.body.name)),
-        /** Linear-light colours as they lie in the buffers: of a body's fibres, or of an attachment's dots. */
+        /** Linear-light colours as they lie in the buffers: of a body's fibres, of an attachment's dots, or of the dots of marks. */
         drawnColours(overlay, which) {
             api.draw();
+            if (overlay === "marks") return Array.from(world.marks.dots.geometry.attributes.color.array);
             if (overlay === "attachments") return Array.from(world.allAttachments()[which].dots.geometry.attributes.color.array);
             return Array.from(world.fibres.get(bodyIndex(which)).fields[0].colours.array);
         },
@@ -87,6 +88,7 @@ export function makeApi(app, loadMs) {
         stretch: (index) => world.allAttachments()[index].measure(store.state.frame),
         anchors: (index) => Array.from(anchorPoints(scene.attachments[index], scene.bodies, store.state.frame,
             new Float32Array(3 * scene.attachments[index].count))),
+        timelineTitles: app.timeline.titles,
         timelineX: (number) => app.timeline.xOf(api.frames.indexOf(number)),
     };
     return api;

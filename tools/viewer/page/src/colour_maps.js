@@ -62,6 +62,5 @@ export const quantities = {
     weights: { title: "Painted weight", unit: "", factor: 1, scale: "paint", range: [0, 1] },
     excitation: { title: "Fibre excitation", unit: "%", factor: 100, scale: "heat", range: [0, 100] },
     distance: { title: "Attachments", unit: "mm", factor: 1000, scale: "distance", range: [0, 5] },
-    depth: { title: "Contact depth", unit: "mm", factor: 1000, scale: "distance", range: [0, 1] },
 };
-export const rangeOf = (state, quantity) => state.ranges[quantity] ?? quantities[quantity].range;
+export const rangeOf = (state, quantity) => state.ranges[quantity] ?? quantities[quantity]?.range ?? [0, 1];

@@ -3,7 +3,7 @@
 import { h, iconButton } from "./dom.js";
 import { hasData, setOverlay } from "./store.js";
 
-const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", contacts: "contacts", volume: "tets, so no change of volume" };
+const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", marks: "marks", volume: "tets, so no change of volume" };
 
 /** [keys, what they do, action]. `app` is what main.js has put together. */
 export function shortcuts(app) {
@@ -31,7 +31,7 @@ export function shortcuts(app) {
         [["c"], "Cut plane", () => store.set({ cut: { ...store.state.cut, on: !store.state.cut.on } })],
         [["b"], "Fibres", () => flip("fibres")],
         [["a"], "Attachments", () => flip("attachments")],
-        [["k"], "Contacts", () => flip("contacts")],
+        [["k"], "Marks of forces", () => flip("marks")],
         [["g"], "Ground grid", () => flip("grid")],
         [["v"], "Volume change as colours", () => hasData(scene, "volume")
             ? store.set({ colourBy: store.state.colourBy === "volume" ? "material" : "volume" }) : none("volume")],

@@ -2,16 +2,17 @@
 // What the colours mean: one bar for each coloured thing that is on, with units and an editable range.
 import { cssGradient, quantities, rangeOf } from "./colour_maps.js";
 import { h, show } from "./dom.js";
+import { aboutQuantity, isMarks, quantitiesOfMarks, rangeOfMarks } from "./marks.js";
 import { hasData } from "./store.js";
 
 function shownQuantities(scene, { colourBy, overlays }) {
     const on = (name) => overlays[name] && hasData(scene, name);
     return [quantities[colourBy] && hasData(scene, colourBy) && colourBy, on("fibres") && "excitation",
-        on("attachments") && "distance", on("contacts") && "depth"].filter(Boolean);
+        on("attachments") && "distance", ...(on("marks") ? quantitiesOfMarks(scene) : [])].filter(Boolean);
 }
 
 /** Dots and rings of attachments. */
-function marksKey(scene) {
+function endsKey(scene) {
     const modes = new Set(scene.attachments.map((a) => (a.mode === "sliding" ? "sliding" : "fixed")));
     return h("div", { class: "legend-key" }, [...modes].map((mode) => h("span", {}, h("i", { class: mode }), mode)));
 }
@@ -22,19 +23,13 @@ export function legend(scene, store, world) {
         if (range.every(Number.isFinite) && range[0] < range[1]) store.set({ ranges: { ...store.state.ranges, [quantity]: range } });
         else update();
     };
-    function depths() {
-        const list = scene.frames[store.state.frame].contacts;
-        if (!list?.length) return null;
-        let most = 0;
-        for (let i = 6; i < list.length; i += 7) most = Math.max(most, list[i] / scene.unitsPerMetre);
-        return [0, most];
-    }
+    const about = (quantity) => (isMarks(quantity) ? aboutQuantity(scene, quantity) : quantities[quantity]);
     /** A range that holds what is shown now: round, and even about the middle where there is one. */
     function fitted(quantity) {
-        const { factor, middle } = quantities[quantity];
+        const { factor, middle } = about(quantity);
         let measured = null;
         if (quantity === "distance") measured = [0, Math.max(0, ...world.allAttachments().map((a) => a.measure(store.state.frame)))];
-        else if (quantity === "depth") measured = depths();
+        else if (isMarks(quantity)) measured = rangeOfMarks([scene.frames[store.state.frame]], quantity);
         else measured = world.measuredRange(quantity);
         if (!measured) return null;
         const round = (x) => Number(Math.max(1e-6, Math.abs(x)).toPrecision(2));
@@ -46,7 +41,7 @@ export function legend(scene, store, world) {
         return [low < 0 ? -round(low) : 0, round(high)];
     }
     function card(quantity) {
-        const { title, unit, scale } = quantities[quantity];
+        const { title, unit, scale } = about(quantity);
         const [low, high] = rangeOf(store.state, quantity);
         const field = (value, which) => {
             const input = h("input", { type: "number", value: Math.abs(value) >= 1e5 ? value.toExponential(1) : String(value), step: "any", "aria-label": `${title}, ${which}`,
@@ -64,7 +59,7 @@ export function legend(scene, store, world) {
         } }, "fit");
         return h("div", { class: "legend-card", "data-quantity": quantity },
             h("div", { class: "legend-title" }, h("span", {}, title, unit ? h("span", { class: "unit" }, ` ${unit}`) : null),
-                quantity === "distance" ? marksKey(scene) : null, fit),
+                quantity === "distance" ? endsKey(scene) : null, fit),
             h("div", { class: "legend-ends" }, field(low, "least"),
                 h("div", { class: "legend-bar", style: `background:${cssGradient(scale)}`, title: `middle: ${show((low + high) / 2)} ${unit}` }), field(high, "most")));
     }

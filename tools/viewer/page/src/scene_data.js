@@ -155,6 +155,7 @@ export async function loadScene(onProgress = () => {}) {
         up: header.up,
         bounds: header.bounds,
         frames: header.frames,
+        measures: header.measures,
         notes: header.notes,
         graph: header.graph,
         bodies: [],
@@ -169,7 +170,7 @@ export async function loadScene(onProgress = () => {}) {
             ({ hosts: await blocks.get(hosts), weights: await blocks.get(weights) })));
         scene.attachments.push({ ...a, from, to, offsets: await blocks.get(a.offsets) });
     }
-    for (const frame of scene.frames) if (frame.contacts !== undefined) frame.contacts = await blocks.get(frame.contacts);
+    for (const frame of scene.frames) for (const group of frame.marks ?? []) group.numbers = await blocks.get(group.numbers);
     if (scene.graph) scene.graph.svg = new TextDecoder().decode(await blocks.get(scene.graph.svg));
     return scene;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The left side: bodies, and what is shown of them.
 import { count, h, icon, iconButton, toggle } from "./dom.js";
+import { mostMarks } from "./marks.js";
 import { hasData, setOverlay } from "./store.js";
 
 function section(title, ...children) {
@@ -110,9 +111,8 @@ function overlaySection(scene, store) {
     const tets = scene.bodies.reduce((n, b) => n + (b.lattice ? b.lattice.count : 0), 0);
     const fibres = scene.bodies.reduce((n, b) => n + b.fibres.reduce((k, f) => k + f.count, 0), 0);
     const anchors = scene.attachments.reduce((n, a) => n + a.count, 0);
-    const contacts = scene.frames.reduce((n, f) => Math.max(n, f.contactCount ?? 0), 0);
     const entries = [["lattice", "Tets", tets, "L"], ["fibres", "Fibres", fibres, "B"], ["attachments", "Attachments", anchors, "A"],
-        ["contacts", "Contacts", contacts, "K"]];
+        ["marks", "Marks", mostMarks(scene), "K"]];
     const toggles = entries.map(([name, label, n, key]) => {
         const t = toggle(label, (on) => setOverlay(store, scene, name, on), key);
         t.element.querySelector(".label").append(h("span", { class: "count" }, n ? count(n) : "none"));

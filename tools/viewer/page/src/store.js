@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the user has chosen. Everything that shows something listens here; nothing else knows of the others.
 
+import { usualMarkRanges } from "./marks.js";
+
 export class Store {
     constructor(state) {
         this.state = state;
@@ -23,12 +25,12 @@ export class Store {
     }
 }
 
-export const overlayNames = ["lattice", "fibres", "attachments", "contacts", "grid"];
+export const overlayNames = ["lattice", "fibres", "attachments", "marks", "grid"];
 
-/** Attachments: up to the longest of the run, so that frames compare. */
+/** Attachments and marks: what the run reaches, so that frames compare. */
 function usualRanges(scene) {
     const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.faults ? 0 : (f.terms?.attachment?.max_stretch_m ?? 0)), 0);
-    return longest > 0 ? { distance: [0, Number(longest.toPrecision(2))] } : {};
+    return { ...(longest > 0 ? { distance: [0, Number(longest.toPrecision(2))] } : {}), ...usualMarkRanges(scene) };
 }
 
 /** Whether the page has anything to show for an overlay or a colouring. */
@@ -37,7 +39,7 @@ export function hasData(scene, name) {
         case "lattice": return scene.bodies.some((b) => b.lattice);
         case "fibres": return scene.bodies.some((b) => b.fibres.length > 0);
         case "attachments": return scene.attachments.length > 0;
-        case "contacts": return scene.frames.some((f) => f.contacts?.length > 0);
+        case "marks": return scene.frames.some((f) => f.marks?.length > 0);
         case "volume": case "stretch": return scene.bodies.some((b) => b.lattice && b.hostTet);
         case "area": return scene.bodies.some((b) => !b.isRigid);
         case "weights": return scene.bodies.some((b) => b.maps.length > 0);
@@ -59,7 +61,7 @@ export function initialState(scene) {
         solo: -1,
         selectedBodies: [],
         selectedNode: null,
-        overlays: { lattice: false, fibres: false, attachments: false, contacts: false, grid: true },
+        overlays: { lattice: false, fibres: false, attachments: false, marks: false, grid: true },
         filledLattice: true,
         cut: { on: false, axis: 0, at: 0.5, flip: false },
         colourBy: "material", // "volume", "stretch", "area", "weights"
@@ -79,7 +81,7 @@ export function setOverlay(store, scene, name, on) {
     const overlays = { ...store.state.overlays, [name]: on };
     const patch = { overlays };
     if (store.state.opacityIsAutomatic) {
-        const inner = overlays.lattice || overlays.fibres || overlays.attachments;
+        const inner = overlays.lattice || overlays.fibres || overlays.attachments || overlays.marks;
         patch.opacity = inner ? 0.28 : 1;
     }
     store.set(patch);

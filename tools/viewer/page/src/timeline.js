@@ -203,5 +203,5 @@ export function timelinePanel(scene, store, player) {
         tip.style.top = `${Math.max(0, e.clientY - r.top - 20) + scroller.scrollTop}px`;
     });
     canvas.addEventListener("pointerleave", () => (tip.hidden = true));
-    return { element, opened: resize, xOf: (index) => canvas.getBoundingClientRect().left + xOf(index) + slot() / 2, canvas };
+    return { element, opened: resize, xOf: (index) => canvas.getBoundingClientRect().left + xOf(index) + slot() / 2, canvas, titles: rows.map((r) => r.title) };
 }

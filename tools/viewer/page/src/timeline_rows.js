@@ -6,7 +6,6 @@ export const phases = [
     ["assembly", "#4f8fd0"],
     ["factor", "#8a63c9"],
     ["solve", "#e0913a"],
-    ["contact", "#d0524f"],
     ["other", "#8d98a5"],
 ];
 
@@ -52,7 +51,6 @@ export function timelineRows(scene) {
         { key: "volume", title: "Volume error", unit: "%", kind: "line", usual: 34, values: volumeError(scene), colour: "#2f9e75", zero: true },
         { key: "minJ", title: "Least det F", unit: "", kind: "line", usual: 30, values: of("minJ"), colour: "#2b93a8", zero: true },
         ...measureRows(scene),
-        { key: "contacts", title: "Contacts", unit: "", kind: "bars", usual: 26, values: of("contactCount"), colour: "#d0524f" },
     ];
     // A frame that flies apart would flatten all others; its bars are cut off at the top.
     const isGood = (i) => !frames[i].faults || frames.every((f) => f.faults);
@@ -60,8 +58,7 @@ export function timelineRows(scene) {
         row.scaled = row.values.filter((_, i) => isGood(i));
         row.most = largest(row.scaled);
     }
-    const optional = new Set(["contacts"]);
-    return rows.filter((r) => r.values.some(Number.isFinite) && !(optional.has(r.key) && r.most === 0) && !(r.key === "time" && r.most === 0));
+    return rows.filter((r) => r.values.some(Number.isFinite) && !(r.key === "time" && r.most === 0));
 }
 
 /** Lines of text about one frame. */

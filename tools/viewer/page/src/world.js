@@ -4,9 +4,9 @@ import { Triangle, Vector3 } from "three";
 import { AttachmentView } from "./attachment_view.js";
 import { cutPlane } from "./body_material.js";
 import { BodyView } from "./body_view.js";
-import { ContactView } from "./contact_view.js";
 import { FibreView } from "./fibre_view.js";
 import { LatticeView } from "./lattice_view.js";
+import { MarksView } from "./marks_view.js";
 import { samplePoints, Stage } from "./stage.js";
 import { isShown } from "./store.js";
 
@@ -19,9 +19,9 @@ export class World {
         this.lattices = new Map();
         this.fibres = new Map();
         this.attachments = [];
-        this.contacts = new ContactView(scene, this.stage.size);
+        this.marks = new MarksView(scene);
         for (const view of this.bodies) this.stage.world.add(view.group);
-        this.stage.world.add(this.contacts.group);
+        this.stage.world.add(this.marks.group);
         this.restBox = this.findRestBox();
         store.on([], (_, changed) => {
             if (changed.has("theme")) this.stage.setTheme(store.state.theme);
@@ -67,8 +67,8 @@ export class World {
         this.showLayer(this.lattices, overlays.lattice, (v) => v.body.lattice, (v) => new LatticeView(v), plane);
         this.showLayer(this.fibres, overlays.fibres, (v) => v.body.fibres.length > 0, (v) => new FibreView(v));
         this.showAttachments(overlays.attachments);
-        this.contacts.group.visible = false;
-        if (overlays.contacts) this.contacts.update(state);
+        this.marks.group.visible = false;
+        if (overlays.marks) this.marks.update(state);
     }
 
     /** Made when first shown: a layer that is off costs nothing. */

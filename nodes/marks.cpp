@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/marks.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+MarkList mark_list(solver::Marks groups, double units_per_metre) {
+    MarkList out;
+    for (solver::MarkGroup& group : groups) {
+        for (solver::Mark& m : group.marks) m.from *= units_per_metre, m.to *= units_per_metre;
+        const auto at = std::find_if(out.groups.begin(), out.groups.end(), [&](const solver::MarkGroup& g) {
+            return g.term == group.term && g.what == group.what && g.unit == group.unit;
+        });
+        if (at == out.groups.end())
+            out.groups.push_back(std::move(group));
+        else
+            at->marks.insert(at->marks.end(), group.marks.begin(), group.marks.end());
+    }
+    return out;
+}
+
+} // namespace sinew::nodes
+
+namespace sinew::engine {
+
+void ValueTraits<nodes::MarkList>::hash(Hasher& h, const nodes::MarkList& v) {
+    h.add(static_cast<std::uint64_t>(v.groups.size()));
+    for (const solver::MarkGroup& group : v.groups) {
+        h.add(group.term).add(group.what).add(group.unit).add(static_cast<std::uint64_t>(group.marks.size()));
+        for (const solver::Mark& m : group.marks) {
+            h.add(m.part).add(m.value);
+            for (const solver::Vec3* p : {&m.from, &m.to}) h.add_doubles(std::span<const double>(p->data(), 3));
+        }
+    }
+}
+
+std::size_t ValueTraits<nodes::MarkList>::bytes(const nodes::MarkList& v) {
+    std::size_t n = v.groups.size() * sizeof(solver::MarkGroup);
+    for (const solver::MarkGroup& group : v.groups) n += group.marks.size() * sizeof(solver::Mark);
+    return n;
+}
+
+} // namespace sinew::engine

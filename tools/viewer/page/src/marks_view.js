@@ -1,0 +1,49 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What forces show of themselves at the shown frame: a dot where each mark begins and a line to where it ends, coloured
+// by its value. Seven numbers a mark: from, to, value.
+import { BufferAttribute, BufferGeometry, Group, LineBasicMaterial, LineSegments, Points, PointsMaterial } from "three";
+import { rangeOf, tableOf, writeColour } from "./colour_maps.js";
+import { aboutMarks, marksQuantity } from "./marks.js";
+
+export class MarksView {
+    constructor(scene) {
+        this.scene = scene;
+        this.group = new Group();
+        this.lines = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ vertexColors: true, transparent: true }));
+        this.dots = new Points(new BufferGeometry(), new PointsMaterial({ vertexColors: true, size: 4, sizeAttenuation: false, transparent: true }));
+        for (const object of [this.lines, this.dots]) {
+            object.frustumCulled = false;
+            object.renderOrder = 5;
+            this.group.add(object);
+        }
+    }
+    update(state) {
+        const groups = this.scene.frames[state.frame]?.marks ?? [];
+        const count = groups.reduce((n, g) => n + g.numbers.length / 7, 0);
+        this.group.visible = count > 0;
+        if (count === 0) return;
+        const ends = new Float32Array(6 * count), colours = new Float32Array(6 * count);
+        const dots = new Float32Array(3 * count), dotColours = new Float32Array(3 * count);
+        const table = tableOf(aboutMarks.scale);
+        let i = 0;
+        for (const { unit, numbers } of groups) {
+            const [least, most] = rangeOf(state, marksQuantity(unit)), { factor } = aboutMarks.of(unit);
+            for (let at = 0; at < numbers.length; at += 7, ++i) {
+                ends.set(numbers.subarray(at, at + 6), 6 * i);
+                dots.set(numbers.subarray(at, at + 3), 3 * i);
+                const value = factor * numbers[at + 6];
+                writeColour(table, value, least, most, colours, 6 * i);
+                writeColour(table, value, least, most, colours, 6 * i + 3);
+                writeColour(table, value, least, most, dotColours, 3 * i);
+            }
+        }
+        const fill = (object, positions, colour) => {
+            object.geometry.dispose();
+            object.geometry = new BufferGeometry().setAttribute("position", new BufferAttribute(positions, 3))
+                .setAttribute("color", new BufferAttribute(colour, 3));
+        };
+        fill(this.lines, ends, colours);
+        fill(this.dots, dots, dotColours);
+        this.dots.material.size = 4 * Math.min(2, window.devicePixelRatio || 1);
+    }
+}
