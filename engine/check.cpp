@@ -127,6 +127,9 @@ class Checker {
         const SimulationFunctions* s = type_.simulation.get();
         if (s && (input_.name == s->start_frame_input || input_.name == s->substeps_input))
             return problem("DG029", "cannot be connected", "write a plain value: it decides which frames there are");
+        if (s && !input_.name.empty() && input_.name == s->stages_input)
+            return problem("DG029", "cannot be connected",
+                           "write a plain value or keys: it decides at which times inputs are read");
         if (!input_.name.empty() && input_.name == type_.kept_when)
             return problem("DG029", "cannot be connected",
                            "write a plain value: it decides where results are looked for before anything runs");

@@ -126,14 +126,23 @@ class Writes {
     std::vector<std::pair<std::string, Value>> values_;
 };
 
+/// What one sub-step of a simulation reads.
+struct SubstepReads {
+    Reads end; ///< every input at the end of the sub-step
+    /// Every input at the stage times within it, in their order. Empty where there are none, and where an input depends
+    /// on another simulation, which has whole frames only.
+    std::vector<Reads> within = {};
+};
+
 /// Type-erased simulation: see SimulationType.
 struct SimulationFunctions {
     std::function<Value(const Reads&)> initial;
-    std::function<Value(const Value& before, std::span<const Reads> substeps)> advance;
+    std::function<Value(const Value& before, std::span<const SubstepReads> substeps)> advance;
     std::function<void(const Value& state, const Reads&, Writes&)> publish;
     std::function<std::vector<std::byte>(const Value&)> save;
     std::function<Value(std::span<const std::byte>)> load;
-    std::string_view start_frame_input, substeps_input;
+    std::string_view start_frame_input, substeps_input, stages_input;
+    std::function<std::vector<double>(const Value&)> stages;
 };
 
 struct NodeType {
@@ -159,15 +168,20 @@ template <class State>
 struct SimulationType {
     NodeType base;
     std::function<State(const Reads& at_start)> initial;
-    /// From frame n-1 to n. `substeps[k]` reads every input at time n-1 + (k+1)/N; the last one is frame n
+    /// From frame n-1 to n. `substeps[k].end` reads every input at time n-1 + (k+1)/N; the last one is frame n
     /// itself.
-    std::function<State(const State& before, std::span<const Reads> substeps)> advance;
+    std::function<State(const State& before, std::span<const SubstepReads> substeps)> advance;
     /// Outputs of the current frame.
     std::function<void(const State&, const Reads& at_frame, Writes&)> publish;
     std::function<std::vector<std::byte>(const State&)> save;
     std::function<State(std::span<const std::byte>)> load;
     std::string_view start_frame_input = "startFrame"; ///< Input<double>, not keyable
     std::string_view substeps_input = "substeps";      ///< Input<std::int64_t>, read at frame n
+    /// Schemes that look within a sub-step: from the value of the input `stages_input` at the end of a sub-step, the
+    /// fractions of it (above 0, below 1, rising) at which inputs are read too. They enter the frame's key where they
+    /// are read and nowhere else. Both empty: a simulation reads at the ends of its sub-steps only.
+    std::string_view stages_input = {}; ///< a literal; cannot be connected
+    std::function<std::vector<double>(const Value&)> stages = {};
 };
 
 /// Gives the type-erased node type that the registry keeps.
@@ -175,7 +189,7 @@ template <class State>
 NodeType erase(SimulationType<State> t) {
     auto f = std::make_shared<SimulationFunctions>();
     f->initial = [g = t.initial](const Reads& r) { return Value::of<State>(g(r)); };
-    f->advance = [g = t.advance](const Value& s, std::span<const Reads> in) {
+    f->advance = [g = t.advance](const Value& s, std::span<const SubstepReads> in) {
         return Value::of<State>(g(s.as<State>(), in));
     };
     f->publish = [g = t.publish](const Value& s, const Reads& r, Writes& w) { g(s.as<State>(), r, w); };
@@ -183,6 +197,8 @@ NodeType erase(SimulationType<State> t) {
     f->load = [g = t.load](std::span<const std::byte> b) { return Value::of<State>(g(b)); };
     f->start_frame_input = t.start_frame_input;
     f->substeps_input = t.substeps_input;
+    f->stages_input = t.stages_input;
+    f->stages = t.stages;
     NodeType out = std::move(t.base);
     out.simulation = std::move(f);
     return out;

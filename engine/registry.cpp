@@ -48,7 +48,7 @@ void check_attribute(const NodeType& t, const AttributeInfo& a, std::set<std::st
     if (a.kind == AttributeKind::literal) check_literal(t, a);
 }
 
-// The engine itself reads the start frame and the sub-steps, before anything runs.
+// The engine itself reads the start frame, the sub-steps and what decides on stages, before anything runs.
 void check_time_inputs(const NodeType& t) {
     const SimulationFunctions& f = *t.simulation;
     if (const AttributeInfo* a = t.find_input(f.start_frame_input))
@@ -57,6 +57,12 @@ void check_time_inputs(const NodeType& t) {
     if (const AttributeInfo* a = t.find_input(f.substeps_input))
         if (a->kind != AttributeKind::literal || !a->def.is<std::int64_t>() || a->def.as<std::int64_t>() < 1)
             contradiction(t, a->name, "the sub-steps are an Input<std::int64_t>, at least 1");
+    if (f.stages_input.empty() != !f.stages)
+        contradiction(t, f.stages_input, "stage times need both the input that decides them and a function of it");
+    if (f.stages_input.empty()) return;
+    const AttributeInfo* a = t.find_input(f.stages_input);
+    if (!a || a->kind != AttributeKind::literal || a->affects != Affects::result)
+        contradiction(t, f.stages_input, "what decides on stage times is an Input that affects the result");
 }
 
 // So is the switch that keeps outputs on disk; it must not enter their key.

@@ -6,6 +6,7 @@
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/integrate/implicit_form.h"
 #include "solver/marks_of.h"
 
 #include <cstdio>
@@ -134,15 +135,23 @@ SimulationState initial(const Reads& in) {
     return out;
 }
 
-SimulationState advance(const SimulationState& before, std::span<const Reads> times) {
-    const Reads& now = times.back();
+/// TR-BDF2's first stage ends at gamma of the step and sees everything as it is there.
+std::vector<double> stages_of(const Value& scheme) {
+    return scheme.as<std::string>() == "TR-BDF2" ? std::vector{solver::tr_bdf2_gamma} : std::vector<double>{};
+}
+
+SimulationState advance(const SimulationState& before, std::span<const SubstepReads> times) {
+    const Reads& now = times.back().end;
     if (!now[enable]) return before;
     std::vector<solver::StepInputs> inputs;
     Setup setup;
-    for (const Reads& in : times) {
+    for (const auto& [in, within] : times) {
         setup = read_setup(in, &before.scene);
         if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
+        for (const Reads& stage : within)
+            inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(
+                step_inputs(stage, read_setup(stage, &before.scene), times.size()));
     }
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
@@ -238,6 +247,8 @@ void add_z_solver(Registry& registry) {
     type.load = [](std::span<const std::byte> bytes) { return load_simulation(bytes); };
     type.start_frame_input = start_frame.name;
     type.substeps_input = substeps.name;
+    type.stages_input = integrator.name;
+    type.stages = stages_of;
     registry.add(std::move(type));
 }
 

@@ -70,7 +70,8 @@ inline const Input<std::int64_t> substeps{
     .name = "substeps",
     .def = 1,
     .limits = {.min = 1, .max = 10000},
-    .doc = "Steps per frame; bones and keyed values are read at each of them. More for fast motion.",
+    .doc = "Steps per frame; bones and keyed values are read at the end of each, by TR-BDF2 also in between. More for "
+           "fast motion.",
 };
 inline const Input<std::int64_t> max_newton_iterations{
     .name = "maxNewtonIterations",

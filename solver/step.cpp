@@ -24,8 +24,9 @@ struct Workspace::Impl {
     ImplicitForm form;
     std::vector<double> x, v, x_gamma, v_gamma, acceleration;
     std::vector<Measured> measured;
-    std::vector<Points> bones; ///< at the end of the step
-    StepInputs between;        ///< values within it
+    std::vector<Points> bones;          ///< at the end of the step
+    std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
+    StepInputs between;                 ///< values within it
     explicit Impl(const Scene& scene)
         : scene(scene)
         , potential(scene) {}
@@ -149,19 +150,23 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     case Integrator::bdf2:
         bdf2_form(s, h, impl.form);
         break;
-    case Integrator::tr_bdf2:
+    case Integrator::tr_bdf2: {
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
-        tr_bdf2_trapezoid_form(s, h, impl.form);
-        if (s.history.values) {
+        const std::vector<Points>* bones_at_gamma = in.at_gamma ? &impl.bones_at_gamma : nullptr;
+        tr_bdf2_trapezoid_form(s, h, bones_at_gamma, impl.form);
+        if (in.at_gamma)
+            values_within(impl.scene, *in.at_gamma, in, impl.between);
+        else if (s.history.values)
             values_between(impl.scene, *s.history.values, in, tr_bdf2_gamma, impl.between);
-            impl.potential.set_values(s, impl.between);
-        }
+        const bool others = in.at_gamma || s.history.values;
+        if (others) impl.potential.set_values(s, impl.between);
         solve_stage(impl, s, in, bones, control, impl.x, memory, record);
         update_velocity(impl.form, impl.x, impl.v_gamma);
         impl.x_gamma = impl.x;
-        if (s.history.values) impl.potential.set_values(s, in);
-        tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, impl.form);
+        if (others) impl.potential.set_values(s, in);
+        tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, bones_at_gamma, impl.form);
         break;
+    }
     }
     solve_stage(impl, s, in, bones, control, impl.x, memory, record);
     if (!record.converged && !anyhow) return false;
@@ -209,19 +214,37 @@ void add_step(const StepRecord& from, bool taken, StepRecord& to) {
 }
 
 /// Bones halfway through the step, on the curve that the schemes read them from.
-std::vector<Points> bones_halfway(const State& s, double step_size, const std::vector<Points>& after) {
+std::vector<Points> bones_halfway(const Workspace::Impl& impl, const State& s, const StepInputs& in,
+                                  const std::vector<Points>& after) {
     ImplicitForm form;
-    set_bone_weights(s, step_size, 0.5, form);
-    const std::vector<Points>& last = s.history.bones.empty() ? s.bones : s.history.bones;
+    if (in.at_gamma)
+        set_bone_weights(impl.bones_at_gamma, in.step_size, 0.5, form);
+    else
+        set_bone_weights(s, in.step_size, 0.5, form);
+    const auto [first, start, end] = bones_weighed(form, s, after);
     std::vector<Points> out = after;
     for (std::size_t body = 0; body < out.size(); ++body)
         for (std::size_t i = 0; i < out[body].size(); ++i)
-            out[body][i] = form.bone_position[0] * last[body][i] + form.bone_position[1] * s.bones[body][i] +
-                           form.bone_position[2] * after[body][i];
+            out[body][i] = form.bone_position[0] * (*first)[body][i] + form.bone_position[1] * (*start)[body][i] +
+                           form.bone_position[2] * (*end)[body][i];
     return out;
 }
 
-/// One step; where it fails and `halvings` are left, again as two steps of half the size, the bones moved in between.
+/// Takes the values halfway through the step of `in`, where those at its start are kept, into `half`.
+void set_values_halfway(const Scene& scene, const State& s, const StepInputs& in, StepInputs& half) {
+    if (in.integrator != Integrator::tr_bdf2 || !s.history.values) return;
+    StepInputs middle, known;
+    if (in.at_gamma) {
+        values_within(scene, *in.at_gamma, in, known);
+        values_between(scene, *s.history.values, known, 0.5 / tr_bdf2_gamma, middle);
+    } else {
+        values_between(scene, *s.history.values, in, 0.5, middle);
+    }
+    copy_values(middle, half);
+}
+
+/// One step; where it fails and `halvings` are left, again as two steps of half the size, bones and what is keyed taken
+/// in between.
 /// If the halves fail too, what they reached is kept and reported as not converged.
 void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones,
                          int halvings, const StepControl& control, StepRecord& record) {
@@ -237,11 +260,17 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
     add_step(attempt, taken, record);
     if (taken) return;
     ++record.halvings;
-    StepInputs half = in;
-    half.step_size = 0.5 * in.step_size;
-    const std::vector<Points> middle = bones_halfway(s, in.step_size, bones);
-    for (const std::vector<Points>* goal : {&middle, &bones})
-        take_step_or_halves(impl, s, half, *goal, halvings - 1, control, record);
+    StepInputs first = in, second = in;
+    set_values_halfway(impl.scene, s, in, first);
+    for (StepInputs* half : {&first, &second}) {
+        half->step_size = 0.5 * in.step_size;
+        half->at_gamma = nullptr; // the halves look at other times
+    }
+    const std::vector<Points> middle = bones_halfway(impl, s, in, bones);
+    impl.potential.set_values(s, first); // what failed may have left those of a stage
+    take_step_or_halves(impl, s, first, middle, halvings - 1, control, record);
+    impl.potential.set_values(s, second);
+    take_step_or_halves(impl, s, second, bones, halvings - 1, control, record);
 }
 
 } // namespace
@@ -285,6 +314,10 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         check_inputs(scene, in);
         impl.prepare(s, in);
         set_bones(scene, in, impl.bones);
+        if (in.at_gamma) {
+            check_inputs(scene, *in.at_gamma);
+            set_bones(scene, *in.at_gamma, impl.bones_at_gamma);
+        }
         take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
         ++record.substeps;

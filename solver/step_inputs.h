@@ -7,6 +7,7 @@
 #include "solver/types.h"
 
 #include <algorithm>
+#include <memory>
 #include <variant>
 #include <vector>
 
@@ -94,6 +95,10 @@ struct StepInputs {
     std::vector<BodyInputs> bodies; ///< one per body, same order as the scene's
     std::vector<AttachmentInputs> attachments; ///< one per attachment
     std::vector<PartValues> parts;             ///< one per part, in the order of the scene's
+    /// The same at tr_bdf2_gamma of this step, for TR-BDF2: of it are read bones and whatever may be keyed, no settings
+    /// of the solver. Where it is missing, values are taken on a line and bones on a parabola through those that are
+    /// known.
+    std::shared_ptr<const StepInputs> at_gamma = {};
 };
 
 } // namespace sinew::solver

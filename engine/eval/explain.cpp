@@ -113,7 +113,12 @@ Verdict Explainer::of_frame(int simulation, int frame) {
         if (q.start_frame == p.start_frame && differs <= frame &&
             differs < q.start_frame + static_cast<int>(q.chain.size())) {
             Keys old_keys(*before, table_only(core_));
-            for (double t : keys_.read_times(simulation, differs)) {
+            std::vector<double> times;
+            for (const SubstepTimes& t : keys_.read_times(simulation, differs)) {
+                times.insert(times.end(), t.within.begin(), t.within.end());
+                times.push_back(t.end);
+            }
+            for (double t : times) {
                 const auto plugs = changed_plugs(*before, old_keys, {simulation, static_cast<double>(differs)},
                                                  {there, static_cast<double>(differs)}, t);
                 for (const std::string& plug : plugs)

@@ -115,10 +115,13 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
         if (entry) pins_[key] = entry;
         return entry;
     };
-    std::vector<std::pair<double, SlotValues>> inputs;
-    if (steps)
-        for (double t : s.keys.read_times(simulation_, next))
-            inputs.emplace_back(t, s.gather(p, t, phase, entry_of, missing));
+    const std::vector<SubstepTimes> times = steps ? s.keys.read_times(simulation_, next) : std::vector<SubstepTimes>();
+    std::vector<std::pair<double, SlotValues>> inputs; // at the stages of each sub-step, then at its end
+    const auto take = [&](double t) { inputs.emplace_back(t, s.gather(p, t, phase, entry_of, missing)); };
+    for (const SubstepTimes& t : times) {
+        for (const double within : t.within) take(within);
+        take(t.end);
+    }
     SlotValues at_frame = s.gather(p, next, Phase::publish, entry_of, missing);
     if (!missing.empty()) {
         lock.unlock();
@@ -146,7 +149,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
             std::vector<std::unique_ptr<NodeReads>> sources;
             for (auto& [t, values] : inputs)
                 sources.push_back(std::make_unique<NodeReads>(context, std::move(values), t));
-            StoredState made = advanced(sources, context, next);
+            StoredState made = advanced(sources, times, context, next);
             const std::lock_guard again(s.core.mutex);
             s.core.states.put(key, root, next - p.start_frame, made);
             state_ = std::move(made);
@@ -166,14 +169,20 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     return false;
 }
 
-StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources, CallContext& context, int next) {
+StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources,
+                                const std::vector<SubstepTimes>& times, CallContext& context, int next) {
     const SimulationFunctions& f = *place().type->simulation;
     const auto begin = std::chrono::steady_clock::now();
     StoredState out;
     on_arena(session_.core, [&] {
-        std::vector<Reads> reads;
-        for (const auto& source : sources) reads.emplace_back(*source);
-        out.state = context.phase == Phase::initial ? f.initial(reads.front()) : f.advance(state_.state, reads);
+        std::vector<SubstepReads> reads;
+        auto source = sources.begin();
+        for (const SubstepTimes& t : times) {
+            std::vector<Reads> within;
+            for (std::size_t i = 0; i < t.within.size(); ++i) within.emplace_back(**source++);
+            reads.push_back({Reads(**source++), std::move(within)});
+        }
+        out.state = context.phase == Phase::initial ? f.initial(reads.front().end) : f.advance(state_.state, reads);
     });
     out.warnings = std::move(context.warnings);
     const double seconds = seconds_since(begin);

@@ -140,23 +140,27 @@ std::optional<Digest> Keys::inputs_digest(const Place& p, double time, bool init
     return complete ? std::optional(h.finish()) : std::nullopt;
 }
 
-std::vector<double> Keys::read_times(int simulation, int frame) const {
+std::vector<SubstepTimes> Keys::read_times(int simulation, int frame) const {
     const Place& p = program_.place(simulation);
-    if (frame <= p.start_frame) return {static_cast<double>(p.start_frame)};
+    if (frame <= p.start_frame) return {{{}, static_cast<double>(p.start_frame)}};
     const int n = program_.substeps(p, frame);
-    std::vector<double> out;
-    for (int k = 0; k + 1 < n; ++k) out.push_back(frame - 1 + static_cast<double>(k + 1) / n);
-    out.push_back(frame);
+    std::vector<SubstepTimes> out;
+    for (int k = 0; k < n; ++k) {
+        SubstepTimes& times = out.emplace_back();
+        times.end = k + 1 < n ? frame - 1 + static_cast<double>(k + 1) / n : frame;
+        for (const double fraction : program_.stages(p, times.end))
+            times.within.push_back(frame - 1 + (k + fraction) / n);
+    }
     return out;
 }
 
-// S(start) = H(type, fps, start, D of every input at the start); S(n) = H(S(n-1), D of the inputs at each
-// sub-step).
+// S(start) = H(type, fps, start, D of every input at the start); S(n) = H(S(n-1), D of the inputs at the stages and the
+// end of each sub-step).
 std::optional<Digest> Keys::link(int simulation, int frame, Needs& needs) {
     const Place& p = program_.place(simulation);
     const bool initial = frame == p.start_frame;
     const auto i = static_cast<std::size_t>(frame - p.start_frame);
-    const std::vector<double> times = read_times(simulation, frame);
+    const std::vector<SubstepTimes> times = read_times(simulation, frame);
     Hasher h = identity(*p.type);
     if (initial)
         h.add(program_.graph()->timing().fps).add(p.start_frame);
@@ -164,10 +168,14 @@ std::optional<Digest> Keys::link(int simulation, int frame, Needs& needs) {
         h.add(p.chain[i - 1]);
     h.add(std::uint64_t{times.size()});
     bool complete = i <= p.chain.size();
-    for (double t : times) {
-        const auto inputs = inputs_digest(p, t, initial, needs);
+    const auto add = [&](double time) {
+        const auto inputs = inputs_digest(p, time, initial, needs);
         complete = complete && inputs;
         if (inputs) h.add(*inputs);
+    };
+    for (const SubstepTimes& t : times) {
+        for (const double within : t.within) h.add("stage"), add(within);
+        add(t.end);
     }
     return complete ? std::optional(h.finish()) : std::nullopt;
 }

@@ -20,6 +20,12 @@ struct Needs {
     bool empty() const { return chains.empty() && values.empty(); }
 };
 
+/// When one sub-step of a simulation reads its inputs.
+struct SubstepTimes {
+    std::vector<double> within; ///< at stages
+    double end = 0;
+};
+
 /// The content digest behind a plug key, if it is known.
 using ContentOf = std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
 
@@ -38,8 +44,8 @@ class Keys {
     bool extend(int simulation, int frame, Needs& needs);
     /// The key of a simulation's frame; the chain must reach it.
     const Digest& frame_key(int simulation, int frame) const;
-    /// The times at which a step to `frame` reads its inputs; the start reads once.
-    std::vector<double> read_times(int simulation, int frame) const;
+    /// When a step to `frame` reads its inputs; the start reads once.
+    std::vector<SubstepTimes> read_times(int simulation, int frame) const;
     /// The content digest of all that one slot holds at a time.
     std::optional<Digest> content(const Slot& slot, double time, Needs& needs);
 

@@ -5,6 +5,7 @@
 #include "engine/text.h"
 
 #include <cmath>
+#include <stdexcept>
 
 namespace sinew::engine {
 
@@ -106,6 +107,7 @@ void Program::find_times(Place& p) {
     for (std::size_t i = 0; i < p.slots.size(); ++i) {
         const Slot& s = p.slots[i];
         if (s.info->name == f.substeps_input) p.substeps_slot = static_cast<int>(i);
+        if (!f.stages_input.empty() && s.info->name == f.stages_input) p.stages_slot = static_cast<int>(i);
         if (s.info->name != f.start_frame_input || s.kind != Slot::Kind::constant) continue;
         const double start = s.constant.as<double>();
         if (start == std::floor(start) && std::abs(start) < 1e9)
@@ -142,6 +144,18 @@ int Program::substeps(const Place& p, int frame) const {
         about(p, p.type->simulation->substeps_input, "DG106", std::to_string(n) + " sub-steps are not possible");
     d.frame = frame;
     throw Failure(std::move(d));
+}
+
+std::vector<double> Program::stages(const Place& p, double time) const {
+    if (p.stages_slot < 0 || p.after_simulation) return {};
+    std::vector<double> out = p.type->simulation->stages(p.slots[static_cast<std::size_t>(p.stages_slot)].sample(time));
+    double last = 0;
+    for (const double fraction : out) {
+        if (!(fraction > last && fraction < 1))
+            throw std::logic_error(std::string(p.type->name) + ": stage times must rise between 0 and 1");
+        last = fraction;
+    }
+    return out;
 }
 
 const Program::Cone& Program::known_cone(int node) {
@@ -184,16 +198,22 @@ Program::Cone Program::make_cone(int node) {
     if (!problems.empty()) throw Failure(std::move(problems));
     for (int at : out.nodes) {
         Place& p = place(at);
-        bool dynamic = p.type->uses_time || p.is_simulation();
+        bool dynamic = p.type->uses_time || p.is_simulation(), after_simulation = false;
         for (std::size_t i = 0; i < p.slots.size(); ++i) {
             const Slot& s = p.slots[i];
             if (!s.read_by_compute()) continue;
             dynamic = dynamic || s.kind == Slot::Kind::curve;
-            for (const Source& source : s.sources) dynamic = dynamic || place(source.node).dynamic;
+            for (const Source& source : s.sources) {
+                const Place& up = place(source.node);
+                dynamic = dynamic || up.dynamic;
+                after_simulation = after_simulation || up.is_simulation() || up.after_simulation;
+            }
             if (s.kind == Slot::Kind::constant && s.constant.is<File>() && !s.constant.as<File>().path.empty())
                 out.files.emplace_back(at, static_cast<int>(i));
         }
-        if (p.dynamic != dynamic) p.dynamic = dynamic; // never written again: other threads may be reading it by then
+        // Never written again: other threads may be reading them by then.
+        if (p.dynamic != dynamic) p.dynamic = dynamic;
+        if (p.after_simulation != after_simulation) p.after_simulation = after_simulation;
     }
     return out;
 }

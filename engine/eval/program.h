@@ -36,7 +36,8 @@ struct Place {
     std::vector<Slot> slots; ///< in the order of the type's inputs
     bool dynamic = false;    ///< the value can differ between frames
     int start_frame = 0;     ///< simulations
-    int substeps_slot = -1;
+    int substeps_slot = -1, stages_slot = -1;
+    bool after_simulation = false; ///< depends on a simulation other than itself
     std::optional<Digest> static_key;
     std::vector<Digest> chain; ///< simulations: S(start), S(start + 1), …
     std::vector<Diagnostic> problems;
@@ -66,6 +67,8 @@ class Program {
     Site site(int node, double frame) const;
     Site site(const Source& s, double frame) const { return site(s.node, frame); }
     int substeps(const Place& p, int frame) const;
+    /// Fractions of the sub-step that ends at `time` at which a simulation reads its inputs too.
+    std::vector<double> stages(const Place& p, double time) const;
     /// Everything that the node needs, itself included, sources first. Throws Failure on a cycle, a node of
     /// unknown type or a missing input. Computed once a node.
     const std::vector<int>& cone(int node) { return known_cone(node).nodes; }

@@ -123,7 +123,8 @@ class FrameGoal : public Goal {
     void find_nearest_state();
     bool finish(const Digest& key, EntryPtr entry);
     bool make(std::unique_lock<std::mutex>& lock, int next);
-    StoredState advanced(std::vector<std::unique_ptr<NodeReads>>& sources, CallContext& context, int next);
+    StoredState advanced(std::vector<std::unique_ptr<NodeReads>>& sources, const std::vector<SubstepTimes>& times,
+                         CallContext& context, int next);
     EntryPtr published(SlotValues values, const StoredState& state, int next);
 
     int simulation_, frame_;

@@ -105,8 +105,7 @@ void Springs::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
 void Springs::begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
                           const ImplicitForm& form) {
     const auto& attachments = scene_.description().attachments;
-    const std::vector<Points>* bones[3] = {before.history.bones.empty() ? &before.bones : &before.history.bones,
-                                           &before.bones, &bones_after};
+    const auto bones = bones_weighed(form, before, bones_after);
     for (std::size_t a = 0; a < pulls_.size(); ++a) {
         const AttachmentInputs& in = inputs.attachments[a];
         pulls_[a] = {in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};

@@ -13,17 +13,35 @@ void implied_acceleration(const ImplicitForm& form, const std::vector<double>& x
     for (std::size_t i = 0; i < x.size(); ++i) acceleration[i] = form.mass_factor * (x[i] - form.target[i]);
 }
 
-void set_bone_weights(const State& before, double step_size, double fraction, ImplicitForm& form) {
-    const double t = fraction, h = step_size, last = before.history.step_size;
-    if (last == 0 || before.history.bones.empty()) {
-        form.bone_position = {0, 1 - t, t};
-        form.bone_velocity = {0, -1 / h, 1 / h};
-        return;
-    }
-    // Lagrange's parabola through -q, 0 and 1 in units of h.
-    const double q = last / h;
+namespace {
+
+/// Lagrange's parabola through -q, 0 and 1 in units of h.
+void set_parabola(double q, double t, double h, ImplicitForm& form) {
     form.bone_position = {t * (t - 1) / (q * (q + 1)), (t + q) * (1 - t) / q, t * (t + q) / (1 + q)};
     form.bone_velocity = {(2 * t - 1) / (q * (q + 1)) / h, (1 - q - 2 * t) / q / h, (2 * t + q) / (1 + q) / h};
+}
+
+} // namespace
+
+void set_bone_weights(const State& before, double step_size, double fraction, ImplicitForm& form) {
+    const double t = fraction, h = step_size, last = before.history.step_size;
+    form.bones_within = nullptr;
+    if (last != 0 && !before.history.bones.empty()) return set_parabola(last / h, t, h, form);
+    form.bone_position = {0, 1 - t, t};
+    form.bone_velocity = {0, -1 / h, 1 / h};
+}
+
+void set_bone_weights(const std::vector<Points>& at_gamma, double step_size, double fraction, ImplicitForm& form) {
+    form.bones_within = &at_gamma;
+    set_parabola(-tr_bdf2_gamma, fraction, step_size, form);
+}
+
+std::array<const std::vector<Points>*, 3> bones_weighed(const ImplicitForm& form, const State& before,
+                                                        const std::vector<Points>& after) {
+    const std::vector<Points>* first = form.bones_within              ? form.bones_within
+                                       : before.history.bones.empty() ? &before.bones
+                                                                      : &before.history.bones;
+    return {first, &before.bones, &after};
 }
 
 } // namespace sinew::solver

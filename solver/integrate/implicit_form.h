@@ -20,8 +20,10 @@ struct ImplicitForm {
     std::vector<double> velocity_offset; ///< 3 a vertex [m/s]
     StrainReference strain;              ///< points into the states that the form was made from
     /// Where bones are at the end of the stage and how fast they move there: weights on their positions at the start
-    /// of the last step, at the start of this one and at its end (a parabola through the three, or a line).
+    /// of the last step, at the start of this one and at its end (a parabola through the three, or a line). Where
+    /// `bones_within` is not null, it stands for the first: positions at tr_bdf2_gamma of this step.
     std::array<double, 3> bone_position{0, 0, 1}, bone_velocity{};
+    const std::vector<Points>* bones_within = nullptr;
 };
 
 /// Backward Euler: v' = (x' - x)/h, target = x + h v, m = 1/h^2. First order.
@@ -36,13 +38,15 @@ void bdf2_form(const State& before, double step_size, ImplicitForm& form);
 bool has_bdf2_history(const State& before, double step_size);
 
 /// TR-BDF2, gamma = 2 - sqrt 2 (Bank et al. 1985): the trapezoid rule over gamma h, then BDF2 from 0 and gamma h to h.
-/// Second order, L-stable; both stages have m = 4/(gamma h)^2. The first needs bones and values at gamma h.
+/// Second order, L-stable; both stages have m = 4/(gamma h)^2. The first needs bones and values at gamma h; bones are
+/// read from `bones_at_gamma`, which must outlive the form, or, where that is null, on set_bone_weights' curve.
 inline const double tr_bdf2_gamma = 2 - std::sqrt(2.0);
 /// Stage 0 needs before.history.acceleration.
-void tr_bdf2_trapezoid_form(const State& before, double step_size, ImplicitForm& form);
+void tr_bdf2_trapezoid_form(const State& before, double step_size, const std::vector<Points>* bones_at_gamma,
+                            ImplicitForm& form);
 /// Stage 1, from the state at gamma h.
 void tr_bdf2_bdf2_form(const State& before, const std::vector<double>& x_gamma, const std::vector<double>& v_gamma,
-                       double step_size, ImplicitForm& form);
+                       double step_size, const std::vector<Points>* bones_at_gamma, ImplicitForm& form);
 
 /// No momentum: equilibrium under the present loads, v' = 0.
 void quasi_static_form(const State& before, ImplicitForm& form);
@@ -54,5 +58,10 @@ void implied_acceleration(const ImplicitForm& form, const std::vector<double>& x
 
 /// Weights of bone positions (and of their velocities, per second) at `fraction` of a step of `step_size`.
 void set_bone_weights(const State& before, double step_size, double fraction, ImplicitForm& form);
+/// Likewise, of bones that are known at tr_bdf2_gamma of the step.
+void set_bone_weights(const std::vector<Points>& at_gamma, double step_size, double fraction, ImplicitForm& form);
+/// The bones that the form's three weights are for; `after`: at the end of the step.
+std::array<const std::vector<Points>*, 3> bones_weighed(const ImplicitForm& form, const State& before,
+                                                        const std::vector<Points>& after);
 
 } // namespace sinew::solver

@@ -57,4 +57,22 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
     }
 }
 
+void values_within(const Scene& scene, const StepInputs& known, const StepInputs& after, StepInputs& out) {
+    copy_values(known, out);
+    out.step_size = after.step_size, out.integrator = after.integrator;
+    for (std::size_t i = 0; i < out.bodies.size(); ++i) {
+        auto* t = std::get_if<TissueInputs>(&out.bodies[i]);
+        if (!t) continue;
+        const auto& end = std::get<TissueInputs>(after.bodies[i]);
+        if (conserves_volume(*t) == conserves_volume(end)) continue;
+        t->layers = end.layers;
+        t->compression_resistance = end.compression_resistance;
+        t->transverse_anisotropy = end.transverse_anisotropy;
+    }
+    for (std::size_t k = 0; k < out.parts.size(); ++k) {
+        const auto may_mix = scene.description().parts[k].type->may_mix;
+        if (may_mix && !may_mix(out.parts[k], after.parts[k])) out.parts[k] = after.parts[k];
+    }
+}
+
 } // namespace sinew::solver

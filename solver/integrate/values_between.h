@@ -17,4 +17,9 @@ void copy_values(const StepInputs& in, StepInputs& out);
 void values_between(const Scene& scene, const StepInputs& before, const StepInputs& after, double share,
                     StepInputs& out);
 
+/// The values that `known` gives at a time within the step that ends with `after`. Materials are those of `after` where
+/// volume conservation comes or goes in between, and so is a part whose values may not be mixed with the end's: the
+/// step's pattern is made for its end.
+void values_within(const Scene& scene, const StepInputs& known, const StepInputs& after, StepInputs& out);
+
 } // namespace sinew::solver

@@ -90,3 +90,26 @@ TEST_CASE("valid_frames gives the ranges that are there") {
                             .graph;
     CHECK(e.valid_frames({edited, {"sim", "out"}, 1, {}}, 1, 100) == Ranges{{7, 8}});
 }
+
+TEST_CASE("explain and valid_frames know what stages within a sub-step read") {
+    const auto g =
+        graph(registry(), R"("sim": {"type": "sim", "inputs": {"scheme": {"keys": [[1, "plain"], [10, "staged"]]},
+        "stiffness": {"keys": [[1, 1], [100, 1]], "interp": "linear"}}})");
+    Evaluator e;
+    e.pull({g, {"sim", "out"}, 20, {}});
+    for (const double at : {5.25, 12.25, 12.75}) {
+        const auto edited = Edit(g)
+                                .set_key({"sim", "stiffness"}, at - 0.2, 1)
+                                .set_key({"sim", "stiffness"}, at, 2)
+                                .set_key({"sim", "stiffness"}, at + 0.2, 1)
+                                .commit()
+                                .graph;
+        const bool read = at == 12.25;
+        const Verdict v = e.explain({edited, {"sim", "out"}, 20, {}});
+        INFO(at << ": " << v.because);
+        CHECK(v.readiness == (read ? Readiness::would_run : Readiness::ready));
+        CHECK(v.changed_plugs == (read ? std::vector<std::string>{"sim.stiffness"} : std::vector<std::string>{}));
+        CHECK(v.first_frame == (read ? 13 : 0));
+        CHECK(e.valid_frames({edited, {"sim", "out"}, 1, {}}, 1, 20) == Ranges{{1, read ? 12 : 20}});
+    }
+}

@@ -5,6 +5,7 @@
 
 #include <bit>
 #include <catch2/catch.hpp>
+#include <cmath>
 
 using namespace toys;
 
@@ -173,6 +174,103 @@ TEST_CASE("sub-steps can be keyed and are read at the frame that is stepped to")
     s.steps(8);
     CHECK(s.steps(other, 4) == 0);
     CHECK(s.steps(other, 8) == 4);
+}
+
+TEST_CASE("stages within sub-steps are read where the scheme has them, at their own times") {
+    const auto stages = [](const std::string& inputs, double frame) {
+        Scene s(R"("sim": {"type": "sim", "inputs": {)" + inputs + "}}");
+        s.steps(frame);
+        return s.counts->stages;
+    };
+    CHECK(stages("", 4).empty());
+    CHECK(stages(R"("scheme": "staged")", 3) == std::vector{1.25, 1.5, 2.25, 2.5});
+    CHECK(stages(R"("scheme": "staged", "substeps": 2)", 2) == std::vector{1.125, 1.25, 1.625, 1.75});
+    // The scheme counts at the end of a sub-step, also where it comes and goes within a frame.
+    CHECK(stages(R"("scheme": {"keys": [[1, "plain"], [3, "staged"], [4, "plain"]]})", 6) == std::vector{2.25, 2.5});
+    CHECK(stages(R"("substeps": 2, "scheme": {"keys": [[1, "plain"], [2.5, "staged"], [3, "plain"]]})", 4) ==
+          std::vector{2.125, 2.25});
+}
+
+TEST_CASE("a value that only stages see re-simulates the frames that have them, and no frame of another scheme") {
+    const std::string curve = R"({"keys": [[1, 1], [19, 1], [20, 1], [100, 2]], "interp": "linear"})";
+    const std::string nodes[] = {R"("sim": {"type": "sim", "inputs": {"scheme": "SCHEME", "stiffness": )" + curve +
+                                     "}}",
+                                 R"("stiff": {"type": "number", "inputs": {"value": )" + curve + R"(}},
+           "sim": {"type": "sim", "inputs": {"scheme": "SCHEME", "target": {"from": "stiff.out"}}})"};
+    for (const bool wired : {false, true})
+        for (const bool staged : {false, true}) {
+            std::string text = nodes[wired];
+            text.replace(text.find("SCHEME"), 6, staged ? "staged" : "plain");
+            Scene s(text);
+            s.steps(30);
+            const Plug keyed = wired ? Plug{"stiff", "value"} : Plug{"sim", "stiffness"};
+            INFO("wired " << wired << ", staged " << staged);
+            // At 19.25 and nowhere at the end of a sub-step.
+            const auto seen =
+                Edit(s.graph).set_key(keyed, 19.1, 1).set_key(keyed, 19.25, 3).set_key(keyed, 19.4, 1).commit().graph;
+            CHECK(s.steps(seen, 19) == 0);
+            CHECK(s.steps(seen, 30) == (staged ? 11 : 0));
+            CHECK(same_bits(s.last, from_nothing(seen, 30)));
+            CHECK(same_bits(s.last, from_nothing(s.graph, 30)) == !staged);
+            // Between stages and ends nobody looks.
+            const auto unseen =
+                Edit(s.graph).set_key(keyed, 19.6, 1).set_key(keyed, 19.75, 3).set_key(keyed, 19.9, 1).commit().graph;
+            CHECK(s.steps(unseen, 30) == 0);
+        }
+}
+
+TEST_CASE("another scheme from a frame on leaves the frames before it alone") {
+    Scene s(R"("sim": {"type": "sim", "inputs": {"scheme": {"keys": [[1, "plain"], [50, "staged"]]},
+                        "stiffness": {"keys": [[1, 1], [100, 9]], "interp": "linear"}}})");
+    s.steps(60);
+    const auto later =
+        Edit(s.graph).set_json({"sim", "scheme"}, R"({"keys": [[1, "plain"], [55, "staged"]]})").commit().graph;
+    CHECK(s.steps(later, 49) == 0);
+    CHECK(s.steps(later, 60) == 11); // from 50 on
+    CHECK(same_bits(s.last, from_nothing(later, 60)));
+    CHECK(s.steps(s.graph, 60) == 0);
+}
+
+TEST_CASE("behind another simulation, which has whole frames only, no stages are read") {
+    Scene s(R"("first": {"type": "sim", "inputs": {"scheme": "staged"}},
+               "double": {"type": "relay", "inputs": {"in": {"from": "first.out"}}},
+               "sim": {"type": "sim", "inputs": {"scheme": "staged", "target": {"from": "double.out"}}})");
+    CHECK(s.steps(4) == 6);
+    CHECK(s.counts->stages == std::vector{1.25, 1.5, 2.25, 2.5, 3.25, 3.5}); // those of the first one
+    CHECK(same_bits(s.last, from_nothing(s.graph, 4)));
+}
+
+TEST_CASE("what decides on stage times cannot be connected, and stage times that make no sense are a bug") {
+    const auto types = registry();
+    CHECK(codes_of([&] {
+              toys::graph(types, R"("words": {"type": "sum", "inputs": {"terms": [{"from": "n.out"}]}},
+                                    "n": {"type": "number"},
+                                    "sim": {"type": "sim", "inputs": {"scheme": {"from": "words.text"}}})");
+          }) == "DG029");
+    const auto refused = [](const std::function<void(SimulationType<ToyState>&)>& change) {
+        static const Input<std::string> scheme{.name = "scheme", .def = "a", .doc = "How."};
+        static const Output<double> out{.name = "out", .doc = "The number."};
+        SimulationType<ToyState> t;
+        t.base = {.name = "odd", .doc = "Odd.", .inputs = {describe(scheme)}, .outputs = {describe(out)}};
+        t.initial = [](const Reads&) { return ToyState(); };
+        t.advance = [](const ToyState& s, std::span<const SubstepReads>) { return s; };
+        t.publish = [](const ToyState& s, const Reads&, Writes& w) { w.set(out, s.x); };
+        t.stages_input = scheme.name;
+        t.stages = [](const Value&) { return std::vector<double>{0.5}; };
+        change(t);
+        auto r = std::make_shared<Registry>();
+        r->add(t);
+        const auto g = toys::graph(r, R"("odd": {"type": "odd"})");
+        Evaluator e;
+        number(e, g, {"odd", "out"}, 2);
+    };
+    CHECK_NOTHROW(refused([](auto&) {}));
+    CHECK_THROWS_AS(refused([](auto& t) { t.stages = {}; }), std::logic_error);
+    CHECK_THROWS_AS(refused([](auto& t) { t.stages_input = {}; }), std::logic_error);
+    CHECK_THROWS_AS(refused([](auto& t) { t.stages_input = "nothing"; }), std::logic_error);
+    for (const std::vector<double>& wrong : {std::vector{0.0}, {1.0}, {0.5, 0.5}, {0.7, 0.2}, {std::nan("")}})
+        CHECK_THROWS_AS(refused([&](auto& t) { t.stages = [wrong](const Value&) { return wrong; }; }),
+                        std::logic_error);
 }
 
 TEST_CASE("frames before the start give the start state") {

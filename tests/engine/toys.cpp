@@ -132,6 +132,8 @@ void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
         .name = "failAt", .def = 1e6, .doc = "Frame that does not work.", .keyable = false};
     static const Input<bool> nosy{.name = "nosy", .def = false, .doc = "Reads the initial state while stepping."};
     static const Input<double> gain{.name = "gain", .def = 0, .doc = "Of the output.", .keyable = true};
+    static const Input<std::string> scheme{
+        .name = "scheme", .def = "plain", .doc = "How time is stepped.", .options = {"plain", "staged"}};
     static const Wire<double> target{.name = "target", .doc = "What it is pulled to.", .required = false};
     struct Buffer {
         std::vector<double> memory;
@@ -140,23 +142,29 @@ void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
     t.base = {.name = "sim",
               .doc = "A damped spring with history.",
               .inputs = {describe(start), describe(substeps), describe(stiffness), describe(height), describe(color),
-                         describe(fail_at), describe(nosy), describe(gain), describe(target)},
+                         describe(fail_at), describe(nosy), describe(gain), describe(scheme), describe(target)},
               .outputs = {describe(out)}};
     t.initial = [counts](const Reads& in) {
         ++counts->initials;
         return ToyState{in[height], in[height], 0, 0};
     };
-    t.advance = [counts](const ToyState& before, std::span<const Reads> substeps_in) {
+    t.advance = [counts](const ToyState& before, std::span<const SubstepReads> substeps_in) {
         ++counts->advances;
-        const double frame = substeps_in.back().frame();
+        const Reads& now = substeps_in.back().end;
+        const double frame = now.frame();
         if (counts->on_advance) counts->on_advance(frame);
-        if (frame == substeps_in.back()[fail_at]) substeps_in.back().fail("failAt", "FE302", "it flew apart");
-        if (substeps_in.back()[nosy]) (void)substeps_in.back()[height];
+        if (frame == now[fail_at]) now.fail("failAt", "FE302", "it flew apart");
+        if (now[nosy]) (void)now[height];
         ToyState s = before;
-        auto buffer = substeps_in.back().lease<Buffer>(Hasher().add("buffer").finish(),
-                                                       [] { return std::make_shared<Buffer>(); });
+        auto buffer = now.lease<Buffer>(Hasher().add("buffer").finish(), [] { return std::make_shared<Buffer>(); });
         buffer->memory.assign(16, frame); // what an earlier step left in it must not matter
-        for (const Reads& in : substeps_in) {
+        for (const SubstepReads& step : substeps_in) {
+            const Reads& in = step.end;
+            for (const Reads& stage : step.within) {
+                counts->stages.push_back(stage.frame());
+                const double* pulled = stage.find(target);
+                s.v -= 0.001 * stage[stiffness] * (s.x - (pulled ? *pulled : 0));
+            }
             in.checkpoint();
             in.progress(0.5, "step");
             const double h = 1.0 / static_cast<double>(substeps_in.size());
@@ -181,6 +189,10 @@ void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
         ToyState s;
         std::memcpy(&s, bytes.data(), sizeof s);
         return s;
+    };
+    t.stages_input = scheme.name;
+    t.stages = [](const Value& v) {
+        return v.as<std::string>() == "staged" ? std::vector<double>{0.25, 0.5} : std::vector<double>{};
     };
     r.add(std::move(t));
 }

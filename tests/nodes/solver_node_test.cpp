@@ -87,6 +87,48 @@ TEST_CASE("the integrator may be keyed: the scheme of each frame is the one that
     CHECK(newton(6) > newton(4));
 }
 
+TEST_CASE("TR-BDF2 sees what is keyed at gamma of each sub-step, other schemes read the ends alone", "[nodes]") {
+    // At whole frames the bone stands still all the time; at gamma of frame 5 to 6 it is somewhere else.
+    const std::string still = R"({"keys": [[1, [-0.625, 0, 0]], [5.2, [-0.625, 0, 0]], [5.5858, [-0.625, Y, 0]],
+                                           [5.8, [-0.625, 0, 0]]], "interp": "linear"})";
+    const auto keys = [&](const char* y) {
+        std::string text = still;
+        return text.replace(text.find('Y'), 1, y);
+    };
+    for (const char* scheme : {"BackwardEuler", "BDF2", "TR-BDF2", "QuasiStatic"}) {
+        Session s(beam(1, R"(, "integrator": ")" + std::string(scheme) + "\""));
+        s.set("place", "translate", keys("0"));
+        const solver::Points before = points(s, 5), after = points(s, 8);
+        s.counter.steps.clear();
+        s.set("place", "translate", keys("0.02"));
+        const bool sees = std::string(scheme) == "TR-BDF2";
+        INFO(scheme);
+        CHECK(points(s, 5) == before);
+        CHECK(s.counter.steps["solver"] == 0);
+        CHECK((largest_difference(points(s, 8), after) > 1e-4) == sees);
+        CHECK(s.counter.steps["solver"] == (sees ? 3 : 0)); // frames 6 to 8
+        CHECK(s.counter.warnings.empty());
+    }
+}
+
+TEST_CASE("under a bone that is keyed through the graph TR-BDF2 is of second order", "[nodes]") {
+    // The bone turns by up to 0.12 rad a frame about a point outside of it, along a smooth curve of two keys.
+    const auto tip = [](int substeps) {
+        Session s(beam(1, R"(, "integrator": "TR-BDF2", "solverToleranceFactor": 1e-3, "substeps": )" +
+                              std::to_string(substeps)));
+        s.set("place", "translate", "[-0.625, 0, 0]");
+        s.set("place", "rotate", R"({"keys": [[1, [0, 0, 0]], [13, [0, 0, 50]]], "interp": "smooth"})");
+        const solver::Points p = points(s, 9);
+        CHECK(s.get<nodes::SolveReport>("solver", "outReport", 9).record.converged);
+        return p;
+    };
+    const solver::Points truth = tip(64);
+    const double coarse = largest_difference(tip(4), truth), fine = largest_difference(tip(8), truth);
+    INFO(coarse << " " << fine);
+    CHECK(coarse < 1e-2);
+    CHECK(std::log2(coarse / fine) > 1.7);
+}
+
 TEST_CASE("bones pass through the solver as they are", "[nodes]") {
     Session s(beam(100));
     CHECK(points(s, 3, 0) == *std::get<nodes::Mesh>(s.get<nodes::Body>("bone", "outBody", 3).values).points);

@@ -61,6 +61,20 @@ TEST_CASE("a steady step allocates nothing, whatever the scheme, the element and
     }
 }
 
+TEST_CASE("a steady step that is told what is at gamma allocates nothing") {
+    if (!counts_allocations()) return;
+    for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
+        const Allocations taken = of_steps(Swing(kind, 3), 6, [](StepInputs& in) {
+            in.integrator = Integrator::tr_bdf2;
+            in.linear_method = LinearMethod::iterative;
+            StepInputs within = in;
+            within.gravity *= 1.01;
+            in.at_gamma = std::make_shared<const StepInputs>(std::move(within));
+        });
+        CHECK(taken.all == 0);
+    }
+}
+
 TEST_CASE("a steady step with volume conservation allocates nothing") {
     if (!counts_allocations()) return;
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {

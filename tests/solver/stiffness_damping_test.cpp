@@ -165,7 +165,7 @@ TEST_CASE("the damping's gradient and Hessian converge to finite differences at 
                 ImplicitForm form;
                 if (scheme == Integrator::backward_euler) backward_euler_form(s, t.in.step_size, form);
                 if (scheme == Integrator::bdf2) bdf2_form(s, t.in.step_size, form);
-                if (scheme == Integrator::tr_bdf2) tr_bdf2_bdf2_form(s, between, s.v, t.in.step_size, form);
+                if (scheme == Integrator::tr_bdf2) tr_bdf2_bdf2_form(s, between, s.v, t.in.step_size, nullptr, form);
                 Potential p(*t.scene);
                 p.take(s, t.in);
                 p.begin_step(s, t.in);

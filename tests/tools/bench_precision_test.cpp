@@ -181,7 +181,7 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     const Said said = run_program({"bench", "report", "--quick", "-o", page.string()});
     REQUIRE(said.code == 0);
     const std::string text = read_text(page);
-    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence",
+    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence", "## Hard cases",
                              "## Work and precision", "### Nearly incompressible bodies", "## What each lever gives",
                              "## Cantilever", "## Scaling", "## Idle cost", "Not yet modelled"})
         CHECK(text.find(part) != std::string::npos);

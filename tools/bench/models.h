@@ -67,6 +67,12 @@ inline constexpr std::array integrators{
     IntegratorName{nodes::word_of(solver::Integrator::tr_bdf2), "TRBDF2_gamma_2_minus_sqrt2", "TRBDF2_2-sqrt2",
                    solver::Integrator::tr_bdf2, 2}};
 
+/// With the one that has no time.
+inline constexpr std::array all_integrators{
+    integrators[0], integrators[1], integrators[2],
+    IntegratorName{nodes::word_of(solver::Integrator::quasi_static), "", "", solver::Integrator::quasi_static, 0}};
+static_assert(all_integrators.size() == integrators.size() + 1);
+
 struct LinearMethodName {
     std::string_view word; ///< of zSolver.solver
     solver::LinearMethod method;

@@ -83,6 +83,7 @@ Report run_all(const RunOptions& told) {
             CantileverResult result = run_cantilever(c, options.stop);
             r.cantilever.emplace_back(c, std::move(result));
         }
+    r.hard = run_hard(options);
     r.levers = run_levers(options);
     r.scaling = run_scaling(options);
     r.idle_cost = run_idle_cost(options);
@@ -139,6 +140,20 @@ std::string report_page(const Report& report, const std::string& images) {
     picture("convergence_time", "error against time step");
     out << "\n<details><summary>All orders</summary>\n\n"
         << as_markdown(convergence_table(report.convergence)) << "\n</details>\n";
+
+    out << "\n## Hard cases\n\n`sinew bench hard`: " << hard_summary(report.hard)
+        << ".\n\nEach body is treated badly, under every law, element and integrator, and must end where it is known "
+           "to "
+           "end. *recovered*: it does, and every step that was called converged solves its equations, which a judge "
+           "makes anew from the states before and after it. *elsewhere*: at rest in another stable equilibrium, of a "
+           "body that has several. *stopped*: an error with a code, or the last frame is called not converged (FE301). "
+           "*wrong*: anything else. Newton has 100 iterations and 3 halvings; steps are frames of 1/24 s with damping, "
+           "if the case does not say otherwise. QuasiStatic refuses free bodies (FE302), and LogNeoHookean knows no "
+           "inverted tets: they stop.\n\n"
+        << as_markdown(hard_overview(report.hard));
+    if (const Table faults = hard_faults(report.hard); !faults.rows.empty())
+        out << "\nWhat is wrong:\n\n" << as_markdown(faults);
+    out << "\n<details><summary>All runs</summary>\n\n" << as_markdown(hard_table(report.hard)) << "\n</details>\n";
 
     out << "\n## Work and precision\n\n`sinew bench work-precision`: a clamped bar of 0.4 x 0.1 x 0.1 m is let go in "
            "gravity and "

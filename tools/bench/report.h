@@ -4,6 +4,7 @@
 #include "tools/bench/accuracy.h"
 #include "tools/bench/cantilever.h"
 #include "tools/bench/convergence.h"
+#include "tools/bench/hard.h"
 #include "tools/bench/idle_cost.h"
 #include "tools/bench/levers.h"
 #include "tools/bench/locking.h"
@@ -26,6 +27,7 @@ struct Report {
     std::vector<Lever> levers;
     ScalingResult scaling;
     IdleCost idle_cost;
+    std::vector<HardResult> hard;
     std::vector<SceneBench> scenes;
 };
 

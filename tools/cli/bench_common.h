@@ -38,6 +38,7 @@ ExitCode bench_work_precision(const Invocation& in);
 ExitCode bench_scaling(const Invocation& in);
 ExitCode bench_levers(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
+ExitCode bench_hard(const Invocation& in);
 ExitCode bench_scene(const Invocation& in);
 ExitCode bench_elements(const Invocation& in);
 ExitCode bench_report(const Invocation& in);

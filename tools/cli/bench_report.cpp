@@ -33,6 +33,7 @@ ExitCode bench_report(const Invocation& in) {
         line["convergence"] = bench::convergence_json(report.convergence);
         line["work_precision"] = bench::work_precision_json(report.work_precision);
         line["locking"] = bench::locking_json(report.locking);
+        line["hard"] = bench::hard_json(report.hard);
         line["levers"] = bench::levers_json(report.levers);
         line["scaling"] = bench::scaling_json(report.scaling);
         line["idle_cost"] = bench::idle_cost_json(report.idle_cost);

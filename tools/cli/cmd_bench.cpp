@@ -28,6 +28,7 @@ constexpr Benchmark benchmarks[] = {
     {"levers", bench_levers, "--quick --only"},
     {"scaling", bench_scaling, "--quick --only --output"},
     {"idle-cost", bench_idle_cost, "--quick --only"},
+    {"hard", bench_hard, "--quick --only"},
     {"scene", bench_scene, "--quick --steps", true},
     {"elements", bench_elements, "--quick --steps --only --output", true},
     {"report", bench_report, "--quick --steps --output", true},
@@ -83,7 +84,9 @@ Command bench_command() {
           "and finer meshes; levers: what linear method, threads, exact Hessians and quadratic tets give, as ratios of "
           "times; "
           "scaling: time and memory from a thousand to half a million tets; idle-cost: what unused "
-          "features cost; scene: the frames of a graph under each linear solver and under the yardstick "
+          "features cost; hard: collapsed, scrambled, overstretched, torn about and spoilt bodies under every law, "
+          "element and integrator, exit code 3 if an answer is wrong; scene: the frames of a graph under each linear "
+          "solver and under the yardstick "
           "Plain; elements: the motion of a graph with linear and quadratic tets of several sizes, against time; "
           "report: all of them but meshing as a page with pictures"},
          {"FILES",
@@ -94,8 +97,8 @@ Command bench_command() {
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
          {"--only", "LETTERS",
-          "accuracy, convergence, work-precision, levers, scaling, idle-cost: only what has these letters in its name; "
-          "elements: the one tissue that takes part"},
+          "accuracy, convergence, work-precision, levers, scaling, idle-cost, hard: only what has these letters in its "
+          "name; elements: the one tissue that takes part"},
          {"--output", "PATH",
           "convergence, work-precision, scaling, elements: a folder to write plots to, of work-precision CSV and JSON "
           "too; "
@@ -124,6 +127,8 @@ Command bench_command() {
         "sinew bench scaling --quick                                   # limits of the machine, then time and memory\n"
         "sinew bench idle-cost --only bone                             # with a bone that nothing holds on to, and "
         "without\n"
+        "sinew bench hard --only squeezed                              # recovered, stopped with a diagnostic, or "
+        "wrong\n"
         "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "
         "frames\n"
         "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
