@@ -1,6 +1,7 @@
 // Tetrahedral meshes: the lattice or a user's mesh, with the share of each tet that is filled with solid.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/mesh/tet_moments.h"
 #include "solver/types.h"
 
 #include <array>
@@ -8,10 +9,22 @@
 
 namespace sinew::solver {
 
+/// What lies inside the solid of the tets that its surface cuts: integrals over the part inside of the homogeneous
+/// monomials of one degree in the barycentric coordinates, per volume of the tet (tet_moments.h).
+struct CutTets {
+    int degree = 1;              ///< 1 or 4
+    std::vector<int> tets;       ///< increasing
+    std::vector<double> moments; ///< moment_count(degree) for each
+    const double* of(std::size_t place) const { return moments.data() + place * moment_count(degree); }
+    bool operator==(const CutTets&) const = default;
+};
+
 struct TetMesh {
     Points vertices;
     std::vector<Tet> tets;        ///< positively oriented: det(x1-x0, x2-x0, x3-x0) > 0
     std::vector<double> coverage; ///< per tet in (0, 1]: share of its volume inside the solid; 1 if not told
+    /// Tets with a coverage below 1 that are not named here are solid all over, but that much thinner.
+    CutTets cut = {};
 };
 
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <stdexcept>
 #include <string>
 
 namespace sinew::solver {
@@ -30,6 +31,7 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
         throw Error("FE222", "the tet size must be positive, or 0 for the default");
     if (!(options.least_coverage >= 0) || options.least_coverage > 1)
         throw Error("FE222", "the least coverage must lie in 0 to 1");
+    if (options.moments != 1 && options.moments != 4) throw std::logic_error("moments are of degree 1 or 4");
     const double longest = solid.box.size().maxCoeff();
     const double side = options.tet_size > 0 ? options.tet_size : longest / 3.5;
     const double along = std::ceil(longest / side * std::exp2(levels) * (1 - 1e-12));
@@ -46,7 +48,7 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
     return side;
 }
 
-TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces, double least_coverage) {
+TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces, const LatticeOptions& options) {
     std::vector<std::int64_t> numbers;
     numbers.reserve(4 * pieces.size());
     for (const LatticePiece& p : pieces)
@@ -60,13 +62,21 @@ TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces,
     for (std::int64_t number : sorted) mesh.vertices.push_back(finest.position(finest.vertex_key(number)));
     mesh.tets.resize(pieces.size());
     mesh.coverage.resize(pieces.size());
-    const double least = std::max(least_coverage, std::numeric_limits<double>::min());
+    const double least = std::max(options.least_coverage, std::numeric_limits<double>::min());
     parallel_for(pieces.size(), 256, [&](std::size_t t) {
         for (std::size_t k = 0; k < 4; ++k)
             mesh.tets[t][k] =
                 static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), numbers[4 * t + k]) - sorted.begin());
         mesh.coverage[t] = std::max(pieces[t].share, least);
     });
+    mesh.cut.degree = options.moments;
+    for (std::size_t t = 0; t < pieces.size(); ++t)
+        if (pieces[t].moments) mesh.cut.tets.push_back(static_cast<int>(t));
+    const std::size_t count = moment_count(options.moments);
+    mesh.cut.moments.resize(count * mesh.cut.tets.size());
+    for (std::size_t k = 0; k < mesh.cut.tets.size(); ++k)
+        std::copy_n(pieces[static_cast<std::size_t>(mesh.cut.tets[k])].moments.get(), count,
+                    mesh.cut.moments.begin() + static_cast<std::ptrdiff_t>(count * k));
     return mesh;
 }
 
@@ -93,7 +103,8 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
     const BccGrid grid = make_bcc_grid(solid.box.centre(), solid.box.size(), side);
     const bool is_surface_only = options.fill == Fill::surface_only;
     const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, control);
-    RefinedCells refined = refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets}, control);
+    RefinedCells refined =
+        refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets, options.moments}, control);
     BccGrid finest = grid;
     for (int level = 0; level < refined.levels; ++level) finest = finest.finer();
     return {finest, std::move(refined.pieces)};
@@ -169,7 +180,7 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
         refuse_huge(solid, paint, side, options, control);
     const Lattice lattice = lattice_of_side(solid, paint, side, options, control);
     if (!lattice.is_sound(options.least_coverage)) refuse_coarse(solid, paint, side, lattice, options, control);
-    return assemble(lattice.finest, lattice.pieces, options.least_coverage);
+    return assemble(lattice.finest, lattice.pieces, options);
 }
 
 } // namespace sinew::solver

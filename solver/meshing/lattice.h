@@ -21,6 +21,7 @@ struct LatticeOptions {
     /// numbers are linear on the triangles and then rounded up (paint.h).
     std::vector<double> refinement = {};
     double propagation = 0; ///< 0 to 1: share of the surface's refinement that the inside takes over
+    int moments = 1;        ///< degree of TetMesh::cut: 1 for linear tets, 4 for quadratic ones
 };
 
 /// What is inside: where the winding number exceeds one half in size, so overlapping parts are one solid;
@@ -30,6 +31,7 @@ struct LatticeOptions {
 /// Around a closed surface, tets that hold less than 1e-9 of their volume (touched from outside along a face,
 /// edge or corner) are left out. Coverage: for closed surfaces exact up to rounding, but for small tets where
 /// parts cross (tet_share.h); for surfaces with large holes by subdivision, second order (tet_quadrature.h).
+/// The moments of cut tets are as exact as their coverage, and know no least coverage.
 /// Refinement: tets whose piece of the surface asks for it are cut into eight of the same shape, their
 /// neighbours into two or four so that no vertex hangs (red_green.h): all dihedral angles lie in 60 to 90
 /// degrees without refinement, and in 30 to 116.6 degrees between levels. Order: tets by coarse cube (z, then

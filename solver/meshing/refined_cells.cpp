@@ -228,7 +228,7 @@ class Refiner {
         const auto keys = here.grid.tet_vertices(number);
         if (leaf.pattern == 0) {
             for (std::size_t k = 0; k < 4; ++k) out->corners[k] = times(keys[k], 1 << (finest - leaf.level));
-            out->share = share(state, corner_positions(here.grid, number), {touching.begin(), touching.end()});
+            set_share(state, corner_positions(here.grid, number), {touching.begin(), touching.end()}, *out);
             return;
         }
         // Corners and midpoints in the coordinates of the next level.
@@ -254,7 +254,7 @@ class Refiner {
                 for (int v : part) side = std::max(side, finer_sides.find(fine.vertex_number(points[at(v)])));
             const CellState part_is = side >= 0 ? (side == 1 ? CellState::inside : CellState::outside)
                                                 : part_state(state, !inner.empty(), [&] { return corners; });
-            out->share = share(part_is, corners, inner);
+            set_share(part_is, corners, inner, *out);
             ++out;
         }
     }
@@ -281,16 +281,27 @@ class Refiner {
         return result;
     }
 
-    double share(CellState state, const std::array<Vec3, 4>& corners, const std::vector<int>& touching) const {
+    void set_share(CellState state, const std::array<Vec3, 4>& corners, const std::vector<int>& touching,
+                   LatticePiece& out) const {
+        TetMoments moments;
+        moments.degree = options_.degree;
+        out.share = share(state, corners, touching, moments);
+        if (!(out.share >= 0 && out.share < 1)) return;
+        out.moments = std::make_unique<double[]>(moment_count(options_.degree));
+        std::copy_n(moments.value.begin(), moment_count(options_.degree), out.moments.get());
+    }
+
+    double share(CellState state, const std::array<Vec3, 4>& corners, const std::vector<int>& touching,
+                 TetMoments& moments) const {
         constexpr double left_out = -1;
         if (state == CellState::outside) return left_out;
         if (state != CellState::touched && options_.is_surface_only) return left_out;
         if (state == CellState::inside) return 1;
         if (!solid_.is_closed) {
-            const auto exact = share_away_from_holes(solid_, corners, touching);
-            return exact ? *exact : quadrature_share(solid_, corners, state == CellState::touched);
+            const auto exact = share_away_from_holes(solid_, corners, touching, &moments);
+            return exact ? *exact : quadrature_share(solid_, corners, state == CellState::touched, &moments);
         }
-        const double result = closed_share(solid_, corners, touching);
+        const double result = closed_share(solid_, corners, touching, &moments);
         return result < negligible_share ? left_out : result;
     }
 

@@ -5,6 +5,7 @@
 #include "solver/meshing/paint.h"
 
 #include <functional>
+#include <memory>
 #include <vector>
 
 namespace sinew::solver {
@@ -13,6 +14,9 @@ namespace sinew::solver {
 struct LatticePiece {
     std::array<BccGrid::Key, 4> corners;
     double share; ///< negative: not part of the lattice
+    /// Integrals of the monomials of RefineOptions::degree over the solid part, as many as there are; null where the
+    /// tet is solid as a whole.
+    std::unique_ptr<double[]> moments;
 };
 
 struct RefinedCells {
@@ -23,6 +27,7 @@ struct RefinedCells {
 struct RefineOptions {
     bool is_surface_only = false;
     std::int64_t most_tets = 0; ///< Error FE210 above
+    int degree = 1;             ///< of the moments
 };
 
 /// Refines and computes all shares. Order: coarse tets by number; inside one the tree of its parts, each cut

@@ -34,7 +34,35 @@ double positive_share(const std::array<double, 4>& values) {
     return 0;
 }
 
-double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, bool is_near) {
+void add_positive_part(const std::array<double, 4>& values, const std::array<Barycentric, 4>& corners, double volume,
+                       TetMoments& moments) {
+    std::array<std::size_t, 4> order{0, 1, 2, 3};
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return values[a] > values[b]; });
+    const auto f = [&](std::size_t i) { return values[order[i]]; };
+    const auto corner = [&](std::size_t i) -> const Barycentric& { return corners[order[i]]; };
+    /// Share of the way from corner i to j where the function vanishes, and the point there.
+    const auto ratio = [&](std::size_t i, std::size_t j) { return f(i) / (f(i) - f(j)); };
+    const auto zero = [&](std::size_t i, std::size_t j) {
+        Barycentric out;
+        for (std::size_t c = 0; c < 4; ++c) out[c] = corner(i)[c] + ratio(i, j) * (corner(j)[c] - corner(i)[c]);
+        return out;
+    };
+    if (f(2) > 0) {
+        moments.add(corners, volume);
+        if (f(3) < 0)
+            moments.add({corner(3), zero(3, 0), zero(3, 1), zero(3, 2)},
+                        -volume * ratio(3, 0) * ratio(3, 1) * ratio(3, 2));
+    } else if (f(1) > 0) {
+        const double a = ratio(0, 2), b = ratio(0, 3), c = ratio(1, 2), d = ratio(1, 3);
+        moments.add({corner(0), corner(1), zero(0, 2), zero(0, 3)}, volume * a * b);
+        moments.add({corner(1), zero(0, 2), zero(1, 2), zero(1, 3)}, volume * (1 - a) * c * d);
+        moments.add({corner(1), zero(0, 2), zero(0, 3), zero(1, 3)}, volume * a * (1 - b) * d);
+    } else if (f(0) > 0) {
+        moments.add({corner(0), zero(0, 1), zero(0, 2), zero(0, 3)}, volume * ratio(0, 1) * ratio(0, 2) * ratio(0, 3));
+    }
+}
+
+double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, bool is_near, TetMoments* moments) {
     // Kuhn's coordinates 1 >= x >= y >= z >= 0 of the tet, on a grid of `parts` cells, each of six equal
     // tets.
     const Vec3 ex = (corners[1] - corners[0]) / parts, ey = (corners[2] - corners[1]) / parts,
@@ -66,11 +94,16 @@ double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, 
                 for (const auto& walk : walks) {
                     int at[3] = {x, y, z};
                     std::array<Sample, 4> s;
+                    std::array<Barycentric, 4> place;
                     bool in_tet = true;
                     for (std::size_t k = 0; k < 4 && in_tet; ++k) {
                         if (k > 0) ++at[walk[k - 1]];
                         in_tet = at[0] >= at[1] && at[1] >= at[2];
-                        if (in_tet) s[k] = samples[static_cast<std::size_t>(index(at[0], at[1], at[2]))];
+                        if (!in_tet) break;
+                        s[k] = samples[static_cast<std::size_t>(index(at[0], at[1], at[2]))];
+                        for (int c = 0; c < 4; ++c)
+                            place[k][static_cast<std::size_t>(c)] =
+                                ((c == 0 ? parts : at[c - 1]) - (c == 3 ? 0 : at[c])) / static_cast<double>(parts);
                     }
                     if (!in_tet) continue;
                     const bool near_surface =
@@ -80,6 +113,7 @@ double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, 
                         f[k] = near_surface ? std::copysign(s[k].distance, s[k].inside) : s[k].inside;
                     sum += positive_share(f);
                     ++count;
+                    if (moments) add_positive_part(f, place, 1.0 / (parts * parts * parts), *moments);
                 }
     return sum / count;
 }

@@ -12,8 +12,6 @@
 namespace sinew::solver {
 namespace {
 
-using Barycentric = std::array<double, 4>;
-
 /// A convex polygon in the tet. `tag[i]` says where the edge from corner i to the next one lies: on the tet's
 /// face opposite corner 0…3, or -1 for an edge of the triangle itself.
 struct Polygon {
@@ -74,7 +72,7 @@ bool touches_tet(const BarycentricTriangle& triangle, double slack) {
     return clip_to_tet(triangle, slack).size > 0;
 }
 
-double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner) {
+double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner, TetMoments* moments) {
     // Even permutations that bring the reference corner to place 1: the counted edge runs from corner 1 to
     // corner 2.
     constexpr std::size_t order[4][4] = {{1, 0, 3, 2}, {0, 1, 2, 3}, {3, 2, 1, 0}, {2, 3, 0, 1}};
@@ -85,17 +83,31 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
 
     const Polygon polygon = clip_to_tet(turned, 0);
     double share = 0;
-    for (int i = 1; i + 1 < polygon.size; ++i)
-        share += determinant(polygon.corner[0], polygon.corner[i], polygon.corner[i + 1]);
+    const auto add = [&](double volume, const Barycentric& a, const Barycentric& b, const Barycentric& c,
+                         const Barycentric& d) {
+        share += volume;
+        if (!moments) return;
+        std::array<Barycentric, 4> piece;
+        for (std::size_t k = 0; k < 4; ++k) piece[0][o[k]] = a[k], piece[1][o[k]] = b[k];
+        for (std::size_t k = 0; k < 4; ++k) piece[2][o[k]] = c[k], piece[3][o[k]] = d[k];
+        moments->add(piece, volume);
+    };
+    constexpr Barycentric origin{1, 0, 0, 0}, face_origin{0, 0, 0, 1}, edge_end{0, 0, 1, 0};
+    for (int i = 1; i + 1 < polygon.size; ++i) {
+        const Barycentric &p = polygon.corner[0], &q = polygon.corner[i], &r = polygon.corner[i + 1];
+        add(determinant(p, q, r), origin, p, q, r);
+    }
     for (int i = 0; i < polygon.size; ++i) {
         const int next = i + 1 < polygon.size ? i + 1 : 0;
         const Barycentric &p = polygon.corner[i], &q = polygon.corner[next];
         if (polygon.tag[i] != 0) continue;
         // The face's piece runs along the same segment in the opposite direction.
-        share += q[1] * p[2] - q[2] * p[1];
-        if (polygon.tag[next] == 3) share -= 1 - q[2]; // the counted edge leaves the solid here
+        add(q[1] * p[2] - q[2] * p[1], origin, face_origin, p, q);
+        if (polygon.tag[next] == 3) // the counted edge leaves the solid here
+            add(-(1 - q[2]), origin, face_origin, q, edge_end);
         const int before = i > 0 ? i - 1 : polygon.size - 1;
-        if (polygon.tag[before] == 3) share += 1 - p[2]; // and here it enters
+        if (polygon.tag[before] == 3) // and here it enters
+            add(1 - p[2], origin, face_origin, p, edge_end);
     }
     return share;
 }
@@ -128,37 +140,61 @@ class TetFrame {
     Mat3 inverse_;
 };
 
-/// Integral of the winding number over the tet, per volume; NaN if every corner lies on the surface.
+/// Integral of the winding number over the tet, per volume; NaN if every corner lies on the surface. Adds to
+/// `moments`, where wanted, those of the winding number.
 double winding_integral(const Solid& solid, const std::array<Vec3, 4>& corners, const TetFrame& frame,
-                        const std::vector<int>& triangles) {
+                        const std::vector<int>& triangles, TetMoments* moments) {
     const double near = 1e-7 * (corners[1] - corners[0]).norm();
     for (int reference = 0; reference < 4; ++reference) {
         const Vec3& corner = corners[static_cast<std::size_t>(reference)];
         if (solid.tree.closest(corner, near).triangle >= 0) continue;
         double integral = std::round(solid.winding_number(corner));
-        for (int t : triangles) integral += share_of_triangle(frame(solid, t), reference);
+        if (moments) moments->add(whole_moments(moments->degree), integral);
+        for (int t : triangles) integral += share_of_triangle(frame(solid, t), reference, moments);
         return integral;
     }
     return std::nan("");
 }
 
+/// A tet, and where its corners lie in the tet that it is part of.
+struct Part {
+    std::array<Vec3, 4> corners;
+    std::array<Barycentric, 4> place{{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
+    double volume = 1; ///< share of the tet that it is part of
+};
+
 /// The eight tets between the corners and the midpoints of the edges. The inner octahedron is cut along the
 /// shortest of its diagonals, which keeps the parts of a lattice tet alike.
-std::array<std::array<Vec3, 4>, 8> split(const std::array<Vec3, 4>& c) {
-    const auto m = [&](std::size_t i, std::size_t j) -> Vec3 { return 0.5 * (c[i] + c[j]); };
-    const Vec3 m01 = m(0, 1), m02 = m(0, 2), m03 = m(0, 3), m12 = m(1, 2), m13 = m(1, 3), m23 = m(2, 3);
+std::array<Part, 8> split(const Part& whole) {
+    const std::array<Vec3, 4>& c = whole.corners;
+    // Points 0…3 are the corners, then the middles of edges 01 02 03 12 13 23.
+    constexpr std::size_t ends[10][2] = {{0, 0}, {1, 1}, {2, 2}, {3, 3}, {0, 1},
+                                         {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}};
+    std::array<Vec3, 10> point;
+    for (std::size_t i = 0; i < 10; ++i) point[i] = i < 4 ? c[i] : Vec3(0.5 * (c[ends[i][0]] + c[ends[i][1]]));
+    enum : std::size_t { m01 = 4, m02, m03, m12, m13, m23 };
     // Ends of the diagonal, and the ring of the other four about it.
-    Vec3 a = m01, b = m23;
-    std::array<Vec3, 4> ring{m02, m12, m13, m03};
-    if ((m02 - m13).squaredNorm() < (a - b).squaredNorm()) a = m02, b = m13, ring = {m01, m03, m23, m12};
-    if ((m03 - m12).squaredNorm() < (a - b).squaredNorm()) a = m03, b = m12, ring = {m01, m13, m23, m02};
-    std::array<std::array<Vec3, 4>, 8> parts{
-        {{c[0], m01, m02, m03}, {m01, c[1], m12, m13}, {m02, m12, c[2], m23}, {m03, m13, m23, c[3]}, {}, {}, {}, {}}};
+    std::size_t a = m01, b = m23;
+    std::array<std::size_t, 4> ring{m02, m12, m13, m03};
+    const auto length = [&](std::size_t i, std::size_t j) { return (point[i] - point[j]).squaredNorm(); };
+    if (length(m02, m13) < length(a, b)) a = m02, b = m13, ring = {m01, m03, m23, m12};
+    if (length(m03, m12) < length(a, b)) a = m03, b = m12, ring = {m01, m13, m23, m02};
+    std::array<std::array<std::size_t, 4>, 8> numbers{
+        {{0, m01, m02, m03}, {m01, 1, m12, m13}, {m02, m12, 2, m23}, {m03, m13, m23, 3}, {}, {}, {}, {}}};
     for (std::size_t k = 0; k < 4; ++k) {
-        std::array<Vec3, 4> part{a, b, ring[k], ring[(k + 1) % 4]};
-        if ((part[1] - part[0]).dot((part[2] - part[0]).cross(part[3] - part[0])) < 0) std::swap(part[0], part[1]);
-        parts[4 + k] = part;
+        numbers[4 + k] = {a, b, ring[k], ring[(k + 1) % 4]};
+        const Vec3 &p = point[a], &q = point[b], &r = point[ring[k]], &s = point[ring[(k + 1) % 4]];
+        if ((q - p).dot((r - p).cross(s - p)) < 0) std::swap(numbers[4 + k][0], numbers[4 + k][1]);
     }
+    std::array<Part, 8> parts;
+    for (std::size_t part = 0; part < 8; ++part)
+        for (std::size_t k = 0; k < 4; ++k) {
+            const std::size_t number = numbers[part][k];
+            parts[part].corners[k] = point[number];
+            for (std::size_t i = 0; i < 4; ++i)
+                parts[part].place[k][i] = 0.5 * (whole.place[ends[number][0]][i] + whole.place[ends[number][1]][i]);
+            parts[part].volume = whole.volume / 8;
+        }
     return parts;
 }
 
@@ -179,43 +215,95 @@ std::optional<double> share_between(const Solid::Sides& sides, double integral) 
     return share > 1 - 1e-12 ? 1.0 : std::max(share, 0.0);
 }
 
-double split_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
-                   int depth) {
+/// Adds moments in the coordinates of a part, or `share` of the whole part, to those of the tet it belongs to.
+void add_part(const Part& part, double share, TetMoments* sum) {
+    if (sum && share > 0) sum->add(part.place, share * part.volume);
+}
+void add_part(const Part& part, const TetMoments& inside, TetMoments& sum) {
+    // The part's monomials, in which each of its coordinates stands for a corner, are put together again.
+    if (sum.degree == 1) {
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t k = 0; k < 4; ++k) sum.value[c] += part.volume * part.place[k][c] * inside.value[k];
+        return;
+    }
+    for (std::size_t m = 0; m < most_moments; ++m) {
+        // Product of four coordinates of the tet, each a sum over the corners of the part.
+        std::array<std::size_t, 4> factor;
+        std::size_t next = 0;
+        for (std::size_t c = 0; c < 4; ++c)
+            for (int e = 0; e < quartic_exponents[m][c]; ++e) factor[next++] = c;
+        double total = 0;
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t j = 0; j < 4; ++j)
+                for (std::size_t k = 0; k < 4; ++k)
+                    for (std::size_t l = 0; l < 4; ++l)
+                        total += part.place[i][factor[0]] * part.place[j][factor[1]] * part.place[k][factor[2]] *
+                                 part.place[l][factor[3]] * inside.value[quartic_index(i, j, k, l)];
+        sum.value[m] += part.volume * total;
+    }
+}
+
+/// Moments inside, from those of the winding number where only the two numbers of `sides` occur.
+void add_between(const Solid::Sides& sides, const Part& part, const TetMoments& winding, double share,
+                 TetMoments& sum) {
+    if (share <= 0 || share >= 1) return add_part(part, share, &sum);
+    const double jump = sides.below - sides.above, sign = sides.below != 0 ? 1 : -1;
+    TetMoments inside;
+    inside.degree = winding.degree;
+    inside.add(winding, sign / jump);
+    inside.add(whole_moments(winding.degree), (sides.below != 0 ? 0 : 1) - sign * sides.above / jump);
+    if (part.volume == 1) return sum.add(inside, 1);
+    add_part(part, inside, sum);
+}
+
+double split_share(const Solid& solid, const Part& part, const std::vector<int>& triangles, int depth,
+                   TetMoments* moments) {
+    const std::array<Vec3, 4>& corners = part.corners;
+    const auto as_whole = [&](double share) {
+        add_part(part, share, moments);
+        return share;
+    };
     const auto inside_middle = [&] {
         const Vec3 middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
         return solid.tree.inside_either_way(middle) ? 1.0 : 0.0;
     };
-    if (triangles.empty()) return inside_middle();
+    if (triangles.empty()) return as_whole(inside_middle());
     const Solid::Sides sides = common_sides(solid, triangles);
     const bool is_simple = sides.are_known();
-    if (is_simple && sides.below != 0 && sides.above != 0) return 1;
+    if (is_simple && sides.below != 0 && sides.above != 0) return as_whole(1);
     const TetFrame frame(corners);
     if (is_simple || depth == deepest_split) {
-        const double integral = winding_integral(solid, corners, frame, triangles);
+        TetMoments winding;
+        if (moments) winding.degree = moments->degree;
+        const double integral = winding_integral(solid, corners, frame, triangles, moments ? &winding : nullptr);
         if (is_simple)
-            if (const auto share = share_between(sides, integral)) return *share;
+            if (const auto share = share_between(sides, integral)) {
+                if (moments) add_between(sides, part, winding, *share, *moments);
+                return *share;
+            }
         if (depth == deepest_split)
-            return std::isfinite(integral) ? std::min(std::abs(integral), 1.0) : inside_middle();
+            return as_whole(std::isfinite(integral) ? std::min(std::abs(integral), 1.0) : inside_middle());
     }
     double sum = 0;
-    for (const std::array<Vec3, 4>& part : split(corners)) {
-        const TetFrame part_frame(part);
+    for (const Part& piece : split(part)) {
+        const TetFrame part_frame(piece.corners);
         std::vector<int> touching;
         for (int t : triangles)
             if (touches_tet(part_frame(solid, t), 1e-9)) touching.push_back(t);
-        sum += split_share(solid, part, touching, depth + 1);
+        sum += split_share(solid, piece, touching, depth + 1, moments);
     }
     return sum / 8;
 }
 
 } // namespace
 
-double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles) {
-    return split_share(solid, corners, triangles, 0);
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
+                    TetMoments* moments) {
+    return split_share(solid, {corners}, triangles, 0, moments);
 }
 
 std::optional<double> share_away_from_holes(const Solid& solid, const std::array<Vec3, 4>& corners,
-                                            const std::vector<int>& triangles) {
+                                            const std::vector<int>& triangles, TetMoments* moments) {
     if (triangles.empty()) return {};
     const Solid::Sides sides = common_sides(solid, triangles);
     if (!sides.are_known()) return {};
@@ -226,7 +314,12 @@ std::optional<double> share_away_from_holes(const Solid& solid, const std::array
     };
     if (!std::all_of(corners.begin(), corners.end(), is_whole)) return {};
     if (sides.below != 0 && sides.above != 0) return 1;
-    return share_between(sides, winding_integral(solid, corners, TetFrame(corners), triangles));
+    TetMoments winding;
+    if (moments) winding.degree = moments->degree;
+    const auto share = share_between(
+        sides, winding_integral(solid, corners, TetFrame(corners), triangles, moments ? &winding : nullptr));
+    if (share && moments) add_between(sides, {corners}, winding, *share, *moments);
+    return share;
 }
 
 } // namespace sinew::solver

@@ -1,6 +1,7 @@
 // How much of a tet lies inside a closed surface, exactly, from the triangles that cross the tet.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/mesh/tet_moments.h"
 #include "solver/meshing/solid.h"
 
 #include <optional>
@@ -9,7 +10,7 @@
 namespace sinew::solver {
 
 /// Corners of a triangle in the barycentric coordinates of a tet.
-using BarycentricTriangle = std::array<std::array<double, 4>, 3>;
+using BarycentricTriangle = std::array<Barycentric, 3>;
 
 /// Whether the triangle comes within `slack` (in barycentric coordinates) of the closed tet.
 bool touches_tet(const BarycentricTriangle& triangle, double slack);
@@ -27,19 +28,24 @@ bool touches_tet(const BarycentricTriangle& triangle, double slack);
 /// is exact up to rounding: the integral of the winding number over the tet, per tet volume. Cuts are
 /// computed from mesh vertices and edges in a way that neighbouring triangles repeat bit for bit, so no cut
 /// is counted twice or lost.
-double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner);
+///
+/// Each term is the signed volume of a smaller tet (with the origin, with the edge's end …), so the same sum over
+/// the integrals of a polynomial on these tets gives its integral inside: `moments`, where wanted, takes them.
+double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner, TetMoments* moments = nullptr);
 
 /// Share of the tet inside the solid, whose surface must be closed. `triangles` are those that touch the tet.
 /// Exact up to rounding where all the triangles separate the same two winding numbers (1 and 0 on an ordinary
 /// surface); elsewhere, where parts cross, the tet is split three times into eight, and only small tets at
-/// the crossing itself are approximate.
-double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles);
+/// the crossing itself are approximate. `moments`, where wanted, takes the moments of the part inside, which are
+/// as exact as the share; they start at zero, and count only where the share lies between 0 and 1.
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
+                    TetMoments* moments = nullptr);
 
 /// The same for a surface with large holes, where the tet is so far from them that the winding number is
 /// whole but for a fifth on both sides of all of the triangles and at the tet's corners, and none of the
 /// triangles is at a border: then the solid ends at the triangles alone, and the share is exact. Nothing
 /// elsewhere.
 std::optional<double> share_away_from_holes(const Solid& solid, const std::array<Vec3, 4>& corners,
-                                            const std::vector<int>& triangles);
+                                            const std::vector<int>& triangles, TetMoments* moments = nullptr);
 
 } // namespace sinew::solver
