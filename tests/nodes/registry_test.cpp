@@ -10,11 +10,15 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {
-    "curve",     "endPoints",   "meshFile",    "meshWriter",       "polyCube",     "polyCylinder",    "polyHelix",
-    "polyPlane", "polySphere",  "tetMeshFile", "tetWriter",        "trackChannel", "transferWeights", "transform",
-    "weights",   "zAttachment", "zBone",       "zDelaunayTetMesh", "zEmbedder",    "zFiber",          "zIsoMesh",
-    "zMaterial", "zSolver",     "zTet",        "zTissue"};
+const std::vector<std::string> all_types = {"airField",     "curve",           "dragField",        "endPoints",
+                                            "gravityField", "meshFile",        "meshWriter",       "newtonField",
+                                            "polyCube",     "polyCylinder",    "polyHelix",        "polyPlane",
+                                            "polySphere",   "radialField",     "tetMeshFile",      "tetWriter",
+                                            "trackChannel", "transferWeights", "transform",        "turbulenceField",
+                                            "uniformField", "volumeAxisField", "vortexField",      "weights",
+                                            "zAttachment",  "zBone",           "zDelaunayTetMesh", "zEmbedder",
+                                            "zFiber",       "zIsoMesh",        "zMaterial",        "zSolver",
+                                            "zTet",         "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -66,6 +70,15 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"transform",
          node("transform", R"("mesh": {"from": "cube.outMesh"}, "trackName": "ulna", "track": ")" + track + "\"")},
         {"weights", node("weights", R"("mesh": {"from": "cube.outMesh"})")},
+        {"airField", node("airField", "")},
+        {"dragField", node("dragField", "")},
+        {"gravityField", node("gravityField", "")},
+        {"newtonField", node("newtonField", "")},
+        {"radialField", node("radialField", "")},
+        {"turbulenceField", node("turbulenceField", "")},
+        {"uniformField", node("uniformField", "")},
+        {"volumeAxisField", node("volumeAxisField", "")},
+        {"vortexField", node("vortexField", "")},
         {"zAttachment",
          node("zAttachment", R"("source": {"from": "tissue.outBody"}, "target": {"from": "bone.outBody"})")},
         {"zBone", node("zBone", R"("mesh": {"from": "cube.outMesh"})")},

@@ -109,7 +109,7 @@ TEST_CASE("tissues weigh what their solid does, and where it is", "[cut]") {
             LatticeBody body(box.surface(1), box.surface(1), size, ElasticLaw::stvk, element, material(1e4, 0.3, 1100));
             body.start();
             Potential potential(*body.scene);
-            potential.set_structure(body.state.anchors, body.in);
+            potential.take(body.state, body.in);
             ImplicitForm form;
             quasi_static_form(body.state, form);
             body.in.gravity = Vec3(0, 0, -10);
@@ -121,7 +121,7 @@ TEST_CASE("tissues weigh what their solid does, and where it is", "[cut]") {
             Vec3 moment = Vec3::Zero();
             for (std::size_t u = 0; u < gradient.size() / 3; ++u) {
                 const double f = gradient[3 * u + 2] / 10;
-                force += f, moment += f * position(body.state, potential.vertex_of_unknown()[u]);
+                force += f, moment += f * position(body.state, potential.numbering().vertex_of_unknown[u]);
             }
             CHECK(force == Approx(weight).epsilon(1e-12));
             CHECK((moment / force - box.at(0.5 * box.size)).norm() < 1e-4 * box.size.x());
@@ -225,7 +225,7 @@ TEST_CASE("on cut tets gradients and Hessians are those of the energy, with mean
             Potential potential(*body.scene);
             ImplicitForm form;
             backward_euler_form(body.state, body.in.step_size, form);
-            potential.set_structure(body.state.anchors, body.in);
+            potential.take(body.state, body.in);
             potential.begin_step(body.state, body.in);
             potential.begin_stage(body.state, form, body.state.bones);
             std::vector<double> x = body.state.x, direction(x.size()), g, plus, minus;
@@ -281,7 +281,7 @@ TEST_CASE("a tet is inverted where its solid is, not where it is empty", "[cut]"
         Potential potential(scene);
         ImplicitForm form;
         quasi_static_form(s, form);
-        potential.set_structure(s.anchors, in);
+        potential.take(s, in);
         potential.begin_step(s, in);
         potential.begin_stage(s, form, s.bones);
         StepRecord record;

@@ -37,6 +37,7 @@ struct TermExample {
 std::vector<TermExample> term_examples();
 std::vector<TermExample> elastic_examples();
 std::vector<TermExample> attachment_examples();
+std::vector<TermExample> field_examples();
 
 /// One term by itself: its own pattern, and a stage of backward Euler from the scene's state after two steps.
 class TermProbe {

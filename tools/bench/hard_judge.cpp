@@ -121,9 +121,9 @@ std::string not_a_number(const State& s) {
         for (const double c : *numbers)
             if (!std::isfinite(c)) return std::string("a ") + what + " is no number";
     const StepRecord& r = s.record;
-    if (!std::isfinite(r.residual) || !std::isfinite(r.energy) || !std::isfinite(r.min_j) ||
-        !std::isfinite(r.max_stretch))
-        return "a number of the report is none";
+    bool finite = std::isfinite(r.residual) && std::isfinite(r.energy) && std::isfinite(r.min_j);
+    for (const Measured& m : r.measured) finite = finite && std::isfinite(m.value);
+    if (!finite) return "a number of the report is none";
     return {};
 }
 

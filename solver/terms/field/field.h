@@ -18,6 +18,7 @@ class BodyFields final : public Term {
     explicit BodyFields(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
+    void add_couplings(Couplings& couplings) const override { points_.add_couplings(couplings); }
     void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage& stage) override;
     double begin_iteration(const Positions& x) override;

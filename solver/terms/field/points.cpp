@@ -52,6 +52,12 @@ void VolumePoints::add(const TissueBatches& t) {
     });
 }
 
+void VolumePoints::add_couplings(Couplings& couplings) const {
+    for (const OfBody& b : bodies_)
+        for (std::size_t tet = 0; is_quadratic(b) && tet < b.tissue->tet_count; ++tet)
+            for (const auto& [m, n] : node_pairs) couplings.emplace_back(vertex(b, tet, m), vertex(b, tet, n));
+}
+
 void VolumePoints::bind(const BlockPattern& pattern) {
     pattern_ = &pattern;
     const bool any = std::any_of(bodies_.begin(), bodies_.end(), [&](const OfBody& b) { return is_quadratic(b); });

@@ -20,6 +20,7 @@ class VolumePoints {
     const std::vector<OfBody>& bodies() const { return bodies_; }
     std::size_t count() const { return bodies_.empty() ? 0 : bodies_.back().first + bodies_.back().count; }
 
+    void add_couplings(Couplings& couplings) const;
     /// Finds where the Hessian's entries go. The pattern must outlive this.
     void bind(const BlockPattern& pattern);
     /// What lies at each point of what lies in the tets: `of_tet` by slots of all batches. After bind.

@@ -13,7 +13,7 @@ namespace sinew::test {
 
 std::vector<TermExample> term_examples() {
     std::vector<TermExample> out;
-    for (const auto& examples : {elastic_examples(), attachment_examples()})
+    for (const auto& examples : {elastic_examples(), attachment_examples(), field_examples()})
         out.insert(out.end(), examples.begin(), examples.end());
     return out;
 }
