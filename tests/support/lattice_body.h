@@ -19,7 +19,7 @@ struct LatticeBody {
     std::shared_ptr<const solver::Scene> scene;
     solver::State state;
 
-    /// \param shape the surface that the lattice is made for \param points the same, fine enough to be held and loaded
+    /// `shape` is the surface that the lattice is made for, `points` the same, fine enough to be held and loaded.
     LatticeBody(const solver::SurfaceMesh& shape, const solver::SurfaceMesh& points, double tet_size,
                 solver::ElasticLaw law, solver::ElementKind element, const solver::TissueInputs& values) {
         solver::LatticeOptions options;

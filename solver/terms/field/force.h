@@ -1,5 +1,7 @@
 // What a field does at one point: force, exact tangent, and the energies that a line search compares.
 //
+// SPDX-License-Identifier: GPL-3.0-or-later
+//
 // With d the distance from the field's place, n the attenuation and r the reference distance, w(d) = 1 up to r and
 // (r/d)^n beyond; with a maximum distance m it goes down to 0 between 0.8 m and m as u^2 (3 - 2u), u = (m - d)/(0.2 m).
 // M is the magnitude, e the direction as a unit vector:
@@ -13,7 +15,6 @@
 //   volume axis        in a sphere or cylinder M times the sum of directions away from centre and axis, along and
 //                      around it, and e; q = distance from centre (sphere) or axis over the radius:
 //                      times (1 - q)^n, inverted q^n, and down to 0 in the last fifth before the border
-// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/terms/field/values.h"
 #include "solver/types.h"

@@ -10,8 +10,8 @@
 namespace sinew::solver {
 
 /// Noise of grid size 1: its mean is 0, its root mean square over all space (of the vector's length) is 1, its second
-/// derivatives are continuous. `T`: double, or Dual for derivatives. \param time in grid cells; no derivative along it
-/// \param layer other layers are other noise
+/// derivatives are continuous. `T`: double, or Dual for derivatives. Time is in grid cells, without a derivative along
+/// it; another layer is another noise.
 template <class T>
 Triple<T> noise(const Triple<T>& place, double time, int layer);
 
