@@ -79,6 +79,8 @@ constexpr CodeInfo table[] = {
     {"FE223", "surface without an inside", "Give a surface that encloses a volume, all of it facing one way."},
     {"FE224", "mesh beyond what numbers can hold", "Bring it nearer to the origin, or to a usual size."},
     {"FE225", "law without directions", "Connect a fibre to the tissue: it gives the law its direction."},
+    {"FE226", "lattice made for another element",
+     "Set zTet.element to quadratic where the lattice is made; it then knows more about the tets that it cuts."},
     {"FE230", "open mesh where a closed one is needed", "Close the mesh, or remesh it by zIsoMesh with isoValue > 0."},
     {"FE231", "level set is empty or a sheet too thin to follow",
      "Below 0, choose an isoValue of smaller size; above 0, one of half a grid cell or more; or a higher resolution."},

@@ -45,6 +45,9 @@ void write_tets(const TetMeshValue& tets, ByteWriter& out) {
     put_points(out, tets.mesh->vertices);
     out.put_list(tets.mesh->tets);
     out.put_list(tets.mesh->coverage);
+    out.put<std::uint8_t>(static_cast<std::uint8_t>(tets.mesh->cut.degree));
+    out.put_list(tets.mesh->cut.tets);
+    out.put_list(tets.mesh->cut.moments);
     out.put<std::uint8_t>(tets.element == solver::ElementKind::quadratic);
 }
 
@@ -53,6 +56,12 @@ TetMeshValue read_tets(ByteReader& in) {
     mesh.vertices = get_points(in);
     mesh.tets = in.get_list<solver::Tet>();
     mesh.coverage = in.get_list<double>();
+    mesh.cut.degree = in.get<std::uint8_t>();
+    if (mesh.cut.degree != 1 && mesh.cut.degree != 4) throw BadBytes("its moments are of no degree that there is");
+    mesh.cut.tets = in.get_list<int>();
+    mesh.cut.moments = in.get_list<double>();
+    if (mesh.cut.moments.size() != solver::moment_count(mesh.cut.degree) * mesh.cut.tets.size())
+        throw BadBytes("its moments are not whole");
     const bool quadratic = in.get<std::uint8_t>() != 0;
     return TetMeshValue::from(std::move(mesh))
         .with_element(quadratic ? solver::ElementKind::quadratic : solver::ElementKind::linear);
@@ -62,7 +71,7 @@ TetMeshValue read_tets(ByteReader& in) {
 
 void add_codecs(engine::Registry& registry) {
     registry.add(engine::make_codec<Mesh>(1, write_mesh, read_mesh));
-    registry.add(engine::make_codec<TetMeshValue>(1, write_tets, read_tets));
+    registry.add(engine::make_codec<TetMeshValue>(2, write_tets, read_tets));
 }
 
 } // namespace sinew::nodes

@@ -13,8 +13,8 @@ namespace sinew::nodes {
 
 /// Raised when the same parts give rest data with other bits; part of the digest below, and zTissue's `numerics`.
 /// 3: paint holds on triangles, not only at vertices, where they are larger than the tets. 4: maps and fibre
-/// directions are solved for by supernodal Cholesky.
-constexpr int tissue_numerics = 4;
+/// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts.
+constexpr int tissue_numerics = 5;
 
 /// What the rest data is made from. References must outlive the call.
 struct TissueParts {

@@ -97,8 +97,14 @@ solver::SurfaceMesh Mesh::surface() const {
 
 TetMeshValue TetMeshValue::from(solver::TetMesh tets) {
     TetMeshValue out;
-    out.digest =
-        Hasher().add_doubles(numbers(tets.vertices)).add_ints(numbers(tets.tets)).add_doubles(tets.coverage).finish();
+    out.digest = Hasher()
+                     .add_doubles(numbers(tets.vertices))
+                     .add_ints(numbers(tets.tets))
+                     .add_doubles(tets.coverage)
+                     .add(tets.cut.degree)
+                     .add_ints(tets.cut.tets)
+                     .add_doubles(tets.cut.moments)
+                     .finish();
     out.mesh = std::make_shared<const solver::TetMesh>(std::move(tets));
     return out;
 }
@@ -182,7 +188,8 @@ std::size_t ValueTraits<nodes::MeshList>::bytes(const nodes::MeshList& v) {
 
 void ValueTraits<nodes::TetMeshValue>::hash(Hasher& h, const nodes::TetMeshValue& v) { h.add(v.digest); }
 std::size_t ValueTraits<nodes::TetMeshValue>::bytes(const nodes::TetMeshValue& v) {
-    return size_of(v.mesh->vertices) + size_of(v.mesh->tets) + size_of(v.mesh->coverage);
+    return size_of(v.mesh->vertices) + size_of(v.mesh->tets) + size_of(v.mesh->coverage) + size_of(v.mesh->cut.tets) +
+           size_of(v.mesh->cut.moments);
 }
 
 void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) { h.add_doubles(numbers(v.points)); }

@@ -20,7 +20,7 @@ const Input<double> tet_size{
     .doc =
         "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
         "the longest side of the mesh's bounding box / 3.5. Every tet counts as at least a thousandth solid; tets so "
-        "large that this adds more than a tenth to the mesh's volume are refused.",
+        "large that this adds more than a tenth to the mesh's volume are refused. What the tissue weighs is exact.",
     .keyable = false,
 };
 const Input<NumberList> weights{
@@ -119,6 +119,10 @@ solver::Fill fill_of(const std::string& word) {
     return word == "EmptyCavities" ? solver::Fill::empty_cavities : solver::Fill::filled_cavities;
 }
 
+solver::ElementKind element_of(const Reads& in) {
+    return in[element] == "quadratic" ? solver::ElementKind::quadratic : solver::ElementKind::linear;
+}
+
 TetMeshValue make_tets(const Reads& in) {
     const Mesh* m = in.find(mesh);
     if (!m) in.fail(mesh.name, "DG110", "neither mesh nor tets is connected", "Connect the tissue's mesh.");
@@ -129,6 +133,7 @@ TetMeshValue make_tets(const Reads& in) {
     options.max_resolution = static_cast<int>(in[max_resolution]);
     options.fill = fill_of(in[fill_interior]);
     options.propagation = in[refinement_propagation];
+    if (element_of(in) == solver::ElementKind::quadratic) options.moments = 4;
     options.refinement = painted.empty() ? NumberList{1} : painted;
     for (double& w : options.refinement) w *= in[envelope] * in[surface_refinement];
     const bool is_refined =
@@ -145,9 +150,11 @@ TetMeshValue make_tets(const Reads& in) {
 
 void compute(const Reads& in, Writes& out) {
     const TetMeshValue* own = in.find(tets);
-    TetMeshValue result =
-        (own ? *own : make_tets(in))
-            .with_element(in[element] == "quadratic" ? solver::ElementKind::quadratic : solver::ElementKind::linear);
+    if (own && element_of(in) == solver::ElementKind::quadratic && !own->mesh->cut.tets.empty() &&
+        own->mesh->cut.degree != 4)
+        in.fail(tets.name, "DG110", "these tets are a lattice for linear elements; here element is quadratic",
+                "Set element to quadratic on the zTet that makes the lattice.");
+    TetMeshValue result = (own ? *own : make_tets(in)).with_element(element_of(in));
     out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(result.mesh->vertices,
                                                                      solver::boundary_triangles(result.mesh->tets))));
     out.set(out_tets, std::move(result));
@@ -159,7 +166,8 @@ void add_z_tet(Registry& registry) {
     NodeType type;
     type.name = "zTet";
     // 2: closed surfaces inside others are filled unless fillInterior says otherwise
-    type.numerics = 3; // triangles and parts that face the wrong way are turned; too large tets refused
+    // 3: triangles and parts that face the wrong way are turned; too large tets refused
+    type.numerics = 4; // tets that the surface cuts know the moments of their part inside
     type.doc = "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
                "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
                "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "

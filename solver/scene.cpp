@@ -66,6 +66,23 @@ void check_tissue(const TissueRest& t, int body) {
                    "check the painted map");
     if (!all_finite(t.tets.coverage))
         refuse(body, "FE202", "the coverage of a tet is not a finite number", "it lies between 0 and 1");
+    const CutTets& cut = t.tets.cut;
+    if (cut.tets.empty()) return;
+    if (cut.moments.size() != moment_count(cut.degree) * cut.tets.size() || t.tets.coverage.size() != n)
+        refuse(body, "FE204",
+               std::to_string(cut.moments.size()) + " moments of " + std::to_string(cut.tets.size()) +
+                   " cut tets, and " + std::to_string(t.tets.coverage.size()) + " coverages of " + std::to_string(n) +
+                   " tets",
+               std::to_string(moment_count(cut.degree)) + " moments a cut tet, one coverage a tet");
+    for (std::size_t k = 0; k < cut.tets.size(); ++k)
+        if (cut.tets[k] < 0 || static_cast<std::size_t>(cut.tets[k]) >= n || (k > 0 && cut.tets[k] <= cut.tets[k - 1]))
+            refuse(body, "FE203", "cut tet " + std::to_string(cut.tets[k]) + " of " + std::to_string(n) + " tets",
+                   "each is named once, in increasing order");
+    if (!all_finite(cut.moments))
+        refuse(body, "FE202", "a moment of a cut tet is not a finite number", "check what made the tets");
+    if (t.element == ElementKind::quadratic && cut.degree != 4)
+        refuse(body, "FE226", "the lattice was made for linear tets and knows too little about the tets it cuts",
+               "make it for quadratic ones: zTet.element where the lattice is made, LatticeOptions::moments 4");
 }
 
 double volume_of(const TetMesh& mesh) {
@@ -135,7 +152,9 @@ Scene::Scene(SceneDescription description)
         batches.first_edge_batch = system->edge_batches.size();
         batches.deformable = system->numbering.deformables.size();
         batches.tet_count = t->tets.tets.size();
-        const std::vector<TetBatch> corners = checked_batches(*t, vertex_count_, body);
+        std::vector<TetBatch> corners = checked_batches(*t, vertex_count_, body);
+        batches.cut = make_cut_elements(t->tets, t->element);
+        set_cut_volumes(t->tets, batches.cut, corners);
         batches.batch_count = corners.size();
         system->batches.insert(system->batches.end(), corners.begin(), corners.end());
         for (const FiberRest& f : t->fibers) batches.fibers.push_back(make_fiber_batches(f, corners.size()));
@@ -153,7 +172,11 @@ Scene::Scene(SceneDescription description)
                    "choose larger tets, or linear ones");
         Points nodes = t->tets.vertices;
         system->edge_vertices.resize(static_cast<std::size_t>(body) + 1); // bones before this one have none
-        if (t->element == ElementKind::quadratic) add_edges(*t, vertex_count_, corners, nodes, *system);
+        if (t->element == ElementKind::quadratic) {
+            add_edges(*t, vertex_count_, corners, nodes, *system);
+            if (!batches.cut.tets.empty())
+                place_points(t->tets, batches.cut, std::span(system->edge_batches).subspan(batches.first_edge_batch));
+        }
         std::vector<char> held(nodes.size(), 0);
         for (const int v : t->fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
         for (const Part& part : description_.parts)

@@ -2,6 +2,7 @@
 // from the description once, read by the potential.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/element/cut_tets.h"
 #include "solver/element/quadratic_tets.h"
 #include "solver/fiber/active_stress.h"
 #include "solver/numbering.h"
@@ -19,6 +20,7 @@ struct TissueBatches {
     std::size_t deformable = 0;                  ///< place among the scene's deformables
     std::vector<std::vector<FiberBatch>> fibers; ///< [fibre field][batch within the tissue]
     std::vector<Anisotropy> anisotropy;          ///< per batch for that law: directions, root 1
+    CutElements cut;                             ///< tets that are solid in part
 
     int nodes() const { return kind == ElementKind::linear ? 4 : quadratic_nodes; }
     int points() const { return kind == ElementKind::linear ? 1 : quadratic_points; }

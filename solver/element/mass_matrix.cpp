@@ -60,18 +60,25 @@ void MassMatrix::add(int vertex, int other, double mass) {
 }
 
 void MassMatrix::add_tets(const Scene::System& system, const std::vector<double>& of_tet) {
-    for (const TissueBatches& t : system.tissues)
+    for (const TissueBatches& t : system.tissues) {
+        const bool linear = t.kind == ElementKind::linear;
+        std::size_t next = 0;
         for (std::size_t slot = 0; slot < t.tet_count; ++slot) {
-            const double mass = of_tet[t.first_batch * lanes + slot];
+            const double mass = t.cut.mass_factor * of_tet[t.first_batch * lanes + slot];
             const auto vertex = [&](int n) { return system.node(t, slot / lanes, n)[slot % lanes]; };
+            const double* entry = nullptr; // of a tet that is solid in part
+            if (next < t.cut.tets.size() && t.cut.tets[next] == static_cast<int>(slot))
+                entry = t.cut.mass.data() + (linear ? 4 : quadratic_mass_entries) * next++;
             for (int a = 0; a < t.nodes(); ++a) {
-                if (t.kind == ElementKind::linear) {
-                    add_lumped(vertex(a), 0.25 * mass);
+                if (linear) {
+                    add_lumped(vertex(a), (entry ? entry[a] : 0.25) * mass);
                     continue;
                 }
-                for (int b = a; b < t.nodes(); ++b) add(vertex(a), vertex(b), quadratic_entry(a, b) * mass);
+                for (int b = a; b < t.nodes(); ++b)
+                    add(vertex(a), vertex(b), (entry ? *entry++ : quadratic_entry(a, b)) * mass);
             }
         }
+    }
 }
 
 double MassMatrix::add_held(const std::vector<double>& h, const std::vector<double>& u,

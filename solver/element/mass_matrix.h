@@ -1,6 +1,7 @@
 // Masses of a scene: lumped on the vertices of linear tets, consistent on quadratic ones, whose loads and inertia would
-// not fit together otherwise (a lumped quadratic tet bends in free fall or under its own weight). Numbers on the
-// pattern of the stiffness matrix, each standing for itself times the 3x3 identity.
+// not fit together otherwise (a lumped quadratic tet bends in free fall or under its own weight). Of tets that are
+// solid in part the part inside counts, where it lies: linear ones are lumped by its centroid. Numbers on the pattern
+// of the stiffness matrix, each standing for itself times the 3x3 identity.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/block_matrix.h"

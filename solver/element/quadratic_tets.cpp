@@ -2,32 +2,53 @@
 #include "solver/element/quadratic_tets.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sinew::solver {
 
 namespace {
 
-/// Barycentric coordinates of the integration points of degree 2: near at one corner, far at the others.
-constexpr double near_corner = 0.58541019662496852, far_corner = 0.13819660112501051;
-
-/// Barycentric coordinates of a place in a tet: an integration point, or a corner.
+/// Barycentric coordinates of a place in a tet that is the same for all: a usual integration point, or a corner.
 struct Place {
     double near, far; ///< at its own corner, at the others
     int own;
     double coordinate(int corner) const { return corner == own ? near : far; }
 };
-Place integration_point(int point) { return {near_corner, far_corner, point}; }
-Place corner_place(int corner) { return {1, 0, corner}; }
+/// … and of a place that each tet of a batch has to itself.
+struct OwnPlace {
+    const double (*b)[lanes]; ///< by corner
+    Pack coordinate(int corner) const { return Pack::load(b[corner]); }
+};
 
-/// d (corner m of the place's linear tet) / d node: up to two corners a node.
+/// Where a batch is integrated.
+struct UsualPoints {
+    Place operator()(int point) const { return {usual_coordinate(true), usual_coordinate(false), point}; }
+};
+struct OwnPoints {
+    const PointPlaces& places;
+    OwnPlace operator()(int point) const { return {places.coordinate[point]}; }
+};
+/// Calls work with the one or the other.
+template <class Work>
+void with_points(const EdgeBatch& edges, const Work& work) {
+    if (edges.places)
+        work(OwnPoints{*edges.places});
+    else
+        work(UsualPoints{});
+}
+
+/// d (corner m of the place's linear tet) / d node: up to two corners a node. `W`: a number, or one for each tet.
+template <class W>
 struct NodeWeights {
     int count, corner[2];
-    double weight[2];
+    W weight[2];
 };
-NodeWeights node_weights(const Place& place, int node) {
-    if (node < 4) return {1, {node, 0}, {4 * place.coordinate(node) - 1, 0}};
+template <class AnyPlace>
+auto node_weights(const AnyPlace& place, int node) {
+    using W = decltype(place.coordinate(0));
+    if (node < 4) return NodeWeights<W>{1, {node, 0}, {4 * place.coordinate(node) - 1, 0}};
     const int i = tet_edge_corners[node - 4][0], j = tet_edge_corners[node - 4][1];
-    return {2, {i, j}, {4 * place.coordinate(j), 4 * place.coordinate(i)}};
+    return NodeWeights<W>{2, {i, j}, {4 * place.coordinate(j), 4 * place.coordinate(i)}};
 }
 
 struct Nodes {
@@ -46,12 +67,13 @@ Nodes nodes_of(const TetBatch& batch, const EdgeBatch& edges, const double* x) {
     return out;
 }
 
-Corners corners_at(const Place& place, const Nodes& nodes) {
+template <class AnyPlace>
+Corners corners_at(const AnyPlace& place, const Nodes& nodes) {
     Corners out;
     for (auto& corner : out.y)
         for (Pack& c : corner) c = Pack(0.0);
     for (int n = 0; n < quadratic_nodes; ++n) {
-        const NodeWeights w = node_weights(place, n);
+        const auto w = node_weights(place, n);
         for (int k = 0; k < w.count; ++k)
             for (int c = 0; c < 3; ++c) out.y[w.corner[k]][c] += Pack(w.weight[k]) * nodes.x[n][c];
     }
@@ -70,7 +92,8 @@ struct Means {
     }
 };
 
-Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
+template <class AnyPoints>
+Means means_of(const PointInputs& in, const AnyPoints& points, const Nodes& nodes, bool gradients) {
     Means out;
     if (gradients)
         for (int n = 0; n < quadratic_nodes; ++n)
@@ -79,12 +102,12 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
     for (int point = 0; point < quadratic_points; ++point) {
         PointMeasures m;
         m.measure = Pack(0.0);
-        point_measures(in.law, in.batch, corners_at(integration_point(point), nodes), with_measure, m);
+        point_measures(in.law, in.batch, corners_at(points(point), nodes), with_measure, m);
         out.measure += Pack(0.25) * m.measure;
         out.j += Pack(0.25) * m.j;
         if (!gradients) continue;
         for (int n = 0; n < quadratic_nodes; ++n) {
-            const NodeWeights w = node_weights(integration_point(point), n);
+            const auto w = node_weights(points(point), n);
             for (int k = 0; k < w.count; ++k)
                 for (int c = 0; c < 3; ++c) {
                     const Pack weight(0.25 * w.weight[k]);
@@ -94,6 +117,149 @@ Means means_of(const PointInputs& in, const Nodes& nodes, bool gradients) {
         }
     }
     return out;
+}
+
+/// Stiffness of the springs that keep edges straight [N/m].
+Pack straightness(const PointInputs& in, const EdgeBatch& edges) {
+    const Pack mu = Pack::load(in.moduli.mu), lambda = Pack::load(in.moduli.lambda), twice = mu + mu;
+    return (twice + select(lambda < twice, lambda, twice)) * Pack::load(edges.places->straightness);
+}
+
+/// Adds their gradient and returns their energy.
+Pack add_straightness(const PointInputs& in, const EdgeBatch& edges, const Nodes& nodes, Pack g[quadratic_nodes][3]) {
+    const Pack k = straightness(in, edges);
+    Pack squares(0.0);
+    for (int e = 0; e < 6; ++e) {
+        const int i = tet_edge_corners[e][0], j = tet_edge_corners[e][1];
+        for (int c = 0; c < 3; ++c) {
+            const Pack d = nodes.x[4 + e][c] - Pack(0.5) * (nodes.x[i][c] + nodes.x[j][c]);
+            squares += d * d;
+            const Pack force = k * d;
+            g[4 + e][c] += force;
+            g[i][c] -= Pack(0.5) * force;
+            g[j][c] -= Pack(0.5) * force;
+        }
+    }
+    return Pack(0.5) * k * squares;
+}
+
+void add_straightness(const PointInputs& in, const EdgeBatch& edges, Pack h[quadratic_pairs][9]) {
+    const Pack k = straightness(in, edges);
+    const auto add = [&](int a, int b, double factor) {
+        if (a > b) std::swap(a, b);
+        const int pair = a * quadratic_nodes - a * (a - 1) / 2 + b - a;
+        for (int c = 0; c < 3; ++c) h[pair][4 * c] += Pack(factor) * k;
+    };
+    for (int e = 0; e < 6; ++e) {
+        const int i = tet_edge_corners[e][0], j = tet_edge_corners[e][1];
+        add(4 + e, 4 + e, 1), add(i, 4 + e, -0.5), add(j, 4 + e, -0.5);
+        add(i, i, 0.25), add(j, j, 0.25), add(i, j, 0.25);
+    }
+}
+
+template <class AnyPoints>
+void reference_strain_at(const AnyPoints& points, const TetBatch& batch, const EdgeBatch& edges,
+                         const StrainReference& reference, double* out) {
+    const auto nodes = [&](const std::vector<double>* x) { return x ? nodes_of(batch, edges, x->data()) : Nodes{}; };
+    const Nodes x = nodes(reference.x), between = nodes(reference.x_between), v = nodes(reference.v);
+    for (int point = 0; point < quadratic_points; ++point) {
+        const auto place = points(point);
+        reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v),
+                         out + point * strain_size);
+    }
+}
+
+template <class AnyPoints>
+void gradient_at(const AnyPoints& points, const PointInputs& in, const EdgeBatch& edges, bool means, const double* x,
+                 double* g, ElementSummary& summary) {
+    const Nodes nodes = nodes_of(in.batch, edges, x);
+    PointInputs at_point = in;
+    at_point.share = 0.25;
+    Pressures pressures;
+    Pack energy(0.0), least_j(0.0), squares(0.0);
+    if (means) {
+        const Means m = means_of(in, points, nodes, false);
+        pressures = m.pressures(in.moduli);
+        at_point.pressures = &pressures;
+        energy = Pack::load(in.batch.volume) * m.energy(in.moduli);
+    }
+    Pack sum[quadratic_nodes][3];
+    for (auto& node : sum)
+        for (Pack& c : node) c = Pack(0.0);
+    for (int point = 0; point < quadratic_points; ++point) {
+        double force[4 * 3 * lanes];
+        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
+        ElementSummary s;
+        point_gradient(at_point, corners_at(points(point), nodes), force, s);
+        energy += Pack::load(s.energy);
+        squares += Pack::load(s.fiber_squares);
+        const Pack j = Pack::load(s.j);
+        least_j = point == 0 ? j : select(j < least_j, j, least_j);
+        for (int n = 0; n < quadratic_nodes; ++n) {
+            const auto w = node_weights(points(point), n);
+            for (int k = 0; k < w.count; ++k)
+                for (int c = 0; c < 3; ++c)
+                    sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
+        }
+    }
+    if (edges.places) energy += add_straightness(in, edges, nodes, sum);
+    for (int n = 0; n < quadratic_nodes; ++n)
+        for (int c = 0; c < 3; ++c) sum[n][c].store(g + (3 * n + c) * lanes);
+    energy.store(summary.energy);
+    least_j.store(summary.j);
+    squares.store(summary.fiber_squares);
+}
+
+template <class AnyPoints>
+void hessian_at(const AnyPoints& points, const PointInputs& in, const EdgeBatch& edges, bool means, const double* x,
+                bool project, double* h) {
+    const Nodes nodes = nodes_of(in.batch, edges, x);
+    PointInputs at_point = in;
+    at_point.share = 0.25;
+    Pressures pressures;
+    Pack sum[quadratic_pairs][9];
+    for (auto& block : sum)
+        for (Pack& entry : block) entry = Pack(0.0);
+    if (means) {
+        const Means m = means_of(in, points, nodes, true);
+        pressures = m.pressures(in.moduli);
+        at_point.pressures = &pressures;
+        const Pack volume = Pack::load(in.batch.volume);
+        const Pack by_measure = volume * Pack::load(in.moduli.lambda_mean),
+                   by_j = volume * Pack::load(in.moduli.volume);
+        int pair = 0;
+        for (int a = 0; a < quadratic_nodes; ++a)
+            for (int b = a; b < quadratic_nodes; ++b, ++pair)
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c)
+                        sum[pair][3 * r + c] +=
+                            by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
+    }
+    constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
+    for (int point = 0; point < quadratic_points; ++point) {
+        alignas(64) double blocks[10 * 9 * lanes];
+        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
+        point_hessian(at_point, corners_at(points(point), nodes), project, blocks);
+        decltype(node_weights(points(point), 0)) weights[quadratic_nodes];
+        for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(points(point), n);
+        int pair = 0;
+        for (int a = 0; a < quadratic_nodes; ++a)
+            for (int b = a; b < quadratic_nodes; ++b, ++pair)
+                for (int k = 0; k < weights[a].count; ++k)
+                    for (int l = 0; l < weights[b].count; ++l) {
+                        const int m = weights[a].corner[k], n = weights[b].corner[l];
+                        const Pack w(weights[a].weight[k] * weights[b].weight[l]);
+                        const double* block = blocks + block_at[m][n] * 9 * lanes;
+                        if (m <= n)
+                            for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + e * lanes);
+                        else
+                            for (int e = 0; e < 9; ++e)
+                                sum[pair][e] += w * Pack::load(block + (e % 3 * 3 + e / 3) * lanes);
+                    }
+    }
+    if (edges.places) add_straightness(in, edges, sum);
+    for (int pair = 0; pair < quadratic_pairs; ++pair)
+        for (int e = 0; e < 9; ++e) sum[pair][e].store(h + (9 * pair + e) * lanes);
 }
 
 } // namespace
@@ -118,111 +284,34 @@ void quadratic_shape(const double* b, double* values) {
 
 void quadratic_reference_strain(const TetBatch& batch, const EdgeBatch& edges, const StrainReference& reference,
                                 double* out) {
-    const auto nodes = [&](const std::vector<double>* x) { return x ? nodes_of(batch, edges, x->data()) : Nodes{}; };
-    const Nodes x = nodes(reference.x), between = nodes(reference.x_between), v = nodes(reference.v);
-    for (int point = 0; point < quadratic_points; ++point) {
-        const Place place = integration_point(point);
-        reference_strain(batch, reference, corners_at(place, x), corners_at(place, between), corners_at(place, v),
-                         out + point * strain_size);
-    }
+    with_points(edges, [&](const auto& points) { reference_strain_at(points, batch, edges, reference, out); });
 }
 
 void quadratic_gradient(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, double* g,
                         ElementSummary& summary) {
-    const Nodes nodes = nodes_of(in.batch, edges, x);
-    PointInputs at_point = in;
-    at_point.share = 0.25;
-    Pressures pressures;
-    Pack energy(0.0), least_j(0.0), squares(0.0);
-    if (means) {
-        const Means m = means_of(in, nodes, false);
-        pressures = m.pressures(in.moduli);
-        at_point.pressures = &pressures;
-        energy = Pack::load(in.batch.volume) * m.energy(in.moduli);
-    }
-    Pack sum[quadratic_nodes][3];
-    for (auto& node : sum)
-        for (Pack& c : node) c = Pack(0.0);
-    for (int point = 0; point < quadratic_points; ++point) {
-        double force[4 * 3 * lanes];
-        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
-        ElementSummary s;
-        point_gradient(at_point, corners_at(integration_point(point), nodes), force, s);
-        energy += Pack::load(s.energy);
-        squares += Pack::load(s.fiber_squares);
-        const Pack j = Pack::load(s.j);
-        least_j = point == 0 ? j : select(j < least_j, j, least_j);
-        for (int n = 0; n < quadratic_nodes; ++n) {
-            const NodeWeights w = node_weights(integration_point(point), n);
-            for (int k = 0; k < w.count; ++k)
-                for (int c = 0; c < 3; ++c)
-                    sum[n][c] += Pack(w.weight[k]) * Pack::load(force + (3 * w.corner[k] + c) * lanes);
-        }
-    }
-    for (int n = 0; n < quadratic_nodes; ++n)
-        for (int c = 0; c < 3; ++c) sum[n][c].store(g + (3 * n + c) * lanes);
-    energy.store(summary.energy);
-    least_j.store(summary.j);
-    squares.store(summary.fiber_squares);
+    with_points(edges, [&](const auto& points) { gradient_at(points, in, edges, means, x, g, summary); });
 }
 
 void quadratic_hessian(const PointInputs& in, const EdgeBatch& edges, bool means, const double* x, bool project,
                        double* h) {
-    const Nodes nodes = nodes_of(in.batch, edges, x);
-    PointInputs at_point = in;
-    at_point.share = 0.25;
-    Pressures pressures;
-    Pack sum[quadratic_pairs][9];
-    for (auto& block : sum)
-        for (Pack& entry : block) entry = Pack(0.0);
-    if (means) {
-        const Means m = means_of(in, nodes, true);
-        pressures = m.pressures(in.moduli);
-        at_point.pressures = &pressures;
-        const Pack volume = Pack::load(in.batch.volume);
-        const Pack by_measure = volume * Pack::load(in.moduli.lambda_mean),
-                   by_j = volume * Pack::load(in.moduli.volume);
-        int pair = 0;
-        for (int a = 0; a < quadratic_nodes; ++a)
-            for (int b = a; b < quadratic_nodes; ++b, ++pair)
-                for (int r = 0; r < 3; ++r)
-                    for (int c = 0; c < 3; ++c)
-                        sum[pair][3 * r + c] +=
-                            by_measure * m.d_measure[a][r] * m.d_measure[b][c] + by_j * m.d_j[a][r] * m.d_j[b][c];
-    }
-    constexpr int block_at[4][4] = {{0, 1, 2, 3}, {1, 4, 5, 6}, {2, 5, 7, 8}, {3, 6, 8, 9}};
-    for (int point = 0; point < quadratic_points; ++point) {
-        alignas(64) double blocks[10 * 9 * lanes];
-        if (in.viscosity > 0) at_point.reference_strain = in.reference_strain + point * strain_size;
-        point_hessian(at_point, corners_at(integration_point(point), nodes), project, blocks);
-        NodeWeights weights[quadratic_nodes];
-        for (int n = 0; n < quadratic_nodes; ++n) weights[n] = node_weights(integration_point(point), n);
-        int pair = 0;
-        for (int a = 0; a < quadratic_nodes; ++a)
-            for (int b = a; b < quadratic_nodes; ++b, ++pair)
-                for (int k = 0; k < weights[a].count; ++k)
-                    for (int l = 0; l < weights[b].count; ++l) {
-                        const int m = weights[a].corner[k], n = weights[b].corner[l];
-                        const Pack w(weights[a].weight[k] * weights[b].weight[l]);
-                        const double* block = blocks + block_at[m][n] * 9 * lanes;
-                        if (m <= n)
-                            for (int e = 0; e < 9; ++e) sum[pair][e] += w * Pack::load(block + e * lanes);
-                        else
-                            for (int e = 0; e < 9; ++e)
-                                sum[pair][e] += w * Pack::load(block + (e % 3 * 3 + e / 3) * lanes);
-                    }
-    }
-    for (int pair = 0; pair < quadratic_pairs; ++pair)
-        for (int e = 0; e < 9; ++e) sum[pair][e].store(h + (9 * pair + e) * lanes);
+    with_points(edges, [&](const auto& points) { hessian_at(points, in, edges, means, x, project, h); });
 }
 
-void quadratic_corner_j(const TetBatch& batch, const EdgeBatch& edges, const double* x, double* least) {
+void quadratic_least_j(const TetBatch& batch, const EdgeBatch& edges, const double* x, double* least) {
     const Nodes nodes = nodes_of(batch, edges, x);
-    Pack out(0.0);
-    for (int corner = 0; corner < 4; ++corner) {
+    Pack out(std::numeric_limits<double>::infinity());
+    const auto take = [&](const auto& place, const bool* left_out) {
         PointMeasures m;
-        point_measures(ElasticLaw::anisotropic, batch, corners_at(corner_place(corner), nodes), false, m);
-        out = corner == 0 ? m.j : -max(-out, -m.j);
+        point_measures(ElasticLaw::anisotropic, batch, corners_at(place, nodes), false, m);
+        for (int l = 0; l < lanes; ++l)
+            if (!left_out || !left_out[l]) out.v[l] = m.j[l] < out.v[l] || !(m.j[l] == m.j[l]) ? m.j[l] : out.v[l];
+    };
+    for (int point = 0; point < 4; ++point) {
+        take(Place{1, 0, point}, edges.places ? edges.places->outside[point] : nullptr);
+        if (edges.places)
+            take(OwnPlace{edges.places->coordinate[point]}, nullptr);
+        else
+            take(UsualPoints{}(point), nullptr);
     }
     out.store(least);
 }

@@ -58,6 +58,9 @@ TEST_CASE("a second session meshes nothing and has the same bits", "[nodes][kept
         CHECK(second.tets.mesh->vertices == first.tets.mesh->vertices);
         CHECK(second.tets.mesh->tets == first.tets.mesh->tets);
         CHECK(second.tets.mesh->coverage == first.tets.mesh->coverage);
+        CHECK(second.tets.mesh->cut == first.tets.mesh->cut);
+        CHECK(second.tets.mesh->cut.degree == (more.empty() ? 1 : 4));
+        CHECK(second.tets.mesh->cut.tets.size() == 432);
         CHECK((first.counter.warnings.empty() && second.counter.warnings.empty()));
     }
     CHECK(files_in(cache).size() == 2);

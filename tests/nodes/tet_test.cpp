@@ -147,3 +147,33 @@ TEST_CASE("meshing is kept by its inputs, says how far it is and can be cancelle
     evaluator.pull({edited, {"t", "outTets"}, 1});
     CHECK(watch.reports == reports);
 }
+
+TEST_CASE("zTet makes the moments that its element needs, and they count in digest and size", "[nodes]") {
+    Session s(ball(""));
+    const auto linear = s.get<nodes::TetMeshValue>("t", "outTets");
+    s.set("t", "element", "\"quadratic\"");
+    const auto quadratic = s.get<nodes::TetMeshValue>("t", "outTets");
+    CHECK(linear.mesh->cut.degree == 1);
+    CHECK(quadratic.mesh->cut.degree == 4);
+    CHECK(linear.mesh->cut.tets == quadratic.mesh->cut.tets);
+    REQUIRE_FALSE(linear.mesh->cut.tets.empty());
+    CHECK(linear.with_element(quadratic.element).digest != quadratic.digest);
+    CHECK(engine::ValueTraits<nodes::TetMeshValue>::bytes(quadratic) -
+              engine::ValueTraits<nodes::TetMeshValue>::bytes(linear) ==
+          31 * sizeof(double) * linear.mesh->cut.tets.size());
+    solver::TetMesh other = *quadratic.mesh;
+    other.cut.moments.back() *= 1 + 1e-15;
+    CHECK(nodes::TetMeshValue::from(other).digest != nodes::TetMeshValue::from(*quadratic.mesh).digest);
+}
+
+TEST_CASE("a lattice made for linear tets is refused where zTet.element is quadratic", "[nodes]") {
+    Session s(ball("") +
+              R"(, "u": {"type": "zTet", "inputs": {"tets": {"from": "t.outTets"}, "element": "quadratic"}})");
+    std::string text;
+    CHECK(codes([&] { s.pull("u", "outTets"); }, &text) == Codes{"DG110"});
+    CHECK(text.find("Set element to quadratic on the zTet that makes the lattice") != std::string::npos);
+    s.set("t", "element", "\"quadratic\"");
+    CHECK(s.get<nodes::TetMeshValue>("u", "outTets").digest == s.get<nodes::TetMeshValue>("t", "outTets").digest);
+    s.set("u", "element", "\"linear\""); // the other way round all is known
+    CHECK(s.get<nodes::TetMeshValue>("u", "outTets").element == solver::ElementKind::linear);
+}

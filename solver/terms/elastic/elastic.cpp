@@ -234,14 +234,15 @@ void Elastic::add_quality(const Positions* x, ShapeQuality& quality) const {
     for (const TissueBatches& batches : system_.tissues)
         for (std::size_t i = 0; i < batches.batch_count; ++i) {
             const std::size_t e = batches.first_batch + i;
-            double at_corners[lanes];
-            const bool corners = x && batches.kind == ElementKind::quadratic;
-            if (corners)
-                quadratic_corner_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(),
-                                   at_corners);
+            double of_tets[lanes];
+            if (x && batches.kind == ElementKind::quadratic)
+                quadratic_least_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(),
+                                  of_tets);
+            else
+                std::copy_n(summaries_[e].j, lanes, of_tets);
             for (int lane = 0; lane < lanes; ++lane) {
                 if (!(system_.batches[e].volume[lane] > 0)) continue;
-                const double j = corners ? std::min(summaries_[e].j[lane], at_corners[lane]) : summaries_[e].j[lane];
+                const double j = of_tets[lane];
                 if (!(j >= quality.least_j)) quality.least_j = j; // a number that is none stays
                 if (!(j > 0)) ++quality.inverted;
             }
