@@ -14,7 +14,7 @@ namespace sinew::solver {
 namespace {
 
 /// Longest edge, and longest side of a triangle that one point stands for, in widths of the tets along it.
-constexpr double longest_share = 0.75, one_point_share = 0.34;
+constexpr double longest_share = 0.75, one_point_share = 0.17;
 constexpr std::size_t most_triangles = 4'000'000;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }

@@ -110,7 +110,7 @@ double glued(std::shared_ptr<TissueRest> t, PaintedOn painted, Correspondence co
 
 std::shared_ptr<TissueRest> in_lattice(const SurfaceMesh& mesh, double tet_size, ElementKind kind) {
     auto t = std::make_shared<TissueRest>();
-    t->tets = make_lattice(mesh.points, mesh.triangles, {.tet_size = tet_size});
+    t->tets = make_lattice(mesh.points, mesh.triangles, {.tet_size = tet_size, .moments = kind == ElementKind::quadratic ? 4 : 1});
     t->triangles = mesh.triangles;
     t->surface = mesh.points;
     t->embedding = embed(t->tets, t->surface);

@@ -257,6 +257,6 @@ TEST_CASE("what is told for gamma is checked like the rest") {
     CHECK(code([](StepInputs&) {}) == "");
     CHECK(code([](StepInputs& in) { std::get<BoneInputs>(in.bodies[1]).positions.pop_back(); }) == "FE211");
     CHECK(code([](StepInputs& in) { std::get<BoneInputs>(in.bodies[1]).positions[0].x() = NAN; }) == "FE202");
-    CHECK(code([](StepInputs& in) { in.gravity.x() = NAN; }) == "FE302");
-    CHECK(code([](StepInputs& in) { std::get<TissueInputs>(in.bodies[0]).layers[0].youngs_modulus = NAN; }) == "FE302");
+    CHECK(code([](StepInputs& in) { in.gravity.x() = NAN; }) == "FE304");
+    CHECK(code([](StepInputs& in) { std::get<TissueInputs>(in.bodies[0]).layers[0].youngs_modulus = NAN; }) == "FE304");
 }

@@ -1,7 +1,9 @@
 // Examples of the terms that every scene of bodies has: elasticity and attachments.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/meshing/lattice.h"
 #include "solver/terms/attachment/attachment.h"
 #include "solver/terms/elastic/elastic.h"
+#include "tests/support/rotated_box.h"
 #include "tests/support/swing.h"
 #include "tests/support/term_checks.h"
 
@@ -13,9 +15,18 @@ namespace {
 
 std::string name_of(ElementKind kind) { return kind == ElementKind::linear ? "linear" : "quadratic"; }
 
+/// Tets around a block that stands askew, so that most of them are cut by its surface.
+TetMesh lattice(ElementKind kind, int fineness) {
+    const SurfaceMesh box = RotatedBox({0.2, 0.1, 0.1}, 30, 30).surface(1);
+    LatticeOptions options;
+    options.tet_size = 0.15 / fineness;
+    options.moments = kind == ElementKind::quadratic ? 4 : 1;
+    return make_lattice(box.points, box.triangles, options);
+}
+
 /// A block with fibres that flies, deformed by moving loads.
-ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, int fineness) {
-    auto t = tissue(box_mesh({0.2, 0.1, 0.1}, 2 * fineness, fineness, fineness), law);
+ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, bool cut, int fineness) {
+    auto t = tissue(cut ? lattice(kind, fineness) : box_mesh({0.2, 0.1, 0.1}, 2 * fineness, fineness, fineness), law);
     t->element = kind;
     const std::size_t n = t->tets.tets.size();
     if (needs_direction(law)) t->stiff_directions.assign(n, Vec3(1, 2, -0.5).normalized());
@@ -79,11 +90,14 @@ std::vector<TermExample> elastic_examples() {
     std::vector<TermExample> out;
     for (const LawFacts& law : elastic_laws)
         for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
-            for (const double conservation : {0.0, 1e5}) {
+            for (const auto& [conservation, cut] : {std::pair{0.0, false}, {1e5, false}, {1e5, true}}) {
                 TermExample e;
-                e.name = std::string(law.name) + ", " + name_of(kind) + (conservation > 0 ? ", keeps its volume" : "");
+                e.name = std::string(law.name) + ", " + name_of(kind) + (conservation > 0 ? ", keeps its volume" : "") +
+                         (cut ? ", cut tets" : "");
                 e.type = &elastic_type;
-                e.make = [=](int fineness) { return block(law.law, kind, conservation, fineness); };
+                e.make = [law = law.law, kind, conservation = conservation, cut = cut](int fineness) {
+                    return block(law, kind, conservation, cut, fineness);
+                };
                 e.forces_cancel = true;
                 e.torques_cancel = true;
                 e.projects_exactly = false; // of the viscous stress only the definite part is kept
