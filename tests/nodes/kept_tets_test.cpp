@@ -60,7 +60,10 @@ TEST_CASE("a second session meshes nothing and has the same bits", "[nodes][kept
         CHECK(second.tets.mesh->coverage == first.tets.mesh->coverage);
         CHECK(second.tets.mesh->cut == first.tets.mesh->cut);
         CHECK(second.tets.mesh->cut.degree == (more.empty() ? 1 : 4));
-        CHECK(second.tets.mesh->cut.tets.size() == 432);
+        const auto& share = second.tets.mesh->coverage;
+        const auto cut = std::count_if(share.begin(), share.end(), [](double c) { return c < 1; });
+        CHECK(cut == 408); // of 432 that the surface touches
+        CHECK(second.tets.mesh->cut.tets.size() == static_cast<std::size_t>(cut));
         CHECK((first.counter.warnings.empty() && second.counter.warnings.empty()));
     }
     CHECK(files_in(cache).size() == 2);

@@ -38,7 +38,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
                                "0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n");
     const std::string track = folder.write("track.json", track_text);
     const std::string base = R"(
-        "cube": {"type": "polyCube"}, "far": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "translate": [0, 3, 0]}},
+        "cube": {"type": "polyCube"}, "far": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "translate": [0, 1.2, 0]}},
         "flesh": {"type": "zMaterial"}, "bone": {"type": "zBone", "inputs": {"mesh": {"from": "far.outMesh"}}},
         "tissue": {"type": "zTissue", "inputs": {"mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
         "tie": {"type": "zAttachment", "inputs": {"source": {"from": "tissue.outBody"}, "target": {"from": "bone.outBody"}}},

@@ -469,7 +469,8 @@ TEST_CASE("a muscle between bones follows the swinging bone") {
     Workspace w(swing.scene);
     const State s = run(swing, w, initial_state(*swing.scene, swing.inputs(0)), 1, 12);
     CHECK(s.record.inverted == 0);
-    CHECK(value_of(s.record.measured, "attachment", "max_stretch_m") < 2e-3);
+    // At samples in the corners that bend most; the vertices below stay nearer.
+    CHECK(value_of(s.record.measured, "attachment", "max_stretch_m") < 5e-3);
     const Mat3 turn = Eigen::AngleAxisd(1.2, Vec3(0, 0, 1)).toRotationMatrix();
     for (const int v : vertices_where(swing.mesh.vertices, [](const Vec3& p) { return p.x() > 0.3 - 1e-9; }))
         CHECK((position(s, v) - turn * swing.mesh.vertices[static_cast<std::size_t>(v)]).norm() < 2e-3);
