@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/idle_cost.h"
 
+#include "solver/terms/field/field.h"
 #include "tools/bench/beams.h"
 #include "tools/bench/cantilever.h"
 
@@ -19,6 +20,7 @@ struct Subject {
     std::shared_ptr<TissueRest> rest;
     std::shared_ptr<BoneRest> bone; ///< none without the feature that brings one
     std::vector<AttachmentRest> attachments;
+    std::vector<Part> parts;
     TissueInputs tissue;
     StepInputs inputs;
 };
@@ -63,6 +65,12 @@ constexpr Feature features[] = {
          idle.envelope = 0;
          s.inputs.attachments = {idle};
      }},
+    {"field of magnitude 0",
+     [](Subject& s) {
+         s.parts = {{&field_type, {0}, std::make_shared<FieldRest>()}};
+         s.inputs.parts.emplace_back(FieldValues::fields().size());
+         put_fields(FieldValues{}, s.inputs.parts.back());
+     }},
     {"halving of failed steps allowed", [](Subject& s) { s.inputs.max_halvings = 8; }},
     {"transverse anisotropy set, isotropic law", [](Subject& s) { s.tissue.transverse_anisotropy = 0.5; }},
 };
@@ -81,7 +89,7 @@ Run simulate(int n, int steps, const Feature* feature, const std::stop_token& st
     s.inputs.max_newton_iterations = 50;
     if (feature) feature->add(s);
     s.inputs.bodies = {s.tissue};
-    SceneDescription scene{{s.rest}, s.attachments};
+    SceneDescription scene{{s.rest}, s.attachments, s.parts};
     if (s.bone) {
         scene.bodies.push_back(s.bone);
         s.inputs.bodies.push_back(BoneInputs{s.bone->surface});

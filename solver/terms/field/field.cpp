@@ -82,7 +82,8 @@ BodyFields::BodyFields(const Scene& scene)
 template <class Visit>
 void BodyFields::for_each_action(const Visit& visit) const {
     for (const auto& of_body : actions_)
-        for (const Action& a : of_body) visit(a, fields_[a.field], points_.bodies()[a.body]);
+        for (const Action& a : of_body)
+            if (fields_[a.field].values.magnitude != 0) visit(a, fields_[a.field], points_.bodies()[a.body]);
 }
 
 Changes BodyFields::take(const StepInputs& inputs, const State&) {
@@ -100,6 +101,7 @@ Changes BodyFields::take(const StepInputs& inputs, const State&) {
     fields_.resize(parts_.size());
     for (std::size_t k = 0; k < parts_.size(); ++k) fields_[k] = made(k);
     by_mass_ = std::any_of(fields_.begin(), fields_.end(), [](const FieldAt& f) { return f.by_mass(); });
+    acts_ = std::any_of(fields_.begin(), fields_.end(), [](const FieldAt& f) { return f.values.magnitude != 0; });
     take_materials(inputs);
     return {};
 }
@@ -146,9 +148,10 @@ void BodyFields::set_places(const Positions& x, std::vector<Vec3>& places) const
 
 void BodyFields::begin_stage(const Stage& stage) {
     velocity_factor_ = stage.form.velocity_factor;
+    energy_scale_ = 0;
+    if (!acts_) return;
     set_places(stage.before.x, start_);
     bool moves = false;
-    energy_scale_ = 0;
     for_each_action([&](const Action&, const FieldAt& f, const VolumePoints::OfBody& b) {
         moves = moves || f.resists();
         if (f.is_central())
@@ -177,7 +180,7 @@ void BodyFields::keep(const std::vector<Vec3>& places) {
 double BodyFields::begin_iteration(const Positions& x) {
     bool keeps = false;
     for (const FieldAt& f : fields_) keeps = keeps || keeps_force(f) || (keeps_resistance(f) && f.varies());
-    if (!keeps) return 0;
+    if (!keeps || !acts_) return 0;
     set_places(x, at_);
     const double before = total_work();
     kept_at_ = at_;
@@ -202,6 +205,7 @@ double BodyFields::total_work() {
 }
 
 double BodyFields::energy(const Positions& x, bool with_forces) {
+    if (!acts_) return 0;
     set_places(x, at_);
     if (with_forces) {
         std::fill(loads_.begin(), loads_.end(), Vec3::Zero());
@@ -219,6 +223,7 @@ double BodyFields::energy(const Positions& x, bool with_forces) {
 }
 
 void BodyFields::add_gradient(std::span<double> gradient) const {
+    if (!acts_) return;
     const Numbering& n = scene_.numbering();
     for (const VolumePoints::OfBody& b : points_.bodies()) {
         const Deformable& d = n.deformables[b.tissue->deformable];
@@ -229,12 +234,14 @@ void BodyFields::add_gradient(std::span<double> gradient) const {
 }
 
 void BodyFields::add_held_gradient(std::span<double> gradient) const {
+    if (!acts_) return;
     const std::vector<int>& unknown = scene_.numbering().unknown;
     for (std::size_t v = 0; v < unknown.size(); ++v)
         for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) gradient[c] -= at_vertices_[c];
 }
 
 void BodyFields::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
+    if (!acts_) return;
     bool any = false;
     for (const FieldAt& f : fields_) any = any || has_tangent(f);
     std::fill(tangents_.begin(), tangents_.end(), Mat3::Zero());
@@ -260,6 +267,7 @@ void BodyFields::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
 }
 
 void BodyFields::raise_forces_at_work(const Positions&, std::span<double> largest) const {
+    if (!acts_) return;
     const Numbering& n = scene_.numbering();
     for (const VolumePoints::OfBody& b : points_.bodies()) {
         const Deformable& d = n.deformables[b.tissue->deformable];
@@ -272,6 +280,7 @@ void BodyFields::raise_forces_at_work(const Positions&, std::span<double> larges
 }
 
 void BodyFields::add_squared_stiffnesses(std::span<double> squares) const {
+    if (!acts_) return;
     for (const VolumePoints::OfBody& b : points_.bodies())
         squares[b.tissue->deformable] +=
             ordered_sum(b.count, [&](std::size_t i) { return tangents_[b.first + i].squaredNorm(); });

@@ -47,6 +47,7 @@ class BodyFields final : public Term {
         Vec3 force = Vec3::Zero(); ///< that does work: at the place of the last iteration
         double resistance = 0;     ///< likewise
     };
+    /// Of fields whose magnitude is not zero.
     template <class Visit>
     void for_each_action(const Visit& visit) const;
     const std::vector<double>& weights(const FieldAt& f) const { return f.by_mass() ? masses_ : volumes_; }
@@ -70,8 +71,8 @@ class BodyFields final : public Term {
     std::vector<FieldAt> fields_;              ///< per part that is a field
     std::vector<int> parts_;                   ///< their places in the scene
     std::vector<std::vector<Action>> actions_; ///< per body of points_
-    bool by_mass_ = false;
-    std::vector<TissueInputs> materials_; ///< per body of points_: what masses_ was made from
+    bool by_mass_ = false, acts_ = false;      ///< some field is by mass; some magnitude is not zero
+    std::vector<TissueInputs> materials_;      ///< per body of points_: what masses_ was made from
     std::vector<double> of_tet_, volumes_, masses_;
     double velocity_factor_ = 0;
     std::vector<Vec3> offset_;               ///< velocity at the points less velocity factor times place

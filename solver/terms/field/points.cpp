@@ -25,16 +25,17 @@ constexpr auto node_pairs = [] {
 
 VolumePoints::VolumePoints(const Scene& scene, const std::vector<int>& bodies)
     : system_(scene.system()) {
+    Shapes whole;
+    for (int q = 0; q < quadratic_points; ++q) {
+        double at[4];
+        for (int c = 0; c < 4; ++c) at[c] = usual_coordinate(c == q);
+        quadratic_shape(at, whole[static_cast<std::size_t>(q)].data());
+    }
+    shapes_ = {whole};
     // Quadratic ones first: their points then stand four by four.
     for (const ElementKind kind : {ElementKind::quadratic, ElementKind::linear})
         for (const TissueBatches& t : system_.tissues)
             if (t.kind == kind && std::find(bodies.begin(), bodies.end(), t.body) != bodies.end()) add(t);
-    constexpr double near = 0.58541019662496852, far = 0.13819660112501051;
-    for (int q = 0; q < quadratic_points; ++q) {
-        double barycentric[4] = {far, far, far, far};
-        barycentric[q] = near;
-        quadratic_shape(barycentric, shape_[q]);
-    }
 }
 
 void VolumePoints::add(const TissueBatches& t) {
@@ -44,6 +45,16 @@ void VolumePoints::add(const TissueBatches& t) {
     bodies_.push_back(body);
     tet_start_.emplace_back(), tets_.emplace_back();
     if (!quadratic) return;
+    std::size_t next = 0; // of the cut tets
+    for (std::size_t tet = 0; tet < t.tet_count; ++tet) {
+        const bool is_cut = next < t.cut.tets.size() && t.cut.tets[next] == static_cast<int>(tet);
+        shapes_of_.push_back(is_cut ? static_cast<int>(shapes_.size()) : 0);
+        if (!is_cut) continue;
+        Shapes& own = shapes_.emplace_back();
+        for (std::size_t q = 0; q < quadratic_points; ++q)
+            quadratic_shape(t.cut.points[next].point[q].data(), own[q].data());
+        ++next;
+    }
     sort_into(d.vertex_count, tet_start_.back(), tets_.back(), [&](const auto& visit) {
         for (std::size_t tet = 0; tet < t.tet_count; ++tet)
             for (int n = 0; n < quadratic_nodes; ++n)
@@ -87,7 +98,8 @@ void VolumePoints::share_out(const std::vector<double>& of_tet, std::vector<doub
     for (const OfBody& b : bodies_)
         if (is_quadratic(b)) {
             for (std::size_t i = 0; i < b.count; ++i)
-                of_point[b.first + i] = of_tet[b.tissue->first_batch * lanes + i / quadratic_points] / quadratic_points;
+                of_point[b.first + i] = b.tissue->cut.mass_factor / quadratic_points *
+                                        of_tet[b.tissue->first_batch * lanes + i / quadratic_points];
         } else {
             const auto from =
                 lumped_.weight().begin() +
@@ -106,9 +118,9 @@ Vec3 VolumePoints::carried(std::size_t point, const std::vector<double>& of_vert
     };
     if (!is_quadratic(b)) return at(system_.numbering.deformables[b.tissue->deformable].first_vertex + i);
     Vec3 sum = Vec3::Zero();
-    const double* shape = shape_[i % quadratic_points];
+    const auto& shape = shapes(point / quadratic_points)[i % quadratic_points];
     for (int n = 0; n < quadratic_nodes; ++n)
-        sum += shape[n] * at(static_cast<std::size_t>(vertex(b, i / quadratic_points, n)));
+        sum += shape[static_cast<std::size_t>(n)] * at(static_cast<std::size_t>(vertex(b, i / quadratic_points, n)));
     return sum;
 }
 
@@ -124,8 +136,9 @@ void VolumePoints::add_to_vertices(const std::vector<Vec3>& at_points, std::vect
                 for (int e = tet_start_[k][i]; e < tet_start_[k][i + 1]; ++e) {
                     const std::size_t code = static_cast<std::size_t>(tets_[k][static_cast<std::size_t>(e)]);
                     const std::size_t first = b.first + code / quadratic_nodes * quadratic_points;
+                    const Shapes& shape = shapes(first / quadratic_points);
                     for (std::size_t q = 0; q < quadratic_points; ++q)
-                        sum += shape_[q][code % quadratic_nodes] * at_points[first + q];
+                        sum += shape[q][code % quadratic_nodes] * at_points[first + q];
                 }
             }
             for (std::size_t c = 0; c < 3; ++c)
@@ -153,10 +166,12 @@ void VolumePoints::add_to_hessian(const std::vector<Mat3>& at_points, BlockMatri
         Mat3 sum = Mat3::Zero();
         for (int e = pair_start_[block]; e < pair_start_[block + 1]; ++e) {
             const std::size_t code = static_cast<std::size_t>(pairs_[static_cast<std::size_t>(e)]);
-            const auto [m, n] = node_pairs[code % quadratic_pairs];
+            const auto& nodes = node_pairs[code % quadratic_pairs];
+            const std::size_t m = static_cast<std::size_t>(nodes[0]), n = static_cast<std::size_t>(nodes[1]);
+            const Shapes& shape = shapes(code / quadratic_pairs);
             const std::size_t first = code / quadratic_pairs * quadratic_points;
             for (std::size_t q = 0; q < quadratic_points; ++q)
-                sum += (shape_[q][m] * shape_[q][n]) * at_points[first + q];
+                sum += (shape[q][m] * shape[q][n]) * at_points[first + q];
         }
         add(block, sum);
     });

@@ -1,6 +1,7 @@
 // Where a force on a body's volume is taken: points that the vertices carry, with the volume and mass that lie there.
 // Linear tets: the vertices themselves, with what is lumped on them, as inertia and gravity have it. Quadratic ones:
-// four points a tet (degree 2), because what lies on their corners is negative, and drag there would drive.
+// the four points of elasticity (degree 2), because what lies on their corners is negative, and drag there would drive.
+// Of tets that are solid in part the part inside counts, where it lies.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/mass_matrix.h"
@@ -39,9 +40,14 @@ class VolumePoints {
         return system_.node(*b.tissue, tet / lanes, node)[tet % lanes];
     }
 
+    using Shapes = std::array<std::array<double, quadratic_nodes>, quadratic_points>;
+    /// Shape functions at the points of a quadratic tet, named by a fourth of its first point.
+    const Shapes& shapes(std::size_t tet) const { return shapes_[static_cast<std::size_t>(shapes_of_[tet])]; }
+
     const Scene::System& system_;
     std::vector<OfBody> bodies_;
-    double shape_[quadratic_points][quadratic_nodes]; ///< of the four points
+    std::vector<Shapes> shapes_; ///< those of whole tets, then those of cut ones
+    std::vector<int> shapes_of_; ///< per quadratic tet
     /// Quadratic: tets that meet at each vertex of a body, as 10 tet + node, in fixed order.
     std::vector<std::vector<int>> tet_start_, tets_;
     /// Quadratic: element pairs that meet at each block of the pattern, as 55 t + pair; the tet's points start

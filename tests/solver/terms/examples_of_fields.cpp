@@ -73,12 +73,12 @@ std::vector<TermExample> field_examples() {
     mud.values.speed_attenuation = 0;
     add("drag field along a direction, fading", TestField(mud).towards(aslant).at(beside).ending(0.4), false);
     add("vortex field", TestField(vortex, 2e4).around(aslant).at(beside).falling(1, 0.1), false);
-    TestField swirls(turbulence, 3e4);
+    TestField swirls(turbulence, 1e4);
     swirls.rest.noise_level = 2;
-    swirls.values.wavelength = 0.15;
+    swirls.values.wavelength = 0.4;
     swirls.values.phase_x = 0.3, swirls.values.phase_z = -4.6;
     add("turbulence field", TestField(swirls).at(beside).falling(1, 0.2), false);
-    TestField volume = TestField(volume_axis, 2e4).around(aslant).towards({1, 0, 0}).at({0.02, 0.12, 0});
+    TestField volume = TestField(volume_axis, 1e4).around(aslant).towards({1, 0, 0}).at({0.02, 0.12, 0});
     volume.values.radius = 0.3, volume.values.height = 0.5;
     volume.values.away_from_center = 0.5, volume.values.away_from_axis = -0.7, volume.values.along_axis = 0.3;
     volume.values.around_axis = 1, volume.values.directional_speed = 0.4;
