@@ -79,6 +79,19 @@ struct RelaxedTerms {
     ~RelaxedTerms() { potential.relax(0); }
 };
 
+/// Whether the forces at x are rounding's, after a step that said so; `w.trial` is where it came from. A gradient with
+/// kinks may throw whole steps back and forth between its pieces: halfway there is less of it then.
+bool on_floor(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const std::vector<double>& x) {
+    if (!w.floor.reached(w.forces, options.tolerance)) return false;
+    for (std::size_t i = 0; i < x.size(); ++i) w.trial[i] = 0.5 * (w.trial[i] + x[i]);
+    w.forces_here = w.forces;
+    potential.evaluate(w.trial, &w.gradient, &w.forces);
+    const bool lower = is_lower(w.forces, w.forces_here, options.tolerance);
+    potential.evaluate(x, &w.gradient, &w.forces);
+    if (lower) w.floor.forget();
+    return !lower;
+}
+
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
@@ -96,6 +109,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         converged = balance.reached;
     };
     judge();
+    w.floor.forget();
     for (int iteration = 0; !converged; ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
@@ -116,6 +130,8 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         const double before = value;
         double t = potential.longest_move(x, w.direction);
         bool accepted = false;
+        const bool below_rounding = definite && r <= RoundingFloor::strict && -0.5 * slope <= rounding;
+        if (below_rounding) w.floor.take_direction(potential, w.hessian, w.gradient, w.direction);
         potential.work(w.gradient, w.direction, w.gain);
         w.arcs.fit(potential, x, w.direction, w.gain);
         for (int trial = 0; trial < 40 && !accepted; ++trial) {
@@ -132,6 +148,12 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         }
         x.swap(w.trial);
         judge();
+        if (!below_rounding || t < 1) {
+            w.floor.forget();
+        } else if (!converged) {
+            w.floor.take_forces(w.forces);
+            converged = on_floor(potential, w, options, x);
+        }
     }
     return End::converged;
 }

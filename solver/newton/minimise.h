@@ -1,12 +1,14 @@
 // Newton's method with line search on the incremental potential. Hessians are exact; only where one is not positive
 // definite is it assembled again with every element's eigenvalues clamped (always clamping costs 2 to 2.4 times the
 // iterations: `sinew bench levers`). Converged: on every tissue |gradient| <= tolerance x the forces at work there, or
-// down to what rounding makes of zero.
+// down to what rounding makes of zero: below what rounding of positions does to forces (Potential::balance), or where
+// whole Newton steps no longer bring it down (rounding_floor.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/linear_solver.h"
 #include "solver/newton/arcs.h"
 #include "solver/newton/potential.h"
+#include "solver/newton/rounding_floor.h"
 #include "solver/step.h"
 
 namespace sinew::solver {
@@ -24,7 +26,8 @@ struct NewtonWorkspace {
     std::vector<double> gradient, direction, trial;
     std::vector<double> gain; ///< that the direction promises each tissue [J]
     Arcs arcs;
-    std::vector<BodyForces> forces; ///< at the last evaluation with gradient
+    std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
+    RoundingFloor floor;
     explicit NewtonWorkspace(const Potential& potential)
         : hessian(potential.pattern())
         , linear(potential.pattern(), potential.places()) {}
