@@ -59,6 +59,8 @@ struct CurvePoints {
 struct Material {
     solver::MaterialValues values;
     engine::NumberList weights;
+    /// On the surface: [Pa], [N/m].
+    double pressure = 0, surface_tension = 0;
 };
 
 /// One fibre field as painted.

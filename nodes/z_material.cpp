@@ -72,12 +72,32 @@ const Input<double> volume_conservation{
     .doc = "Resists changes of volume in both directions, whatever Young's modulus is; useful from a hundred to ten "
            "million times it. Bending stays free: the volume is kept on average over a few tets, not in each.",
 };
+const Input<double> pressure{
+    .name = "pressure",
+    .def = 0,
+    .unit = "Pa",
+    .doc = "Pushes the deformed surface inwards along its normal, or outwards where it is negative. Painted by the "
+           "layer's weights on the surface alone. To change it over time, key zTissue.pressureEnvelope.",
+    .keyable = false,
+};
+const Input<double> surface_tension{
+    .name = "surfaceTension",
+    .def = 0,
+    .unit = "N/m",
+    .doc =
+        "Pulls the deformed surface together like the skin of a drop: rounds edges and presses with twice itself over "
+        "the radius. Negative spreads it. Painted by the layer's weights on the surface alone. To change it over time, "
+        "key zTissue.surfaceTensionEnvelope.",
+    .keyable = false,
+};
 const Output<Material> out_material{.name = "outMaterial", .doc = "The layer; connect to zTissue.materials."};
 
 void compute(const Reads& in, Writes& out) {
     Material m;
     m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope], in[volume_conservation]};
     m.weights = in[weights];
+    m.pressure = in[pressure];
+    m.surface_tension = in[surface_tension];
     out.set(out_material, std::move(m));
 }
 
@@ -87,8 +107,9 @@ void add_z_material(Registry& registry) {
     NodeType type;
     type.name = "zMaterial";
     type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
-    type.inputs = {describe(envelope),       describe(weights),      describe(youngs_modulus),
-                   describe(poissons_ratio), describe(mass_density), describe(volume_conservation)};
+    type.inputs = {describe(envelope),       describe(weights),        describe(youngs_modulus),
+                   describe(poissons_ratio), describe(mass_density),   describe(volume_conservation),
+                   describe(pressure),       describe(surface_tension)};
     type.outputs = {describe(out_material)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/carriers.h"
 #include "nodes/options.h"
+#include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
 
 #include <algorithm>
@@ -71,6 +72,18 @@ const Input<double> transverse_anisotropy{
     .limits = {.min = 0, .max = 1e6, .open_min = true},
     .doc = "Anisotropic only: stiffness across the fibre over stiffness along it; 1 is the same in all directions. "
            "Young's modulus is the one along the fibre.",
+};
+const Input<double> pressure_envelope{
+    .name = "pressureEnvelope",
+    .def = 1,
+    .unit = "1",
+    .doc = "Multiplies zMaterial.pressure; below 0 it pushes the other way.",
+};
+const Input<double> surface_tension_envelope{
+    .name = "surfaceTensionEnvelope",
+    .def = 1,
+    .unit = "1",
+    .doc = "Multiplies zMaterial.surfaceTension; below 0 the surface spreads.",
 };
 const Wire<Mesh> collision_shape{
     .name = "collisionShape",
@@ -173,7 +186,10 @@ void compute(const Reads& in, Writes& out) {
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values), collision});
+    std::vector<Force> forces;
+    add_pressure(in, parts.materials, in[pressure_envelope], forces);
+    add_surface_tension(in, parts.materials, in[surface_tension_envelope], forces);
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values), collision, std::move(forces)});
 }
 
 } // namespace
@@ -191,6 +207,8 @@ void add_z_tissue(Registry& registry) {
                    describe(law),
                    describe(compression_resistance),
                    describe(transverse_anisotropy),
+                   describe(pressure_envelope),
+                   describe(surface_tension_envelope),
                    describe(collision_shape)};
     type.outputs = {describe(out_body)};
     type.compute = compute;

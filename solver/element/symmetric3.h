@@ -5,15 +5,10 @@
 
 namespace sinew::solver {
 
-/// diagonal[3] and off_diagonal[k] = entry of the two indices other than k; negative eigenvalues become zero.
+/// Diagonalises a symmetric matrix, 9 numbers row-major: a becomes its eigenvalues' diagonal, the columns of q their
+/// eigenvectors.
 template <class R>
-inline void clamp_symmetric3(R* diagonal, R* off_diagonal) {
-    R a[9], q[9];
-    for (int i = 0; i < 3; ++i) {
-        const int j = (i + 1) % 3, k = (i + 2) % 3;
-        a[4 * i] = diagonal[i];
-        a[3 * j + k] = a[3 * k + j] = off_diagonal[i];
-    }
+inline void diagonalise_symmetric3(R* a, R* q) {
     for (int i = 0; i < 9; ++i) q[i] = R(i % 4 == 0 ? 1.0 : 0.0);
     constexpr int pairs[3][2] = {{0, 1}, {0, 2}, {1, 2}};
     for (int sweep = 0; sweep < 5; ++sweep)
@@ -31,6 +26,18 @@ inline void clamp_symmetric3(R* diagonal, R* off_diagonal) {
                 a[3 * r + col] = s * u + c * v;
             }
         }
+}
+
+/// diagonal[3] and off_diagonal[k] = entry of the two indices other than k; negative eigenvalues become zero.
+template <class R>
+inline void clamp_symmetric3(R* diagonal, R* off_diagonal) {
+    R a[9], q[9];
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        a[4 * i] = diagonal[i];
+        a[3 * j + k] = a[3 * k + j] = off_diagonal[i];
+    }
+    diagonalise_symmetric3(a, q);
     R e[3];
     for (int i = 0; i < 3; ++i) e[i] = max(a[4 * i], R(0.0));
     for (int i = 0; i < 3; ++i) {

@@ -4,14 +4,14 @@
 #include "solver/terms/attachment/attachment.h"
 #include "solver/terms/elastic/elastic.h"
 #include "solver/terms/field/field.h"
+#include "solver/terms/pressure/pressure.h"
+#include "solver/terms/surface_tension/surface_tension.h"
 
 namespace sinew::solver {
 
 std::span<const TermType* const> all_terms() {
     static constexpr const TermType* terms[] = {
-        &elastic_type,
-        &attachment_type,
-        &field_type,
+        &elastic_type, &attachment_type, &field_type, &pressure_type, &surface_tension_type,
     };
     return terms;
 }

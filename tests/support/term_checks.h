@@ -38,6 +38,8 @@ std::vector<TermExample> term_examples();
 std::vector<TermExample> elastic_examples();
 std::vector<TermExample> attachment_examples();
 std::vector<TermExample> field_examples();
+std::vector<TermExample> pressure_examples();
+std::vector<TermExample> surface_tension_examples();
 
 /// One term by itself: its own pattern, and a stage of backward Euler from the scene's state after two steps.
 class TermProbe {

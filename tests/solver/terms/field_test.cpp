@@ -371,7 +371,7 @@ TEST_CASE("under fields that depend on place, velocity and time every scheme kee
     for (const ElementKind kind : kinds)
         for (std::size_t scheme = 0; scheme < 3; ++scheme) {
             std::vector<Vec3> tips;
-            for (const int steps : {50, 100, 200}) {
+            for (const int steps : {100, 200, 400}) {
                 Trial t(mesh, ElasticLaw::neo_hookean, kind, at_root, material(2e4, 0.3));
                 t.in.integrator = integrators[scheme];
                 t.in.step_size = 0.2 / steps;

@@ -28,8 +28,9 @@ VectorXd direction(const TermProbe& probe, unsigned seed) {
     return out;
 }
 
-/// Errors of central differences at halving distances. They must fall with the second order as long as they stand out
-/// of the rounding noise (noise_at_1 / distance), and come down to `tolerance`.
+/// Errors of central differences at halving distances. They must come down to `tolerance`, with the second order as
+/// long as they stand out of the rounding noise (noise_at_1 / distance), or far below it: where a kink lies nearby, no
+/// order is seen before the noise.
 void check_order(const std::function<double(double)>& error, double noise_at_1, double tolerance) {
     constexpr int count = 16;
     double errors[count], least = std::numeric_limits<double>::infinity();
@@ -42,7 +43,7 @@ void check_order(const std::function<double(double)>& error, double noise_at_1, 
     }
     INFO("least error " << least << " of " << tolerance << " allowed, order " << order);
     CHECK(least <= tolerance);
-    if (!std::isnan(order)) CHECK(order >= 1.8);
+    if (!std::isnan(order)) CHECK((order >= 1.8 || least <= 1e-4 * tolerance));
 }
 
 bool can_be_asked(const TermExample& example, const Pose& pose) { return example.knows_inverted || !pose.inverted; }
@@ -74,7 +75,7 @@ void check_gradient(const TermExample& example) {
 
 void check_hessian(const TermExample& example) {
     TermProbe probe(example);
-    const VectorXd d = probe.gather(direction(probe, 2)), e = probe.gather(direction(probe, 3));
+    const VectorXd d = probe.gather(direction(probe, 2));
     for (const Pose& pose : poses(probe)) {
         if (!can_be_asked(example, pose)) continue;
         INFO(pose.name);
@@ -91,10 +92,22 @@ void check_hessian(const TermExample& example) {
             check_order([&](double step) { return (change(d, step) - exact).norm(); }, noise,
                         1e-6 * h.norm() * d.norm());
         } else { // the symmetric part of the forces' derivative
-            const double exact = e.dot(h * d);
+            // Several directions: the error along one may change its sign.
+            const VectorXd hd = h * d;
+            const VectorXd others[] = {probe.gather(direction(probe, 3)), probe.gather(direction(probe, 4)),
+                                       probe.gather(direction(probe, 5))};
             check_order(
-                [&](double step) { return std::abs(0.5 * (e.dot(change(d, step)) + d.dot(change(e, step))) - exact); },
-                noise * (d.norm() + e.norm()), 1e-6 * h.norm() * d.norm() * e.norm());
+                [&](double step) {
+                    const VectorXd along_d = change(d, step);
+                    double squares = 0;
+                    for (const VectorXd& e : others) {
+                        const double off = 0.5 * (e.dot(along_d) + d.dot(change(e, step))) - e.dot(hd);
+                        squares += off * off;
+                    }
+                    return std::sqrt(squares);
+                },
+                noise * (d.norm() + others[0].norm()) / std::sqrt(double(d.size())),
+                1e-6 * h.norm() * d.norm() * others[0].norm());
         }
     }
 }
@@ -158,8 +171,11 @@ void check_threads(const TermExample& example) {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         TermProbe probe(example, 4);
         std::vector<double> out = probe.before().x;
-        const VectorXd x = poses(probe).front().x, g = probe.gradient(x);
+        // Nearer than the pose that others check: laws that know no inverted tets must know it at this fineness too.
+        const VectorXd start = Eigen::Map<const VectorXd>(out.data(), Eigen::Index(out.size())),
+                       x = start + 0.05 * (poses(probe).front().x - start), g = probe.gradient(x);
         out.push_back(probe.energy(x));
+        REQUIRE(std::isfinite(out.back()));
         out.insert(out.end(), g.data(), g.data() + g.size());
         for (const bool project : {false, true}) {
             const std::vector<double> h = probe.hessian_values(x, project);
@@ -167,7 +183,10 @@ void check_threads(const TermExample& example) {
         }
         return out;
     };
-    CHECK(run(1) == run(2));
+    const std::vector<double> one = run(1), two = run(2);
+    REQUIRE(one.size() == two.size());
+    const auto differs = std::mismatch(one.begin(), one.end(), two.begin()).first;
+    CHECK(differs - one.begin() == std::ssize(one)); // the first number that differs
 }
 
 void check_saving(const TermExample& example) {

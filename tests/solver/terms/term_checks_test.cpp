@@ -13,8 +13,14 @@ namespace sinew::test {
 
 std::vector<TermExample> term_examples() {
     std::vector<TermExample> out;
-    for (const auto& examples : {elastic_examples(), attachment_examples(), field_examples()})
+    using Examples = std::vector<TermExample> (*)();
+    constexpr Examples of_terms[] = {
+        elastic_examples, attachment_examples, field_examples, pressure_examples, surface_tension_examples,
+    };
+    for (const Examples make : of_terms) {
+        const std::vector<TermExample> examples = make();
         out.insert(out.end(), examples.begin(), examples.end());
+    }
     return out;
 }
 

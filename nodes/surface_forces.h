@@ -1,0 +1,20 @@
+// What a tissue's material layers ask for on its surface: pressure and surface tension, as forces that the body brings
+// along.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/node_type.h"
+#include "nodes/values.h"
+
+#include <functional>
+#include <vector>
+
+namespace sinew::nodes {
+
+/// The layers of a tissue, from bottom to top; their maps fit its mesh.
+using Layers = std::vector<std::reference_wrapper<const Material>>;
+
+/// Each adds a force if some layer has a value other than 0, and nothing otherwise.
+void add_pressure(const engine::Reads& in, const Layers& layers, double envelope, std::vector<Force>& forces);
+void add_surface_tension(const engine::Reads& in, const Layers& layers, double envelope, std::vector<Force>& forces);
+
+} // namespace sinew::nodes
