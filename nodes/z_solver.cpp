@@ -137,7 +137,8 @@ SimulationState initial(const Reads& in) {
 
 /// TR-BDF2's first stage ends at gamma of the step and sees everything as it is there.
 std::vector<double> stages_of(const Value& scheme) {
-    return scheme.as<std::string>() == "TR-BDF2" ? std::vector{solver::tr_bdf2_gamma} : std::vector<double>{};
+    return scheme.as<std::string>() == word_of(solver::Integrator::tr_bdf2) ? std::vector{solver::tr_bdf2_gamma}
+                                                                            : std::vector<double>{};
 }
 
 SimulationState advance(const SimulationState& before, std::span<const SubstepReads> times) {

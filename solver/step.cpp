@@ -61,6 +61,11 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         throw Error("FE304", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
     if (!in.gravity.allFinite())
         throw Error("FE304", "gravity is not a finite number", "check what it is connected to");
+    for (const auto& [what, value] : {std::pair("massDamping", in.mass_damping),
+                                      {"stiffnessDamping", in.stiffness_damping},
+                                      {"solverToleranceFactor", in.tolerance_factor}})
+        if (!std::isfinite(value))
+            throw Error("FE304", std::string(what) + " is not a finite number", "check what it is connected to");
     for (std::size_t k = 0; k < in.attachments.size(); ++k) {
         const AttachmentInputs& a = in.attachments[k];
         if (std::isfinite(a.stiffness) && std::isfinite(a.envelope) && std::isfinite(a.damping)) continue;

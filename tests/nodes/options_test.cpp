@@ -23,7 +23,7 @@ void check_words(std::size_t count) {
 } // namespace
 
 TEST_CASE("each choice of the solver has a word of its own, and the word means that choice") {
-    check_words<solver::ElasticLaw>(5);
+    check_words<solver::ElasticLaw>(std::size(solver::elastic_laws));
     check_words<solver::ElementKind>(2);
     check_words<solver::Fill>(3);
     check_words<solver::AttachmentMode>(2);

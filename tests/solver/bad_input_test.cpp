@@ -25,11 +25,17 @@ TEST_CASE(
         {[&](StepInputs& in, double v) { tissue_of(in).fibers[0].strength = v; }, 1},
         {[&](StepInputs& in, double v) { tissue_of(in).fibers[0].excitation = v; }, 1},
         {[&](StepInputs& in, double v) { tissue_of(in).fibers[0].contraction_limit = v; }, 1},
+        {[&](StepInputs& in, double v) { tissue_of(in).fibers[0].envelope = v; }, 1},
+        {[&](StepInputs& in, double v) { tissue_of(in).transverse_anisotropy = v; }, 1},
         {[&](StepInputs& in, double v) { tissue_of(in).forces[3].y() = v; }, 1},
         {[&](StepInputs& in, double v) { std::get<BoneInputs>(in.bodies[2]).positions[1].z() = v; }, 2},
         {[&](StepInputs& in, double v) { in.gravity.y() = v; }, -1},
         {[&](StepInputs& in, double v) { in.step_size = v; }, -1},
+        {[&](StepInputs& in, double v) { in.mass_damping = v; }, -1},
+        {[&](StepInputs& in, double v) { in.stiffness_damping = v; }, -1},
+        {[&](StepInputs& in, double v) { in.tolerance_factor = v; }, -1},
         {[&](StepInputs& in, double v) { in.attachments[0].stiffness = v; }, 0},
+        {[&](StepInputs& in, double v) { in.attachments[0].envelope = v; }, 0},
         {[&](StepInputs& in, double v) { in.attachments[1].damping = v; }, 1},
     };
     const TetMesh mesh = box_mesh({0.3, 0.1, 0.1}, 3, 1, 1);

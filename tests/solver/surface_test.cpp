@@ -106,7 +106,7 @@ TEST_CASE("a surface cut to the size of its tets has no cracks, keeps its shape,
 }
 
 TEST_CASE("a surface much finer than its tets is left as it is, and one point stands for each triangle") {
-    const SurfaceMesh mesh = make_sphere(0.1, 80, 80);
+    const SurfaceMesh mesh = make_sphere(0.1, 160, 160);
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const TissueRest t = in_lattice(mesh, 0.1, kind);
         const CarrierTets tets(t.tets);
@@ -143,7 +143,7 @@ TEST_CASE("samples integrate the square of what tets carry exactly, and painted 
     }
 }
 
-TEST_CASE("painted faces are sharp; painted vertices fade over their triangles but not around a box's edge") {
+TEST_CASE("painted faces are sharp and painted vertices fade over their triangles but not around a box's edge") {
     const SurfaceMesh box = make_cube(2, 1, 3, 2, 3, 4);
     std::vector<double> top(box.points.size(), 0.0);
     for (const int v : vertices_where(box.points, [](const Vec3& p) { return p.y() > 0.5 - 1e-9; })) top[at(v)] = 1;

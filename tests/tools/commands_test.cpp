@@ -224,7 +224,7 @@ TEST_CASE("a quick cantilever is small, unless a size is given", "[tools]") {
 TEST_CASE("bench says what each benchmark does, with an example, and refuses flags that it would not read", "[tools]") {
     const std::string help = run_program({"bench", "--help"}).out;
     for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers",
-                                   "scaling", "idle-cost", "scene", "elements", "report"}) {
+                                   "scaling", "idle-cost", "hard", "scene", "elements", "report"}) {
         INFO(name);
         CHECK(has(help, name + ":"));
         CHECK(has(help, "sinew bench " + name + " "));
@@ -243,7 +243,8 @@ TEST_CASE("bench says what each benchmark does, with an example, and refuses fla
         CHECK(has(said.err, "has no " + words[1]));
         CHECK(said.out.empty());
     }
-    for (const std::string name : {"scaling", "levers", "work-precision", "convergence", "accuracy", "idle-cost"}) {
+    for (const std::string name :
+         {"scaling", "levers", "work-precision", "convergence", "accuracy", "idle-cost", "hard"}) {
         const Said said = run_program({"bench", name, "--only", "no such thing"});
         INFO(name);
         CHECK(said.code == 2);
