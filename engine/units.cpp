@@ -146,8 +146,8 @@ std::optional<double> unit_factor(std::string_view from, std::string_view to) {
 
 std::string usual_units(std::string_view unit) {
     static constexpr std::string_view usual[] = {
-        "Pa", "kPa", "MPa", "m",      "cm",     "mm",    "kg",     "g",   "s",     "ms",  "1/s", "Hz", "N",
-        "kN", "deg", "rad", "kg/m^3", "g/cm^3", "N/m^3", "N/cm^3", "m/s", "m/s^2", "N/m", "J",   "1",  "%"};
+        "Pa",  "kPa", "MPa",   "m",     "cm",     "mm",     "kg",    "g",      "s",   "ms",    "1/s", "Hz", "N", "kN",
+        "deg", "rad", "rad/s", "deg/s", "kg/m^3", "g/cm^3", "N/m^3", "N/cm^3", "m/s", "m/s^2", "N/m", "J",  "1", "%"};
     std::vector<std::string> words;
     for (std::string_view u : usual)
         if (unit_factor(u, unit)) words.emplace_back(u);

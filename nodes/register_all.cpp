@@ -32,6 +32,7 @@ void add_z_material(engine::Registry&);
 void add_z_fiber(engine::Registry&);
 void add_z_tissue(engine::Registry&);
 void add_z_attachment(engine::Registry&);
+void add_z_hold(engine::Registry&);
 void add_air_field(engine::Registry&);
 void add_drag_field(engine::Registry&);
 void add_gravity_field(engine::Registry&);
@@ -49,23 +50,18 @@ void add_tet_writer(engine::Registry&);
 
 void register_all(engine::Registry& registry) {
     add_codecs(registry);
-    for (auto* add : {add_mesh_file,     add_tet_mesh_file,
-                      add_poly_sphere,   add_poly_cube,
-                      add_poly_plane,    add_poly_cylinder,
-                      add_poly_helix,    add_curve,
-                      add_transform,     add_track_channel,
-                      add_weights,       add_end_points,
-                      add_z_bone,        add_z_tet,
-                      add_z_material,    add_z_fiber,
-                      add_z_tissue,      add_z_attachment,
-                      add_air_field,     add_drag_field,
-                      add_gravity_field, add_newton_field,
-                      add_radial_field,  add_turbulence_field,
-                      add_uniform_field, add_volume_axis_field,
-                      add_vortex_field,  add_z_solver,
-                      add_z_embedder,    add_mesh_writer,
-                      add_z_iso_mesh,    add_z_delaunay_tet_mesh,
-                      add_tet_writer,    add_transfer_weights})
+    for (auto* add : {add_mesh_file,        add_tet_mesh_file,   add_poly_sphere,
+                      add_poly_cube,        add_poly_plane,      add_poly_cylinder,
+                      add_poly_helix,       add_curve,           add_transform,
+                      add_track_channel,    add_weights,         add_end_points,
+                      add_z_bone,           add_z_tet,           add_z_material,
+                      add_z_fiber,          add_z_tissue,        add_z_attachment,
+                      add_z_hold,           add_air_field,       add_drag_field,
+                      add_gravity_field,    add_newton_field,    add_radial_field,
+                      add_turbulence_field, add_uniform_field,   add_volume_axis_field,
+                      add_vortex_field,     add_z_solver,        add_z_embedder,
+                      add_mesh_writer,      add_z_iso_mesh,      add_z_delaunay_tet_mesh,
+                      add_tet_writer,       add_transfer_weights})
         add(registry);
 }
 

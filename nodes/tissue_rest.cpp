@@ -36,7 +36,23 @@ std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std:
     return out;
 }
 
+/// Unit vectors from given ones; zero where those are. Throws solver::Error FE227 where there are too few or many.
+solver::Points given_directions(const solver::TissueRest& t, const NumberList& given) {
+    const std::size_t count = t.tets.tets.size(), vectors = given.size() / 3;
+    if (vectors != 1 && vectors != count)
+        throw solver::Error("FE227",
+                            std::to_string(vectors) + " fibre directions for " + std::to_string(count) + " tets",
+                            "Give 3 numbers for each tet, in the order of the tets, or 3 for all.");
+    solver::Points out(count);
+    for (std::size_t i = 0; i < count; ++i) {
+        const double* d = given.data() + 3 * (vectors == 1 ? 0 : i);
+        out[i] = solver::Vec3(d[0], d[1], d[2]).stableNormalized();
+    }
+    return out;
+}
+
 solver::Points directions(const solver::TissueRest& t, const Fiber& fiber) {
+    if (!fiber.directions.empty()) return given_directions(t, fiber.directions);
     std::vector<char> painted;
     NumberList ends;
     for (const double e : fiber.end_points) {
@@ -59,7 +75,10 @@ engine::Digest static_digest(const TissueParts& parts) {
     // The first layer covers everything, so what is painted on it changes nothing.
     for (std::size_t i = 1; i < parts.materials.size(); ++i) h.add_doubles(parts.materials[i].get().weights);
     h.add(static_cast<std::uint64_t>(parts.fibers.size()));
-    for (const Fiber& f : parts.fibers) h.add_doubles(f.weights).add_doubles(f.end_points);
+    for (const Fiber& f : parts.fibers)
+        h.add_doubles(f.weights)
+            .add(f.directions.empty())
+            .add_doubles(f.directions.empty() ? f.end_points : f.directions);
     return h.finish();
 }
 

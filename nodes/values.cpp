@@ -54,7 +54,7 @@ void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_dige
 void add(Hasher& h, const solver::StepRecord& r) {
     h.add(r.residual).add(r.converged).add(r.newton_iterations).add(r.substeps).add(r.halvings);
     h.add(r.energy).add(r.min_j).add(r.inverted);
-    for (const solver::Measured& m : r.measured) h.add(m.what->term).add(m.what->name).add(m.value);
+    for (const solver::Measured& m : r.measured) h.add(m.what->term).add(m.what->name).add(m.value).add(m.part);
 }
 
 void add(Hasher& h, const SceneKey& k) {
@@ -121,6 +121,7 @@ BodyId id_of(const Body& body) {
     Hasher h;
     h.add(body.enable).add(body.is_bone());
     std::visit([&](const auto& v) { add(h, v); }, body.values);
+    for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
     return {body.rest->digest, h.finish()};
 }
@@ -206,10 +207,10 @@ std::size_t ValueTraits<nodes::Material>::bytes(const nodes::Material& v) { retu
 
 void ValueTraits<nodes::Fiber>::hash(Hasher& h, const nodes::Fiber& v) {
     add(h, v.values);
-    h.add_doubles(v.weights).add_doubles(v.end_points);
+    h.add_doubles(v.weights).add_doubles(v.end_points).add_doubles(v.directions);
 }
 std::size_t ValueTraits<nodes::Fiber>::bytes(const nodes::Fiber& v) {
-    return size_of(v.weights) + size_of(v.end_points);
+    return size_of(v.weights) + size_of(v.end_points) + size_of(v.directions);
 }
 
 void ValueTraits<nodes::Body>::hash(Hasher& h, const nodes::Body& v) { add(h, nodes::id_of(v)); }
@@ -267,6 +268,7 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
     std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
                     size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
     for (const solver::TermMemory& m : s.memories) n += size_of(m.bytes);
+    for (const solver::PartValues& part : s.parts) n += size_of(part);
     for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);

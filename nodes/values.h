@@ -5,6 +5,7 @@
 #include "engine/value.h"
 #include "solver/scene.h"
 #include "solver/state.h"
+#include "solver/step.h"
 #include "solver/step_inputs.h"
 #include "solver/term/type.h"
 
@@ -67,6 +68,7 @@ struct Material {
 struct Fiber {
     solver::FiberValues values;
     engine::NumberList weights, end_points;
+    engine::NumberList directions; ///< 3 numbers a tet, or 3 for all, of any length; empty: from the end points
 };
 
 /// Rest data of a body in scene units (static) … The digest says what the data was made from; a bone's covers
@@ -111,6 +113,7 @@ struct Body {
     std::shared_ptr<const BodyRest> rest;
     bool enable = true;
     std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
+    solver::InitialMotion start = {};                ///< of a tissue, at the start frame
     /// Tissues with a collisionShape, else null. Not part of the digest: zSolver's frames are keyed by the digests of
     /// its bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact
     /// term that reads it must bring it into BodyRest::digest.

@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/json_file.h"
+
+#include <algorithm>
+#include <cmath>
 
 namespace sinew::nodes {
 
@@ -28,7 +32,30 @@ const Input<NumberList> end_points{
     .limits = {.min = 0, .max = 1},
     .doc = "One number per vertex: up to 0.1 where the fibres begin, from 0.9 on where they end, else in "
            "between. "
-           "The fibres run from the first to the second; connect endPoints.outEndPoints.",
+           "The fibres run from the first to the second; connect endPoints.outEndPoints. Not needed where direction, "
+           "directions or directionsFile say how they run.",
+};
+const Input<Vec3> direction{
+    .name = "direction",
+    .unit = "1",
+    .doc = "The direction of all fibres, in scene space as the tissue is modelled; of any length, which does not "
+           "count. 0 0 0: it follows from the others.",
+    .keyable = false,
+};
+const Input<NumberList> directions{
+    .name = "directions",
+    .unit = "1",
+    .doc = "The direction of the fibres in each tet: 3 numbers a tet in the order of the tissue's tets, or 3 for all. "
+           "Of any length, which does not count; where it is 0 there is no fibre.",
+    .keyable = false,
+};
+const Input<File> directions_file{
+    .name = "directionsFile",
+    .doc = "A JSON file with a list as directions takes it; lists of three in a list will do too.",
+};
+const Input<std::string> directions_key{
+    .name = "directionsKey",
+    .doc = "JSON pointer to the list in directionsFile, for example /biceps/directions; empty if the file is the list.",
 };
 const Input<double> strength{
     .name = "strength",
@@ -54,11 +81,41 @@ const Input<double> excitation{
 };
 const Output<Fiber> out_fiber{.name = "outFiber", .doc = "The fibres; connect to zTissue.fibers."};
 
+/// The directions as given, 3 numbers for all tets or 3 a tet; none if they follow from the end points.
+NumberList given_directions(const Reads& in) {
+    const bool has_vector = in[direction] != Vec3{}, has_list = !in[directions].empty(),
+               has_file = !in[directions_file].path.empty();
+    if (has_vector + has_list + has_file + !in[end_points].empty() > 1)
+        in.fail(has_vector ? direction.name
+                : has_list ? directions.name
+                           : directions_file.name,
+                "DG110", "the direction of the fibres is given more than once",
+                "Keep one of endPoints, direction, directions and directionsFile.");
+    if (has_vector) return {in[direction].begin(), in[direction].end()};
+    if (!has_list && !has_file) return {};
+    const std::string_view from = has_list ? directions.name : directions_file.name;
+    NumberList list = has_list ? in[directions] : guarded(in, from, [&] {
+        const std::string& path = in[directions_file].path;
+        return numbers_of(part_of(read_json(path), in[directions_key], path), "the list of directions", path);
+    });
+    if (list.size() % 3 != 0)
+        in.fail(from, "FE227", std::to_string(list.size()) + " numbers cannot be directions of three",
+                "Give 3 numbers for each tet.");
+    for (std::size_t i = 0; i < list.size(); ++i)
+        if (!std::isfinite(list[i]))
+            in.fail(from, "FE202", "the direction of tet " + std::to_string(i / 3) + " is not a finite number",
+                    "Repair it; 0 0 0 stands for no fibre.");
+    if (std::all_of(list.begin(), list.end(), [](double c) { return c == 0; }))
+        in.fail(from, "FE212", "all directions are 0 0 0, so there is no fibre", "Give some tets a direction.");
+    return list;
+}
+
 void compute(const Reads& in, Writes& out) {
     Fiber f;
     f.values = {in[strength], in[contraction_limit], in[excitation], in[envelope]};
     f.weights = in[weights];
     f.end_points = in[end_points];
+    f.directions = given_directions(in);
     out.set(out_fiber, std::move(f));
 }
 
@@ -68,8 +125,10 @@ void add_z_fiber(Registry& registry) {
     NodeType type;
     type.name = "zFiber";
     type.doc = "Fibres of a muscle that contract by excitation.";
-    type.inputs = {describe(envelope), describe(weights),           describe(end_points),
-                   describe(strength), describe(contraction_limit), describe(excitation)};
+    type.inputs = {describe(envelope),       describe(weights),    describe(end_points),
+                   describe(direction),      describe(directions), describe(directions_file),
+                   describe(directions_key), describe(strength),   describe(contraction_limit),
+                   describe(excitation)};
     type.outputs = {describe(out_fiber)};
     type.compute = compute;
     registry.add(std::move(type));

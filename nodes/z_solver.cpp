@@ -128,9 +128,11 @@ SimulationState initial(const Reads& in) {
     if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
     auto stage = lease_stage(in, setup);
     const solver::StepInputs inputs = step_inputs(in, setup, 1);
+    std::vector<solver::InitialMotion> motions;
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i) motions.push_back(setup.body(i).start);
     std::vector<solver::AttachmentStart> starts;
-    SimulationState out{setup.key,
-                        solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, &starts); })};
+    SimulationState out{
+        setup.key, solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions, &starts); })};
     warn_of_reach(in, setup, starts);
     return out;
 }

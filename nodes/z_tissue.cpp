@@ -73,6 +73,19 @@ const Input<double> transverse_anisotropy{
     .doc = "Anisotropic only: stiffness across the fibre over stiffness along it; 1 is the same in all directions. "
            "Young's modulus is the one along the fibre.",
 };
+const Input<Vec3> initial_velocity{
+    .name = "initialVelocity",
+    .unit = "m/s",
+    .doc = "Velocity of the centre of mass at the start frame; always in metres, whatever the scale. What is held "
+           "stays, and QuasiStatic knows no velocities.",
+    .keyable = false,
+};
+const Input<Vec3> initial_angular_velocity{
+    .name = "initialAngularVelocity",
+    .unit = "rad/s",
+    .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
+    .keyable = false,
+};
 const Input<double> pressure_envelope{
     .name = "pressureEnvelope",
     .def = 1,
@@ -117,17 +130,20 @@ void check_fibers(const Reads& in, const TissueParts& parts) {
         const Fiber& f = parts.fibers[i];
         const std::string name = in.source_name(fibers.name, i);
         check_map(in, fibers.name, f.weights, count, "weights of " + name);
+        if (!f.directions.empty()) continue;
         if (f.end_points.size() > 1) check_map(in, fibers.name, f.end_points, count, "endPoints of " + name);
         const bool begins = std::any_of(f.end_points.begin(), f.end_points.end(), is_source);
         const bool ends = std::any_of(f.end_points.begin(), f.end_points.end(), is_sink);
         if (!begins || !ends)
-            in.fail(fibers.name, "FE205",
-                    "the fibres of " + name + " have no " +
-                        (begins ? "sink"
-                         : ends ? "source"
-                                : "end points") +
-                        " on this tissue",
-                    "Paint endPoints: up to 0.1 where the fibres begin, from 0.9 on where they end.");
+            in.fail(
+                fibers.name, "FE205",
+                "the fibres of " + name + " have no " +
+                    (begins ? "sink"
+                     : ends ? "source"
+                            : "end points") +
+                    " on this tissue",
+                "Paint endPoints: up to 0.1 where the fibres begin, from 0.9 on where they end; or give the fibres a "
+                "direction.");
     }
 }
 
@@ -177,7 +193,8 @@ void compute(const Reads& in, Writes& out) {
     auto kept = in.lease<Kept>(static_digest(parts), [&] {
         in.progress(0, "meshing");
         return guarded(in, mesh.name,
-                       [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))}); });
+                       [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))}); },
+                       {{"FE227", fibers.name}});
     });
     const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;
@@ -189,7 +206,9 @@ void compute(const Reads& in, Writes& out) {
     std::vector<Force> forces;
     add_pressure(in, parts.materials, in[pressure_envelope], forces);
     add_surface_tension(in, parts.materials, in[surface_tension_envelope], forces);
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values), collision, std::move(forces)});
+    const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
+    const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces)});
 }
 
 } // namespace
@@ -207,6 +226,8 @@ void add_z_tissue(Registry& registry) {
                    describe(law),
                    describe(compression_resistance),
                    describe(transverse_anisotropy),
+                   describe(initial_velocity),
+                   describe(initial_angular_velocity),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),
                    describe(collision_shape)};

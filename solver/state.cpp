@@ -127,7 +127,10 @@ void get_memories(Reader& r, std::vector<TermMemory>& memories) {
 
 void put_measured(Writer& w, const std::vector<Measured>& measured) {
     w.put(static_cast<std::uint64_t>(measured.size()));
-    for (const Measured& m : measured) put_text(w, m.what->term), put_text(w, m.what->name), w.put(m.value);
+    for (const Measured& m : measured) {
+        put_text(w, m.what->term), put_text(w, m.what->name);
+        w.put(m.value), w.put(m.part);
+    }
 }
 
 void get_measured(Reader& r, std::vector<Measured>& measured) {
@@ -138,8 +141,18 @@ void get_measured(Reader& r, std::vector<Measured>& measured) {
         if (!m.what)
             throw Error("IO403",
                         "a saved simulation state holds \"" + term + "." + name + "\", which is not known here");
-        r.get(m.value);
+        r.get(m.value), r.get(m.part);
     }
+}
+
+void put_parts(Writer& w, const std::vector<PartValues>& parts) {
+    w.put(static_cast<std::uint64_t>(parts.size()));
+    for (const PartValues& part : parts) w.put_all(part);
+}
+
+void get_parts(Reader& r, std::vector<PartValues>& parts) {
+    parts.resize(r.get_count(sizeof(std::uint64_t)));
+    for (PartValues& part : parts) r.get_all(part);
 }
 
 void put_values(Writer& w, const std::optional<StepInputs>& values) {
@@ -157,8 +170,7 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         put_points(w, t->forces);
     }
     w.put_all(values->attachments);
-    w.put(static_cast<std::uint64_t>(values->parts.size()));
-    for (const PartValues& part : values->parts) w.put_all(part);
+    put_parts(w, values->parts);
 }
 
 void get_values(Reader& r, std::optional<StepInputs>& values) {
@@ -183,8 +195,7 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
         body = std::move(t);
     }
     r.get_all(values->attachments);
-    values->parts.resize(r.get_count(sizeof(std::uint64_t)));
-    for (PartValues& part : values->parts) r.get_all(part);
+    get_parts(r, values->parts);
 }
 
 /// Every field but the seconds; one list for both directions, so that none can be forgotten on one side.
@@ -210,6 +221,7 @@ std::vector<std::byte> save(const State& s) {
     w.put(static_cast<std::uint64_t>(s.anchors.size()));
     for (const auto& list : s.anchors) w.put_all(list);
     put_memories(w, s.memories);
+    put_parts(w, s.parts);
     put_bones(w, s.bones);
     w.put(s.steps);
     w.put(s.linear.factor_steps_left);
@@ -235,6 +247,7 @@ State load(std::span<const std::byte> bytes) {
     s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
     for (auto& list : s.anchors) r.get_all(list);
     get_memories(r, s.memories);
+    get_parts(r, s.parts);
     get_bones(r, s.bones);
     r.get(s.steps);
     r.get(s.linear.factor_steps_left);

@@ -60,6 +60,8 @@ struct State {
     History history;
     std::vector<std::vector<Anchor>> anchors; ///< per attachment
     std::vector<TermMemory> memories;         ///< of the terms that keep something
+    /// Per part whose values say where it is (TermType::mix): those at the end of the step; empty for others.
+    std::vector<PartValues> parts;
     std::vector<Points> bones; ///< per body: bone vertex positions at the end of the step; empty for tissues
     long long steps = 0;       ///< since the start frame
     LinearMemory linear;

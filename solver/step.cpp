@@ -2,13 +2,14 @@
 #include "solver/step.h"
 
 #include "solver/error.h"
+#include "solver/integrate/part_motion.h"
 #include "solver/integrate/standing_form.h"
 #include "solver/integrate/values_between.h"
 #include "solver/marks_of.h"
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
-#include "solver/terms/all_terms.h"
+#include "solver/scene_inputs.h"
 
 #include <algorithm>
 #include <chrono>
@@ -27,9 +28,26 @@ struct Workspace::Impl {
     std::vector<Points> bones;          ///< at the end of the step
     std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
     StepInputs between;                 ///< values within it
+    StepInputs followed;                ///< the step's inputs with what follows from bones; unused where nothing does
+    const bool parts_move, parts_follow;
     explicit Impl(const Scene& scene)
         : scene(scene)
-        , potential(scene) {}
+        , potential(scene)
+        , parts_move(has_moving_parts(scene))
+        , parts_follow(has_followers(scene)) {}
+
+    /// The inputs with the values of parts that follow from where `bones` are.
+    const StepInputs& with_followers(const State& s, const StepInputs& in) {
+        if (!parts_follow) return in;
+        followed = in;
+        follow_bones(scene, s.memories, bones, followed.parts);
+        if (in.at_gamma) {
+            auto at_gamma = std::make_shared<StepInputs>(*in.at_gamma);
+            follow_bones(scene, s.memories, bones_at_gamma, at_gamma->parts);
+            followed.at_gamma = std::move(at_gamma);
+        }
+        return followed;
+    }
 
     void prepare(const State& before, const StepInputs& in) {
         take(before, in);
@@ -51,81 +69,6 @@ namespace {
 
 /// Base of the tolerance that zSolver.solverToleranceFactor multiplies.
 constexpr double base_tolerance = 1e-6;
-
-void check_inputs(const Scene& scene, const StepInputs& in) {
-    if (static_cast<int>(in.bodies.size()) != scene.body_count() ||
-        in.attachments.size() != scene.description().attachments.size() ||
-        in.parts.size() != scene.description().parts.size())
-        throw std::logic_error("step inputs must name every body, attachment and part of the scene, in order");
-    if (!(in.step_size > 0) || !std::isfinite(in.step_size))
-        throw Error("FE304", "the step size is " + std::to_string(in.step_size) + " s", "it must be positive");
-    if (!in.gravity.allFinite())
-        throw Error("FE304", "gravity is not a finite number", "check what it is connected to");
-    for (const auto& [what, value] : {std::pair("massDamping", in.mass_damping),
-                                      {"stiffnessDamping", in.stiffness_damping},
-                                      {"solverToleranceFactor", in.tolerance_factor}})
-        if (!std::isfinite(value))
-            throw Error("FE304", std::string(what) + " is not a finite number", "check what it is connected to");
-    for (std::size_t k = 0; k < in.attachments.size(); ++k) {
-        const AttachmentInputs& a = in.attachments[k];
-        if (std::isfinite(a.stiffness) && std::isfinite(a.envelope) && std::isfinite(a.damping)) continue;
-        Error bad("FE304",
-                  "a value of attachment " + std::to_string(k) + ", which starts from it, is not a finite number",
-                  "stiffness, envelope and damping must be finite");
-        bad.body = scene.description().attachments[k].source;
-        throw bad;
-    }
-    for (std::size_t k = 0; k < in.parts.size(); ++k) {
-        const Part& part = scene.description().parts[k];
-        if (in.parts[k].size() != part.type->values.size())
-            throw std::logic_error("step inputs must give every value of a part");
-        for (std::size_t i = 0; i < in.parts[k].size(); ++i) {
-            if (std::isfinite(in.parts[k][i])) continue;
-            Error bad("FE304",
-                      std::string("the ") + part.type->values[i].name + " of a " + std::string(part.type->name) +
-                          " is not a finite number",
-                      "check what it is connected to");
-            if (!part.bodies.empty()) bad.body = part.bodies.front();
-            throw bad;
-        }
-    }
-    for (int body = 0; body < scene.body_count(); ++body) {
-        const BodyInputs& b = in.bodies[static_cast<std::size_t>(body)];
-        if (const BoneRest* bone = scene.bone(body)) {
-            const Points& p = std::get<BoneInputs>(b).positions;
-            if (p.size() != bone->surface.size()) {
-                Error changed("FE211",
-                              "the bone has " + std::to_string(p.size()) + " vertices; it started with " +
-                                  std::to_string(bone->surface.size()),
-                              "a body keeps its vertices");
-                changed.body = body;
-                throw changed;
-            }
-            for (std::size_t i = 0; i < p.size(); ++i)
-                if (!p[i].allFinite()) {
-                    Error bad("FE202", "vertex " + std::to_string(i) + " of the bone is not a finite number",
-                              "check the transform that moves it");
-                    bad.body = body;
-                    throw bad;
-                }
-        } else {
-            const auto& t = std::get<TissueInputs>(b);
-            const TissueRest& rest = *scene.tissue(body);
-            if (t.layers.size() != rest.layer_weights.size() || t.fibers.size() != rest.fibers.size())
-                throw std::logic_error("step inputs must give values for every layer and fibre of a tissue");
-            if (!t.forces.empty() && t.forces.size() != scene.vertex_count(body))
-                throw std::logic_error("step inputs must give one load per vertex of a tissue, or none");
-        }
-    }
-}
-
-void set_bones(const Scene& scene, const StepInputs& in, std::vector<Points>& bones) {
-    bones.resize(static_cast<std::size_t>(scene.body_count()));
-    for (int body = 0; body < scene.body_count(); ++body)
-        if (scene.bone(body))
-            bones[static_cast<std::size_t>(body)] =
-                std::get<BoneInputs>(in.bodies[static_cast<std::size_t>(body)]).positions;
-}
 
 /// Minimises the stage that impl.form describes, from x.
 void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, const std::vector<Points>& bones,
@@ -159,11 +102,15 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
         const std::vector<Points>* bones_at_gamma = in.at_gamma ? &impl.bones_at_gamma : nullptr;
         tr_bdf2_trapezoid_form(s, h, bones_at_gamma, impl.form);
-        if (in.at_gamma)
+        if (in.at_gamma) {
             values_within(impl.scene, *in.at_gamma, in, impl.between);
-        else if (s.history.values)
+        } else if (s.history.values) {
             values_between(impl.scene, *s.history.values, in, tr_bdf2_gamma, impl.between);
-        const bool others = in.at_gamma || s.history.values;
+        } else if (impl.parts_move) {
+            copy_values(in, impl.between);
+            go_part_way(impl.scene, s.parts, tr_bdf2_gamma, impl.between.parts);
+        }
+        const bool others = in.at_gamma || s.history.values || impl.parts_move;
         if (others) impl.potential.set_values(s, impl.between);
         solve_stage(impl, s, in, bones, control, impl.x, memory, record);
         update_velocity(impl.form, impl.x, impl.v_gamma);
@@ -202,6 +149,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     s.x = impl.x;
     s.v = impl.v;
     s.bones = bones;
+    keep_places(impl.scene, in.parts, s.parts);
     s.linear = memory;
     return true;
 }
@@ -235,9 +183,19 @@ std::vector<Points> bones_halfway(const Workspace::Impl& impl, const State& s, c
     return out;
 }
 
-/// Takes the values halfway through the step of `in`, where those at its start are kept, into `half`.
+/// Whether nothing that moves parts has changed since the last step.
+bool parts_stand_still(const State& s, const StepInputs& in) {
+    for (std::size_t k = 0; k < in.parts.size(); ++k)
+        if (!s.parts[k].empty() && s.parts[k] != in.parts[k]) return false;
+    return true;
+}
+
+/// Takes the values halfway through the step of `in`, as far as those at its start are kept, into `half`.
 void set_values_halfway(const Scene& scene, const State& s, const StepInputs& in, StepInputs& half) {
-    if (in.integrator != Integrator::tr_bdf2 || !s.history.values) return;
+    if (in.integrator != Integrator::tr_bdf2 || !s.history.values) {
+        go_part_way(scene, s.parts, 0.5, half.parts);
+        return;
+    }
     StepInputs middle, known;
     if (in.at_gamma) {
         values_within(scene, *in.at_gamma, in, known);
@@ -254,8 +212,9 @@ void set_values_halfway(const Scene& scene, const State& s, const StepInputs& in
 void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones,
                          int halvings, const StepControl& control, StepRecord& record) {
     StepRecord attempt;
-    // Without inertia and with bones that stand still, half a step is the same problem again: keep what was reached.
-    const bool last_chance = halvings == 0 || (in.integrator == Integrator::quasi_static && bones == s.bones);
+    // Without inertia, and where nothing moves, half a step is the same problem again: keep what was reached.
+    const bool stands_still = bones == s.bones && parts_stand_still(s, in);
+    const bool last_chance = halvings == 0 || (in.integrator == Integrator::quasi_static && stands_still);
     bool taken = false;
     try {
         taken = take_step(impl, s, in, bones, last_chance, control, attempt);
@@ -280,25 +239,6 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
 
 } // namespace
 
-State initial_state(const Scene& scene, const StepInputs& inputs, std::vector<AttachmentStart>* starts) {
-    check_inputs(scene, inputs);
-    State s;
-    s.x = scene.numbering().rest;
-    s.v.assign(s.x.size(), 0.0);
-    set_bones(scene, inputs, s.bones);
-    std::vector<Points> surfaces(s.bones);
-    for (int body = 0; body < scene.body_count(); ++body)
-        if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
-    s.anchors = make_anchors(scene, surfaces, starts);
-    for (const TermType* type : all_terms())
-        if (type->start) {
-            TermMemory memory{std::string(type->name), type->memory_version, {}};
-            type->start(scene, surfaces, memory);
-            s.memories.push_back(std::move(memory));
-        }
-    return s;
-}
-
 State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
               const StepControl& control) {
     using Clock = std::chrono::steady_clock;
@@ -315,14 +255,14 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
                              residual);
         };
     for (; k < substeps.size(); ++k) {
-        const StepInputs& in = substeps[k];
-        check_inputs(scene, in);
-        impl.prepare(s, in);
-        set_bones(scene, in, impl.bones);
-        if (in.at_gamma) {
-            check_inputs(scene, *in.at_gamma);
-            set_bones(scene, *in.at_gamma, impl.bones_at_gamma);
+        check_inputs(scene, substeps[k]);
+        set_bones(scene, substeps[k], impl.bones);
+        if (substeps[k].at_gamma) {
+            check_inputs(scene, *substeps[k].at_gamma);
+            set_bones(scene, *substeps[k].at_gamma, impl.bones_at_gamma);
         }
+        const StepInputs& in = impl.with_followers(s, substeps[k]);
+        impl.prepare(s, in);
         take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
         ++record.substeps;

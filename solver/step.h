@@ -2,7 +2,7 @@
 // no bit.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/attach/anchors.h"
+#include "solver/initial_state.h"
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step_inputs.h"
@@ -34,10 +34,6 @@ struct StepControl {
     std::function<bool()> stop; ///< true = throw Stopped
     std::function<void(double done, int iteration, double residual)> progress;
 };
-
-/// The state at the start frame: rest positions, zero velocity, anchors made. `inputs` are those of the start frame.
-/// `starts`: what became of each attachment.
-State initial_state(const Scene& scene, const StepInputs& inputs, std::vector<AttachmentStart>* starts = nullptr);
 
 /// Advances by all of `substeps`, each with its own step size. Non-convergence is recorded, not thrown. Throws
 /// Error FE304 or FE202 (an input is not finite or out of range), FE302 (the step gives NaN), FE305 (memory), and

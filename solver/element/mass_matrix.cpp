@@ -37,12 +37,16 @@ void MassMatrix::start(const Numbering& numbering, const BlockPattern& pattern) 
     weight_.assign(numbering.vertex_count(), 0.0);
     value_.assign(pattern.block_count(), 0.0);
     held_.clear();
+    held_pairs_.clear();
 }
 
 void MassMatrix::add_lumped(int vertex, double mass) {
     weight_[static_cast<std::size_t>(vertex)] += mass;
     const int i = numbering_->unknown[static_cast<std::size_t>(vertex)];
-    if (i >= 0) value_[static_cast<std::size_t>(pattern_->row_start[static_cast<std::size_t>(i)])] += mass;
+    if (i >= 0)
+        value_[static_cast<std::size_t>(pattern_->row_start[static_cast<std::size_t>(i)])] += mass;
+    else
+        held_pairs_.push_back({vertex, vertex, mass});
 }
 
 void MassMatrix::add(int vertex, int other, double mass) {
@@ -51,7 +55,7 @@ void MassMatrix::add(int vertex, int other, double mass) {
     if (vertex != other) weight_[static_cast<std::size_t>(other)] += mass;
     int i = numbering_->unknown[static_cast<std::size_t>(vertex)];
     int j = numbering_->unknown[static_cast<std::size_t>(other)];
-    if (i < 0 && j < 0) return;
+    if (i < 0 && j < 0) return held_pairs_.push_back({vertex, other, mass});
     if (i < 0) std::swap(i, j), std::swap(vertex, other);
     if (j < 0)
         held_.push_back({i, other, mass});
@@ -91,6 +95,19 @@ double MassMatrix::add_held(const std::vector<double>& h, const std::vector<doub
             m_u[3 * static_cast<std::size_t>(e.unknown) + c] += f;
         }
     return work;
+}
+
+void MassMatrix::add_held_rows(double factor, const std::vector<double>& u, const std::vector<double>& h,
+                               std::span<double> out) const {
+    const auto add = [&](int row, double mass, const std::vector<double>& of, int column) {
+        for (std::size_t c = 0; c < 3; ++c)
+            out[3 * static_cast<std::size_t>(row) + c] += factor * mass * of[3 * static_cast<std::size_t>(column) + c];
+    };
+    for (const Held& e : held_) add(e.vertex, e.mass, u, e.unknown);
+    for (const HeldPair& e : held_pairs_) {
+        add(e.vertex, e.mass, h, e.other);
+        if (e.vertex != e.other) add(e.other, e.mass, h, e.vertex);
+    }
 }
 
 void MassMatrix::multiply(const std::vector<double>& u, std::vector<double>& out) const {

@@ -7,6 +7,8 @@
 #include "solver/linear/block_matrix.h"
 #include "solver/system.h"
 
+#include <span>
+
 namespace sinew::solver {
 
 class MassMatrix {
@@ -36,12 +38,21 @@ class MassMatrix {
     const std::vector<Held>& held() const { return held_; }
     /// Adds M h to m_u, h what held vertices do, 3 a vertex (read where held() names it). Returns u . M h.
     double add_held(const std::vector<double>& h, const std::vector<double>& u, std::vector<double>& m_u) const;
+    /// Adds `factor` times the rows of M (u + h) that belong to held vertices, 3 a vertex. `u`: 3 an unknown; `h`: 3 a
+    /// vertex, read at held ones.
+    void add_held_rows(double factor, const std::vector<double>& u, const std::vector<double>& h,
+                       std::span<double> out) const;
 
   private:
     const Numbering* numbering_ = nullptr;
     const BlockPattern* pattern_ = nullptr;
     bool diagonal_ = true; ///< every mass is lumped
     std::vector<Held> held_;
+    struct HeldPair {
+        int vertex, other;
+        double mass;
+    };
+    std::vector<HeldPair> held_pairs_;   ///< entries between held vertices, one for both of a pair
     std::vector<double> weight_, value_; ///< per vertex; per block of the pattern
 };
 

@@ -51,8 +51,12 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
     }
     for (std::size_t k = 0; k < out.parts.size(); ++k) {
         const PartValues& a = before.parts[k];
-        const auto may_mix = scene.description().parts[k].type->may_mix;
-        if (may_mix && !may_mix(a, out.parts[k])) continue;
+        const TermType& type = *scene.description().parts[k].type;
+        if (type.may_mix && !type.may_mix(a, out.parts[k])) continue;
+        if (type.mix) {
+            type.mix(a, out.parts[k], share);
+            continue;
+        }
         for (std::size_t i = 0; i < a.size(); ++i) mix(a[i], out.parts[k][i], share);
     }
 }

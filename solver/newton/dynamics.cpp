@@ -104,7 +104,19 @@ void Dynamics::add_gradient(std::span<double> gradient) const {
     });
 }
 
-void Dynamics::add_held_gradient(std::span<double> gradient) const {
+void Dynamics::add_held_gradient(const Positions& x, std::span<double> gradient) {
+    // As energy does for unknowns: M times the offsets and velocities, those of held vertices too.
+    const auto add_inertia = [&](double share, const std::vector<double>& of_unknowns, std::vector<double>& of_held,
+                                 double factor, const std::vector<double>& shift, double shift_factor) {
+        of_held.resize(x.size());
+        for (std::size_t v = 0; v < numbering_.vertex_count(); ++v)
+            for (std::size_t c = 3 * v; numbering_.unknown[v] < 0 && c < 3 * v + 3; ++c)
+                of_held[c] = factor * x[c] + shift_factor * shift[c];
+        masses_.add_held_rows(share, of_unknowns, of_held, gradient);
+    };
+    const double f = form_->velocity_factor;
+    if (form_->mass_factor > 0) add_inertia(form_->mass_factor, offset_, held_offset_, 1, form_->target, -1);
+    if (mass_damping() > 0) add_inertia(mass_damping(), velocity_, held_speed_, f, form_->velocity_offset, 1);
     for (std::size_t v = 0; v < numbering_.vertex_count(); ++v) {
         if (numbering_.unknown[v] >= 0) continue;
         for (std::size_t c = 0; c < 3; ++c) {

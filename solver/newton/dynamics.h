@@ -29,8 +29,8 @@ class Dynamics {
     double energy(const Positions& x, double& scale);
     /// Adds the gradient at the x of the last energy, 3 an unknown [N].
     void add_gradient(std::span<double> gradient) const;
-    /// Adds gravity and loads on held vertices, 3 a vertex [N].
-    void add_held_gradient(std::span<double> gradient) const;
+    /// Adds the gradient by held vertices, 3 a vertex [N], at the x of the last energy.
+    void add_held_gradient(const Positions& x, std::span<double> gradient);
     void raise_forces_at_work(std::span<double> largest) const;
     void add_hessian(BlockMatrix& a) const;
 

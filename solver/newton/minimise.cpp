@@ -57,9 +57,30 @@ double evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<doub
     return potential.evaluate(x, &w.gradient, &w.forces);
 }
 
-/// Moves x to free flight, along arcs, if the potential is lower there.
+/// Moves bodies along with what holds them if the potential is lower there, and flags them.
+void choose_carried(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+    w.carried.clear();
+    if (!potential.carry(x, w.trial, w.carried)) return;
+    const Stopwatch timer(record.seconds_assembly);
+    const double here = potential.evaluate(x, nullptr, nullptr), there = potential.evaluate(w.trial, nullptr, nullptr);
+    // Written so that a value that is no number is left.
+    if (!(here <= there))
+        x.swap(w.trial);
+    else
+        w.carried.clear();
+}
+
+/// Moves x along with what holds it, and what is not held to free flight, along arcs, if the potential is lower there.
 double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+    choose_carried(potential, w, x, record);
     if (!potential.free_flight(x, w.direction, w.gain)) return evaluate(potential, w, x, record);
+    for (std::size_t d = 0; d < w.carried.size(); ++d) {
+        if (!w.carried[d]) continue;
+        const Deformable& body = potential.numbering().deformables[d];
+        std::fill_n(w.direction.begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown), 3 * body.unknown_count,
+                    0.0);
+        w.gain[d] = 0;
+    }
     double here;
     {
         const Stopwatch timer(record.seconds_assembly);

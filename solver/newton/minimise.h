@@ -24,7 +24,8 @@ struct NewtonWorkspace {
     BlockMatrix hessian;
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
-    std::vector<double> gain; ///< that the direction promises each tissue [J]
+    std::vector<double> gain;  ///< that the direction promises each tissue [J]
+    std::vector<char> carried; ///< deformables that start from where a hold takes them
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;
@@ -33,7 +34,8 @@ struct NewtonWorkspace {
         , linear(potential.pattern(), potential.places()) {}
 };
 
-/// Moves x (3 a vertex) to the minimum, starting from x or from free flight, whichever has the lower value. Adds to the
+/// Moves x (3 a vertex) to the minimum, starting from x, from where holds take their bodies or from free flight,
+/// whichever has the lower value. Adds to the
 /// record's iterations and seconds; residual and converged are kept at the worst over several calls. Throws Error FE302
 /// on NaN, Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,

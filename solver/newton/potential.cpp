@@ -79,8 +79,20 @@ void Potential::begin_stage(const State& before, const ImplicitForm& form, const
     for (const auto& term : terms_) term->begin_stage(*stage_);
 }
 
-void Potential::place_held(Positions& x) const {
+void Potential::place_held(Positions& x) {
+    const auto holds = [](const TermType* type) { return type->hold != nullptr; };
+    if (std::none_of(types_.begin(), types_.end(), holds)) return;
+    before_held_ = x;
     for (const auto& term : terms_) term->place_held(*stage_, x);
+}
+
+bool Potential::carry(const Positions& x, Positions& out, std::vector<char>& bodies) const {
+    if (before_held_.empty() || before_held_ == x) return false;
+    out = x;
+    bodies.assign(numbering_.deformables.size(), 0);
+    bool any = false;
+    for (const auto& term : terms_) any = term->carry(before_held_, out, bodies) || any;
+    return any;
 }
 
 void Potential::accelerations(const State& before, std::vector<double>& out) {
@@ -209,7 +221,7 @@ void Potential::measure(const Positions& x, std::vector<Measured>& out) {
         evaluate(x, &reaction_gradient_, nullptr);
         reactions_.assign(x.size(), 0.0);
         for (const auto& term : terms_) term->add_held_gradient(reactions_);
-        dynamics_.add_held_gradient(reactions_);
+        dynamics_.add_held_gradient(x, reactions_);
     }
     for (const auto& term : terms_) term->measure(x, reactions_, out);
 }

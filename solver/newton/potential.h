@@ -39,7 +39,10 @@ class Potential {
     /// Fixes what is constant over one stage of it. What is passed must outlive the stage.
     void begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after);
     /// Puts what is held to where it is at the end of the stage.
-    void place_held(Positions& x) const;
+    void place_held(Positions& x);
+    /// Where x is as place_held left it: into `out` x with bodies taken along by what moved then, and flags of those
+    /// deformables. False: nothing has moved.
+    bool carry(const Positions& x, Positions& out, std::vector<char>& bodies) const;
     /// Acceleration of every vertex at `before` under the values of begin_step, 3 a vertex [m/s^2]; 0 where held.
     void accelerations(const State& before, std::vector<double>& out);
 
@@ -48,6 +51,7 @@ class Potential {
     /// Sum over the elements at each vertex of their share of modulus x volume [J].
     const std::vector<double>& vertex_stiffness() const { return vertex_stiffness_; }
     const BlockPattern& pattern() const { return *pattern_; }
+    const MassMatrix& masses() const { return dynamics_.masses(); }
     UnknownPlaces places() const; ///< of the unknowns at rest
 
     /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each
@@ -95,6 +99,7 @@ class Potential {
     Dynamics dynamics_;
     std::optional<Stage> stage_;
     std::unique_ptr<BlockPattern> pattern_;
+    Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
     double energy_scale_ = 0;
     std::vector<double> vertex_stiffness_, of_body_, reactions_, reaction_gradient_;
 };

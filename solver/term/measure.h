@@ -20,11 +20,12 @@ struct Measure {
 struct Measured {
     const Measure* what = nullptr;
     double value = 0;
+    int part = -1; ///< where each of a term's parts has its own number, counted from 0 among them; else -1
 };
 
 /// The measure of that name, of any known term; null if there is none.
 const Measure* find_measure(std::string_view term, std::string_view name);
-/// The value of one measure; 0 if it is not there.
-double value_of(const std::vector<Measured>& measured, std::string_view term, std::string_view name);
+/// The value of one measure, of one of the term's parts where each has its own; 0 if it is not there.
+double value_of(const std::vector<Measured>& measured, std::string_view term, std::string_view name, int part = -1);
 
 } // namespace sinew::solver

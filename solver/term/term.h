@@ -56,6 +56,11 @@ class Term {
     virtual void add_masses(MassMatrix&) const {}
     /// Puts vertices that the term holds to where they are at the end of the stage.
     virtual void place_held(const Stage&, Positions&) const {}
+    /// After place_held has moved what was at `before`: takes the free vertices of bodies along, as a place to start
+    /// from, and flags those deformables. False: nothing has moved.
+    virtual bool carry(const Positions& /*before*/, Positions& /*x*/, std::vector<char>& /*bodies*/) const {
+        return false;
+    }
     /// Fixes what is constant over a stage. What `stage` refers to outlives the stage.
     virtual void begin_stage(const Stage& stage) = 0;
     /// Before each Newton iteration at x, for forces that have no energy: from here on, until the next call, `energy`

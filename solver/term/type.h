@@ -18,13 +18,21 @@ struct TermType {
     std::span<const Measure> measures = {};
     /// The term of a scene; null: the scene does not use it, and it costs nothing.
     std::unique_ptr<Term> (*make)(const Scene&) = nullptr;
-    /// What it keeps at the start frame, from the surfaces of all bodies then [m]; null: nothing.
-    void (*start)(const Scene&, const std::vector<Points>& surfaces, TermMemory&) = nullptr;
+    /// What it keeps at the start frame, from the inputs and the surfaces of all bodies then [m]; null: nothing.
+    void (*start)(const Scene&, const StepInputs&, const std::vector<Points>& surfaces, TermMemory&) = nullptr;
     int memory_version = 0;
     bool has_memory = false;
     /// Flags vertices of a deformable body that a part holds (they are no unknowns); null: none. `body`: in
     /// part.bodies.
     void (*hold)(const Part&, const TissueRest&, std::vector<char>& held) = nullptr;
+    /// Of parts whose values follow from where bodies are, puts them in; null: none do. `bones`: at the values' time,
+    /// per body [m]. Throws Error (body set).
+    void (*follow)(const Scene&, std::size_t part, const TermMemory&, const std::vector<Points>& bones,
+                   std::span<double> values) = nullptr;
+    /// Turns `to` into a part's values at `share` of the way to it from `from`; null: each number on a line. Types that
+    /// have this say where something is: their values are kept in the state, and a step that is taken in parts goes
+    /// there in parts.
+    void (*mix)(std::span<const double> from, std::span<double> to, double share) = nullptr;
     /// Whether a part's values may be mixed between two times; null: always.
     bool (*may_mix)(std::span<const double> before, std::span<const double> after) = nullptr;
     /// Whether a part with these values pulls a deformable body towards what is prescribed: ties it in QuasiStatic.

@@ -4,6 +4,7 @@
 #include "solver/terms/attachment/attachment.h"
 #include "solver/terms/elastic/elastic.h"
 #include "solver/terms/field/field.h"
+#include "solver/terms/hold/hold.h"
 #include "solver/terms/pressure/pressure.h"
 #include "solver/terms/surface_tension/surface_tension.h"
 
@@ -11,7 +12,7 @@ namespace sinew::solver {
 
 std::span<const TermType* const> all_terms() {
     static constexpr const TermType* terms[] = {
-        &elastic_type, &attachment_type, &field_type, &pressure_type, &surface_tension_type,
+        &elastic_type, &attachment_type, &field_type, &pressure_type, &surface_tension_type, &hold_type,
     };
     return terms;
 }
@@ -29,9 +30,9 @@ const Measure* find_measure(std::string_view term, std::string_view name) {
     return nullptr;
 }
 
-double value_of(const std::vector<Measured>& measured, std::string_view term, std::string_view name) {
+double value_of(const std::vector<Measured>& measured, std::string_view term, std::string_view name, int part) {
     for (const Measured& m : measured)
-        if (m.what->term == term && m.what->name == name) return m.value;
+        if (m.what->term == term && m.what->name == name && m.part == part) return m.value;
     return 0;
 }
 

@@ -10,15 +10,24 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {"airField",     "curve",           "dragField",        "endPoints",
-                                            "gravityField", "meshFile",        "meshWriter",       "newtonField",
-                                            "polyCube",     "polyCylinder",    "polyHelix",        "polyPlane",
-                                            "polySphere",   "radialField",     "tetMeshFile",      "tetWriter",
-                                            "trackChannel", "transferWeights", "transform",        "turbulenceField",
-                                            "uniformField", "volumeAxisField", "vortexField",      "weights",
-                                            "zAttachment",  "zBone",           "zDelaunayTetMesh", "zEmbedder",
-                                            "zFiber",       "zIsoMesh",        "zMaterial",        "zSolver",
-                                            "zTet",         "zTissue"};
+const std::vector<std::string> all_types = {"airField",         "curve",
+                                            "dragField",        "endPoints",
+                                            "gravityField",     "meshFile",
+                                            "meshWriter",       "newtonField",
+                                            "polyCube",         "polyCylinder",
+                                            "polyHelix",        "polyPlane",
+                                            "polySphere",       "radialField",
+                                            "tetMeshFile",      "tetWriter",
+                                            "trackChannel",     "transferWeights",
+                                            "transform",        "turbulenceField",
+                                            "uniformField",     "volumeAxisField",
+                                            "vortexField",      "weights",
+                                            "zAttachment",      "zBone",
+                                            "zDelaunayTetMesh", "zEmbedder",
+                                            "zFiber",           "zHold",
+                                            "zIsoMesh",         "zMaterial",
+                                            "zSolver",          "zTet",
+                                            "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -85,6 +94,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"zEmbedder", node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},
         {"zFiber", node("zFiber", "")},
+        {"zHold", node("zHold", R"("tissue": {"from": "tissue.outBody"})")},
         {"zDelaunayTetMesh", base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
                    "n": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": "skin.outMesh"}}})"},
         {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},

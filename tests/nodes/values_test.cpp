@@ -57,6 +57,7 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.anchors[0][0].area_weight = 1; }));
     CHECK(changed([](auto& s) { s.state.anchors.emplace_back(); }));
     CHECK(changed([](auto& s) { s.state.bones[0][0].x() = 2; }));
+    CHECK(changed([](auto& s) { s.state.parts = {{1.0}}; }));
     CHECK(changed([](auto& s) { s.state.steps = 5; }));
     CHECK(changed([](auto& s) { s.state.linear.factor_steps_left = 5; }));
     CHECK(changed([](auto& s) { s.state.history.step_size = 5; }));
@@ -77,6 +78,11 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) {
         s.state.record.measured.push_back({solver::find_measure("attachment", "max_stretch_m"), 1});
     }));
+    for (const int part : {0, 1})
+        CHECK(changed([&](auto& s) {
+            s.state.record.measured.push_back({solver::find_measure("hold", "force_x_N"), 1, part});
+            s.state.record.measured.push_back({solver::find_measure("hold", "force_x_N"), 2, 1 - part});
+        }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_assembly = 1; }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_factor = 1; }));
     CHECK_FALSE(changed([](auto& s) { s.state.record.seconds_solve = 1; }));

@@ -293,7 +293,7 @@ TEST_CASE("targetWeights exclude: who faces what is not painted holds on to noth
         in.bodies.push_back(BoneInputs{table.points});
         in.attachments = {{1e6, 1, 0}};
         std::vector<AttachmentStart> starts;
-        const State s = initial_state(scene, in, &starts);
+        const State s = initial_state(scene, in, {}, &starts);
         start = starts.at(0);
         return s.anchors.at(0);
     };

@@ -25,6 +25,7 @@ struct TermExample {
     /// 1: few enough vertices for dense matrices. 4: enough work for several threads.
     std::function<ExampleScene(int fineness)> make;
 
+    bool acts = true;             ///< it has forces of its own; a term that only holds has none
     bool has_energy = true;       ///< its forces are the gradient of its energy
     bool forces_cancel = false;   ///< they sum to zero over all bodies that deform
     bool torques_cancel = false;  ///< so do their torques
@@ -40,6 +41,7 @@ std::vector<TermExample> attachment_examples();
 std::vector<TermExample> field_examples();
 std::vector<TermExample> pressure_examples();
 std::vector<TermExample> surface_tension_examples();
+std::vector<TermExample> hold_examples();
 
 /// One term by itself: its own pattern, and a stage of backward Euler from the scene's state after two steps.
 class TermProbe {

@@ -2,6 +2,7 @@
 #include "tools/bench/beams.h"
 
 #include "solver/mesh/tet_box.h"
+#include "solver/terms/hold/hold.h"
 
 #include <algorithm>
 #include <chrono>
@@ -109,6 +110,22 @@ int vertex_at(const Points& points, const Vec3& p) {
     return found.front();
 }
 
+Part hold_where(const TissueRest& rest, int body, const std::function<bool(const Vec3&)>& at) {
+    std::vector<double> weights;
+    for (const Vec3& p : rest.surface) weights.push_back(at(p) ? 1 : 0);
+    auto part = std::make_shared<HoldRest>();
+    part->part = painted_vertices(rest.triangles, weights);
+    return {&hold_type, {body}, std::move(part)};
+}
+
+PartValues hold_values(const RigidMotion& motion) {
+    HoldValues values;
+    values.set_motion(motion);
+    PartValues out(hold_type.values.size());
+    put_fields(values, out);
+    return out;
+}
+
 TissueInputs material(double youngs_modulus, double poissons_ratio, double density) {
     TissueInputs t;
     t.compression_resistance = 0;
@@ -151,11 +168,12 @@ Work& Work::operator+=(const Work& other) {
     return *this;
 }
 
-Simulation::Simulation(SceneDescription description, StepInputs first, std::stop_token stop)
+Simulation::Simulation(SceneDescription description, StepInputs first, std::stop_token stop,
+                       std::span<const InitialMotion> motions)
     : inputs(std::move(first))
     , scene_(std::make_shared<const Scene>(std::move(description)))
     , workspace_(scene_) {
-    state = initial_state(*scene_, inputs);
+    state = initial_state(*scene_, inputs, motions);
     control_.stop = [stop = std::move(stop)] { return stop.stop_requested(); };
 }
 

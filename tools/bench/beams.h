@@ -1,6 +1,7 @@
 // Scenes for benchmarks: boxes of Kuhn tets, tissues that use a mesh as it is, a simulation that counts its work.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/mesh/rigid_motion.h"
 #include "solver/newton/potential.h"
 #include "solver/step.h"
 
@@ -31,6 +32,11 @@ std::vector<int> vertices_where(const solver::Points& points, const std::functio
 /// The vertex at `p` to 1e-9 m. Throws std::logic_error if there is none.
 int vertex_at(const solver::Points& points, const solver::Vec3& p);
 
+/// A hold of the part of a tissue's surface between the vertices where `at` holds; `body` is the tissue's.
+solver::Part hold_where(const solver::TissueRest& rest, int body, const std::function<bool(const solver::Vec3&)>& at);
+/// Its values where it has moved like this, with its moment about the origin.
+solver::PartValues hold_values(const solver::RigidMotion& motion = {});
+
 /// One layer, no compression resistance.
 solver::TissueInputs material(double youngs_modulus, double poissons_ratio, double density = 1000);
 /// No gravity, no damping, Newton to 1e-10 of the forces at work.
@@ -51,7 +57,9 @@ struct Work {
 /// A scene on its way.
 class Simulation {
   public:
-    Simulation(solver::SceneDescription description, solver::StepInputs first, std::stop_token stop = {});
+    /// `motions`: as initial_state takes them.
+    Simulation(solver::SceneDescription description, solver::StepInputs first, std::stop_token stop = {},
+               std::span<const solver::InitialMotion> motions = {});
     /// One step with `inputs`. Throws solver::Error and solver::Stopped.
     void step();
     solver::StepInputs inputs;

@@ -25,12 +25,12 @@ SceneDescription scene() {
     return {{rest, bone}, {a}};
 }
 
-StepInputs inputs(Integrator integrator, double step_size, double damping_per_mass) {
+StepInputs inputs(Integrator integrator, double step_size, double damping_per_mass, bool gravity) {
     const json& r = values();
     StepInputs in = tight_inputs();
     in.integrator = integrator;
     in.step_size = step_size;
-    in.gravity = Vec3(0, 0, -9.81);
+    if (gravity) in.gravity = Vec3(0, 0, -9.81);
     in.bodies = {material(1e5, 0.3, r["rho"]), BoneInputs{tet().vertices}};
     AttachmentInputs a;
     a.stiffness = r["attachment_stiffness"];
@@ -41,22 +41,22 @@ StepInputs inputs(Integrator integrator, double step_size, double damping_per_ma
 
 } // namespace
 
-Oscillator::Oscillator(Integrator integrator, double step_size, double damping_per_mass)
+Oscillator::Oscillator(Integrator integrator, double step_size, double damping_per_mass, double speed)
     : omega(values()["omega"])
     , sag(values()["static_sag"])
-    , sim(scene(), inputs(integrator, step_size, damping_per_mass))
+    , sim(scene(), inputs(integrator, step_size, damping_per_mass, speed == 0), {},
+          std::array{InitialMotion{Vec3(0, 0, speed), Vec3::Zero()}, InitialMotion{}})
     , rest_height_(position(sim.state.x, 0).z()) {}
 
-void Oscillator::set(double height, double speed, bool history) {
+void Oscillator::set_history(std::complex<double> y) {
     const TetMesh rest = tet();
     State& s = sim.state;
-    if (history) {
-        s.history.step_size = sim.inputs.step_size;
-        s.history.x = s.x, s.history.v = s.v, s.history.bones = s.bones;
+    s.history.step_size = sim.inputs.step_size;
+    s.history.x = s.x, s.history.v = s.v, s.history.bones = s.bones;
+    for (std::size_t i = 0; i < 4; ++i) {
+        s.history.x[3 * i + 2] = rest.vertices[i].z() + y.real();
+        s.history.v[3 * i + 2] = -omega * y.imag();
     }
-    std::vector<double>& x = history ? s.history.x : s.x;
-    std::vector<double>& v = history ? s.history.v : s.v;
-    for (std::size_t i = 0; i < 4; ++i) x[3 * i + 2] = rest.vertices[i].z() + height, v[3 * i + 2] = speed;
 }
 
 double Oscillator::error_at(Integrator integrator, double end, int steps) {

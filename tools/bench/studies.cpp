@@ -110,30 +110,22 @@ MeshStudy twist(const LawName& law, const std::string& nu, ElementKind element) 
                                                             Work& work) {
         const double length = 0.4;
         auto rest = make_tissue(box_mesh({0, -0.05, -0.05}, {length, 0.05, 0.05}, m.nx, m.ny, m.nz), law, element);
-        const Points points = nodes_of(*rest);
+        const auto at_start = [](const Vec3& p) { return p.x() < 1e-9; };
         const auto at_end = [&](const Vec3& p) { return p.x() > length - 1e-9; };
-        rest->fixed_vertices = vertices_where(points, [&](const Vec3& p) { return p.x() < 1e-9 || at_end(p); });
-        const TissueInputs values = material(1e5, ratio);
-        Simulation sim({{rest}, {}}, quasi_static(values), stop);
+        StepInputs in = quasi_static(material(1e5, ratio));
+        in.parts = {hold_values(), hold_values()};
+        Simulation sim({{rest}, {}, {hold_where(*rest, 0, at_start), hold_where(*rest, 0, at_end)}}, in, stop);
         const int parts = 12;
         for (int part = 1; part <= parts; ++part) {
-            // Every vertex turns by its share, which only starts the search; those of the ends stay where they are put.
-            for (std::size_t v = 0; v < points.size(); ++v) {
-                const double angle = M_PI / parts * points[v].x() / length;
-                const int i = static_cast<int>(v);
-                set_position(sim.state.x, i, Eigen::AngleAxisd(angle, Vec3::UnitX()) * position(sim.state.x, i));
-            }
+            const double angle = M_PI * part / parts;
+            sim.inputs.parts[1] =
+                hold_values({Eigen::Quaterniond(Eigen::AngleAxisd(angle, Vec3::UnitX())), Vec3::Zero()});
             sim.step();
         }
         work += sim.work;
-        double energy = 0, torque = 0, axial = 0;
-        const Points forces = HoldingForces(*rest, values).at(sim.state.x, &energy);
-        for (const int v : vertices_where(points, at_end)) {
-            const Vec3 p = position(sim.state.x, v), f = forces[static_cast<std::size_t>(v)];
-            torque += p.y() * f.z() - p.z() * f.y();
-            axial += f.x();
-        }
-        return std::vector<double>{energy, torque, axial};
+        const StepRecord& end = sim.state.record;
+        return std::vector<double>{end.energy, value_of(end.measured, "hold", "moment_x_Nm", 1),
+                                   value_of(end.measured, "hold", "force_x_N", 1)};
     };
     return s;
 }

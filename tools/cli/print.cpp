@@ -158,7 +158,13 @@ void append_text(const Json& d, const std::string& indent, std::string& out) {
 
 Json describe_step(const solver::StepRecord& r) {
     Json terms = Json::object();
-    for (const solver::Measured& m : r.measured) terms[std::string(m.what->term)][std::string(m.what->name)] = m.value;
+    for (const solver::Measured& m : r.measured) {
+        Json& entry = terms[std::string(m.what->term)][std::string(m.what->name)];
+        if (m.part < 0)
+            entry = m.value;
+        else
+            entry.push_back(m.value); // a list: a number for each of the term's parts
+    }
     return {{"phases",
              {{"assembly", r.seconds_assembly},
               {"factor", r.seconds_factor},

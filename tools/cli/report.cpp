@@ -37,7 +37,7 @@ std::string phases_text(const std::vector<solver::StepRecord>& steps) {
                 factor * scale, solve * scale, other * scale);
 }
 
-/// ", largest attachment stretch 1.2 mm": what the terms measured, over all steps.
+/// ", largest attachment stretch 1.2 mm": what the terms measured, over all steps; of each part is in the report.
 std::string terms_text(const std::vector<solver::StepRecord>& steps) {
     std::vector<solver::Measured> all = steps.front().measured;
     for (std::size_t s = 1; s < steps.size(); ++s)
@@ -57,6 +57,7 @@ std::string terms_text(const std::vector<solver::StepRecord>& steps) {
         }
     std::string out;
     for (const solver::Measured& m : all) {
+        if (m.part >= 0) continue;
         const bool is_length = m.what->unit == "m";
         out += text(", %s %.2g %s", std::string(m.what->title).c_str(), is_length ? 1000 * m.value : m.value,
                     is_length ? "mm" : std::string(m.what->unit).c_str());

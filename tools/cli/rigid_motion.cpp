@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/rigid_motion.h"
 
+#include "solver/mesh/rigid_motion.h"
 #include "solver/mesh/surface_mesh.h"
-
-#include <Eigen/SVD>
 
 namespace sinew::cli {
 
@@ -16,16 +15,6 @@ Eigen::Matrix3Xd as_columns(const Points& points) {
     Eigen::Matrix3Xd out(3, static_cast<Eigen::Index>(points.size()));
     for (std::size_t i = 0; i < points.size(); ++i) out.col(static_cast<Eigen::Index>(i)) = points[i];
     return out;
-}
-
-/// The rotation that brings `from` nearest to `to`, both about their centres (Kabsch 1978). Not a reflection,
-/// even where that would fit better.
-Eigen::Quaterniond best_rotation(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
-    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(to * from.transpose(), Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Eigen::Vector3d sign(1, 1, 1);
-    if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) sign[2] = -1;
-    const Eigen::Matrix3d rotation = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-    return Eigen::Quaterniond(rotation).normalized();
 }
 
 } // namespace
@@ -46,7 +35,7 @@ std::optional<RigidMotion> find_rigid_motion(const std::vector<std::shared_ptr<c
         } else {
             const Eigen::Matrix3Xd now = as_columns(*pose);
             fit.translation = now.rowwise().mean();
-            fit.rotation = best_rotation(rest, now.colwise() - fit.translation);
+            fit.rotation = solver::best_rotation((now.colwise() - fit.translation) * rest.transpose());
             const Eigen::Matrix3Xd off = (fit.rotation.toRotationMatrix() * rest).colwise() + fit.translation - now;
             if (!(off.colwise().norm().maxCoeff() <= allowed)) return {};
             out.moves = true;

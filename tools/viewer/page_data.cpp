@@ -188,6 +188,32 @@ Json attachment_json(Writer& w, const ViewAttachment& a) {
             {"offsets", w.floats(offsets)}};
 }
 
+/// "force_x_N", and of the second part "force_x_N 2".
+std::string name_of(const solver::Measure& m, int part) {
+    return std::string(m.name) + (part < 0 ? "" : " " + std::to_string(part + 1));
+}
+
+/// What the frames report, each once, in the order of the terms.
+Json measures_json(const ViewScene& scene) {
+    Json out = Json::array();
+    for (const solver::TermType* type : solver::all_terms())
+        for (const solver::Measure& m : type->measures) {
+            std::set<int> parts;
+            for (const ViewFrame& f : scene.frames)
+                if (f.step)
+                    for (const solver::Measured& measured : f.step->measured)
+                        if (measured.what == &m) parts.insert(measured.part);
+            for (const int part : parts)
+                out.push_back({{"term", m.term},
+                               {"name", name_of(m, part)},
+                               {"unit", m.unit},
+                               {"title", part < 0 ? std::string(m.title)
+                                                  : std::string(m.term) + " " + std::to_string(part + 1) + ": " +
+                                                        std::string(m.title)}});
+        }
+    return out;
+}
+
 Json frame_json(Writer& w, const ViewFrame& f) {
     Json out = {{"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
     if (f.step) {
@@ -200,7 +226,7 @@ Json frame_json(Writer& w, const ViewFrame& f) {
         out["residual"] = s.residual, out["converged"] = s.converged, out["energy"] = s.energy;
         out["minJ"] = s.min_j, out["inverted"] = s.inverted;
         for (const solver::Measured& m : s.measured)
-            out["terms"][std::string(m.what->term)][std::string(m.what->name)] = m.value;
+            out["terms"][std::string(m.what->term)][name_of(*m.what, m.part)] = m.value;
     }
     if (!f.faults.empty()) out["faults"] = f.faults;
     for (const ViewMarks& group : f.marks) {
@@ -265,14 +291,11 @@ PageData page_data(const ViewScene& scene) {
                    {"up", std::string(1, scene.up)},
                    {"bounds", bounds(scene)},
                    {"frames", Json::array()},
-                   {"measures", Json::array()},
+                   {"measures", measures_json(scene)},
                    {"bodies", Json::array()},
                    {"attachments", Json::array()},
                    {"notes", Json::array()}};
     for (const ViewFrame& f : scene.frames) header["frames"].push_back(frame_json(w, f));
-    for (const solver::TermType* type : solver::all_terms())
-        for (const solver::Measure& m : type->measures)
-            header["measures"].push_back({{"term", m.term}, {"name", m.name}, {"unit", m.unit}, {"title", m.title}});
     for (const ViewBody& b : scene.bodies) header["bodies"].push_back(body_json(w, b));
     for (const ViewAttachment& a : scene.attachments) header["attachments"].push_back(attachment_json(w, a));
     for (const ViewNote& n : scene.notes) header["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});

@@ -74,7 +74,11 @@ ViewFrame frame_of(Fields& in, const json& j) {
         for (const solver::Measure& m : type->measures) {
             if (terms == j.end() || !terms->is_object() || !terms->contains(m.term)) continue;
             const json& of_term = (*terms)[std::string(m.term)];
-            if (of_term.is_object() && of_term.contains(m.name))
+            if (!of_term.is_object() || !of_term.contains(m.name)) continue;
+            if (const json& parts = of_term[std::string(m.name)]; parts.is_array())
+                for (std::size_t k = 0; k < parts.size(); ++k)
+                    s.measured.push_back({&m, in.real(json{{"value", parts[k]}}, "value", NAN), static_cast<int>(k)});
+            else
                 s.measured.push_back({&m, in.real(of_term, std::string(m.name).c_str(), NAN)});
         }
     f.step = s;
