@@ -100,6 +100,8 @@ constexpr CodeInfo table[] = {
     {"FE240", "attachment finds no hold", "Paint the target where the source is to hold on, or raise maxDistance."},
     {"FE241", "part of an attachment holds on to nothing", "Paint source and target where they face each other."},
     {"FE242", "attachment reaches far", "Check that it ties what it should; paint targetWeights."},
+    {"FE243", "place of a layer that covers everything", "Put a layer below it, for what lies outside of its mesh."},
+    {"FE244", "layer that is nowhere", "Model its mesh where the tissue is at rest, in the same units."},
     {"FE250", "hold moved by what is not rigid", "Use a transform without scale, or a bone that keeps its shape."},
     {"FE251", "tets held by two", "Make one hold of the two, or leave more than a tet between what they hold."},
     // ---- FE3xx: the solve ----

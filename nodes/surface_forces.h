@@ -13,8 +13,12 @@ namespace sinew::nodes {
 /// The layers of a tissue, from bottom to top; their maps fit its mesh.
 using Layers = std::vector<std::reference_wrapper<const Material>>;
 
-/// Each adds a force if some layer has a value other than 0, and nothing otherwise.
-void add_pressure(const engine::Reads& in, const Layers& layers, double envelope, std::vector<Force>& forces);
-void add_surface_tension(const engine::Reads& in, const Layers& layers, double envelope, std::vector<Force>& forces);
+/// Each adds a force if some layer has a value other than 0, and nothing otherwise. A layer that has a mesh acts at the
+/// vertices in it or on it, times their weights.
+/// \param mesh the tissue's
+void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
+                  std::vector<Force>& forces);
+void add_surface_tension(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
+                         std::vector<Force>& forces);
 
 } // namespace sinew::nodes

@@ -5,6 +5,7 @@
 #include "nodes/adapters.h"
 #include "solver/mesh/harmonic.h"
 #include "solver/meshing/lattice.h"
+#include "solver/meshing/layer_place.h"
 
 #include <algorithm>
 
@@ -51,6 +52,21 @@ solver::Points given_directions(const solver::TissueRest& t, const NumberList& g
     return out;
 }
 
+/// Layers with a mesh count where it is, times what is painted. Returns those whose mesh holds nothing of the tissue.
+std::vector<std::size_t> bound_layers(const TissueParts& parts, const solver::MeshingControl& control,
+                                      solver::TissueRest& t) {
+    const solver::MeshingControl quiet{control.stop, {}}; // meshing has reported all of its way
+    std::vector<std::size_t> empty;
+    for (std::size_t k = 1; k < parts.materials.size(); ++k) {
+        const Material& layer = parts.materials[k];
+        if (!layer.place) continue;
+        const std::vector<double> shares = solver::layer_shares(t.tets, *layer.place, t.surface, t.triangles, quiet);
+        if (std::all_of(shares.begin(), shares.end(), [](double s) { return s == 0; })) empty.push_back(k);
+        for (std::size_t tet = 0; tet < shares.size(); ++tet) t.layer_weights[k][tet] *= shares[tet];
+    }
+    return empty;
+}
+
 solver::Points directions(const solver::TissueRest& t, const Fiber& fiber) {
     if (!fiber.directions.empty()) return given_directions(t, fiber.directions);
     std::vector<char> painted;
@@ -72,8 +88,9 @@ engine::Digest static_digest(const TissueParts& parts) {
     h.add("tissue").add(tissue_numerics).add(parts.mesh->topology->digest).add(parts.mesh->points_digest);
     h.add(parts.tets ? parts.tets->digest : engine::Digest{}).add(static_cast<int>(parts.law));
     h.add(static_cast<std::uint64_t>(parts.materials.size()));
-    // The first layer covers everything, so what is painted on it changes nothing.
-    for (std::size_t i = 1; i < parts.materials.size(); ++i) h.add_doubles(parts.materials[i].get().weights);
+    // The first layer covers everything, so what is painted on it and its mesh change nothing.
+    for (std::size_t i = 1; i < parts.materials.size(); ++i)
+        h.add_doubles(parts.materials[i].get().weights).add(parts.materials[i].get().place_digest);
     h.add(static_cast<std::uint64_t>(parts.fibers.size()));
     for (const Fiber& f : parts.fibers)
         h.add_doubles(f.weights)
@@ -82,7 +99,7 @@ engine::Digest static_digest(const TissueParts& parts) {
     return h.finish();
 }
 
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control) {
+MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control) {
     solver::check_usable(parts.mesh->surface());
     auto t = std::make_shared<solver::TissueRest>();
     t->triangles = parts.mesh->topology->triangles;
@@ -99,12 +116,13 @@ std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const
     for (std::size_t i = 0; i < parts.fibers.size(); ++i)
         t->fibers.push_back({directions(*t, parts.fibers[i]), std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
+    std::vector<std::size_t> empty = bound_layers(parts, control, *t);
     if (needs_direction(t->law)) t->stiff_directions = t->fibers.front().directions;
     auto rest = std::make_shared<BodyRest>();
     rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     rest->mesh = *parts.mesh;
     rest->digest = static_digest(parts);
-    return rest;
+    return {std::move(rest), std::move(empty)};
 }
 
 } // namespace sinew::nodes

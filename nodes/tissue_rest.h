@@ -16,6 +16,12 @@ namespace sinew::nodes {
 /// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts.
 constexpr int tissue_numerics = 5;
 
+/// The rest data, and what its maker has to say.
+struct MadeTissue {
+    std::shared_ptr<const BodyRest> rest;
+    std::vector<std::size_t> empty_places; ///< layers whose mesh holds nothing of the tissue, in order
+};
+
 /// What the rest data is made from. References must outlive the call.
 struct TissueParts {
     const Mesh* mesh = nullptr;
@@ -31,6 +37,6 @@ bool is_sink(double end_point);
 
 engine::Digest static_digest(const TissueParts& parts);
 /// `control` watches the making of the default lattice. Throws solver::Error FE2xx, solver::Stopped.
-std::shared_ptr<const BodyRest> make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control = {});
+MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control = {});
 
 } // namespace sinew::nodes

@@ -201,7 +201,7 @@ std::size_t ValueTraits<nodes::CurvePoints>::bytes(const nodes::CurvePoints& v) 
 
 void ValueTraits<nodes::Material>::hash(Hasher& h, const nodes::Material& v) {
     add(h, v.values);
-    h.add_doubles(v.weights).add(v.pressure).add(v.surface_tension);
+    h.add_doubles(v.weights).add(v.place_digest).add(v.pressure).add(v.surface_tension);
 }
 std::size_t ValueTraits<nodes::Material>::bytes(const nodes::Material& v) { return size_of(v.weights); }
 

@@ -18,6 +18,10 @@
 #include <variant>
 #include <vector>
 
+namespace sinew::solver {
+struct Solid;
+}
+
 namespace sinew::nodes {
 
 /// Connectivity of a mesh, shared by all of its deformed copies; its digest is made once.
@@ -56,10 +60,13 @@ struct CurvePoints {
     solver::Points points;
 };
 
-/// One material layer with its painted weights (per surface vertex; one entry = constant).
+/// One material layer with its painted weights (per surface vertex; one entry = constant), and the closed mesh in which
+/// it is, if there is one.
 struct Material {
     solver::MaterialValues values;
     engine::NumberList weights;
+    std::shared_ptr<const solver::Solid> place = nullptr; ///< in scene units; null: not bounded
+    engine::Digest place_digest = {};                     ///< of the mesh that `place` was made from
     /// On the surface: [Pa], [N/m].
     double pressure = 0, surface_tension = 0;
 };

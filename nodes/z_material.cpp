@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "solver/meshing/layer_place.h"
 
 namespace sinew::nodes {
 
@@ -25,6 +26,17 @@ const Input<NumberList> weights{
     .doc = "Where this layer counts: one number per vertex of the tissue's mesh, one for all, or none for "
            "everywhere. "
            "The first layer of a tissue covers all of it and ignores this.",
+};
+const Wire<Mesh> mesh{
+    .name = "mesh",
+    .doc =
+        "A closed mesh that says where this layer is, with a sharp border: an inclusion, a tendon, a pad of fat, "
+        "modelled where the tissue is at rest, in scene units. Each tet takes the share of its solid part that lies "
+        "inside; parts may overlap, and a shell inside another one bounds a hollow. Let it reach beyond the skin "
+        "where the layer does. Weights multiply it: the mesh says where, they how much. Pressure and surface tension "
+        "count at the vertices of the tissue's mesh that lie in it or on it. It must not change over time. The first "
+        "layer of a tissue covers all of it and ignores this, with a warning.",
+    .required = false,
 };
 const Input<double> youngs_modulus{
     .name = "youngsModulus",
@@ -77,7 +89,7 @@ const Input<double> pressure{
     .def = 0,
     .unit = "Pa",
     .doc = "Pushes the deformed surface inwards along its normal, or outwards where it is negative. Painted by the "
-           "layer's weights on the surface alone. To change it over time, key zTissue.pressureEnvelope.",
+           "layer's weights and mesh on the surface alone. To change it over time, key zTissue.pressureEnvelope.",
     .keyable = false,
 };
 const Input<double> surface_tension{
@@ -86,16 +98,35 @@ const Input<double> surface_tension{
     .unit = "N/m",
     .doc =
         "Pulls the deformed surface together like the skin of a drop: rounds edges and presses with twice itself over "
-        "the radius. Negative spreads it. Painted by the layer's weights on the surface alone. To change it over time, "
+        "the radius. Negative spreads it. Painted by the layer's weights and mesh on the surface alone. To change it "
+        "over time, "
         "key zTissue.surfaceTensionEnvelope.",
     .keyable = false,
 };
 const Output<Material> out_material{.name = "outMaterial", .doc = "The layer; connect to zTissue.materials."};
 
+/// Prepared once for all frames.
+void set_place(const Reads& in, Material& m) {
+    const Mesh* shape = in.find(mesh);
+    if (!shape) return;
+    struct Kept {
+        std::shared_ptr<const solver::Solid> place;
+    };
+    m.place_digest = Hasher().add("zMaterial.mesh").add(shape->topology->digest).add(shape->points_digest).finish();
+    auto kept = in.lease<Kept>(m.place_digest, [&] {
+        return guarded(in, mesh.name, [&] {
+            return std::make_shared<Kept>(Kept{std::make_shared<const solver::Solid>(
+                solver::make_layer_place(*shape->points, shape->topology->triangles, meshing_control(in)))});
+        });
+    });
+    m.place = kept->place;
+}
+
 void compute(const Reads& in, Writes& out) {
     Material m;
     m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope], in[volume_conservation]};
     m.weights = in[weights];
+    set_place(in, m);
     m.pressure = in[pressure];
     m.surface_tension = in[surface_tension];
     out.set(out_material, std::move(m));
@@ -107,9 +138,15 @@ void add_z_material(Registry& registry) {
     NodeType type;
     type.name = "zMaterial";
     type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
-    type.inputs = {describe(envelope),       describe(weights),        describe(youngs_modulus),
-                   describe(poissons_ratio), describe(mass_density),   describe(volume_conservation),
-                   describe(pressure),       describe(surface_tension)};
+    type.inputs = {describe(envelope),
+                   describe(weights),
+                   describe(mesh),
+                   describe(youngs_modulus),
+                   describe(poissons_ratio),
+                   describe(mass_density),
+                   describe(volume_conservation),
+                   describe(pressure),
+                   describe(surface_tension)};
     type.outputs = {describe(out_material)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -124,6 +124,20 @@ void check_layers(const Reads& in, const TissueParts& parts) {
                   "weights of " + in.source_name(materials.name, i));
 }
 
+/// A mesh that says nothing: on the layer that covers everything, or away from the tissue.
+void warn_of_places(const Reads& in, const TissueParts& parts, const std::vector<std::size_t>& empty) {
+    if (parts.materials.front().get().place)
+        in.warn(materials.name, "FE243",
+                in.source_name(materials.name, 0) +
+                    " has a mesh, but it is the first layer, which covers all of the tissue",
+                "Put a layer below it, for what lies outside of the mesh.");
+    for (const std::size_t k : empty)
+        in.warn(materials.name, "FE244",
+                "the mesh of " + in.source_name(materials.name, k) +
+                    " holds no part of the tissue, so the layer is nowhere",
+                "Model it where the tissue is at rest, in the same units.");
+}
+
 void check_fibers(const Reads& in, const TissueParts& parts) {
     const std::size_t count = parts.mesh->points->size();
     for (std::size_t i = 0; i < parts.fibers.size(); ++i) {
@@ -187,15 +201,13 @@ void compute(const Reads& in, Writes& out) {
     check_fibers(in, parts);
     check_law(in, parts);
     // Meshing and extension read static inputs alone; a keyed excitation must not redo them.
-    struct Kept {
-        std::shared_ptr<const BodyRest> rest;
-    };
-    auto kept = in.lease<Kept>(static_digest(parts), [&] {
+    auto kept = in.lease<MadeTissue>(static_digest(parts), [&] {
         in.progress(0, "meshing");
         return guarded(in, mesh.name,
-                       [&] { return std::make_shared<Kept>(Kept{make_tissue_rest(parts, meshing_control(in))}); },
+                       [&] { return std::make_shared<MadeTissue>(make_tissue_rest(parts, meshing_control(in))); },
                        {{"FE227", fibers.name}});
     });
+    warn_of_places(in, parts, kept->empty_places);
     const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
@@ -204,8 +216,8 @@ void compute(const Reads& in, Writes& out) {
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
     std::vector<Force> forces;
-    add_pressure(in, parts.materials, in[pressure_envelope], forces);
-    add_surface_tension(in, parts.materials, in[surface_tension_envelope], forces);
+    add_pressure(in, *parts.mesh, parts.materials, in[pressure_envelope], forces);
+    add_surface_tension(in, *parts.mesh, parts.materials, in[surface_tension_envelope], forces);
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
     out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces)});

@@ -10,10 +10,6 @@
 
 namespace sinew::solver {
 
-/// A triangle touches a tet when it comes this near, in barycentric coordinates. Far above rounding, so that
-/// a mesh aligned with the lattice touches on all sides alike.
-constexpr double touch_slack = 1e-9;
-
 enum class CellState : char {
     outside,
     inside,  ///< wholly

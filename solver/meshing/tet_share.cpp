@@ -72,7 +72,11 @@ bool touches_tet(const BarycentricTriangle& triangle, double slack) {
     return clip_to_tet(triangle, slack).size > 0;
 }
 
-double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner, TetMoments* moments) {
+namespace {
+
+/// Calls add(signed volume, four corners) for each of the tets that a triangle's term is made of.
+template <class Add>
+void add_pieces(const BarycentricTriangle& triangle, int reference_corner, const Add& add) {
     // Even permutations that bring the reference corner to place 1: the counted edge runs from corner 1 to
     // corner 2.
     constexpr std::size_t order[4][4] = {{1, 0, 3, 2}, {0, 1, 2, 3}, {3, 2, 1, 0}, {2, 3, 0, 1}};
@@ -82,33 +86,40 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
         for (std::size_t k = 0; k < 4; ++k) turned[c][k] = triangle[c][o[k]];
 
     const Polygon polygon = clip_to_tet(turned, 0);
-    double share = 0;
-    const auto add = [&](double volume, const Barycentric& a, const Barycentric& b, const Barycentric& c,
-                         const Barycentric& d) {
-        share += volume;
-        if (!moments) return;
+    const auto add_turned = [&](double volume, const Barycentric& a, const Barycentric& b, const Barycentric& c,
+                                const Barycentric& d) {
         std::array<Barycentric, 4> piece;
         for (std::size_t k = 0; k < 4; ++k) piece[0][o[k]] = a[k], piece[1][o[k]] = b[k];
         for (std::size_t k = 0; k < 4; ++k) piece[2][o[k]] = c[k], piece[3][o[k]] = d[k];
-        moments->add(piece, volume);
+        add(volume, piece);
     };
     constexpr Barycentric origin{1, 0, 0, 0}, face_origin{0, 0, 0, 1}, edge_end{0, 0, 1, 0};
     for (int i = 1; i + 1 < polygon.size; ++i) {
         const Barycentric &p = polygon.corner[0], &q = polygon.corner[i], &r = polygon.corner[i + 1];
-        add(determinant(p, q, r), origin, p, q, r);
+        add_turned(determinant(p, q, r), origin, p, q, r);
     }
     for (int i = 0; i < polygon.size; ++i) {
         const int next = i + 1 < polygon.size ? i + 1 : 0;
         const Barycentric &p = polygon.corner[i], &q = polygon.corner[next];
         if (polygon.tag[i] != 0) continue;
         // The face's piece runs along the same segment in the opposite direction.
-        add(q[1] * p[2] - q[2] * p[1], origin, face_origin, p, q);
+        add_turned(q[1] * p[2] - q[2] * p[1], origin, face_origin, p, q);
         if (polygon.tag[next] == 3) // the counted edge leaves the solid here
-            add(-(1 - q[2]), origin, face_origin, q, edge_end);
+            add_turned(-(1 - q[2]), origin, face_origin, q, edge_end);
         const int before = i > 0 ? i - 1 : polygon.size - 1;
         if (polygon.tag[before] == 3) // and here it enters
-            add(1 - p[2], origin, face_origin, p, edge_end);
+            add_turned(1 - p[2], origin, face_origin, p, edge_end);
     }
+}
+
+} // namespace
+
+double share_of_triangle(const BarycentricTriangle& triangle, int reference_corner, TetMoments* moments) {
+    double share = 0;
+    add_pieces(triangle, reference_corner, [&](double volume, const std::array<Barycentric, 4>& piece) {
+        share += volume;
+        if (moments) moments->add(piece, volume);
+    });
     return share;
 }
 
@@ -286,20 +297,90 @@ double split_share(const Solid& solid, const Part& part, const std::vector<int>&
     }
     double sum = 0;
     for (const Part& piece : split(part)) {
-        const TetFrame part_frame(piece.corners);
-        std::vector<int> touching;
-        for (int t : triangles)
-            if (touches_tet(part_frame(solid, t), 1e-9)) touching.push_back(t);
-        sum += split_share(solid, piece, touching, depth + 1, moments);
+        sum += split_share(solid, piece, touching_triangles(solid, piece.corners, triangles), depth + 1, moments);
     }
     return sum / 8;
 }
 
 } // namespace
 
+std::vector<int> touching_triangles(const Solid& solid, const std::array<Vec3, 4>& corners,
+                                    const std::vector<int>& candidates) {
+    const TetFrame frame(corners);
+    std::vector<int> found;
+    for (int t : candidates)
+        if (touches_tet(frame(solid, t), touch_slack)) found.push_back(t);
+    return found;
+}
+
 double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
                     TetMoments* moments) {
     return split_share(solid, {corners}, triangles, 0, moments);
+}
+
+namespace {
+
+Vec3 point_at(const std::array<Vec3, 4>& corners, const Barycentric& b) {
+    return b[0] * corners[0] + b[1] * corners[1] + b[2] * corners[2] + b[3] * corners[3];
+}
+
+/// The integral over the tet of the winding number of `a` where `b` is, per volume: each of the signed tets that
+/// winding_integral is a sum of counts with its own share in b. Nothing if every corner lies on a.
+std::optional<double> winding_integral_in(const Solid& a, const Solid& b, const std::array<Vec3, 4>& corners,
+                                          const std::vector<int>& triangles_a, const std::vector<int>& triangles_b,
+                                          double share_b) {
+    constexpr double least_piece = 1e-10; // of less there is nothing to be known but rounding
+    const TetFrame frame(corners);
+    const double near = 1e-7 * (corners[1] - corners[0]).norm();
+    for (int reference = 0; reference < 4; ++reference) {
+        const Vec3& corner = corners[static_cast<std::size_t>(reference)];
+        if (a.tree.closest(corner, near).triangle >= 0) continue;
+        double integral = std::round(a.winding_number(corner)) * share_b;
+        for (int t : triangles_a)
+            add_pieces(frame(a, t), reference, [&](double volume, const std::array<Barycentric, 4>& piece) {
+                if (!(std::abs(volume) > least_piece)) return;
+                std::array<Vec3, 4> part;
+                for (std::size_t k = 0; k < 4; ++k) part[k] = point_at(corners, piece[k]);
+                if ((part[1] - part[0]).dot((part[2] - part[0]).cross(part[3] - part[0])) < 0)
+                    std::swap(part[2], part[3]);
+                integral += volume * closed_share(b, part, touching_triangles(b, part, triangles_b));
+            });
+        return integral;
+    }
+    return {};
+}
+
+double split_share_of_both(const Solid& a, const Solid& b, const Part& part, const std::vector<int>& triangles_a,
+                           const std::vector<int>& triangles_b, int depth) {
+    const double share_b = closed_share(b, part.corners, triangles_b);
+    if (share_b == 0) return 0;
+    const double share_a = closed_share(a, part.corners, triangles_a);
+    if (share_a == 0 || share_b == 1) return share_a;
+    if (share_a == 1) return share_b;
+    const Solid::Sides sides = common_sides(a, triangles_a);
+    if (sides.are_known())
+        if (const auto w = winding_integral_in(a, b, part.corners, triangles_a, triangles_b, share_b)) {
+            const double below = (*w - sides.above * share_b) / (sides.below - sides.above);
+            const double both = sides.below != 0 ? below : share_b - below;
+            if (both > -1e-7 && both < std::min(share_a, share_b) + 1e-7)
+                return std::clamp(both, 0.0, std::min(share_a, share_b));
+        }
+    if (depth == deepest_split) return share_a * share_b;
+    double sum = 0;
+    for (const Part& piece : split(part))
+        sum += split_share_of_both(a, b, piece, touching_triangles(a, piece.corners, triangles_a),
+                                   touching_triangles(b, piece.corners, triangles_b), depth + 1);
+    return sum / 8;
+}
+
+} // namespace
+
+double share_of_both(const Solid& a, const Solid& b, const std::array<Vec3, 4>& corners,
+                     const std::vector<int>& triangles_a, const std::vector<int>& triangles_b) {
+    // The signed tets are those of the surface whose triangles all part inside from outside, if one does.
+    if (triangles_a.empty() || !common_sides(a, triangles_a).are_known())
+        return split_share_of_both(b, a, {corners}, triangles_b, triangles_a, 0);
+    return split_share_of_both(a, b, {corners}, triangles_a, triangles_b, 0);
 }
 
 std::optional<double> share_away_from_holes(const Solid& solid, const std::array<Vec3, 4>& corners,

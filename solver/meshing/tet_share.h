@@ -15,6 +15,14 @@ using BarycentricTriangle = std::array<Barycentric, 3>;
 /// Whether the triangle comes within `slack` (in barycentric coordinates) of the closed tet.
 bool touches_tet(const BarycentricTriangle& triangle, double slack);
 
+/// A triangle touches a tet when it comes this near, in barycentric coordinates. Far above rounding, so that
+/// a mesh aligned with a lattice touches on all sides alike.
+constexpr double touch_slack = 1e-9;
+
+/// Those of some triangles of a solid that touch a tet, in their order.
+std::vector<int> touching_triangles(const Solid& solid, const std::array<Vec3, 4>& corners,
+                                    const std::vector<int>& candidates);
+
 /// What one triangle adds to the share of the tet that its surface encloses.
 ///
 /// By the divergence theorem with the origin at a corner, the volume inside is a sum over the surface's
@@ -41,7 +49,13 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
 double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
                     TetMoments* moments = nullptr);
 
-/// The same for a surface with large holes, where the tet is so far from them that the winding number is
+/// Share of the tet that is inside both of two closed solids, of each the triangles that touch the tet. Exact up to
+/// rounding where the triangles of one of them all separate the same two winding numbers, and as exact as
+/// closed_share of the other; elsewhere the tet is split as there. Surfaces may coincide.
+double share_of_both(const Solid& a, const Solid& b, const std::array<Vec3, 4>& corners,
+                     const std::vector<int>& triangles_a, const std::vector<int>& triangles_b);
+
+/// closed_share of a surface with large holes, where the tet is so far from them that the winding number is
 /// whole but for a fifth on both sides of all of the triangles and at the tet's corners, and none of the
 /// triangles is at a border: then the solid ends at the triangles alone, and the share is exact. Nothing
 /// elsewhere.
