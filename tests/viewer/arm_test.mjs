@@ -83,7 +83,8 @@ test("volume ratios and attachments agree with what the solver reports", async (
         }, frame);
         assert.ok(Math.abs(least - told.min_J) < 0.01, `frame ${frame}: ${least} for ${told.min_J}`);
         const longest = told.terms.attachment.max_stretch_m;
-        assert.ok(Math.abs(stretch - longest) < 0.02 * longest + 1e-5, `frame ${frame}: ${stretch} for ${longest}`);
+        // The page draws the samples on the skin, which is flat between its vertices; the tets that carry them bend.
+        assert.ok(Math.abs(stretch - longest) < 0.05 * longest + 1e-5, `frame ${frame}: ${stretch} for ${longest}`);
     }
 });
 

@@ -457,7 +457,7 @@ TEST_CASE("what two holds both take is refused, and so is a rotation that is non
     CHECK(code([&] { c.step(); }) == "FE304");
 }
 
-TEST_CASE("a body set in motion flies and turns about its centre of mass; what is held stays") {
+TEST_CASE("a body set in motion flies and turns about its centre of mass, and what is held stays") {
     for (const ElementKind kind : both_elements) {
         HeldBody b({0.3, 0.2, 0.1}, 3, 2, 1, ElasticLaw::stvk, kind, {});
         // Denser on one side, so that the centre of mass is not that of the vertices.
