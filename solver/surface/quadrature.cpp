@@ -2,45 +2,9 @@
 #include "solver/surface/quadrature.h"
 
 #include "solver/parallel.h"
-
-#include <span>
+#include "solver/surface/triangle_rule.h"
 
 namespace sinew::solver {
-namespace {
-
-struct RulePoint {
-    Vec3 place;
-    double share; ///< of the triangle's area
-};
-
-/// Degree 4: two orbits of three points, roots of the moment equations in closed form.
-std::array<RulePoint, 6> degree_4() {
-    // The points (1 - 2 a, a, a); orbit 1 and 2.
-    constexpr double a[2] = {0.445948490915964886318329253883, 0.091576213509770743459571463402};
-    constexpr double share[2] = {0.223381589678011465944973466630, 0.109951743655321867388359866704};
-    std::array<RulePoint, 6> out;
-    for (std::size_t orbit = 0; orbit < 2; ++orbit)
-        for (std::size_t i = 0; i < 3; ++i) {
-            Vec3 place = Vec3::Constant(a[orbit]);
-            place[static_cast<Eigen::Index>(i)] = 1 - 2 * a[orbit];
-            out[3 * orbit + i] = {place, share[orbit]};
-        }
-    return out;
-}
-
-std::span<const RulePoint> rule(int degree) {
-    static const RulePoint one[] = {{Vec3::Constant(1.0 / 3), 1}};
-    static const RulePoint two[] = {{Vec3(2.0 / 3, 1.0 / 6, 1.0 / 6), 1.0 / 3},
-                                    {Vec3(1.0 / 6, 2.0 / 3, 1.0 / 6), 1.0 / 3},
-                                    {Vec3(1.0 / 6, 1.0 / 6, 2.0 / 3), 1.0 / 3}};
-    static const std::array<RulePoint, 6> four = degree_4();
-    if (degree <= 1) return one;
-    if (degree == 2) return two;
-    return four;
-}
-
-} // namespace
-
 std::vector<SurfaceSample> quadrature_samples(const SampledSurface& surface, const CornerWeights& paint,
                                               const SurfaceDensity& density) {
     const std::size_t n = surface.triangles.size();
@@ -56,7 +20,7 @@ std::vector<SurfaceSample> quadrature_samples(const SampledSurface& surface, con
         if (!(area > 0)) continue;
         const std::array<double, 3>& w = paint[static_cast<std::size_t>(surface.source[t])];
         const std::array<Vec3, 3>& places = surface.places[t];
-        for (const RulePoint& p : rule(degree[t])) {
+        for (const RulePoint& p : triangle_rule(degree[t])) {
             SurfaceSample s;
             s.triangle = surface.source[t];
             s.place = p.place[0] * places[0] + p.place[1] * places[1] + p.place[2] * places[2];

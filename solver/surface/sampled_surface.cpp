@@ -175,27 +175,6 @@ SampledSurface cut_surface(const Points& points, const std::vector<Triangle>& tr
     Cutter cutter(s, density);
     while (cutter.pass()) {
     }
-    s.point_triangle.assign(s.points.size(), -1);
-    s.point_place.assign(s.points.size(), Vec3::Zero());
-    for (std::size_t t = s.triangles.size(); t-- > 0;)
-        for (std::size_t i = 0; i < 3; ++i) {
-            s.point_triangle[at(s.triangles[t][i])] = s.source[t];
-            s.point_place[at(s.triangles[t][i])] = s.places[t][i];
-        }
-    return s;
-}
-
-SampledSurface sample_surface(const TissueRest& tissue, const CarrierTets& tets) {
-    std::vector<int> all(tissue.triangles.size());
-    std::iota(all.begin(), all.end(), 0);
-    SampledSurface s = cut_surface(tissue.surface, tissue.triangles, all, {{{&tets, tissue.element}}});
-    s.carriers = tissue.embedding;
-    s.carriers.tet.resize(s.points.size());
-    s.carriers.barycentric.resize(s.points.size());
-    const std::size_t first = tissue.embedding.size();
-    parallel_for(s.points.size() - first, 64, [&](std::size_t i) {
-        s.carriers.tet[first + i] = tets.locate(s.points[first + i], s.carriers.barycentric[first + i]);
-    });
     return s;
 }
 

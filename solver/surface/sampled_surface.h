@@ -33,15 +33,10 @@ struct SampledSurface {
     std::vector<Triangle> triangles;         ///< oriented like those they come from
     std::vector<int> source;                 ///< per triangle: the one of the surface that it is a part of
     std::vector<std::array<Vec3, 3>> places; ///< per triangle: its corners' barycentric coordinates in that one
-    std::vector<int> point_triangle;         ///< per point: a triangle of the surface that it lies in; -1 = unused
-    Points point_place;                      ///< per point: barycentric coordinates there
-    Embedding carriers;                      ///< of the points in the body's tets; empty where none were given
 };
 
 /// Cuts the triangles `which` of a surface. Throws Error FE232 if that would give more than 4 million.
 SampledSurface cut_surface(const Points& points, const std::vector<Triangle>& triangles, const std::vector<int>& which,
                            const SurfaceDensity& density);
-/// The whole surface of a tissue at rest, with its carriers. `tets` are those of the tissue.
-SampledSurface sample_surface(const TissueRest& tissue, const CarrierTets& tets);
 
 } // namespace sinew::solver

@@ -2,9 +2,10 @@
 #include "solver/term/layered_surfaces.h"
 
 #include "solver/error.h"
-#include "solver/surface/sampled_surface.h"
+#include "solver/index.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -18,7 +19,14 @@ void check(const Scene& scene, const Part& part) {
     if (part.bodies.size() != 1 || !scene.tissue(part.bodies.front()))
         throw std::logic_error("a force on a surface acts on one tissue");
     const std::size_t vertices = scene.tissue(part.bodies.front())->surface.size();
+    const auto is_finite = [](double number) { return std::isfinite(number); };
     for (const SurfaceLayers::Layer& layer : layers_of(part).layers) {
+        if (!is_finite(layer.value) || !std::all_of(layer.weights.begin(), layer.weights.end(), is_finite)) {
+            Error e("FE202", "a value or weight of a " + std::string(part.type->name) + " is not a finite number",
+                    "check the layer and its painted map");
+            e.body = part.bodies.front();
+            throw e;
+        }
         if (layer.weights.size() <= 1 || layer.weights.size() == vertices) continue;
         Error e("FE204",
                 "a " + std::string(part.type->name) + " has " + std::to_string(layer.weights.size()) +
@@ -37,13 +45,6 @@ double share(const SurfaceLayers::Layer& layer, std::size_t vertex, double envel
 
 } // namespace
 
-struct LayeredSurfaces::Building {
-    std::vector<PointWeights> points;
-    std::vector<int> carrier;
-    std::vector<Triangle> triangles;
-    int first_carrier = 0;
-};
-
 bool LayeredSurfaces::used(const Scene& scene, const TermType& type) {
     for (const Part& part : scene.description().parts)
         if (part.type == &type)
@@ -54,79 +55,96 @@ bool LayeredSurfaces::used(const Scene& scene, const TermType& type) {
 
 LayeredSurfaces::LayeredSurfaces(const Scene& scene, const TermType& type)
     : scene_(scene) {
-    Building building;
+    std::vector<PointWeights> points;
+    std::vector<int> carrier;
+    int first_carrier = 0;
     const std::vector<Part>& parts = scene.description().parts;
-    for (std::size_t p = 0; p < parts.size(); ++p)
-        if (parts[p].type == &type) add_surface(p, building);
-    values_.assign(building.points.size(), 0.0);
-    triangles_ = std::make_unique<Stencils<3>>(scene.numbering(), building.points, building.carrier,
-                                               std::move(building.triangles));
-}
-
-void LayeredSurfaces::add_surface(std::size_t p, Building& building) {
-    const Part& part = scene_.description().parts[p];
-    check(scene_, part);
-    const int body = part.bodies.front();
-    const TissueRest& tissue = *scene_.tissue(body);
-    const SampledSurface cut = sample_surface(tissue, CarrierTets(tissue.tets));
-    const std::size_t first = building.points.size();
-    surfaces_.push_back({body, p, first, cut.points.size()});
-    const auto deformable = at(scene_.numbering().deformable_of(body));
-    for (std::size_t i = 0; i < cut.points.size(); ++i) {
-        const bool lies_somewhere = cut.point_triangle[i] >= 0;
-        building.points.push_back(
-            lies_somewhere ? scene_.embedded(body, cut.carriers.tet[i], cut.carriers.barycentric[i]) : PointWeights{});
-        building.carrier.push_back(building.first_carrier + cut.carriers.tet[i]);
-        places_.push_back({tissue.triangles[at(std::max(cut.point_triangle[i], 0))], cut.point_place[i]});
-        deformable_.push_back(deformable);
-        part_.push_back(static_cast<int>(p));
-        rest_.insert(rest_.end(), cut.points[i].data(), cut.points[i].data() + 3);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+        if (parts[p].type != &type) continue;
+        check(scene, parts[p]);
+        const int body = parts[p].bodies.front();
+        const TissueRest& tissue = *scene.tissue(body);
+        const auto deformable = at(scene.numbering().deformable_of(body));
+        const int first = static_cast<int>(points.size());
+        surfaces_.push_back({body, deformable, p, points.size(), tissue.surface.size(), triangles_.size(),
+                             tissue.triangles.size(),
+                             clip_surface(tissue.surface, tissue.triangles, CarrierTets(tissue.tets))});
+        for (const Triangle& t : tissue.triangles) triangles_.push_back({t[0] + first, t[1] + first, t[2] + first});
+        for (std::size_t v = 0; v < tissue.surface.size(); ++v) {
+            points.push_back(scene.embedded(body, tissue.embedding.tet[v], tissue.embedding.barycentric[v]));
+            carrier.push_back(first_carrier + tissue.embedding.tet[v]);
+        }
+        first_carrier += static_cast<int>(tissue.tets.tets.size());
     }
-    building.first_carrier += static_cast<int>(tissue.tets.tets.size());
-    const int shift = static_cast<int>(first);
-    for (const Triangle& t : cut.triangles)
-        if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
-            building.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+    values_.assign(points.size(), 0.0);
+    vertices_ = std::make_unique<CarriedPoints>(scene.numbering(), points, carrier, std::vector<std::pair<int, int>>{});
 }
 
-bool LayeredSurfaces::take(const StepInputs& inputs) {
+LayeredSurfaces::Taken LayeredSurfaces::take(const StepInputs& inputs) {
+    Taken out;
     wanted_.clear();
-    for (const Surface& s : surfaces_) {
-        wanted_.push_back(inputs.parts[s.part].front());
+    for (Surface& s : surfaces_) {
+        const double envelope = inputs.parts[s.part].front();
+        out.envelopes = out.envelopes || envelope != s.envelope;
+        s.envelope = envelope;
         const auto& values = std::get<TissueInputs>(inputs.bodies[at(s.body)]);
         if (layers_of(scene_.description().parts[s.part]).layers.size() != values.layers.size())
             throw std::logic_error("a force on a surface needs a value for each of the body's layers");
         for (const MaterialValues& layer : values.layers) wanted_.push_back(layer.envelope);
     }
-    if (wanted_ == taken_) return false;
-    taken_ = wanted_;
-    all_zero_ = true;
-    const double* envelope = taken_.data(); // of the part, then of its layers
-    for (const Surface& s : surfaces_) {
-        const auto& layers = layers_of(scene_.description().parts[s.part]).layers;
-        of_vertices_.resize(scene_.tissue(s.body)->surface.size());
-        for (std::size_t v = 0; v < of_vertices_.size(); ++v) {
-            double value = layers.front().value;
-            for (std::size_t k = 1; k < layers.size(); ++k) {
-                const double a = share(layers[k], v, envelope[1 + k]);
-                value = a * layers[k].value + (1 - a) * value;
+    out.values = wanted_ != taken_;
+    if (out.values) {
+        taken_ = wanted_;
+        const double* of_layers = taken_.data();
+        for (const Surface& s : surfaces_) {
+            const auto& layers = layers_of(scene_.description().parts[s.part]).layers;
+            for (std::size_t v = 0; v < s.vertex_count; ++v) {
+                double value = layers.front().value;
+                for (std::size_t k = 1; k < layers.size(); ++k) {
+                    const double a = share(layers[k], v, of_layers[k]);
+                    value = a * layers[k].value + (1 - a) * value;
+                }
+                values_[s.first_vertex + v] = value;
             }
-            of_vertices_[v] = envelope[0] * value;
-            all_zero_ = all_zero_ && of_vertices_[v] == 0;
+            of_layers += layers.size();
         }
-        for (std::size_t i = s.first_point; i < s.first_point + s.point_count; ++i) {
-            const Place& place = places_[i];
-            double corner[3], sum = 0;
-            for (std::size_t c = 0; c < 3; ++c) {
-                corner[c] = of_vertices_[at(place.vertices[c])];
-                sum += place.coordinates[static_cast<Eigen::Index>(c)] * corner[c];
-            }
-            // What is constant stays so to the last bit.
-            values_[i] = corner[0] == corner[1] && corner[1] == corner[2] ? corner[0] : sum;
-        }
-        envelope += 1 + layers.size();
     }
-    return true;
+    if (!out.values && !out.envelopes) return out;
+    all_zero_ = true;
+    for (const Surface& s : surfaces_)
+        for (std::size_t v = 0; s.envelope != 0 && v < s.vertex_count; ++v)
+            all_zero_ = all_zero_ && values_[s.first_vertex + v] == 0;
+    return out;
+}
+
+double LayeredSurfaces::value_at(const Surface& surface, int triangle, const Vec3& place) const {
+    double corner[3], sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+        corner[c] = values_[at(triangles_[surface.first_triangle + at(triangle)][c])];
+        sum += place[static_cast<Eigen::Index>(c)] * corner[c];
+    }
+    // What is constant stays so to the last bit.
+    return corner[0] == corner[1] && corner[1] == corner[2] ? corner[0] : sum;
+}
+
+std::array<int, quadratic_nodes> LayeredSurfaces::nodes(const Surface& surface, int tet) const {
+    std::array<int, quadratic_nodes> out{};
+    const int count = element(surface) == ElementKind::linear ? 4 : quadratic_nodes;
+    for (int n = 0; n < count; ++n) {
+        std::array<double, 4> place{};
+        if (n < 4)
+            place[at(n)] = 1;
+        else
+            for (const int corner : tet_edge_corners[n - 4]) place[at(corner)] = 0.5;
+        out[at(n)] = scene_.embedded(surface.body, tet, place).vertex[0];
+    }
+    return out;
+}
+
+const LayeredSurfaces::Surface& LayeredSurfaces::surface_of(std::size_t triangle) const {
+    std::size_t s = 0;
+    while (triangle >= surfaces_[s].first_triangle + surfaces_[s].triangle_count) ++s;
+    return surfaces_[s];
 }
 
 } // namespace sinew::solver

@@ -1,9 +1,11 @@
-// Surfaces of tissues cut to the size of their tets, with a value painted on them in layers: what pressure and surface
-// tension act on.
+// Surfaces of tissues, cut along their tets, with a value painted on them in layers: what pressure and surface tension
+// act on.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/element/quadratic_tets.h"
+#include "solver/surface/clipped_surface.h"
+#include "solver/term/carried_points.h"
 #include "solver/term/part.h"
-#include "solver/term/stencils.h"
 #include "solver/term/type.h"
 
 #include <array>
@@ -27,58 +29,56 @@ struct SurfaceLayers final : PartRest {
 /// what the layers give.
 class LayeredSurfaces {
   public:
-    /// Throws Error FE204 (body set) if a map does not fit its surface, FE232 if there are too many triangles.
+    struct Surface {
+        int body;
+        std::size_t deformable; ///< place of the body among the deformables
+        std::size_t part;       ///< of the scene's
+        std::size_t first_vertex, vertex_count;
+        std::size_t first_triangle, triangle_count;
+        ClippedSurface clipped; ///< pieces and triangles as numbered in the tissue
+        double envelope = 0;    ///< as taken
+    };
+
+    /// Throws Error FE204 (body set) if a map does not fit its surface, FE202 if it is not finite, FE232 if there are
+    /// too many pieces.
     LayeredSurfaces(const Scene& scene, const TermType& type);
     /// Whether the scene has a part of the type whose value is not zero everywhere.
     static bool used(const Scene& scene, const TermType& type);
 
-    /// Takes a step's values. False: they are those of the last time.
-    bool take(const StepInputs& inputs);
-    /// Per point; linear between the vertices of the triangle that was cut.
+    struct Taken {
+        bool envelopes = false; ///< of the parts
+        bool values = false;    ///< what the layers give
+    };
+    /// Takes a step's values. Returns which are others than those of the last time.
+    Taken take(const StepInputs& inputs);
+    const std::vector<Surface>& surfaces() const { return surfaces_; }
+    /// What the layers give, not yet multiplied by the envelope, at each vertex of all surfaces.
     const std::vector<double>& values() const { return values_; }
+    /// The same at a place of a triangle of the tissue, linear between its corners.
+    double value_at(const Surface& surface, int triangle, const Vec3& place) const;
     bool all_zero() const { return all_zero_; }
+    /// Vertices of a tet of a surface's body: corners, then of a quadratic one the middles of edges (tet_edge_corners).
+    std::array<int, quadratic_nodes> nodes(const Surface& surface, int tet) const;
+    ElementKind element(const Surface& surface) const { return scene_.tissue(surface.body)->element; }
 
-    Stencils<3>& triangles() { return *triangles_; }
-    const Stencils<3>& triangles() const { return *triangles_; }
-    /// Place of each point's body among the deformables.
-    const std::vector<std::size_t>& deformable() const { return deformable_; }
+    /// Of all surfaces as they were modelled.
+    const std::vector<Triangle>& triangles() const { return triangles_; }
+    std::size_t vertex_count() const { return values_.size(); }
+    /// Where the vertices are for the tets' at x, 3 each.
+    void move(const Positions& x, std::span<double> places) const { vertices_->move(x, places); }
     /// One in so many triangles is enough to show what acts: some hundreds in all.
-    std::size_t shown_step() const { return triangles_->count() / most_shown + 1; }
-    /// Of the scene's parts: the one that acts on a point.
-    int part(int point) const { return part_[at(point)]; }
-    /// Of the points, 3 each [m].
-    const std::vector<double>& rest() const { return rest_; }
-    /// Adds to each deformable's the sum of squares of size(triangle).
-    template <class Size>
-    void add_squares(const Size& size, std::span<double> of_deformables) const {
-        for (std::size_t t = 0; t < triangles_->count(); ++t) {
-            const double s = size(t);
-            of_deformables[deformable_[at(triangles_->corners(t)[0])]] += s * s;
-        }
-    }
+    std::size_t shown_step() const { return triangles_.size() / most_shown + 1; }
+    const Surface& surface_of(std::size_t triangle) const;
 
   private:
     static constexpr std::size_t most_shown = 600;
-    struct Surface {
-        int body;
-        std::size_t part; ///< of the scene's
-        std::size_t first_point, point_count;
-    };
-    struct Place {
-        Triangle vertices; ///< of the surface
-        Vec3 coordinates;
-    };
-    struct Building;
-    void add_surface(std::size_t part, Building& building);
 
     const Scene& scene_;
     std::vector<Surface> surfaces_;
-    std::vector<Place> places_; ///< per point
-    std::vector<std::size_t> deformable_;
-    std::vector<int> part_; ///< per point
-    std::vector<double> rest_, values_;
-    std::unique_ptr<Stencils<3>> triangles_;
-    std::vector<double> taken_, wanted_, of_vertices_; ///< the envelopes that values_ were made with; scratch
+    std::vector<Triangle> triangles_;
+    std::unique_ptr<CarriedPoints> vertices_;
+    std::vector<double> values_;
+    std::vector<double> taken_, wanted_; ///< envelopes of each part's layers
     bool all_zero_ = true;
 };
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/lattice.h"
+#include "solver/surface/clipped_surface.h"
 #include "solver/surface/quadrature.h"
 #include "tests/support/solver_scenes.h"
 
@@ -55,11 +56,17 @@ double painted_area(const Points& points, const std::vector<Triangle>& triangles
     return sum;
 }
 
+SampledSurface cut_whole(const TissueRest& t, const CarrierTets& tets) {
+    std::vector<int> all(t.triangles.size());
+    std::iota(all.begin(), all.end(), 0);
+    return cut_surface(t.surface, t.triangles, all, {{{&tets, t.element}}});
+}
+
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
 } // namespace
 
-TEST_CASE("a surface cut to the size of its tets has no cracks, keeps its shape, and knows where its points are") {
+TEST_CASE("a surface cut to the size of its tets has no cracks and keeps its shape") {
     const std::pair<SurfaceMesh, double> cases[] = {{make_cube(0.4, 0.1, 0.1, 1, 1, 1), 0.05},
                                                     {make_cube(0.4, 0.1, 0.1, 9, 2, 1), 0.03},
                                                     {make_sphere(0.1, 8, 6), 0.02},
@@ -68,7 +75,7 @@ TEST_CASE("a surface cut to the size of its tets has no cracks, keeps its shape,
     for (const auto& [mesh, tet_size] : cases) {
         const TissueRest t = in_lattice(mesh, tet_size, ElementKind::linear);
         const CarrierTets tets(t.tets);
-        const SampledSurface s = sample_surface(t, tets);
+        const SampledSurface s = cut_whole(t, tets);
         INFO(mesh.points.size() << " vertices become " << s.points.size());
         CHECK(is_closed(s.triangles));
         CHECK(area_of(s.points, s.triangles) == Approx(area_of(mesh.points, mesh.triangles)).epsilon(1e-12));
@@ -90,18 +97,62 @@ TEST_CASE("a surface cut to the size of its tets has no cracks, keeps its shape,
             }
         CHECK(off < 1e-13);
         CHECK(longest <= 0.75);
-        for (std::size_t v = 0; v < s.points.size(); ++v) {
-            const Tet& tet = t.tets.tets[at(s.carriers.tet[v])];
-            Vec3 p = Vec3::Zero();
-            for (std::size_t k = 0; k < 4; ++k) p += s.carriers.barycentric[v][k] * t.tets.vertices[at(tet[k])];
-            off = std::max(off, (p - s.points[v]).norm());
-            const Triangle& of = mesh.triangles[at(s.point_triangle[v])];
-            const Vec3& b = s.point_place[v];
-            off = std::max(off, (b[0] * mesh.points[at(of[0])] + b[1] * mesh.points[at(of[1])] +
-                                 b[2] * mesh.points[at(of[2])] - s.points[v])
-                                    .norm());
+    }
+}
+
+TEST_CASE("a surface is cut along its tets into pieces that fill it, each in one tet") {
+    const TetMesh box = box_mesh({0.4, 0.1, 0.1}, 4, 1, 1);
+    SurfaceMesh inner; // on faces between tets, and across them
+    inner.points = {{0.1, 0, 0}, {0.1, 0.1, 0}, {0.1, 0, 0.1}, {0.3, 0.1, 0.1}};
+    inner.triangles = {{0, 1, 2}, {2, 1, 3}, {0, 3, 1}, {0, 2, 3}};
+    const auto own = [&] { // the border of the tets
+        TissueRest t;
+        t.tets = box, t.surface = box.vertices, t.triangles = boundary_triangles(box.tets);
+        return t;
+    }();
+    TissueRest crossing = own;
+    crossing.surface = inner.points, crossing.triangles = inner.triangles;
+    TissueRest reaching = own; // out of the tets, by a tenth of the length
+    for (Vec3& p : reaching.surface) p.x() *= 1.1;
+    const TissueRest cases[] = {own,
+                                crossing,
+                                reaching,
+                                in_lattice(make_cube(0.4, 0.1, 0.1, 1, 1, 1), 0.05, ElementKind::linear),
+                                in_lattice(make_sphere(0.1, 8, 6), 0.02, ElementKind::linear),
+                                in_lattice(make_sphere(0.1, 40, 40), 0.05, ElementKind::linear)};
+    for (const TissueRest& t : cases) {
+        INFO(&t - cases);
+        const ClippedSurface clipped = clip_surface(t.surface, t.triangles, CarrierTets(t.tets));
+        std::vector<double> filled(t.triangles.size(), 0.0);
+        double off = 0, out = 0, moment = 0;
+        for (const SurfacePiece& piece : clipped.pieces) {
+            Points p(3, Vec3::Zero());
+            for (std::size_t c = 0; c < 3; ++c) {
+                Vec3 by_tet = Vec3::Zero();
+                for (std::size_t k = 0; k < 4; ++k)
+                    by_tet += piece.inside[c][k] * t.tets.vertices[at(t.tets.tets[at(piece.tet)][k])];
+                for (int i = 0; i < 3; ++i)
+                    p[c] += piece.place[c][i] * t.surface[at(t.triangles[at(piece.triangle)][at(i)])];
+                off = std::max(off, (by_tet - p[c]).norm());
+                out = std::max(out, -*std::min_element(piece.inside[c].begin(), piece.inside[c].end()));
+            }
+            const Vec3 across = (p[1] - p[0]).cross(p[2] - p[0]);
+            filled[at(piece.triangle)] += 0.5 * across.norm();
+            moment += p[0].dot(across) / 6;
         }
+        for (std::size_t k = 0; k < filled.size(); ++k)
+            CHECK(filled[k] == Approx(area_of(t.surface, {t.triangles[k]})).epsilon(1e-11));
+        CHECK(moment == Approx(enclosed_volume(t.surface, t.triangles)).epsilon(1e-11));
         CHECK(off < 1e-13);
+        const auto outside = std::count(clipped.is_outside.begin(), clipped.is_outside.end(), 1);
+        if (&t == &cases[2]) {
+            CHECK(outside > 0);
+            CHECK(outside < std::ssize(clipped.is_outside)); // what does not reach out is left alone
+        } else {
+            CHECK(outside == 0);
+            CHECK(out < 1e-10);
+        }
+        if (&t == &cases[0]) CHECK(clipped.pieces.size() == t.triangles.size());
     }
 }
 
@@ -110,7 +161,7 @@ TEST_CASE("a surface much finer than its tets is left as it is, and one point st
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const TissueRest t = in_lattice(mesh, 0.1, kind);
         const CarrierTets tets(t.tets);
-        const SampledSurface s = sample_surface(t, tets);
+        const SampledSurface s = cut_whole(t, tets);
         CHECK(s.triangles == mesh.triangles);
         const CornerWeights paint = corner_weights(t.surface, t.triangles, {}, PaintedOn::vertices);
         CHECK(quadrature_samples(s, paint, {{{&tets, kind}}}).size() == mesh.triangles.size());

@@ -1,11 +1,14 @@
-// Pressure [N/m^2] on the surfaces of tissues: a force along the deformed normal, inwards where it is positive. Where a
-// connected piece of surface is closed and its pressure constant it is the gradient of p (V - V at rest), V the volume
-// that the piece encloses. Elsewhere it has no energy: the force is exact, the Hessian the symmetric part of its
-// derivative, and within an iteration the energy is the work against the force as it was at the iteration's start.
+// Pressure [N/m^2] on the surfaces of tissues: a force along the deformed normal, inwards where it is positive. It is
+// integrated over the pieces of surface in each tet, exactly for what the tet's shape functions can do, so that a
+// constant pressure is in balance with a constant stress.
+// Where every connected piece of a surface is closed and its pressure constant it is the gradient of p (V - V at rest),
+// V the volume that the piece encloses. Elsewhere it has no energy: the force is exact, the Hessian the symmetric part
+// of its derivative, and within an iteration the energy is the work against the force as it was at the iteration's
+// start. Pressure is as often soft as stiff: where negative eigenvalues are clamped, its Hessian is left out.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/layered_surfaces.h"
-#include "solver/terms/pressure/pressure_triangle.h"
+#include "solver/terms/pressure/pressed_tets.h"
 #include "solver/terms/pressure/surface_pieces.h"
 
 namespace sinew::solver {
@@ -18,8 +21,8 @@ class Pressure final : public Term {
     explicit Pressure(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
-    void add_couplings(Couplings& couplings) const override { surfaces_.triangles().add_couplings(couplings); }
-    void bind(const BlockPattern& pattern) override { surfaces_.triangles().bind(pattern); }
+    void add_couplings(Couplings& couplings) const override;
+    void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage& stage) override;
     double begin_iteration(const Positions& x) override;
     double energy(const Positions& x, bool with_forces) override;
@@ -28,7 +31,7 @@ class Pressure final : public Term {
     void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
-    double energy_scale() const override { return energy_scale_; }
+    double energy_scale() const override { return linear_.energy_scale() + quadratic_.energy_scale(); }
     double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
     /// Lines along the normal: they end on the surface where it is pushed inwards and begin there where it is pulled.
@@ -36,19 +39,26 @@ class Pressure final : public Term {
 
   private:
     bool acts() const { return !surfaces_.all_zero(); }
-    double potential_energy(bool with_forces);
-    double frozen_work() const;
+    void find_potentials();
+    /// For both kinds of tets that are there.
+    template <class Do>
+    void for_each(const Do& what) {
+        if (!linear_.is_empty()) what(linear_);
+        if (!quadratic_.is_empty()) what(quadratic_);
+    }
+    template <class Do>
+    void for_each(const Do& what) const {
+        if (!linear_.is_empty()) what(linear_);
+        if (!quadratic_.is_empty()) what(quadratic_);
+    }
 
     LayeredSurfaces surfaces_;
     SurfacePieces pieces_;
-    std::vector<PressureWeights> weights_;          ///< per batch
-    std::vector<double> pressure_;                  ///< per slot, where there is a potential, else 0 [Pa]
-    std::vector<int> origin_;                       ///< per slot: a point of the same piece
-    std::vector<char> piece_is_frozen_, is_frozen_; ///< per piece, per point: its force has no potential
-    bool some_frozen_ = false;
-    std::vector<double> frozen_places_, frozen_gradient_; ///< at the start of the iteration, 3 a point
-    double rest_energy_ = 0, energy_scale_ = 0;
+    std::vector<char> has_potential_; ///< per surface
+    PressedTets<4> linear_;
+    PressedTets<quadratic_nodes> quadratic_;
     mutable std::vector<double> squares_, places_;
+    mutable std::vector<Vec3> net_forces_;
 };
 
 } // namespace sinew::solver

@@ -1,8 +1,11 @@
 // Surface tension [N/m] on the surfaces of tissues: tension times deformed area, which it makes smaller where it is
-// positive and larger where it is negative. Painted, the tension of a cut triangle is the mean over it.
+// positive and larger where it is negative. The area is that of the pieces of surface in each tet, which move by its
+// shape functions: flat in linear tets; in quadratic ones curved, summed up at points, each a facet of three points
+// that spans the surface there.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/layered_surfaces.h"
+#include "solver/term/stencils.h"
 
 namespace sinew::solver {
 
@@ -14,8 +17,8 @@ class SurfaceTension final : public Term {
     explicit SurfaceTension(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
-    void add_couplings(Couplings& couplings) const override { surfaces_.triangles().add_couplings(couplings); }
-    void bind(const BlockPattern& pattern) override { surfaces_.triangles().bind(pattern); }
+    void add_couplings(Couplings& couplings) const override { facets_->add_couplings(couplings); }
+    void bind(const BlockPattern& pattern) override { facets_->bind(pattern); }
     void begin_stage(const Stage&) override {}
     /// Measured from the area at rest.
     double energy(const Positions& x, bool with_forces) override;
@@ -34,9 +37,14 @@ class SurfaceTension final : public Term {
     bool acts() const { return !surfaces_.all_zero(); }
 
     LayeredSurfaces surfaces_;
-    std::vector<double> rest_area_, tension_, rounding_; ///< per slot
+    std::unique_ptr<Stencils<3>> facets_;
+    std::vector<double> share_;                          ///< per facet: of the piece's area
+    std::vector<Vec3> place_;                            ///< and where it lies in the surface's triangle
+    std::vector<std::size_t> surface_;                   ///< and in which of the surfaces
+    std::vector<int> triangle_;                          ///< and triangles
+    std::vector<double> rest_area_, tension_, rounding_; ///< per slot; the tension times the share
     double rest_energy_ = 0, energy_scale_ = 0;
-    mutable std::vector<double> squares_, places_;
+    mutable std::vector<double> squares_, places_, vertex_places_;
 };
 
 } // namespace sinew::solver

@@ -50,6 +50,7 @@ std::vector<TermExample> examples(const TermType& type, double value, bool has_e
         e.type = &type;
         e.make = [=, &type](int fineness) { return scene_of(type, value, s, fineness); };
         e.has_energy = e.forces_cancel = e.torques_cancel = potential;
+        e.projects_exactly = &type != &pressure_type; // which leaves its Hessian out then
         out.push_back(std::move(e));
     };
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
