@@ -71,6 +71,8 @@ struct AccuracyCase {
 std::vector<AccuracyCase> material_cases();
 /// Beams, panels and attachments (2, 4, 11).
 std::vector<AccuracyCase> static_cases();
+/// Pressure and surface tension (3, 7).
+std::vector<AccuracyCase> surface_cases();
 /// Integrators and moving bodies (5, 6, 13).
 std::vector<AccuracyCase> dynamic_cases();
 
