@@ -2,6 +2,8 @@
 #include "tools/bench/idle_cost.h"
 
 #include "solver/terms/field/field.h"
+#include "solver/terms/pressure/pressure.h"
+#include "solver/terms/surface_tension/surface_tension.h"
 #include "tools/bench/beams.h"
 #include "tools/bench/cantilever.h"
 
@@ -34,6 +36,14 @@ void add_bone(Subject& s) {
     s.bone = std::make_shared<BoneRest>();
     s.bone->surface = {{0, -1, -1}, {0, 1, -1}, {0, 0, 1}};
     s.bone->triangles = {{0, 1, 2}};
+}
+
+/// On all of the surface; its envelope is 0.
+void add_on_surface(const TermType& type, Subject& s) {
+    auto layers = std::make_shared<SurfaceLayers>();
+    layers->layers = {{1000, {}}};
+    s.parts = {{&type, {0}, layers}};
+    s.inputs.parts = {{0}};
 }
 
 /// Each with the values that make it do nothing.
@@ -71,6 +81,8 @@ constexpr Feature features[] = {
          s.inputs.parts.emplace_back(FieldValues::fields().size());
          put_fields(FieldValues{}, s.inputs.parts.back());
      }},
+    {"pressure of 0", [](Subject& s) { add_on_surface(pressure_type, s); }},
+    {"surface tension of 0", [](Subject& s) { add_on_surface(surface_tension_type, s); }},
     {"halving of failed steps allowed", [](Subject& s) { s.inputs.max_halvings = 8; }},
     {"transverse anisotropy set, isotropic law", [](Subject& s) { s.tissue.transverse_anisotropy = 0.5; }},
 };
