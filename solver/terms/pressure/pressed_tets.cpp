@@ -2,88 +2,27 @@
 #include "solver/terms/pressure/pressed_tets.h"
 
 #include <algorithm>
-#include <numeric>
 
 namespace sinew::solver {
 
 template <int N>
-struct PressedTets<N>::Built {
-    std::vector<PointWeights> points;
-    std::vector<std::array<int, N>> stencils;
-    std::vector<std::vector<int>> slot;
-    std::vector<std::size_t> surface, point_surface;
-    std::vector<int> origin;
-};
-
-template <int N>
-auto PressedTets<N>::build(const LayeredSurfaces& surfaces) -> Built {
-    Built out;
-    for (std::size_t s = 0; s < surfaces.surfaces().size(); ++s) {
-        const LayeredSurfaces::Surface& surface = surfaces.surfaces()[s];
-        out.slot.emplace_back();
-        if ((surfaces.element(surface) == ElementKind::linear ? 4 : quadratic_nodes) != N) continue;
-        std::vector<int> tets;
-        for (const SurfacePiece& piece : surface.clipped.pieces) tets.push_back(piece.tet);
-        std::sort(tets.begin(), tets.end());
-        tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
-        const auto first_slot = out.stencils.size(), first_point = out.points.size();
-        for (const SurfacePiece& piece : surface.clipped.pieces)
-            out.slot.back().push_back(static_cast<int>(
-                first_slot + at(std::lower_bound(tets.begin(), tets.end(), piece.tet) - tets.begin())));
-        std::vector<int> vertices;
-        for (const int tet : tets) {
-            const auto nodes = surfaces.nodes(surface, tet);
-            vertices.insert(vertices.end(), nodes.begin(), nodes.begin() + N);
-        }
-        std::vector<int> sorted = vertices;
-        std::sort(sorted.begin(), sorted.end());
-        sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-        for (const int v : sorted) {
-            PointWeights p;
-            p.count = 1, p.vertex[0] = v, p.weight[0] = 1;
-            out.points.push_back(p);
-        }
-        for (std::size_t t = 0; t < tets.size(); ++t) {
-            std::array<int, N>& stencil = out.stencils.emplace_back();
-            for (std::size_t n = 0; n < N; ++n)
-                stencil[n] = static_cast<int>(
-                    first_point +
-                    at(std::lower_bound(sorted.begin(), sorted.end(), vertices[N * t + n]) - sorted.begin()));
-            out.surface.push_back(s);
-            out.origin.push_back(static_cast<int>(first_point));
-        }
-        out.point_surface.resize(out.points.size(), s);
-    }
-    return out;
-}
-
-namespace {
-
-std::vector<int> numbers_to(std::size_t count) {
-    std::vector<int> out(count);
-    std::iota(out.begin(), out.end(), 0);
-    return out;
-}
-
-} // namespace
-
-template <int N>
 PressedTets<N>::PressedTets(const Scene& scene, const LayeredSurfaces& surfaces)
-    : PressedTets(scene, surfaces, build(surfaces)) {}
+    : PressedTets(scene, surfaces, SurfaceTets<N>(surfaces)) {}
 
 template <int N>
-PressedTets<N>::PressedTets(const Scene& scene, const LayeredSurfaces& surfaces, Built built)
+PressedTets<N>::PressedTets(const Scene& scene, const LayeredSurfaces& surfaces, SurfaceTets<N> tets)
     : surfaces_(surfaces)
     , rest_(scene.numbering().rest)
-    , slot_(std::move(built.slot))
-    , surface_(std::move(built.surface))
-    , point_surface_(std::move(built.point_surface))
-    , origin_(std::move(built.origin))
-    , stencils_(scene.numbering(), built.points, numbers_to(built.points.size()), std::move(built.stencils))
+    , slot_(std::move(tets.stencil_of_piece))
+    , surface_(std::move(tets.surface))
+    , point_surface_(std::move(tets.point_surface))
+    , stencils_(tets.take_stencils(scene.numbering()))
     , moments_(stencils_.batch_count()) {
     const std::size_t slots = lanes * stencils_.batch_count();
     surface_.resize(slots, surface_.empty() ? 0 : surface_.back());
-    origin_.resize(slots, origin_.empty() ? 0 : origin_.back());
+    for (std::size_t slot = 0; slot < slots; ++slot)
+        origin_.push_back(static_cast<int>(
+            std::lower_bound(point_surface_.begin(), point_surface_.end(), surface_[slot]) - point_surface_.begin()));
     for (auto* values : {&envelope_, &has_potential_, &size_, &squares_}) values->assign(slots, 0.0);
     is_frozen_.assign(stencils_.point_count(), 0);
     frozen_places_.assign(3 * stencils_.point_count(), 0.0);

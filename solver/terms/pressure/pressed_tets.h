@@ -1,7 +1,7 @@
 // The tets under surfaces with pressure, all with N nodes: forces on them, their energy and its derivatives.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/term/layered_surfaces.h"
+#include "solver/term/surface_tets.h"
 #include "solver/terms/pressure/pressure_moments.h"
 
 namespace sinew::solver {
@@ -31,9 +31,7 @@ class PressedTets {
     const Stencils<N>& stencils() const { return stencils_; }
 
   private:
-    struct Built; ///< what the stencils are made of
-    PressedTets(const Scene& scene, const LayeredSurfaces& surfaces, Built built);
-    static Built build(const LayeredSurfaces& surfaces);
+    PressedTets(const Scene& scene, const LayeredSurfaces& surfaces, SurfaceTets<N> tets);
     double frozen_work() const;
     StencilVectors<N> from_first(const StencilVectors<N>& x) const {
         StencilVectors<N> y;

@@ -1,11 +1,10 @@
 // Surface tension [N/m] on the surfaces of tissues: tension times deformed area, which it makes smaller where it is
 // positive and larger where it is negative. The area is that of the pieces of surface in each tet, which move by its
-// shape functions: flat in linear tets; in quadratic ones curved, summed up at points, each a facet of three points
-// that spans the surface there.
+// shape functions: flat in linear tets, curved in quadratic ones.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/layered_surfaces.h"
-#include "solver/term/stencils.h"
+#include "solver/terms/surface_tension/tense_tets.h"
 
 namespace sinew::solver {
 
@@ -17,8 +16,8 @@ class SurfaceTension final : public Term {
     explicit SurfaceTension(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
-    void add_couplings(Couplings& couplings) const override { facets_->add_couplings(couplings); }
-    void bind(const BlockPattern& pattern) override { facets_->bind(pattern); }
+    void add_couplings(Couplings& couplings) const override;
+    void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage&) override {}
     /// Measured from the area at rest.
     double energy(const Positions& x, bool with_forces) override;
@@ -27,24 +26,31 @@ class SurfaceTension final : public Term {
     void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
-    double energy_scale() const override { return energy_scale_; }
-    double stored_energy(const Positions& x) override { return energy(x, false); }
+    double energy_scale() const override { return linear_.energy_scale() + quadratic_.energy_scale(); }
+    double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
     /// Points with the tension there.
     void marks(const Positions& x, Marks& out) const override;
 
   private:
     bool acts() const { return !surfaces_.all_zero(); }
+    /// For both kinds of tets that are there.
+    template <class Do>
+    void for_each(const Do& what) {
+        if (!linear_.is_empty()) what(linear_);
+        if (!quadratic_.is_empty()) what(quadratic_);
+    }
+    template <class Do>
+    void for_each(const Do& what) const {
+        if (!linear_.is_empty()) what(linear_);
+        if (!quadratic_.is_empty()) what(quadratic_);
+    }
 
     LayeredSurfaces surfaces_;
-    std::unique_ptr<Stencils<3>> facets_;
-    std::vector<double> share_;                          ///< per facet: of the piece's area
-    std::vector<Vec3> place_;                            ///< and where it lies in the surface's triangle
-    std::vector<std::size_t> surface_;                   ///< and in which of the surfaces
-    std::vector<int> triangle_;                          ///< and triangles
-    std::vector<double> rest_area_, tension_, rounding_; ///< per slot; the tension times the share
-    double rest_energy_ = 0, energy_scale_ = 0;
-    mutable std::vector<double> squares_, places_, vertex_places_;
+    TenseTets<4> linear_;
+    TenseTets<quadratic_nodes> quadratic_;
+    double area_ = 0; ///< at the last stored_energy
+    mutable std::vector<double> squares_, places_;
 };
 
 } // namespace sinew::solver
