@@ -88,6 +88,16 @@ constexpr std::string_view word_of(solver::Correspondence correspondence) {
     return "";
 }
 
+constexpr std::string_view word_of(solver::PaintedOn on) {
+    switch (on) {
+    case solver::PaintedOn::vertices:
+        return "vertices";
+    case solver::PaintedOn::faces:
+        return "faces";
+    }
+    return "";
+}
+
 constexpr std::string_view word_of(solver::Integrator integrator) {
     switch (integrator) {
     case solver::Integrator::backward_euler:

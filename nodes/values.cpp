@@ -269,7 +269,6 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
                     size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
     for (const solver::TermMemory& m : s.memories) n += size_of(m.bytes);
     for (const solver::PartValues& part : s.parts) n += size_of(part);
-    for (const auto& anchors : s.anchors) n += size_of(anchors);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     if (s.history.values)

@@ -2,15 +2,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 #include "nodes/painted_maps.h"
 
 #include <algorithm>
+#include <stdexcept>
 
 namespace sinew::nodes {
 
 using namespace engine;
 
 namespace {
+
+enum class Rule { constant, list, ramp, near, sphere, file, vertices, faces };
+constexpr Option<Rule> rules[] = {
+    {"constant", Rule::constant}, {"list", Rule::list}, {"ramp", Rule::ramp},         {"near", Rule::near},
+    {"sphere", Rule::sphere},     {"file", Rule::file}, {"vertices", Rule::vertices}, {"faces", Rule::faces},
+};
+constexpr Option<int> axes[] = {{"x", 0}, {"y", 1}, {"z", 2}};
 
 const Wire<Mesh> mesh{
     .name = "mesh",
@@ -22,7 +31,7 @@ const Input<std::string> on{
     .doc =
         "What is painted: vertices, between which weights run linearly, or faces, which are sharp. A face is where the "
         "mean of its vertices is. Attachments take maps of faces (zAttachment.weightsOn).",
-    .options = {"vertices", "faces"},
+    .options = words(options_of<solver::PaintedOn>),
 };
 const Input<std::string> mode{
     .name = "mode",
@@ -32,7 +41,7 @@ const Input<std::string> mode{
         "(distance to another mesh), sphere (distance to a point), file (numbers, vertices or faces from a JSON "
         "file), vertices (1 at the listed vertices; of faces those with all vertices listed), faces (1 at the listed "
         "faces; always paints faces).",
-    .options = {"constant", "list", "ramp", "near", "sphere", "file", "vertices", "faces"},
+    .options = words(rules),
 };
 const Input<double> value{
     .name = "value",
@@ -49,7 +58,7 @@ const Input<std::string> axis{
     .name = "axis",
     .def = "x",
     .doc = "ramp: the axis it runs along.",
-    .options = {"x", "y", "z"},
+    .options = words(axes),
 };
 const Input<double> start{
     .name = "start",
@@ -188,23 +197,38 @@ NumberList file_weights(const Reads& in, std::size_t count, bool by_faces) {
     return guarded(in, file.name, [&] { return listed_map(count, map.numbers, "face"); });
 }
 
-NumberList by_rule(const Reads& in) {
-    const Mesh& m = in[mesh];
-    const std::string& rule = in[mode];
-    const bool by_faces = rule == "faces" || in[on] == "faces";
-    const std::size_t count = by_faces ? m.topology->face_sizes.size() : m.points->size();
-    if (rule == "constant") return NumberList(count, in[value]);
-    if (rule == "vertices")
-        return guarded(in, vertices.name, [&] { return vertex_weights(in, in[vertices], by_faces); });
-    if (rule == "faces") return guarded(in, faces.name, [&] { return listed_map(count, in[faces], "face"); });
-    if (rule == "file") return file_weights(in, count, by_faces);
-    if (rule == "list") return given_weights(in, values.name, in[values], count, by_faces);
-    const solver::Points points = by_faces ? face_centres(m) : *m.points;
-    if (rule == "near") return near_weights(in, points);
-    if (rule == "sphere") return sphere_map(points, in[centre], in[radius], in[falloff]);
+NumberList ramp_weights(const Reads& in, const solver::Points& points) {
     if (in[start] == in[end])
         in.fail(end.name, "DG110", "start and end are both " + std::to_string(in[start]), "Give two coordinates.");
-    return ramp_map(points, in[axis][0] - 'x', in[start], in[end], in[smooth]);
+    return ramp_map(points, meaning(axes, in[axis]), in[start], in[end], in[smooth]);
+}
+
+NumberList by_rule(const Reads& in) {
+    const Mesh& m = in[mesh];
+    const Rule rule = meaning(rules, in[mode]);
+    const bool by_faces =
+        rule == Rule::faces || meaning(options_of<solver::PaintedOn>, in[on]) == solver::PaintedOn::faces;
+    const std::size_t count = by_faces ? m.topology->face_sizes.size() : m.points->size();
+    const auto points = [&] { return by_faces ? face_centres(m) : *m.points; };
+    switch (rule) {
+    case Rule::constant:
+        return NumberList(count, in[value]);
+    case Rule::list:
+        return given_weights(in, values.name, in[values], count, by_faces);
+    case Rule::ramp:
+        return ramp_weights(in, points());
+    case Rule::near:
+        return near_weights(in, points());
+    case Rule::sphere:
+        return sphere_map(points(), in[centre], in[radius], in[falloff]);
+    case Rule::file:
+        return file_weights(in, count, by_faces);
+    case Rule::vertices:
+        return guarded(in, vertices.name, [&] { return vertex_weights(in, in[vertices], by_faces); });
+    case Rule::faces:
+        return guarded(in, faces.name, [&] { return listed_map(count, in[faces], "face"); });
+    }
+    throw std::logic_error("a rule of weights without a map");
 }
 
 void compute(const Reads& in, Writes& out) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 
 #include <algorithm>
 
@@ -25,10 +26,10 @@ const Wire<Body> target{
 };
 const Input<std::string> mode{
     .name = "attachmentMode",
-    .def = "fixed",
+    .def = std::string(word_of(solver::AttachmentMode::fixed)),
     .doc = "fixed holds the surface at its places on the target; none switches the attachment off.",
     .keyable = false,
-    .options = {"none", "fixed"},
+    .options = words(options_of<solver::AttachmentMode>),
 };
 const Input<double> stiffness{
     .name = "stiffness",
@@ -52,11 +53,11 @@ const Input<bool> maintain_offset{
 };
 const Input<std::string> correspondence{
     .name = "correspondence",
-    .def = "worldSpace",
+    .def = std::string(word_of(solver::Correspondence::closest_point)),
     .doc = "worldSpace ties each point of the source's surface to the closest point of the target at the start frame; "
            "vertexID to the same place in the triangle of the same vertex numbers.",
     .keyable = false,
-    .options = {"worldSpace", "vertexID"},
+    .options = words(options_of<solver::Correspondence>),
 };
 const Input<NumberList> weights{
     .name = "weights",
@@ -68,12 +69,12 @@ const Input<NumberList> weights{
 };
 const Input<std::string> weights_on{
     .name = "weightsOn",
-    .def = "vertices",
+    .def = std::string(word_of(solver::PaintedOn::vertices)),
     .doc = "What weights counts. Between vertices the weight runs linearly, so paint fades out over the faces at its "
            "rim (but not around an edge that bends by more than 60 degrees from faces that are painted whole); painted "
            "faces are sharp.",
     .keyable = false,
-    .options = {"vertices", "faces"},
+    .options = words(options_of<solver::PaintedOn>),
 };
 const Input<NumberList> target_weights{
     .name = "targetWeights",
@@ -84,10 +85,10 @@ const Input<NumberList> target_weights{
 };
 const Input<std::string> target_weights_on{
     .name = "targetWeightsOn",
-    .def = "vertices",
+    .def = std::string(word_of(solver::PaintedOn::vertices)),
     .doc = "What targetWeights counts. A face whose vertices are painted in part is not held on to.",
     .keyable = false,
-    .options = {"vertices", "faces"},
+    .options = words(options_of<solver::PaintedOn>),
 };
 const Input<double> max_distance{
     .name = "maxDistance",
@@ -110,7 +111,7 @@ std::size_t vertex_count(const Body& body) { return body.rest->mesh.points->size
 NumberList painted(const Reads& in, const Input<NumberList>& map, const Input<std::string>& on, const Body& body,
                    const std::string& name) {
     const MeshTopology& topology = *body.rest->mesh.topology;
-    const bool by_faces = in[on] == "faces";
+    const bool by_faces = meaning(options_of<solver::PaintedOn>, in[on]) == solver::PaintedOn::faces;
     const std::size_t faces = topology.face_sizes.size(), count = by_faces ? faces : vertex_count(body);
     const NumberList& given = in[map];
     if (given.size() > 1 && given.size() != count && given.size() == (by_faces ? vertex_count(body) : faces))
@@ -122,10 +123,6 @@ NumberList painted(const Reads& in, const Input<NumberList>& map, const Input<st
     check_map(in, map.name, given, count, std::string(map.name) + " for " + name, by_faces ? "face" : "vertex");
     const NumberList each = per_vertex(given, count);
     return by_faces ? per_triangle(topology, each) : each;
-}
-
-solver::PaintedOn painted_on(const std::string& on) {
-    return on == "faces" ? solver::PaintedOn::faces : solver::PaintedOn::vertices;
 }
 
 bool is_blank(const NumberList& map) {
@@ -140,14 +137,13 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
                 in.source_name(source.name) + " and " + in.source_name(target.name) +
                     " are both bones, so the attachment has no effect",
                 "Attach a tissue to a bone.");
-    rest.mode = in[mode] == "none" || both_bones ? solver::AttachmentMode::none : solver::AttachmentMode::fixed;
-    rest.correspondence =
-        in[correspondence] == "vertexID" ? solver::Correspondence::vertex_id : solver::Correspondence::closest_point;
+    rest.mode = both_bones ? solver::AttachmentMode::none : meaning(options_of<solver::AttachmentMode>, in[mode]);
+    rest.correspondence = meaning(options_of<solver::Correspondence>, in[correspondence]);
     rest.maintain_offset = in[maintain_offset];
     rest.source_weights = painted(in, weights, weights_on, from, in.source_name(source.name));
     rest.target_weights = painted(in, target_weights, target_weights_on, to, in.source_name(target.name));
-    rest.source_painted = painted_on(in[weights_on]);
-    rest.target_painted = painted_on(in[target_weights_on]);
+    rest.source_painted = meaning(options_of<solver::PaintedOn>, in[weights_on]);
+    rest.target_painted = meaning(options_of<solver::PaintedOn>, in[target_weights_on]);
     rest.max_distance = in[max_distance];
     return rest;
 }

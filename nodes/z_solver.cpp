@@ -8,6 +8,7 @@
 #include "nodes/z_solver_attributes.h"
 #include "solver/integrate/implicit_form.h"
 #include "solver/marks_of.h"
+#include "solver/terms/attachment/anchors.h"
 
 #include <cstdio>
 
@@ -122,25 +123,29 @@ void warn_of_reach(const Reads& in, const Setup& setup, const std::vector<solver
     }
 }
 
+bool without_inertia(const Reads& in) {
+    return meaning(options_of<solver::Integrator>, in[integrator]) == solver::Integrator::quasi_static;
+}
+
 SimulationState initial(const Reads& in) {
     if (!in[enable]) return {};
     const Setup setup = read_setup(in, nullptr);
-    if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
+    if (without_inertia(in)) check_all_tied(in, setup);
     auto stage = lease_stage(in, setup);
     const solver::StepInputs inputs = step_inputs(in, setup, 1);
     std::vector<solver::InitialMotion> motions;
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) motions.push_back(setup.body(i).start);
-    std::vector<solver::AttachmentStart> starts;
-    SimulationState out{
-        setup.key, solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions, &starts); })};
-    warn_of_reach(in, setup, starts);
+    SimulationState out{setup.key,
+                        solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions); })};
+    warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
     return out;
 }
 
 /// TR-BDF2's first stage ends at gamma of the step and sees everything as it is there.
 std::vector<double> stages_of(const Value& scheme) {
-    return scheme.as<std::string>() == word_of(solver::Integrator::tr_bdf2) ? std::vector{solver::tr_bdf2_gamma}
-                                                                            : std::vector<double>{};
+    const bool two_stages =
+        meaning(options_of<solver::Integrator>, scheme.as<std::string>()) == solver::Integrator::tr_bdf2;
+    return two_stages ? std::vector{solver::tr_bdf2_gamma} : std::vector<double>{};
 }
 
 SimulationState advance(const SimulationState& before, std::span<const SubstepReads> times) {
@@ -150,7 +155,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     Setup setup;
     for (const auto& [in, within] : times) {
         setup = read_setup(in, &before.scene);
-        if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
+        if (without_inertia(in)) check_all_tied(in, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
         for (const Reads& stage : within)
             inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(

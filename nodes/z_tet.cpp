@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/options.h"
 #include "solver/meshing/lattice.h"
 
 #include <algorithm>
@@ -62,13 +63,13 @@ const Input<double> envelope{
 };
 const Input<std::string> fill_interior{
     .name = "fillInterior",
-    .def = "FilledCavities",
+    .def = std::string(word_of(solver::Fill::filled_cavities)),
     .doc = "Which tets are kept. SurfaceOnly: those that the surface passes through, a shell one tet thick. "
            "FilledCavities: all inside the outer surface; closed surfaces inside others count for nothing, "
            "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
            "cavity, whichever way it is turned; the mesh must be watertight.",
     .keyable = false,
-    .options = {"SurfaceOnly", "FilledCavities", "EmptyCavities"},
+    .options = words(options_of<solver::Fill>),
 };
 const Input<std::int64_t> max_resolution{
     .name = "maxResolution",
@@ -80,12 +81,12 @@ const Input<std::int64_t> max_resolution{
 };
 const Input<std::string> element{
     .name = "element",
-    .def = "linear",
+    .def = std::string(word_of(solver::ElementKind::linear)),
     .doc = "Shape functions of the tets. linear: one strain a tet, quick, too stiff in bending unless tets are small. "
            "quadratic: a further vertex on each edge; takes about ten times as long a tet and is worth it: a few large "
            "tets bend as well as thousands of linear ones, and nearly incompressible flesh does not lock.",
     .keyable = false,
-    .options = {"linear", "quadratic"},
+    .options = words(options_of<solver::ElementKind>),
 };
 const Input<bool> cache_tet_mesh{
     .name = "cacheTetMesh",
@@ -114,14 +115,7 @@ const Output<Mesh> out_mesh{
            "zEmbedder; its vertices are those of the tet mesh, numbered alike.",
 };
 
-solver::Fill fill_of(const std::string& word) {
-    if (word == "SurfaceOnly") return solver::Fill::surface_only;
-    return word == "EmptyCavities" ? solver::Fill::empty_cavities : solver::Fill::filled_cavities;
-}
-
-solver::ElementKind element_of(const Reads& in) {
-    return in[element] == "quadratic" ? solver::ElementKind::quadratic : solver::ElementKind::linear;
-}
+solver::ElementKind element_of(const Reads& in) { return meaning(options_of<solver::ElementKind>, in[element]); }
 
 TetMeshValue make_tets(const Reads& in) {
     const Mesh* m = in.find(mesh);
@@ -131,7 +125,7 @@ TetMeshValue make_tets(const Reads& in) {
     solver::LatticeOptions options;
     options.tet_size = in[tet_size];
     options.max_resolution = static_cast<int>(in[max_resolution]);
-    options.fill = fill_of(in[fill_interior]);
+    options.fill = meaning(options_of<solver::Fill>, in[fill_interior]);
     options.propagation = in[refinement_propagation];
     if (element_of(in) == solver::ElementKind::quadratic) options.moments = 4;
     options.refinement = painted.empty() ? NumberList{1} : painted;

@@ -52,8 +52,7 @@ void set_in_motion(const Scene& scene, const StepInputs& inputs, std::span<const
 
 } // namespace
 
-State initial_state(const Scene& scene, const StepInputs& inputs, std::span<const InitialMotion> motions,
-                    std::vector<AttachmentStart>* starts) {
+State initial_state(const Scene& scene, const StepInputs& inputs, std::span<const InitialMotion> motions) {
     check_inputs(scene, inputs);
     State s;
     s.x = scene.numbering().rest;
@@ -62,7 +61,6 @@ State initial_state(const Scene& scene, const StepInputs& inputs, std::span<cons
     std::vector<Points> surfaces(s.bones);
     for (int body = 0; body < scene.body_count(); ++body)
         if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
-    s.anchors = make_anchors(scene, surfaces, starts);
     for (const TermType* type : all_terms())
         if (type->start) {
             TermMemory memory{std::string(type->name), type->memory_version, {}};

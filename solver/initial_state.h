@@ -1,7 +1,6 @@
 // Where a simulation starts.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/attach/anchors.h"
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step_inputs.h"
@@ -17,9 +16,8 @@ struct InitialMotion {
     Vec3 angular_velocity = Vec3::Zero(); ///< about it [rad/s]
 };
 
-/// The state at the start frame: rest positions, anchors made. `inputs` are those of the start frame. `motions`: one a
-/// body, or none for bodies at rest. `starts`: what became of each attachment.
-State initial_state(const Scene& scene, const StepInputs& inputs, std::span<const InitialMotion> motions = {},
-                    std::vector<AttachmentStart>* starts = nullptr);
+/// The state at the start frame: rest positions, and what terms keep from there. `inputs` are those of the start frame.
+/// `motions`: one a body, or none for bodies at rest.
+State initial_state(const Scene& scene, const StepInputs& inputs, std::span<const InitialMotion> motions = {});
 
 } // namespace sinew::solver

@@ -70,7 +70,7 @@ struct AttachmentRest {
 struct SceneDescription {
     std::vector<BodyRest> bodies;
     std::vector<AttachmentRest> attachments;
-    std::vector<Part> parts; ///< further forces
+    std::vector<Part> parts = {}; ///< further forces
 };
 
 /// Derived once from the description: numbering of the unknowns, element batches, sparsity pattern.

@@ -14,7 +14,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 7\n";
+constexpr std::string_view magic = "sinew state 8\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -218,8 +218,6 @@ std::vector<std::byte> save(const State& s) {
     w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
     put_bones(w, s.history.bones);
     put_values(w, s.history.values);
-    w.put(static_cast<std::uint64_t>(s.anchors.size()));
-    for (const auto& list : s.anchors) w.put_all(list);
     put_memories(w, s.memories);
     put_parts(w, s.parts);
     put_bones(w, s.bones);
@@ -244,8 +242,6 @@ State load(std::span<const std::byte> bytes) {
     r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
     get_bones(r, s.history.bones);
     get_values(r, s.history.values);
-    s.anchors.resize(r.get_count(sizeof(std::uint64_t)));
-    for (auto& list : s.anchors) r.get_all(list);
     get_memories(r, s.memories);
     get_parts(r, s.parts);
     get_bones(r, s.bones);

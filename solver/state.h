@@ -15,23 +15,6 @@
 
 namespace sinew::solver {
 
-/// A point that a body carries.
-struct AnchorEnd {
-    int tet = -1;                            ///< of a tissue; -1 on a bone
-    std::array<int, 3> vertices{-1, -1, -1}; ///< of a bone's surface: those of a triangle
-    std::array<double, 4> coordinates{};     ///< barycentric in the tet, or in the triangle (the fourth is 0)
-    friend bool operator==(const AnchorEnd&, const AnchorEnd&) = default;
-};
-
-/// Where a sample of a source's surface holds on to the target, fixed at the start frame.
-struct Anchor {
-    AnchorEnd source, target;
-    std::array<double, 3> offset{}; ///< from the target's point, in the frame of its triangle [m]; bones only
-    double area_weight = 0;         ///< the sample's area x painted weight [m^2]
-    friend bool operator==(const Anchor&, const Anchor&) = default;
-};
-static_assert(sizeof(Anchor) == 4 * 2 * 4 + 8 * (4 + 4 + 3 + 1), "no padding: its bytes are saved as they are");
-
 /// What the last step did, for the report. Part of the state, so that a reused frame reports what it did when it ran.
 struct StepRecord {
     double residual = 0; ///< force residual / forces at work
@@ -58,8 +41,7 @@ struct History {
 struct State {
     std::vector<double> x, v; ///< 3 numbers per unknown vertex; order of the scene [m], [m/s]
     History history;
-    std::vector<std::vector<Anchor>> anchors; ///< per attachment
-    std::vector<TermMemory> memories;         ///< of the terms that keep something
+    std::vector<TermMemory> memories; ///< of the terms that keep something
     /// Per part whose values say where it is (TermType::mix): those at the end of the step; empty for others.
     std::vector<PartValues> parts;
     std::vector<Points> bones; ///< per body: bone vertex positions at the end of the step; empty for tissues

@@ -3,6 +3,7 @@
 #include "bench.h"
 
 #include "nodes/simulation_state.h"
+#include "solver/terms/attachment/anchors.h"
 
 using namespace bench;
 using engine::Digest;
@@ -15,6 +16,12 @@ Digest digest(T v) {
     return engine::Value::of<T>(std::move(v)).digest();
 }
 
+solver::TermMemory attachments_memory(const solver::AttachmentMemory& kept) {
+    solver::TermMemory memory{"attachment", 1, {}};
+    keep_attachments(kept, memory);
+    return memory;
+}
+
 nodes::SimulationState small_state() {
     nodes::SimulationState s;
     s.scene.scale = 10;
@@ -23,9 +30,10 @@ nodes::SimulationState small_state() {
     s.scene.links = {{1, 0}};
     s.state.x = {1, 2, 3};
     s.state.v = {0, -1, 0};
-    s.state.anchors = {{{.source = {.tet = 3},
-                         .target = {.vertices = {7, 8, 9}, .coordinates = {0.5, 0.25, 0.25, 0}},
-                         .area_weight = 2}}};
+    s.state.memories = {attachments_memory({{{{.source = {.tet = 3},
+                                               .target = {.vertices = {7, 8, 9}, .coordinates = {0.5, 0.25, 0.25, 0}},
+                                               .area_weight = 2}}},
+                                            {{.painted = 2, .longest = 0.5}}})};
     s.state.bones = {{solver::Vec3(1, 2, 3)}, {}};
     s.state.steps = 4;
     s.state.record.residual = 1e-7;
@@ -47,15 +55,29 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.scene.links[0][1] = 2; }));
     CHECK(changed([](auto& s) { s.state.x[2] = 4; }));
     CHECK(changed([](auto& s) { s.state.v[0] = 1e-300; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.tet = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.vertices[1] = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].source.coordinates[3] = 1; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.tet = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.vertices[1] = 4; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].target.coordinates[3] = 1; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].offset[1] = 1; }));
-    CHECK(changed([](auto& s) { s.state.anchors[0][0].area_weight = 1; }));
-    CHECK(changed([](auto& s) { s.state.anchors.emplace_back(); }));
+    const auto attachments_changed = [&](auto edit) {
+        return changed([&](auto& s) {
+            solver::AttachmentMemory kept = attachments_kept(s.state.memories);
+            edit(kept);
+            s.state.memories[0] = attachments_memory(kept);
+            REQUIRE(attachments_kept(s.state.memories) == kept);
+        });
+    };
+    CHECK_FALSE(attachments_changed([](auto&) {}));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].source.tet = 4; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].source.vertices[1] = 4; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].source.coordinates[3] = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].target.tet = 4; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].target.vertices[1] = 4; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].target.coordinates[3] = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].offset[1] = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors[0][0].area_weight = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.anchors.emplace_back(), k.starts.emplace_back(); }));
+    CHECK(attachments_changed([](auto& k) { k.starts[0].painted = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.starts[0].left_out = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.starts[0].max_distance = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.starts[0].longest = 1; }));
+    CHECK(attachments_changed([](auto& k) { k.starts[0].source_size = 1; }));
     CHECK(changed([](auto& s) { s.state.bones[0][0].x() = 2; }));
     CHECK(changed([](auto& s) { s.state.parts = {{1.0}}; }));
     CHECK(changed([](auto& s) { s.state.steps = 5; }));

@@ -1,9 +1,10 @@
 // Attachments against what they stand for: a held face, a spring bed, a painted part of a target.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/attach/springs.h"
 #include "solver/error.h"
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/lattice.h"
+#include "solver/terms/attachment/anchors.h"
+#include "solver/terms/attachment/springs.h"
 #include "tests/support/solver_scenes.h"
 
 #include <algorithm>
@@ -183,7 +184,7 @@ TEST_CASE("a box that hangs by its painted top from a spring bed extends it by r
             Workspace w(scene);
             const State start = initial_state(*scene, in), s = settle(w, start, in);
             double extension = 0, area = 0; // the mean over the samples
-            for (const Anchor& anchor : start.anchors[0]) {
+            for (const Anchor& anchor : attachments_kept(start.memories).anchors[0]) {
                 const PointWeights p = scene->embedded(0, anchor.source.tet, anchor.source.coordinates);
                 double z = 0;
                 for (int i = 0; i < p.count; ++i) z += p.weight[i] * position(s, p.vertex[i]).z();
@@ -214,12 +215,12 @@ TEST_CASE(
                 in.bodies.push_back(BoneInputs{wall()});
                 in.attachments = {{2 * k, 0.5, 0}};
                 State s = initial_state(scene, in);
-                Springs springs(scene, s.anchors);
+                Springs springs(scene, attachments_kept(s.memories).anchors);
                 ImplicitForm form;
                 quasi_static_form(s, form);
                 springs.begin_stage(in, s, s.bones, form);
                 for (std::size_t v = 0; v < s.x.size(); v += 3) s.x[v] += p + q * s.x[v + 1] + r * s.x[v + 2];
-                INFO(cells << " cells, surface of " << ny << ", " << s.anchors[0].size() << " samples");
+                INFO(cells << " cells, surface of " << ny);
                 CHECK(springs.energy(s.x, nullptr) == Approx(0.5 * k * integral).epsilon(2e-3));
             }
 }
@@ -238,7 +239,7 @@ TEST_CASE("forces between two tissues balance in sum and in moment, and are the 
         in.bodies.push_back(material(3e5, 0.3, 1000));
         in.attachments = {{1e6, 0.7, 0}};
         State s = initial_state(scene, in);
-        Springs springs(scene, s.anchors);
+        Springs springs(scene, attachments_kept(s.memories).anchors);
         ImplicitForm form;
         quasi_static_form(s, form);
         springs.begin_stage(in, s, s.bones, form);
@@ -292,10 +293,9 @@ TEST_CASE("targetWeights exclude: who faces what is not painted holds on to noth
         StepInputs in = bar_inputs();
         in.bodies.push_back(BoneInputs{table.points});
         in.attachments = {{1e6, 1, 0}};
-        std::vector<AttachmentStart> starts;
-        const State s = initial_state(scene, in, {}, &starts);
-        start = starts.at(0);
-        return s.anchors.at(0);
+        const AttachmentMemory kept = attachments_kept(initial_state(scene, in).memories);
+        start = kept.starts.at(0);
+        return kept.anchors.at(0);
     };
     for (const PaintedOn on : {PaintedOn::vertices, PaintedOn::faces}) {
         AttachmentStart start;

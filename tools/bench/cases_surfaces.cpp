@@ -101,7 +101,7 @@ void thick_sphere(Book& book, const RunOptions& options) {
             std::vector<double> h, at_inner, at_outer;
             Work work;
             const bool linear = element.kind == ElementKind::linear;
-            const auto sizes = linear ? std::vector{4, 8, 12} : std::vector{2, 4, 8};
+            const auto sizes = linear ? std::vector{4, 6, 8} : std::vector{2, 4, 6};
             for (const int n : sizes) {
                 const auto u =
                     inflate(inner, outer, n, c.law, element.kind, c.values, c.share * c.pressure, options.stop, work);

@@ -160,12 +160,13 @@ class Collector {
         const nodes::SimulationState state = nodes::load_simulation(std::span(saved).subspan(header));
         const std::vector<std::string> names = acting_attachments(*e_.graph, source.meshes.node, solved,
                                                                   [&](const Plug& plug) { return pull(plug, frame); });
-        for (std::size_t a = 0; a < state.state.anchors.size() && a < state.scene.links.size(); ++a) {
+        const solver::AttachmentMemory attachments = solver::attachments_kept(state.state.memories);
+        for (std::size_t a = 0; a < attachments.anchors.size() && a < state.scene.links.size(); ++a) {
             const auto [from, to] = state.scene.links[a];
             if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
             const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
                               target_body = source.solved[static_cast<std::size_t>(to)];
-            ViewAttachment view = attachment_of(state.state.anchors[a], *solved.rests[static_cast<std::size_t>(from)],
+            ViewAttachment view = attachment_of(attachments.anchors[a], *solved.rests[static_cast<std::size_t>(from)],
                                                 *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
             view.node = a < names.size() ? names[a] : "";
             view.source = static_cast<int>(source.bodies[source_body]);

@@ -4,6 +4,7 @@
 #include "engine/graph.h"
 #include "nodes/marks.h"
 #include "nodes/values.h"
+#include "solver/terms/attachment/anchors.h"
 #include "tools/viewer/view_data.h"
 
 #include <functional>

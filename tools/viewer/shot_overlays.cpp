@@ -141,7 +141,7 @@ Vec3 anchor_place(const ViewAnchor& anchor, const ViewBody& target, std::size_t 
                       static_cast<double>(anchor.offset[2]));
     if (offset.isZero()) return p;
     const auto host = [&](std::size_t k) { return host_place(target, frame, anchor.target.host[k]); };
-    // The triangle's own frame: first edge, across, normal (solver/attach/anchors.cpp).
+    // The triangle's own frame: first edge, across, normal (solver/terms/attachment/anchors.cpp).
     const Vec3 along = (host(1) - host(0)).normalized(),
                normal = (host(1) - host(0)).cross(host(2) - host(0)).normalized();
     return p + offset[0] * along + offset[1] * normal.cross(along) + offset[2] * normal;

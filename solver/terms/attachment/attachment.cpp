@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/attachment/attachment.h"
 
+#include "solver/error.h"
+#include "solver/terms/attachment/anchors.h"
+
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 namespace sinew::solver {
 
@@ -20,12 +25,23 @@ const TermType attachment_type{
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         return scene.description().attachments.empty() ? nullptr : std::make_unique<Attachments>(scene);
     },
+    .start = [](const Scene& scene, const StepInputs&, const std::vector<Points>& surfaces,
+                TermMemory& memory) { keep_attachments(make_anchors(scene, surfaces), memory); },
+    .memory_version = 1,
+    .has_memory = true,
 };
 
 Changes Attachments::take(const StepInputs&, const State& before) {
-    if (anchors_ && *anchors_ == before.anchors) return {};
-    anchors_ = before.anchors;
-    springs_ = std::make_unique<Springs>(scene_, *anchors_);
+    const TermMemory* memory = find_memory(before.memories, attachment_type.name);
+    if (springs_ && memory && *memory == memory_) return {};
+    AttachmentMemory kept = attachments_kept(before.memories);
+    // A state may come from a file.
+    if (kept.anchors.size() != scene_.description().attachments.size())
+        throw Error("IO403", "a saved simulation state holds " + std::to_string(kept.anchors.size()) +
+                                 " attachments, the scene has " +
+                                 std::to_string(scene_.description().attachments.size()));
+    memory_ = *memory;
+    springs_ = std::make_unique<Springs>(scene_, std::move(kept.anchors));
     return {.couplings = true};
 }
 

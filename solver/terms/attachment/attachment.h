@@ -1,10 +1,11 @@
-// Attachments as a term: springs per area between the surfaces of two bodies (solver/attach).
+// Attachments as a term: springs per area between the surfaces of two bodies (springs.h), held where they found each
+// other at the start frame (anchors.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/attach/springs.h"
 #include "solver/term/type.h"
+#include "solver/terms/attachment/springs.h"
 
-#include <optional>
+#include <memory>
 
 namespace sinew::solver {
 
@@ -32,7 +33,7 @@ class Attachments final : public Term {
 
   private:
     const Scene& scene_;
-    std::optional<std::vector<std::vector<Anchor>>> anchors_;
+    TermMemory memory_; ///< that the springs are made of
     std::unique_ptr<Springs> springs_;
     std::vector<double> gradient_;        ///< 3 a vertex
     mutable std::vector<double> of_body_; ///< squares, per body of the scene

@@ -2,9 +2,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/scene.h"
-#include "solver/state.h"
+#include "solver/term/memory.h"
+
+#include <array>
+#include <vector>
 
 namespace sinew::solver {
+
+/// A point that a body carries.
+struct AnchorEnd {
+    int tet = -1;                            ///< of a tissue; -1 on a bone
+    std::array<int, 3> vertices{-1, -1, -1}; ///< of a bone's surface: those of a triangle
+    std::array<double, 4> coordinates{};     ///< barycentric in the tet, or in the triangle (the fourth is 0)
+    friend bool operator==(const AnchorEnd&, const AnchorEnd&) = default;
+};
+
+/// Where a sample of a source's surface holds on to the target, fixed at the start frame.
+struct Anchor {
+    AnchorEnd source, target;
+    std::array<double, 3> offset{}; ///< from the target's point, in the frame of its triangle [m]; bones only
+    double area_weight = 0;         ///< the sample's area x painted weight [m^2]
+    friend bool operator==(const Anchor&, const Anchor&) = default;
+};
+static_assert(sizeof(Anchor) == 4 * 2 * 4 + 8 * (4 + 4 + 3 + 1), "no padding: its bytes are kept as they are");
 
 /// What became of an attachment at the start frame.
 struct AttachmentStart {
@@ -13,6 +33,14 @@ struct AttachmentStart {
     double max_distance = 0; ///< in use [m]
     double longest = 0;      ///< farthest that a sample reaches to the target [m]
     double source_size = 0;  ///< diagonal of the box around the painted part of the source [m]
+    friend bool operator==(const AttachmentStart&, const AttachmentStart&) = default;
+};
+
+/// What attachments keep from the start frame, each in the order of the scene's attachments.
+struct AttachmentMemory {
+    std::vector<std::vector<Anchor>> anchors;
+    std::vector<AttachmentStart> starts;
+    friend bool operator==(const AttachmentMemory&, const AttachmentMemory&) = default;
 };
 
 /// Position of an end on a bone.
@@ -34,7 +62,11 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
 /// triangle's own frame, which is exact for rigid motion.
 /// Throws Error, its attachment set: FE204 (weights), FE212 (nothing painted), FE240 (nothing of it finds a hold),
 /// FE232 (too many samples).
-std::vector<std::vector<Anchor>> make_anchors(const Scene& scene, const std::vector<Points>& surfaces,
-                                              std::vector<AttachmentStart>* starts = nullptr);
+AttachmentMemory make_anchors(const Scene& scene, const std::vector<Points>& surfaces);
+
+/// To and from the bytes of a term's memory.
+void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory);
+/// Empty where none of `memories` is that of attachments. Throws Error IO403 where the bytes end too early.
+AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories);
 
 } // namespace sinew::solver

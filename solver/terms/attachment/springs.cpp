@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/attach/springs.h"
+#include "solver/terms/attachment/springs.h"
 
-#include "solver/attach/anchors.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -20,22 +19,23 @@ Vec3 point_of(const std::vector<double>& x, int vertex) { return Eigen::Map<cons
 
 } // namespace
 
-Springs::Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors)
-    : scene_(scene) {
+Springs::Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors)
+    : scene_(scene)
+    , anchors_(std::move(anchors)) {
     const auto& attachments = scene.description().attachments;
-    for (std::size_t a = 0; a < anchors.size(); ++a) {
+    for (std::size_t a = 0; a < anchors_.size(); ++a) {
         const int source = attachments[a].source, target = attachments[a].target;
         const bool pulls_source = scene.tissue(source), pulls_target = scene.tissue(target);
         if (!pulls_source && !pulls_target) continue;
-        for (std::size_t i = 0; i < anchors[a].size(); ++i) {
-            const Anchor& anchor = anchors[a][i];
+        for (std::size_t i = 0; i < anchors_[a].size(); ++i) {
+            const Anchor& anchor = anchors_[a][i];
             springs_.push_back({static_cast<int>(a), static_cast<int>(i), terms_.size(), 0, anchor.area_weight});
             if (pulls_source) add_end(anchor.source, source, 1);
             if (pulls_target) add_end(anchor.target, target, pulls_source ? -1 : 1);
         }
     }
     pulls_.resize(attachments.size());
-    anchors_.resize(springs_.size()), references_.resize(springs_.size()), forces_.resize(springs_.size());
+    places_.resize(springs_.size()), references_.resize(springs_.size()), forces_.resize(springs_.size());
     make_nodes();
     make_groups();
 }
@@ -112,7 +112,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
     }
     parallel_for(springs_.size(), grain, [&](std::size_t k) {
         const Spring& s = springs_[k];
-        const Anchor& anchor = before.anchors[at(s.attachment)][at(s.anchor)];
+        const Anchor& anchor = anchors_[at(s.attachment)][at(s.anchor)];
         const AttachmentRest& rest = attachments[at(s.attachment)];
         Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();
         const bool to_bone = scene_.bone(rest.target), from_bone = scene_.bone(rest.source);
@@ -123,7 +123,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             place += form.bone_position[time] * p;
             velocity += form.bone_velocity[time] * p;
         }
-        anchors_[k] = place;
+        places_[k] = place;
         references_[k] = Vec3::Zero();
         if (pulls_[at(s.attachment)].viscous == 0) return;
         // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
@@ -136,7 +136,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
 
 Vec3 Springs::stretch(std::size_t spring, const std::vector<double>& x) const {
     const Spring& s = springs_[spring];
-    Vec3 sum = -anchors_[spring];
+    Vec3 sum = -places_[spring];
     for (std::size_t i = s.first_term; i < s.first_term + at(s.count); ++i)
         sum += terms_[i].coefficient * point_of(x, terms_[i].vertex);
     return sum;

@@ -8,13 +8,14 @@
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step_inputs.h"
+#include "solver/terms/attachment/anchors.h"
 
 namespace sinew::solver {
 
 class Springs {
   public:
     /// Springs of all attachments that pull; bone to bone ones have no effect and are left out.
-    Springs(const Scene& scene, const std::vector<std::vector<Anchor>>& anchors);
+    Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors);
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
     /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
@@ -37,7 +38,7 @@ class Springs {
   private:
     /// |sum_i c_i x_i - anchor|: up to two embedded points against each other or against a bone.
     struct Spring {
-        int attachment, anchor; ///< places in the state's anchors
+        int attachment, anchor; ///< places in anchors_
         std::size_t first_term; ///< of terms_
         int count;              ///< of its terms
         double area_weight;     ///< [m^2]
@@ -79,6 +80,7 @@ class Springs {
     Vec3 gathered(std::size_t node) const; ///< sum of coefficient x force_ at a vertex
 
     const Scene& scene_;
+    std::vector<std::vector<Anchor>> anchors_; ///< per attachment
     std::vector<Spring> springs_;
     std::vector<Term> terms_;
     std::vector<Group> groups_;
@@ -87,7 +89,7 @@ class Springs {
     std::vector<Load> loads_;
     // Of the stage:
     std::vector<Pull> pulls_;         ///< per attachment
-    std::vector<Vec3> anchors_;       ///< prescribed points, 0 where both ends are free
+    std::vector<Vec3> places_;        ///< prescribed points, 0 where both ends are free
     std::vector<Vec3> references_;    ///< the stretch at which the relative velocity would be zero
     std::vector<Vec3> forces_;        ///< scratch: of each spring
     std::vector<double> node_square_; ///< scratch

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/attach/anchors.h"
+#include "solver/terms/attachment/anchors.h"
 
-#include "solver/attach/find_targets.h"
 #include "solver/error.h"
 #include "solver/parallel.h"
 #include "solver/surface/quadrature.h"
+#include "solver/terms/attachment/find_targets.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -184,18 +184,15 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {
     return point + frame_of(anchor.target, positions) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
 }
 
-std::vector<std::vector<Anchor>> make_anchors(const Scene& scene, const std::vector<Points>& surfaces,
-                                              std::vector<AttachmentStart>* starts) {
+AttachmentMemory make_anchors(const Scene& scene, const std::vector<Points>& surfaces) {
     const auto& attachments = scene.description().attachments;
-    std::vector<std::vector<Anchor>> out(attachments.size());
-    if (starts) starts->assign(attachments.size(), {});
+    AttachmentMemory out;
+    out.anchors.resize(attachments.size()), out.starts.resize(attachments.size());
     Bodies bodies(scene, surfaces);
     for (std::size_t a = 0; a < attachments.size(); ++a) {
         if (attachments[a].mode == AttachmentMode::none) continue;
         try {
-            AttachmentStart start;
-            out[a] = anchors_of(scene, attachments[a], surfaces, bodies, start);
-            if (starts) (*starts)[a] = start;
+            out.anchors[a] = anchors_of(scene, attachments[a], surfaces, bodies, out.starts[a]);
         } catch (Error& e) {
             e.attachment = static_cast<int>(a);
             throw;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/attach/find_targets.h"
+#include "solver/terms/attachment/find_targets.h"
 
 #include "solver/error.h"
 #include "solver/parallel.h"

@@ -1,0 +1,69 @@
+// The bytes of AttachmentMemory: how many attachments, then of each its start, how many anchors, and those.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/error.h"
+#include "solver/terms/attachment/anchors.h"
+#include "solver/terms/attachment/attachment.h"
+
+#include <cstring>
+#include <span>
+#include <type_traits>
+
+namespace sinew::solver {
+
+namespace {
+
+static_assert(std::is_trivially_copyable_v<Anchor> && std::is_trivially_copyable_v<AttachmentStart>);
+static_assert(sizeof(AttachmentStart) == 5 * sizeof(double), "no padding: its bytes are kept as they are");
+
+void append(const void* from, std::size_t size, std::vector<std::byte>& bytes) {
+    const auto* first = static_cast<const std::byte*>(from);
+    bytes.insert(bytes.end(), first, first + size);
+}
+
+void take(std::span<const std::byte>& bytes, void* to, std::size_t size) {
+    if (bytes.size() < size) throw Error("IO403", "the attachments of a saved simulation state end too early");
+    if (size > 0) std::memcpy(to, bytes.data(), size);
+    bytes = bytes.subspan(size);
+}
+
+/// A count of items of `size` bytes each, which must follow.
+std::size_t take_count(std::span<const std::byte>& bytes, std::size_t size) {
+    std::uint64_t count = 0;
+    take(bytes, &count, sizeof count);
+    if (count > bytes.size() / size) throw Error("IO403", "the attachments of a saved simulation state end too early");
+    return static_cast<std::size_t>(count);
+}
+
+} // namespace
+
+void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory) {
+    memory.bytes.clear();
+    if (attachments.anchors.empty()) return;
+    const std::uint64_t count = attachments.anchors.size();
+    append(&count, sizeof count, memory.bytes);
+    for (std::size_t a = 0; a < attachments.anchors.size(); ++a) {
+        const std::vector<Anchor>& anchors = attachments.anchors[a];
+        const std::uint64_t size = anchors.size();
+        append(&attachments.starts[a], sizeof(AttachmentStart), memory.bytes);
+        append(&size, sizeof size, memory.bytes);
+        append(anchors.data(), size * sizeof(Anchor), memory.bytes);
+    }
+}
+
+AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories) {
+    AttachmentMemory out;
+    const TermMemory* memory = find_memory(memories, attachment_type.name);
+    if (!memory) return out;
+    std::span<const std::byte> bytes = memory->bytes;
+    const std::size_t count = take_count(bytes, sizeof(AttachmentStart) + sizeof(std::uint64_t));
+    out.anchors.resize(count), out.starts.resize(count);
+    for (std::size_t a = 0; a < count; ++a) {
+        take(bytes, &out.starts[a], sizeof(AttachmentStart));
+        out.anchors[a].resize(take_count(bytes, sizeof(Anchor)));
+        take(bytes, out.anchors[a].data(), out.anchors[a].size() * sizeof(Anchor));
+    }
+    if (!bytes.empty()) throw Error("IO403", "the attachments of a saved simulation state have bytes left over");
+    return out;
+}
+
+} // namespace sinew::solver
