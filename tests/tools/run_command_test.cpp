@@ -94,7 +94,8 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
                          "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
-    CHECK(keys(report) == std::set<std::string>{"version", "machine", "threads", "graph", "totals", "frames", "size"});
+    CHECK(keys(report) ==
+          std::set<std::string>{"version", "machine", "blas", "threads", "graph", "totals", "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);

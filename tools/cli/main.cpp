@@ -1,5 +1,6 @@
 // sinew: parses the command line, runs one command, and turns what it throws into an exit code.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/blas_kernel.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/interrupts.h"
@@ -71,6 +72,7 @@ ExitCode dispatch(std::vector<std::string> words, std::stop_token stop) {
 } // namespace
 
 int main(int count, char** words) {
+    solver::choose_blas_kernel();
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
     // A full disk behind a redirection must not pass for success.

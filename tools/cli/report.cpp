@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/report.h"
 
+#include "solver/linear/blas_kernel.h"
 #include "tools/cli/machine.h"
 #include "tools/cli/print.h"
 
@@ -89,7 +90,11 @@ int RunReport::unconverged() const {
 }
 
 std::string report_json(const RunReport& r) {
-    Json out = {{"version", SINEW_VERSION}, {"machine", machine_name()}, {"threads", r.threads}, {"graph", r.graph}};
+    Json out = {{"version", SINEW_VERSION},
+                {"machine", machine_name()},
+                {"blas", solver::blas_kernel()},
+                {"threads", r.threads},
+                {"graph", r.graph}};
     const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
     out["totals"] = {{"wall_s", r.wall_s},
                      {"setup_s", r.setup_s},
