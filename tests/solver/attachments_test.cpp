@@ -184,7 +184,8 @@ TEST_CASE("a box that hangs by its painted top from a spring bed extends it by r
             Workspace w(scene);
             const State start = initial_state(*scene, in), s = settle(w, start, in);
             double extension = 0, area = 0; // the mean over the samples
-            for (const Anchor& anchor : attachments_kept(start.memories).anchors[0]) {
+            const AttachmentMemory kept = attachments_kept(start.memories);
+            for (const Anchor& anchor : kept.anchors[0]) {
                 const PointWeights p = scene->embedded(0, anchor.source.tet, anchor.source.coordinates);
                 double z = 0;
                 for (int i = 0; i < p.count; ++i) z += p.weight[i] * position(s, p.vertex[i]).z();
