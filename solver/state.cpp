@@ -202,7 +202,7 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
 template <class Record, class Visit>
 void visit_record(Record& r, const Visit& visit) {
     visit(r.residual), visit(r.converged), visit(r.newton_iterations), visit(r.substeps), visit(r.halvings),
-        visit(r.linear_iterations), visit(r.energy);
+        visit(r.linear_iterations), visit(r.factorizations), visit(r.energy);
     visit(r.min_j), visit(r.inverted);
 }
 

@@ -1,7 +1,7 @@
 // The complete state of a simulation: all that the next step reads. Plain values; load(save(s)) equals s bit for bit.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/linear_solver.h"
+#include "solver/linear/linear_method.h"
 #include "solver/step_inputs.h"
 #include "solver/term/measure.h"
 #include "solver/term/memory.h"
@@ -22,6 +22,7 @@ struct StepRecord {
     int newton_iterations = 0, substeps = 0;
     int halvings = 0;               ///< steps that failed and were taken again in two halves
     int linear_iterations = 0;      ///< of conjugate gradients; 0 where every solve was direct
+    int factorizations = 0;         ///< of matrices, also those that were found indefinite
     double energy = 0;              ///< elastic + fibre + attachment [J]
     double min_j = 1;               ///< least det F over all tets
     int inverted = 0;               ///< tets with det F <= 0

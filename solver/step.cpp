@@ -158,6 +158,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
 void add_step(const StepRecord& from, bool taken, StepRecord& to) {
     to.newton_iterations += from.newton_iterations;
     to.linear_iterations += from.linear_iterations;
+    to.factorizations += from.factorizations;
     to.seconds_assembly += from.seconds_assembly;
     to.seconds_factor += from.seconds_factor;
     to.seconds_solve += from.seconds_solve;
@@ -247,6 +248,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     Workspace::Impl& impl = workspace.impl();
     State s = before;
     StepRecord record;
+    if (impl.newton) impl.newton->linear.begin_frame();
     std::size_t k = 0;
     StepControl inner = control;
     if (control.progress)

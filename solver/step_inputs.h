@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/fields.h"
-#include "solver/linear/linear_solver.h"
+#include "solver/linear/linear_method.h"
 #include "solver/term/part.h"
 #include "solver/types.h"
 

@@ -65,4 +65,24 @@ void multiply(const BlockMatrix& a, const double* x, double* y) {
     });
 }
 
+std::vector<int> components(const BlockPattern& pattern) {
+    std::vector<int> root(at(pattern.rows));
+    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = i;
+    const auto find = [&](int i) {
+        while (root[at(i)] != i) {
+            int& parent = root[at(i)];
+            parent = root[at(parent)];
+            i = parent;
+        }
+        return i;
+    };
+    for (int i = 0; i < pattern.rows; ++i)
+        for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
+            const int a = find(i), b = find(pattern.column[at(e)]);
+            root[at(std::max(a, b))] = std::min(a, b);
+        }
+    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = find(i);
+    return root;
+}
+
 } // namespace sinew::solver

@@ -22,6 +22,9 @@ struct BlockPattern {
 /// From couplings (i, j) in any order, duplicates allowed.
 BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings);
 
+/// Component of every row, by its lowest row.
+std::vector<int> components(const BlockPattern& pattern);
+
 /// Values of a pattern's blocks, row-major, 9 a block.
 struct BlockMatrix {
     const BlockPattern* pattern = nullptr;

@@ -2,37 +2,14 @@
 #include "solver/linear/component_factors.h"
 
 #include "solver/index.h"
+#include "solver/linear/cholesky.h"
+#include "solver/linear/single_cholesky.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
 #include <atomic>
 
 namespace sinew::solver {
-
-namespace {
-
-/// Component of every row, by its lowest row.
-std::vector<int> components(const BlockPattern& pattern) {
-    std::vector<int> root(at(pattern.rows));
-    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = i;
-    const auto find = [&](int i) {
-        while (root[at(i)] != i) {
-            int& parent = root[at(i)];
-            parent = root[at(parent)];
-            i = parent;
-        }
-        return i;
-    };
-    for (int i = 0; i < pattern.rows; ++i)
-        for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
-            const int a = find(i), b = find(pattern.column[at(e)]);
-            root[at(std::max(a, b))] = std::min(a, b);
-        }
-    for (int i = 0; i < pattern.rows; ++i) root[at(i)] = find(i);
-    return root;
-}
-
-} // namespace
 
 ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
     const bool plain = factoring == Factoring::plain;
@@ -57,7 +34,10 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
         part->matrix = std::make_unique<BlockMatrix>(part->pattern);
-        part->factor = std::make_unique<Cholesky>(part->pattern, plain);
+        if (factoring == Factoring::single)
+            part->factor = std::make_unique<SingleCholesky>(part->pattern);
+        else
+            part->factor = std::make_unique<Cholesky>(part->pattern, plain);
         part->in.resize(3 * part->rows.size());
         part->out.resize(3 * part->rows.size());
     }

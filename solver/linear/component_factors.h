@@ -2,15 +2,16 @@
 // nothing to do with each other.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/cholesky.h"
+#include "solver/linear/sparse_factor.h"
 
 #include <memory>
 #include <vector>
 
 namespace sinew::solver {
 
-/// plain: the whole matrix at once, and CHOLMOD may open threads of its own.
-enum class Factoring { by_component, plain };
+/// by_component: in double precision. single: likewise in single precision, to precondition with. plain: the whole
+/// matrix at once, and CHOLMOD may open threads of its own.
+enum class Factoring { by_component, single, plain };
 
 class ComponentFactors {
   public:
@@ -28,7 +29,7 @@ class ComponentFactors {
         BlockPattern pattern;
         std::vector<int> source; ///< per block of the part: the block of the whole
         std::unique_ptr<BlockMatrix> matrix;
-        std::unique_ptr<Cholesky> factor;
+        std::unique_ptr<SparseFactor> factor;
         std::vector<double> in, out;
     };
     std::vector<std::unique_ptr<Part>> parts_; ///< the largest first, so that threads end together

@@ -12,12 +12,15 @@ namespace {
 /// Steps that stay with the kept factor after multigrid did not pay; then that is tried again.
 constexpr int kept_steps = 24;
 /// Newton iterations of one step after which the inexact directions are taken to be what holds it up; more where a
-/// factor is dear.
-int patience(int break_even) { return std::max(5, break_even / 40); }
-/// A solve with the factor costs about a fiftieth of making it.
-constexpr int kept_factor_iterations = 30;
+/// factor is dear (its cost in cycles).
+int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 40, 5.0, 25.0)); }
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
 constexpr double kept_factor_tolerance = 1e-2;
+/// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
+constexpr double kept_factor_solves = 3;
+/// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
+/// take as many.
+constexpr double worn_out = 0.5;
 /// Up to here a factor is too cheap for anything else to pay.
 constexpr int small_rows = 200;
 /// Where there is no factor to fall back on.
@@ -25,56 +28,70 @@ constexpr int most_iterations = 5000;
 
 } // namespace
 
-int LinearSolver::break_even() const {
-    // Nested dissection of three-dimensional meshes costs about 90 flops per squared vertex count (measured between 73
-    // and 98 from 1,225 to 95,033 vertices), at about 10 GFLOP/s for the small supernodes of such sizes. An iteration
-    // with a multigrid cycle streams the single-precision blocks four and a half times and some forty vectors, at about
-    // 60 GB/s while they fit the third-level cache and 14 beyond. Constants, not measurements of this run: the choice
-    // must repeat.
-    const double n = pattern_.rows, blocks = 2 * static_cast<double>(pattern_.block_count()) - n;
-    const double factor_seconds = 90 * n * n / 10e9;
-    const double bytes = 4.5 * 52 * blocks + 40 * 24 * n;
-    const double iteration_seconds = bytes / (48 * blocks < 24e6 ? 60e9 : 14e9) + 2e-5;
-    return static_cast<int>(std::clamp(factor_seconds / iteration_seconds, 30.0, 1000.0));
-}
-
-void LinearSolver::make_factors(bool plain) {
-    if (factors_ && plain == plain_factors_) return;
-    factors_ = std::make_unique<ComponentFactors>(pattern_, plain ? Factoring::plain : Factoring::by_component);
-    plain_factors_ = plain;
-    ++symbolic_analyses_;
+/// Cycles that this solve may take before the step has cost more than it would with a factor.
+int LinearSolver::allowed_cycles(int newton_iteration) const {
+    const double by_factor = costs_.factor + kept_factor_solves * (newton_iteration + 1) * costs_.factor_solve;
+    return static_cast<int>(std::clamp((by_factor - spent_ - costs_.hierarchy) / costs_.cycle, 0.0, 1000.0));
 }
 
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        Outcome& outcome, bool plain) {
     {
         const Stopwatch timer(outcome.seconds_factor);
-        make_factors(plain);
-        outcome.definite = factor_of_this_step_ = factors_->factorize(a);
+        if (!factors_ || plain != plain_factors_) {
+            factors_ = std::make_unique<ComponentFactors>(pattern_, plain ? Factoring::plain : Factoring::by_component);
+            plain_factors_ = plain;
+            ++symbolic_analyses_;
+        }
+        outcome.definite = factors_->factorize(a);
+        ++outcome.factors;
+        kept_ = outcome.definite ? Kept::full : Kept::none;
     }
     const Stopwatch timer(outcome.seconds_solve);
     if (outcome.definite) factors_->solve(b.data(), x.data());
 }
 
+bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
+    const Stopwatch timer(outcome.seconds_factor);
+    if (!single_) {
+        single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
+        ++symbolic_analyses_;
+    }
+    const bool good = single_->factorize(a);
+    ++outcome.factors;
+    kept_ = good ? Kept::single : Kept::none;
+    return good;
+}
+
+ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
+                                                             std::vector<double>& x, double tolerance,
+                                                             Outcome& outcome) {
+    const Stopwatch timer(outcome.seconds_solve);
+    ComponentFactors& factors = kept_ == Kept::single ? *single_ : *factors_;
+    const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in, std::vector<double>& out) {
+        factors.solve(in.data(), out.data());
+    };
+    if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
+    iterative_->set(a);
+    const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / costs_.factor_solve, 3.0, 30.0));
+    const ConjugateGradients::Result r =
+        iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance), most, factor);
+    outcome.iterations += r.iterations;
+    outcome.definite = r.definite;
+    return r;
+}
+
 void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                           double tolerance, bool projected, Outcome& outcome) {
-    if (factor_of_this_step_) {
-        ConjugateGradients::Result r;
-        {
-            const Stopwatch timer(outcome.seconds_solve);
-            const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in,
-                                                                  std::vector<double>& out) {
-                factors_->solve(in.data(), out.data());
-            };
-            if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
-            iterative_->set(a);
-            r = iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance),
-                                  kept_factor_iterations, factor);
-        }
-        outcome.iterations += r.iterations;
-        outcome.definite = r.definite;
+    if (kept_ != Kept::none) {
+        const ConjugateGradients::Result r = iterate_with_factor(a, b, x, tolerance, outcome);
         if (r.converged || (!r.definite && !projected)) return;
     }
+    if (kept_ != Kept::full && make_single(a, outcome)) {
+        const ConjugateGradients::Result r = iterate_with_factor(a, b, x, tolerance, outcome);
+        if (r.converged || (!r.definite && !projected)) return;
+    }
+    // What single precision cannot tell.
     factorize_and_solve(a, b, x, outcome);
 }
 
@@ -83,11 +100,14 @@ ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
     if (!multigrid_) multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places_);
+    spent_ += costs_.hierarchy;
     if (!multigrid_->set_values()) return {0, false, false};
     const ConjugateGradients::Preconditioner cycle = [&](const std::vector<double>& in, std::vector<double>& out) {
         multigrid_->apply(in, out);
     };
-    return iterative_->solve(b.data(), x.data(), tolerance, most, cycle);
+    const ConjugateGradients::Result r = iterative_->solve(b.data(), x.data(), tolerance, most, cycle);
+    spent_ += r.iterations * costs_.cycle;
+    return r;
 }
 
 LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b,
@@ -101,7 +121,9 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
         factorize_and_solve(a, b, x, outcome, plain);
         return outcome;
     }
-    if (automatic && newton_iteration >= patience(break_even())) memory.factor_steps_left = kept_steps;
+    const int allowed = automatic ? allowed_cycles(newton_iteration) : most_iterations;
+    if (automatic && (newton_iteration >= patience(costs_.factor / costs_.cycle) || allowed == 0))
+        memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;
@@ -109,14 +131,17 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     ConjugateGradients::Result r;
     {
         const Stopwatch timer(outcome.seconds_solve);
-        r = iterate(a, b, x, tolerance, automatic ? break_even() : most_iterations);
+        r = iterate(a, b, x, tolerance, allowed);
     }
     outcome.iterations = r.iterations;
     outcome.definite = r.definite;
     // The projected matrix is the last there is: where single precision cannot solve it, a factor must.
     if (r.converged || (!projected && (!r.definite || !automatic))) return outcome;
     if (automatic) memory.factor_steps_left = kept_steps;
-    factorize_and_solve(a, b, x, outcome);
+    if (automatic)
+        solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
+    else
+        factorize_and_solve(a, b, x, outcome);
     return outcome;
 }
 

@@ -1,65 +1,68 @@
-// One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle. Where those take too many
-// iterations, or Newton does not converge on what they give (stiff attachments on soft flesh), it goes over to a kept
-// factor for a while: one factorisation a step, which then preconditions conjugate gradients on the step's later
-// matrices. The choice is by counted cost, never by the clock, so that the same scene takes the same path everywhere;
-// and no factor outlives its step, so that a result never depends on what a workspace happens to hold.
+// One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle. Where the iterations of a step
+// have cost as much as a factor would (stiff attachments on soft flesh, small bodies), or Newton does not converge on
+// what they give, it goes over to a kept factor for a while: made once, in single precision, it preconditions conjugate
+// gradients on the later matrices of the frame until those take so many iterations that a new one is cheaper. The
+// choice is by counted cost (linear_costs.h), never by the clock, so that the same scene takes the same path
+// everywhere; and no factor outlives its frame, so that a result never depends on what a workspace happens to hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/component_factors.h"
 #include "solver/linear/conjugate_gradients.h"
+#include "solver/linear/linear_costs.h"
+#include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
 
 #include <memory>
 
 namespace sinew::solver {
 
-/// `plain` is the yardstick that the others are measured against: CHOLMOD as it comes, on all bodies at once, in every
-/// Newton iteration.
-enum class LinearMethod { automatic, direct, iterative, plain };
-
-/// What Auto remembers from step to step. Part of the simulation's state: the next step reads it.
-struct LinearMemory {
-    int factor_steps_left = 0; ///< steps that take the kept factor at once, after multigrid did not pay
-};
-
 class LinearSolver {
   public:
     LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
         : pattern_(pattern)
-        , places_(std::move(places)) {}
+        , places_(std::move(places))
+        , costs_(linear_costs(pattern)) {}
 
     struct Outcome {
         bool definite = false; ///< false: the matrix is not positive definite, x is not set
         int iterations = 0;    ///< of conjugate gradients, also those that were given up
+        int factors = 0;       ///< made
         double seconds_factor = 0, seconds_solve = 0;
     };
-    /// A new step: the factor of the last one is not used any more.
-    void begin_step() { factor_of_this_step_ = false; }
+    /// A new frame: the factor of the last one is not used any more.
+    void begin_frame() { kept_ = Kept::none; }
+    /// A new nonlinear solve: what its iterations cost is counted anew.
+    void begin_step() { spent_ = 0; }
     /// Solves A x = b. `newton_iteration` counts from 0 in the step. `projected`: the matrix is positive definite by
     /// construction, so iterations that find otherwise met the limits of single precision, and the factor decides.
     /// `tolerance` is for the iterative path; the direct one is exact to rounding.
     Outcome solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                   double tolerance, int newton_iteration, bool projected, LinearMemory& memory);
     int symbolic_analyses() const { return symbolic_analyses_; }
-    /// Iterations after which a factorisation would have been cheaper.
-    int break_even() const;
 
   private:
-    void make_factors(bool plain);
+    /// The factor that `factors_` or `single_` holds.
+    enum class Kept { none, full, single };
+    bool make_single(const BlockMatrix& a, Outcome& outcome);
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                              Outcome& outcome, bool plain = false);
+    ConjugateGradients::Result iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
+                                                   std::vector<double>& x, double tolerance, Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        double tolerance, int most);
+    int allowed_cycles(int newton_iteration) const;
     const BlockPattern& pattern_;
     UnknownPlaces places_;
-    std::unique_ptr<ComponentFactors> factors_;     ///< made when first needed
-    std::unique_ptr<ConjugateGradients> iterative_; ///< made when first needed
-    std::unique_ptr<Multigrid> multigrid_;          ///< likewise
+    LinearCosts costs_;
+    std::unique_ptr<ComponentFactors> factors_, single_; ///< made when first needed
+    std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
+    std::unique_ptr<Multigrid> multigrid_;               ///< likewise
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
-    bool factor_of_this_step_ = false; ///< factors_ holds one
+    Kept kept_ = Kept::none;
+    double spent_ = 0; ///< on multigrid in this step, as costs_ count
 };
 
 } // namespace sinew::solver

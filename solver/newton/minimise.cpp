@@ -35,6 +35,7 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
             w.linear.solve(options.method, w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance),
                            iteration, project, memory);
         record.linear_iterations += outcome.iterations;
+        record.factorizations += outcome.factors;
         record.seconds_factor += outcome.seconds_factor;
         record.seconds_solve += outcome.seconds_solve;
         if (!outcome.definite) continue;
@@ -206,6 +207,7 @@ bool may_be_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions&
         const LinearSolver::Outcome outcome =
             w.linear.solve(method, w.hessian, probe, w.direction, 1e-3, 0, false, unchanged);
         record.linear_iterations += outcome.iterations;
+        record.factorizations += outcome.factors;
         record.seconds_factor += outcome.seconds_factor;
         record.seconds_solve += outcome.seconds_solve;
         definite = outcome.definite;

@@ -93,6 +93,8 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.record.residual = 1; }));
     CHECK(changed([](auto& s) { s.state.record.converged = false; }));
     CHECK(changed([](auto& s) { s.state.record.newton_iterations = 1; }));
+    CHECK(changed([](auto& s) { s.state.record.linear_iterations = 1; }));
+    CHECK(changed([](auto& s) { s.state.record.factorizations = 1; }));
     CHECK(changed([](auto& s) { s.state.record.substeps = 1; }));
     CHECK(changed([](auto& s) { s.state.record.energy = 1; }));
     CHECK(changed([](auto& s) { s.state.record.min_j = 0; }));

@@ -102,7 +102,7 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
     CHECK(report.at("totals").at("peak_bytes") > 1'000'000);
     REQUIRE(report.at("frames").size() == 4);
     const json& last = report.at("frames").at(3);
-    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "residual", "converged",
+    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "linear_iterations", "factorizations", "residual", "converged",
                             "energy", "min_J", "inverted", "terms"})
         CHECK(last.contains(key));
     // Nothing finds contacts, so nothing is said about them.

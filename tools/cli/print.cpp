@@ -172,6 +172,8 @@ Json describe_step(const solver::StepRecord& r) {
               {"other", r.seconds_other}}},
             {"substeps", r.substeps},
             {"newton", r.newton_iterations},
+            {"linear_iterations", r.linear_iterations},
+            {"factorizations", r.factorizations},
             {"halvings", r.halvings},
             {"residual", r.residual},
             {"converged", r.converged},

@@ -1,5 +1,6 @@
 // Block matrices: the pattern that couplings make, products, and direct solution by components.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/cholesky.h"
 #include "solver/linear/component_factors.h"
 #include "tests/support/grid_matrix.h"
 

@@ -1,0 +1,31 @@
+// Supernodal Cholesky in single precision, for factors that precondition iterations: half the bytes and twice the flops
+// a cycle of double precision. The analysis is CHOLMOD's; the numbers are made here, left-looking, one supernode after
+// those it depends on, by BLAS on dense blocks. Independent subtrees of supernodes are made side by side, and of large
+// ones above them the rows, each in a fixed order, so that bits do not depend on threads.
+//
+// The matrix is scaled to a unit diagonal first: what stiffens single unknowns (a spring, a light vertex) leaves no
+// trace then in how well the factor is conditioned.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/sparse_factor.h"
+
+#include <memory>
+
+namespace sinew::solver {
+
+class SingleCholesky final : public SparseFactor {
+  public:
+    explicit SingleCholesky(const BlockPattern& pattern);
+    ~SingleCholesky() override;
+    /// False also where a matrix is positive definite by less than single precision can tell.
+    bool factorize(const BlockMatrix& a) override;
+    double factor_operations() const override;
+    /// Right to single precision times the condition of the scaled matrix.
+    void solve(const double* b, double* x) override;
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace sinew::solver

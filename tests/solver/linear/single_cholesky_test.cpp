@@ -1,0 +1,98 @@
+// The factor in single precision that preconditions iterations.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/cholesky.h"
+#include "solver/linear/component_factors.h"
+#include "solver/linear/conjugate_gradients.h"
+#include "solver/linear/single_cholesky.h"
+#include "tests/support/grid_matrix.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+#include <tbb/global_control.h>
+
+using namespace sinew::solver;
+using namespace sinew::test;
+
+TEST_CASE("in single precision a grid's solution is the wave divided by its eigenvalue, to five digits", "[linear]") {
+    const GridMatrix grid(12);
+    const Eigen::Vector3d v(0.3, 1, -0.7);
+    const std::vector<double> b = grid.wave(2, 5, 1, grid.k * v),
+                              expected = grid.wave(2, 5, 1, v / grid.eigenvalue(2, 5, 1));
+    SingleCholesky factor(grid.pattern);
+    CHECK(factor.factor_operations() == Cholesky(grid.pattern).factor_operations());
+    REQUIRE(factor.factorize(grid.a));
+    std::vector<double> x(b.size());
+    factor.solve(b.data(), x.data());
+    CHECK((as_vector(x) - as_vector(expected)).norm() < 1e-5 * as_vector(expected).norm());
+    // Right sides of any size.
+    std::vector<double> small(b), y(b.size());
+    for (double& s : small) s *= 1e-60;
+    factor.solve(small.data(), y.data());
+    for (double& s : y) s *= 1e60;
+    CHECK((as_vector(y) - as_vector(x)).norm() < 1e-6 * as_vector(x).norm());
+    const std::vector<double> zero(b.size(), 0.0);
+    factor.solve(zero.data(), y.data());
+    CHECK(as_vector(y).norm() == 0);
+}
+
+TEST_CASE("large matrices go through tiles and subtrees, with the same bits on one thread and on two", "[linear]") {
+    const GridMatrix grid(18);
+    const std::vector<double> b = random_numbers(3 * 18 * 18 * 18, 9);
+    std::vector<double> one(b.size()), two(b.size());
+    for (auto* x : {&one, &two}) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, x == &one ? 1 : 2);
+        SingleCholesky factor(grid.pattern);
+        REQUIRE(factor.factorize(grid.a));
+        factor.solve(b.data(), x->data());
+    }
+    CHECK(one == two);
+    std::vector<double> back(b.size());
+    multiply(grid.a, one.data(), back.data());
+    CHECK((as_vector(back) - as_vector(b)).norm() < 1e-4 * as_vector(b).norm());
+}
+
+TEST_CASE("stiff unknowns do not spoil a factor in single precision, and it preconditions in an iteration or two",
+          "[linear]") {
+    GridMatrix grid(10);
+    for (std::size_t i = 0; i < 1000; i += 7) {
+        double* d = grid.a.block(std::size_t(grid.pattern.row_start[i]));
+        for (int c = 0; c < 3; ++c) d[4 * c] *= 1e8;
+    }
+    const std::vector<double> b = random_numbers(3000, 11);
+    ComponentFactors exact(grid.pattern), single(grid.pattern, Factoring::single);
+    REQUIRE(exact.factorize(grid.a));
+    REQUIRE(single.factorize(grid.a));
+    std::vector<double> x(b.size()), expected(b.size());
+    exact.solve(b.data(), expected.data());
+    single.solve(b.data(), x.data());
+    CHECK((as_vector(x) - as_vector(expected)).norm() < 1e-5 * as_vector(expected).norm());
+    ConjugateGradients iterations(grid.pattern);
+    iterations.set(grid.a);
+    const auto result =
+        iterations.solve(b.data(), x.data(), 1e-4, 10, [&](const std::vector<double>& in, std::vector<double>& out) {
+            single.solve(in.data(), out.data());
+        });
+    CHECK(result.converged);
+    CHECK(result.iterations <= 2);
+}
+
+TEST_CASE("a factor in single precision sees what is not positive definite, and goes on with the next", "[linear]") {
+    const GridMatrix grid(6);
+    SingleCholesky factor(grid.pattern);
+    REQUIRE(factor.factorize(grid.a));
+    const std::vector<double> b = random_numbers(3 * 216, 12);
+    std::vector<double> x(b.size()), again(b.size());
+    factor.solve(b.data(), x.data());
+    BlockMatrix bad = grid.a;
+    bad.block(std::size_t(grid.pattern.row_start[100]))[4] = -1;
+    CHECK_FALSE(factor.factorize(bad));
+    bad = grid.a;
+    bad.block(std::size_t(grid.pattern.row_start[100]))[8] *= 1e-3; // positive, and yet less than its neighbours allow
+    CHECK_FALSE(factor.factorize(bad));
+    bad = grid.a;
+    bad.block(std::size_t(grid.pattern.row_start[100]) + 1)[1] = std::numeric_limits<double>::quiet_NaN();
+    CHECK_FALSE(factor.factorize(bad));
+    REQUIRE(factor.factorize(grid.a));
+    factor.solve(b.data(), again.data());
+    CHECK(again == x);
+}
