@@ -6,6 +6,7 @@
 #include "solver/meshing/meshing_control.h"
 #include "solver/meshing/solid.h"
 
+#include <optional>
 #include <vector>
 
 namespace sinew::solver {
@@ -15,6 +16,11 @@ namespace sinew::solver {
 /// and what make_solid throws.
 Solid make_layer_place(const Points& points, const std::vector<Triangle>& triangles,
                        const MeshingControl& control = {});
+
+/// The tissue's own solid, if its surface is closed and can be made one; else the tets were made for another surface,
+/// or end elsewhere than at its triangles.
+std::optional<Solid> tissue_solid(const Points& surface, const std::vector<Triangle>& triangles,
+                                  const MeshingControl& control = {});
 
 /// Share of each tet's solid part that lies inside `place`, 0 to 1.
 ///

@@ -1,6 +1,7 @@
 // Material layers that closed meshes bound, stiff as 1:1000, against exact solutions and fitted meshes.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/harmonic.h"
+#include "solver/meshing/layer_border.h"
 #include "solver/meshing/layer_place.h"
 #include "solver/newton/potential.h"
 #include "tests/support/lattice_body.h"
@@ -37,8 +38,12 @@ struct Composite : LatticeBody {
         SurfaceMesh place = inner.surface(1);
         for (Vec3& p : place.points) p += box.at(low);
         const SurfaceMesh skin = box.surface(1);
-        rest->layer_weights.push_back(
-            layer_shares(rest->tets, make_layer_place(place.points, place.triangles), skin.points, skin.triangles));
+        const Solid solid = make_layer_place(place.points, place.triangles);
+        const FittedTets fitted = fit_to_borders(rest->tets, {&solid}, skin.points, skin.triangles);
+        rest->tets = fitted.mesh;
+        rest->embedding = embed(rest->tets, rest->surface);
+        rest->layer_weights = {std::vector<double>(rest->tets.tets.size(), 1.0),
+                               fitted_shares(fitted, 0, solid, skin.points, skin.triangles)};
     }
     /// 1 on the vertices inside, as painted, and carried into the volume.
     void paint(const Vec3& low, const Vec3& high) {

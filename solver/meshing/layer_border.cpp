@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/meshing/layer_border.h"
+
+#include "solver/mesh/tet_quality.h"
+#include "solver/meshing/border_patches.h"
+#include "solver/meshing/edge_splits.h"
+#include "solver/meshing/lattice.h"
+#include "solver/meshing/layer_place.h"
+#include "solver/parallel.h"
+
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace sinew::solver {
+
+namespace {
+
+/// A vertex moves onto the border if it lies nearer to it than this share of an edge.
+constexpr double near_share = 0.3;
+/// One that may not move counts as on the border if it lies nearer than this: tets must not become flat.
+constexpr double least_share = 0.05;
+/// Moved vertices leave tets at least this good (tet_quality), or half as good as they were.
+constexpr double least_quality = 0.35;
+/// Tets that hold less of their volume are left out, as by lattices.
+constexpr double negligible_share = 1e-9;
+
+struct Piece {
+    Tet tet;
+    int parent;
+    double coverage;
+    std::vector<double> moments; ///< empty where the surface cuts nothing off
+    bool changed = false;        ///< coverage and moments are those of another shape
+};
+
+class Fitting {
+  public:
+    Fitting(const TetMesh& tets, const Points& surface, const std::vector<Triangle>& triangles,
+            const MeshingControl& control)
+        : vertices_(tets.vertices)
+        , borders_(tets.vertices.size())
+        , degree_(tets.cut.degree)
+        , knows_coverage_(!tets.coverage.empty())
+        , tissue_(tets.cut.tets.empty() ? std::optional<Solid>() : tissue_solid(surface, triangles, control)) {
+        pieces_.resize(tets.tets.size());
+        for (std::size_t t = 0; t < pieces_.size(); ++t)
+            pieces_[t] = {tets.tets[t], static_cast<int>(t), knows_coverage_ ? tets.coverage[t] : 1.0, {}};
+        const auto count = static_cast<std::ptrdiff_t>(moment_count(degree_));
+        for (std::size_t k = 0; k < tets.cut.tets.size(); ++k)
+            pieces_[at(tets.cut.tets[k])].moments.assign(tets.cut.of(k), tets.cut.of(k) + count);
+        if (tissue_) skin_.emplace(*tissue_);
+    }
+
+    /// Whether the surface cuts the tets as they say.
+    bool is_sound() const {
+        if (std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.moments.empty(); })) return true;
+        if (!tissue_) return false;
+        std::vector<char> alike(pieces_.size(), 1);
+        parallel_for(pieces_.size(), 64, [&](std::size_t i) {
+            if (pieces_[i].moments.empty()) return;
+            TetMoments inside;
+            inside.degree = degree_;
+            std::copy(pieces_[i].moments.begin(), pieces_[i].moments.end(), inside.value.begin());
+            alike[i] = std::abs(solid_share(corners(pieces_[i].tet)) - inside.volume()) < 1e-6;
+        });
+        return std::all_of(alike.begin(), alike.end(), [](char a) { return a != 0; });
+    }
+
+    /// Fits the tets to one smooth part of a border. `number`: of the patch, over all places.
+    void fit(const BorderPatch& patch, int number) {
+        find_crossed(patch);
+        if (crossed_.empty()) return;
+        find_stars();
+        find_heights(patch);
+        find_edges(patch);
+        for (const auto& [v, height] : heights_)
+            if (height == 0) touch(v, number);
+        move_vertices(number);
+        split_edges(number);
+        measure_changed();
+    }
+
+    FittedTets result(const std::vector<int>& place_of_patch, std::size_t places) const;
+
+  private:
+    std::array<Vec3, 4> corners(const Tet& tet) const { return corners_of(vertices_, tet); }
+    double solid_share(const std::array<Vec3, 4>& c) const { return closed_share(*tissue_, c, skin_->touching(c)); }
+    void touch(int v, int number) {
+        std::vector<int>& list = borders_[at(v)];
+        if (list.empty() || list.back() != number) list.push_back(number);
+    }
+
+    /// Tets through whose solid part the patch runs.
+    void find_crossed(const BorderPatch& patch) {
+        std::vector<char> is_crossed(pieces_.size(), 0);
+        parallel_for(pieces_.size(), 64, [&](std::size_t i) {
+            const std::array<Vec3, 4> c = corners(pieces_[i].tet);
+            for (const int t : patch.touching(c))
+                if (runs_inside(patch.part_in_tet(c, t), c, !pieces_[i].moments.empty())) {
+                    is_crossed[i] = 1;
+                    break;
+                }
+        });
+        crossed_.clear();
+        for (std::size_t i = 0; i < pieces_.size(); ++i)
+            if (is_crossed[i]) crossed_.push_back(i);
+    }
+    bool runs_inside(const BarycentricPolygon& part, const std::array<Vec3, 4>& c, bool is_cut) const;
+
+    void find_stars() {
+        stars_.assign(vertices_.size(), {});
+        for (std::size_t i = 0; i < pieces_.size(); ++i)
+            for (const int v : pieces_[i].tet) stars_[at(v)].push_back(static_cast<int>(i));
+        std::vector<Tet> tets;
+        for (const Piece& p : pieces_) tets.push_back(p.tet);
+        at_boundary_.assign(vertices_.size(), 0);
+        for (const Triangle& t : boundary_triangles(tets))
+            for (const int v : t) at_boundary_[at(v)] = 1;
+    }
+
+    void find_heights(const BorderPatch& patch) {
+        heights_.clear();
+        for (const std::size_t i : crossed_)
+            for (const int v : pieces_[i].tet) heights_[v] = 0;
+        for (auto& [v, height] : heights_) {
+            height = patch.height(vertices_[at(v)]);
+            const Tet& any = pieces_[at(stars_[at(v)].front())].tet;
+            if (std::abs(height) < 1e-9 * (vertices_[at(any[0])] - vertices_[at(any[1])]).norm()) height = 0;
+        }
+    }
+
+    /// Where the patch cuts the edges of crossed tets.
+    void find_edges(const BorderPatch& patch) {
+        edges_.clear();
+        for (const std::size_t i : crossed_)
+            for (std::size_t a = 0; a < 4; ++a)
+                for (std::size_t b = a + 1; b < 4; ++b) {
+                    const auto [low, high] = std::minmax(pieces_[i].tet[a], pieces_[i].tet[b]);
+                    if (heights_[low] * heights_[high] < 0) edges_[{low, high}] = 0;
+                }
+        for (auto& [edge, place] : edges_) place = patch.crossing(vertices_[at(edge[0])], vertices_[at(edge[1])]);
+    }
+
+    void move_vertices(int number);
+    bool may_move(int v, const Vec3& to, int along) const;
+    void split_edges(int number);
+    void measure_changed();
+
+    Points vertices_;
+    std::vector<std::vector<int>> borders_; ///< of each vertex: patches that it lies on, increasing
+    std::vector<Piece> pieces_;
+    int degree_;
+    bool knows_coverage_;
+    std::optional<Solid> tissue_; ///< where tets are solid in part
+    std::optional<TriangleFinder> skin_;
+    // of the patch in hand
+    std::vector<std::size_t> crossed_;
+    std::vector<std::vector<int>> stars_; ///< pieces about each vertex
+    std::vector<char> at_boundary_;
+    std::map<int, double> heights_;              ///< of the crossed tets' vertices
+    std::map<std::array<int, 2>, double> edges_; ///< that the patch cuts, and where
+};
+
+bool Fitting::runs_inside(const BarycentricPolygon& part, const std::array<Vec3, 4>& c, bool is_cut) const {
+    const auto place = [&](const Barycentric& b) -> Vec3 {
+        return b[0] * c[0] + b[1] * c[1] + b[2] * c[2] + b[3] * c[3];
+    };
+    const double scale = (c[1] - c[0]).squaredNorm();
+    for (std::size_t k = 2; k < part.size(); ++k) {
+        const Vec3 p = place(part[0]), u = place(part[k - 1]) - p, v = place(part[k]) - p;
+        if (!(u.cross(v).norm() > 1e-9 * scale)) continue;
+        if (!is_cut) return true;
+        // The middles of 16 equal parts: inside, and not on the skin that layer and tissue may share.
+        constexpr int n = 4;
+        for (int i = 0; i < n; ++i)
+            for (int j = 0; i + j < n; ++j)
+                for (int half = 0; half < (i + j + 1 < n ? 2 : 1); ++half) {
+                    const double offset = (half + 1) / 3.0;
+                    const Vec3 middle = p + ((i + offset) * u + (j + offset) * v) / n;
+                    if (tissue_->tree.inside_either_way(middle) &&
+                        tissue_->tree.closest(middle, 1e-6 * std::sqrt(scale)).triangle < 0)
+                        return true;
+                }
+    }
+    return false;
+}
+
+bool Fitting::may_move(int v, const Vec3& to, int along) const {
+    // What lies on other parts of the border stays on them.
+    const std::vector<int>&own = borders_[at(v)], &others = borders_[at(along)];
+    if (!std::includes(others.begin(), others.end(), own.begin(), own.end())) return false;
+    const bool covers_solid = at_boundary_[at(v)] != 0;
+    if (covers_solid && !tissue_) return false;
+    double before = 0, after = 0, all = 0;
+    for (const int i : stars_[at(v)]) {
+        const Tet& tet = pieces_[at(i)].tet;
+        const std::array<Vec3, 4> old = corners(tet);
+        std::array<Vec3, 4> c = old;
+        for (std::size_t k = 0; k < 4; ++k)
+            if (tet[k] == v) c[k] = to;
+        const double was = tet_quality(old[0], old[1], old[2], old[3]);
+        if (!(tet_quality(c[0], c[1], c[2], c[3]) >= std::min(least_quality, 0.5 * was))) return false;
+        if (!covers_solid) continue;
+        const double volume = tet_volume(old[0], old[1], old[2], old[3]);
+        all += volume;
+        before += volume * solid_share(old);
+        after += tet_volume(c[0], c[1], c[2], c[3]) * solid_share(c);
+    }
+    return !covers_solid || std::abs(after - before) <= 1e-9 * all;
+}
+
+void Fitting::move_vertices(int number) {
+    std::map<int, std::vector<std::array<int, 2>>> of_vertex;
+    for (const auto& [edge, place] : edges_)
+        for (const int v : edge) of_vertex[v].push_back(edge);
+    for (const auto& [v, all] : of_vertex) {
+        double nearest = near_share;
+        const std::array<int, 2>* to = nullptr;
+        for (const std::array<int, 2>& edge : all) {
+            const auto found = edges_.find(edge);
+            if (found == edges_.end()) continue;
+            const double share = edge[0] == v ? found->second : 1 - found->second;
+            if (share < nearest) nearest = share, to = &found->first;
+        }
+        if (!to) continue;
+        const int along = (*to)[0] == v ? (*to)[1] : (*to)[0];
+        const Vec3 place = vertices_[at(v)] + nearest * (vertices_[at(along)] - vertices_[at(v)]);
+        if (may_move(v, place, along)) {
+            vertices_[at(v)] = place;
+            touch(v, number);
+            for (const int i : stars_[at(v)]) pieces_[at(i)].changed = true;
+        } else if (nearest > least_share)
+            continue;
+        for (const std::array<int, 2>& edge : all) edges_.erase(edge);
+    }
+}
+
+void Fitting::split_edges(int number) {
+    std::vector<EdgeSplit> splits;
+    for (const auto& [edge, place] : edges_) {
+        const Vec3 a = vertices_[at(edge[0])], b = vertices_[at(edge[1])];
+        splits.push_back({edge, static_cast<int>(vertices_.size()), (b - a).norm()});
+        // The new vertex lies on what both ends lie on.
+        std::vector<int> on;
+        std::set_intersection(borders_[at(edge[0])].begin(), borders_[at(edge[0])].end(), borders_[at(edge[1])].begin(),
+                              borders_[at(edge[1])].end(), std::back_inserter(on));
+        on.push_back(number);
+        vertices_.push_back(a + place * (b - a));
+        borders_.push_back(std::move(on));
+    }
+    const EdgeSplits all(std::move(splits));
+    std::vector<Piece> pieces;
+    std::vector<Tet> parts;
+    for (Piece& p : pieces_) {
+        parts.clear();
+        all.parts_of(p.tet, parts);
+        if (parts.size() == 1) {
+            pieces.push_back(std::move(p));
+            continue;
+        }
+        for (const Tet& part : parts) pieces.push_back({part, p.parent, p.coverage, p.moments, true});
+    }
+    pieces_ = std::move(pieces);
+}
+
+void Fitting::measure_changed() {
+    if (!tissue_) return;
+    parallel_for(pieces_.size(), 16, [&](std::size_t i) {
+        Piece& p = pieces_[i];
+        if (!p.changed) return;
+        p.changed = false;
+        TetMoments inside;
+        inside.degree = degree_;
+        const std::array<Vec3, 4> c = corners(p.tet);
+        const double share = closed_share(*tissue_, c, skin_->touching(c), &inside);
+        p.moments.clear();
+        p.coverage = share < negligible_share ? 0 : std::max(share, LatticeOptions{}.least_coverage);
+        if (share < 1)
+            p.moments.assign(inside.value.begin(),
+                             inside.value.begin() + static_cast<std::ptrdiff_t>(moment_count(degree_)));
+    });
+    std::erase_if(pieces_, [](const Piece& p) { return p.coverage == 0; });
+}
+
+FittedTets Fitting::result(const std::vector<int>& place_of_patch, std::size_t places) const {
+    FittedTets out;
+    out.at_border.assign(places, std::vector<char>(pieces_.size(), 0));
+    std::vector<int> number(vertices_.size(), -1);
+    for (const Piece& p : pieces_)
+        for (const int v : p.tet) number[at(v)] = 0;
+    for (std::size_t v = 0; v < vertices_.size(); ++v)
+        if (number[v] == 0) {
+            number[v] = static_cast<int>(out.mesh.vertices.size());
+            out.mesh.vertices.push_back(vertices_[v]);
+        }
+    out.mesh.cut.degree = degree_;
+    for (std::size_t i = 0; i < pieces_.size(); ++i) {
+        const Piece& p = pieces_[i];
+        Tet tet;
+        for (std::size_t k = 0; k < 4; ++k) {
+            tet[k] = number[at(p.tet[k])];
+            for (const int patch : borders_[at(p.tet[k])]) out.at_border[at(place_of_patch[at(patch)])][i] = 1;
+        }
+        out.mesh.tets.push_back(tet);
+        out.parent.push_back(p.parent);
+        if (knows_coverage_) out.mesh.coverage.push_back(p.coverage);
+        if (p.moments.empty()) continue;
+        out.mesh.cut.tets.push_back(static_cast<int>(i));
+        out.mesh.cut.moments.insert(out.mesh.cut.moments.end(), p.moments.begin(), p.moments.end());
+    }
+    return out;
+}
+
+} // namespace
+
+FittedTets fit_to_borders(const TetMesh& tets, const std::vector<const Solid*>& places, const Points& surface,
+                          const std::vector<Triangle>& triangles, const MeshingControl& control) {
+    Fitting fitting(tets, surface, triangles, control);
+    std::vector<int> place_of_patch;
+    const bool sound = fitting.is_sound();
+    for (std::size_t k = 0; k < places.size() && sound; ++k)
+        for (const BorderPatch& patch : border_patches(*places[k])) {
+            control.report(0, "fitting tets to layers");
+            fitting.fit(patch, static_cast<int>(place_of_patch.size()));
+            place_of_patch.push_back(static_cast<int>(k));
+        }
+    return fitting.result(place_of_patch, places.size());
+}
+
+std::vector<double> fitted_shares(const FittedTets& tets, std::size_t place_number, const Solid& place,
+                                  const Points& surface, const std::vector<Triangle>& triangles,
+                                  const MeshingControl& control) {
+    constexpr double of_curves = 0.1;
+    std::vector<double> shares = layer_shares(tets.mesh, place, surface, triangles, control);
+    for (std::size_t t = 0; t < shares.size(); ++t) {
+        if (!tets.at_border[place_number][t]) continue;
+        if (shares[t] < of_curves) shares[t] = 0;
+        if (shares[t] > 1 - of_curves) shares[t] = 1;
+    }
+    return shares;
+}
+
+} // namespace sinew::solver
