@@ -170,8 +170,8 @@ bool Fitting::runs_inside(const BarycentricPolygon& part, const std::array<Vec3,
         const Vec3 p = place(part[0]), u = place(part[k - 1]) - p, v = place(part[k]) - p;
         if (!(u.cross(v).norm() > 1e-9 * scale)) continue;
         if (!is_cut) return true;
-        // The middles of 16 equal parts: inside, and not on the skin that layer and tissue may share.
-        constexpr int n = 4;
+        // The middles of equal parts: inside, and not on the skin that layer and tissue may share.
+        constexpr int n = 12;
         for (int i = 0; i < n; ++i)
             for (int j = 0; i + j < n; ++j)
                 for (int half = 0; half < (i + j + 1 < n ? 2 : 1); ++half) {
@@ -213,23 +213,30 @@ void Fitting::move_vertices(int number) {
     std::map<int, std::vector<std::array<int, 2>>> of_vertex;
     for (const auto& [edge, place] : edges_)
         for (const int v : edge) of_vertex[v].push_back(edge);
+    struct Goal {
+        double share; ///< of the edge, from the vertex
+        Vec3 place;
+        int along; ///< the edge's other end
+    };
+    std::vector<Goal> goals;
     for (const auto& [v, all] : of_vertex) {
-        double nearest = near_share;
-        const std::array<int, 2>* to = nullptr;
+        goals.clear();
         for (const std::array<int, 2>& edge : all) {
             const auto found = edges_.find(edge);
             if (found == edges_.end()) continue;
+            const int along = edge[0] == v ? edge[1] : edge[0];
             const double share = edge[0] == v ? found->second : 1 - found->second;
-            if (share < nearest) nearest = share, to = &found->first;
+            if (share < near_share)
+                goals.push_back({share, vertices_[at(v)] + share * (vertices_[at(along)] - vertices_[at(v)]), along});
         }
-        if (!to) continue;
-        const int along = (*to)[0] == v ? (*to)[1] : (*to)[0];
-        const Vec3 place = vertices_[at(v)] + nearest * (vertices_[at(along)] - vertices_[at(v)]);
-        if (may_move(v, place, along)) {
-            vertices_[at(v)] = place;
+        std::stable_sort(goals.begin(), goals.end(), [](const Goal& a, const Goal& b) { return a.share < b.share; });
+        const auto goal =
+            std::find_if(goals.begin(), goals.end(), [&](const Goal& g) { return may_move(v, g.place, g.along); });
+        if (goal != goals.end()) {
+            vertices_[at(v)] = goal->place;
             touch(v, number);
             for (const int i : stars_[at(v)]) pieces_[at(i)].changed = true;
-        } else if (nearest > least_share)
+        } else if (goals.empty() || goals.front().share > least_share)
             continue;
         for (const std::array<int, 2>& edge : all) edges_.erase(edge);
     }

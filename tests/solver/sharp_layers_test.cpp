@@ -151,6 +151,17 @@ TEST_CASE("layers side by side: an affine stretch has the energy of the volumes,
         }
 }
 
+TEST_CASE("figures", "[.figures]") {
+    for (const ElementKind e : kinds)
+        for (const double size : {0.1, 0.05, 0.025})
+            if (e == ElementKind::linear || size > 0.03)
+            printf("%d %.3f series %.3f %%\n", int(e), size, 100 * error_in_series(size, e, false));
+    for (const ElementKind e : kinds)
+        for (const double size : {0.2, 0.1})
+            for (const double inner : {0.5, 0.25})
+                printf("%d %.3f cube %.2f %.3f %%\n", int(e), size, inner, 100 * compliance(inner, size, e) / (inner == 0.5 ? 0.699 : 0.9285) - 100);
+}
+
 TEST_CASE("layers weigh what their volumes do", "[layers]") {
     for (const ElementKind element : kinds) {
         Composite bar({0.4, 0.1, 0.1}, 1, 0.07, ElasticLaw::stvk, element, 0.3);
