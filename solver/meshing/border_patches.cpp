@@ -61,6 +61,12 @@ double BorderPatch::height(const Vec3& p) const {
     return (p - solid_->points[at(solid_->triangles[at(triangles_[at(nearest.triangle)])][0])]).dot(normal);
 }
 
+Vec3 BorderPatch::normal(const Vec3& p) const {
+    const ClosestPoint nearest = tree_.closest(p);
+    if (nearest.triangle < 0) return Vec3::Zero();
+    return area_vector(*solid_, triangles_[at(nearest.triangle)]).normalized();
+}
+
 double BorderPatch::crossing(const Vec3& a, const Vec3& b) const {
     double low = 0, high = 1, at_low = height(a), at_high = height(b);
     const double near = 1e-13 * (std::abs(at_low) + std::abs(at_high));

@@ -14,6 +14,8 @@ class BorderPatch {
     BorderPatch(const Solid& solid, std::vector<int> triangles);
     /// Height above the plane of the closest triangle, which goes on where the patch ends.
     double height(const Vec3& p) const;
+    /// Unit normal of the closest triangle.
+    Vec3 normal(const Vec3& p) const;
     /// Where between a and b, 0 to 1, the height is zero. Those at a and b have opposite signs.
     double crossing(const Vec3& a, const Vec3& b) const;
     /// Triangles of the solid that are of the patch and touch the tet.

@@ -19,7 +19,7 @@ namespace {
 /// A vertex moves onto the border if it lies nearer to it than this share of an edge.
 constexpr double near_share = 0.3;
 /// One that may not move counts as on the border if it lies nearer than this: tets must not become flat.
-constexpr double least_share = 0.05;
+constexpr double least_share = 0.02;
 /// Moved vertices leave tets at least this good (tet_quality), or half as good as they were.
 constexpr double least_quality = 0.35;
 /// Tets that hold less of their volume are left out, as by lattices.
@@ -49,10 +49,12 @@ class Fitting {
         for (std::size_t k = 0; k < tets.cut.tets.size(); ++k)
             pieces_[at(tets.cut.tets[k])].moments.assign(tets.cut.of(k), tets.cut.of(k) + count);
         if (tissue_) skin_.emplace(*tissue_);
+        is_sound_ = find_sound();
     }
 
     /// Whether the surface cuts the tets as they say.
-    bool is_sound() const {
+    bool is_sound() const { return is_sound_; }
+    bool find_sound() const {
         if (std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.moments.empty(); })) return true;
         if (!tissue_) return false;
         std::vector<char> alike(pieces_.size(), 1);
@@ -77,10 +79,13 @@ class Fitting {
             if (height == 0) touch(v, number);
         move_vertices(number);
         split_edges(number);
+        balance(patch, number);
         measure_changed();
     }
 
-    FittedTets result(const std::vector<int>& place_of_patch, std::size_t places) const;
+    FittedTets result(const std::vector<std::vector<BorderPatch>>& patches) const;
+    /// What a tet's flat sides leave of patches that its vertices lie on, per volume of the tet.
+    double slack(const Tet& tet, const BorderPatch& patch, int number) const;
 
   private:
     std::array<Vec3, 4> corners(const Tet& tet) const { return corners_of(vertices_, tet); }
@@ -144,13 +149,17 @@ class Fitting {
     void move_vertices(int number);
     bool may_move(int v, const Vec3& to, int along) const;
     void split_edges(int number);
+    void balance(const BorderPatch& patch, int number);
     void measure_changed();
+    bool is_on(int v, int number) const {
+        return std::binary_search(borders_[at(v)].begin(), borders_[at(v)].end(), number);
+    }
 
     Points vertices_;
     std::vector<std::vector<int>> borders_; ///< of each vertex: patches that it lies on, increasing
     std::vector<Piece> pieces_;
     int degree_;
-    bool knows_coverage_;
+    bool knows_coverage_, is_sound_ = false;
     std::optional<Solid> tissue_; ///< where tets are solid in part
     std::optional<TriangleFinder> skin_;
     // of the patch in hand
@@ -270,6 +279,56 @@ void Fitting::split_edges(int number) {
     pieces_ = std::move(pieces);
 }
 
+/// Flat sides of tets that end on a curved border lie on one side of it. So their vertices go over it, until the sides
+/// have as much of it on the one as on the other: then volumes are right.
+void Fitting::balance(const BorderPatch& patch, int number) {
+    find_stars();
+    std::map<std::array<int, 3>, std::array<int, 2>> sides; // of faces on the border: tets above and below
+    for (const Piece& p : pieces_) {
+        const auto on = std::count_if(p.tet.begin(), p.tet.end(), [&](int v) { return is_on(v, number); });
+        if (on < 3) continue;
+        Vec3 middle = Vec3::Zero();
+        for (const int v : p.tet)
+            if (on == 4 || !is_on(v, number)) middle += vertices_[at(v)] / (on == 4 ? 4 : 1);
+        const bool above = patch.height(middle) > 0;
+        for (std::size_t left_out = 0; left_out < 4; ++left_out) {
+            std::array<int, 3> face;
+            for (std::size_t k = 0; k < 3; ++k) face[k] = p.tet[(left_out + 1 + k) % 4];
+            if (!std::all_of(face.begin(), face.end(), [&](int v) { return is_on(v, number); })) continue;
+            std::sort(face.begin(), face.end());
+            ++sides[face][above ? 0 : 1];
+        }
+    }
+    struct Sum {
+        double area = 0, height = 0, longest = 0;
+    };
+    std::map<int, Sum> sums;
+    for (const auto& [face, tets] : sides) {
+        if (tets[0] != 1 || tets[1] != 1) continue;
+        const Vec3 &a = vertices_[at(face[0])], &b = vertices_[at(face[1])], &c = vertices_[at(face[2])];
+        const double area = 0.5 * (b - a).cross(c - a).norm();
+        // Exact for a border that bends evenly, where the vertices lie on it.
+        const double height =
+            (patch.height(0.5 * (a + b)) + patch.height(0.5 * (b + c)) + patch.height(0.5 * (c + a))) / 3;
+        for (const int v : face) {
+            Sum& sum = sums[v];
+            sum.area += area, sum.height += area * height;
+            sum.longest = std::max({sum.longest, (b - a).norm(), (c - a).norm()});
+        }
+    }
+    std::vector<std::pair<int, Vec3>> goals;
+    for (const auto& [v, sum] : sums) {
+        const double over = -sum.height / sum.area;
+        if (borders_[at(v)].size() != 1 || std::abs(over) < 1e-9 * sum.longest) continue;
+        goals.emplace_back(v, vertices_[at(v)] + over * patch.normal(vertices_[at(v)]));
+    }
+    for (const auto& [v, goal] : goals) {
+        if (!may_move(v, goal, v)) continue;
+        vertices_[at(v)] = goal;
+        for (const int i : stars_[at(v)]) pieces_[at(i)].changed = true;
+    }
+}
+
 void Fitting::measure_changed() {
     if (!tissue_) return;
     parallel_for(pieces_.size(), 16, [&](std::size_t i) {
@@ -289,9 +348,40 @@ void Fitting::measure_changed() {
     std::erase_if(pieces_, [](const Piece& p) { return p.coverage == 0; });
 }
 
-FittedTets Fitting::result(const std::vector<int>& place_of_patch, std::size_t places) const {
+double Fitting::slack(const Tet& tet, const BorderPatch& patch, int number) const {
+    double highest = 0;
+    for (std::size_t a = 0; a < 4; ++a)
+        for (std::size_t b = a + 1; b < 4 && is_on(tet[a], number); ++b) {
+            if (!is_on(tet[b], number)) continue;
+            const Vec3 &p = vertices_[at(tet[a])], &q = vertices_[at(tet[b])];
+            for (const Vec3& place : {p, q, Vec3(0.5 * (p + q))})
+                highest = std::max(highest, std::abs(patch.height(place)));
+        }
+    if (highest == 0) return 0;
+    const std::array<Vec3, 4> c = corners(tet);
+    double area = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const Vec3 &p = c[(k + 1) % 4], &q = c[(k + 2) % 4], &r = c[(k + 3) % 4];
+        area = std::max(area, 0.5 * (q - p).cross(r - p).norm());
+    }
+    return highest * area / tet_volume(c[0], c[1], c[2], c[3]);
+}
+
+FittedTets Fitting::result(const std::vector<std::vector<BorderPatch>>& patches) const {
     FittedTets out;
-    out.at_border.assign(places, std::vector<char>(pieces_.size(), 0));
+    int first = 0; // number of the place's first patch
+    for (const std::vector<BorderPatch>& of_place : patches) {
+        std::vector<double>& slacks = out.slack.emplace_back(pieces_.size(), 0.0);
+        parallel_for(pieces_.size(), 64, [&](std::size_t i) {
+            std::set<int> touched;
+            for (const int v : pieces_[i].tet) touched.insert(borders_[at(v)].begin(), borders_[at(v)].end());
+            for (const int patch : touched)
+                if (patch >= first && patch < first + static_cast<int>(of_place.size()))
+                    slacks[i] = std::max(slacks[i], slack(pieces_[i].tet, of_place[at(patch - first)], patch));
+            slacks[i] = std::min(slacks[i], 0.5);
+        });
+        first += static_cast<int>(of_place.size());
+    }
     std::vector<int> number(vertices_.size(), -1);
     for (const Piece& p : pieces_)
         for (const int v : p.tet) number[at(v)] = 0;
@@ -304,10 +394,7 @@ FittedTets Fitting::result(const std::vector<int>& place_of_patch, std::size_t p
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
         const Piece& p = pieces_[i];
         Tet tet;
-        for (std::size_t k = 0; k < 4; ++k) {
-            tet[k] = number[at(p.tet[k])];
-            for (const int patch : borders_[at(p.tet[k])]) out.at_border[at(place_of_patch[at(patch)])][i] = 1;
-        }
+        for (std::size_t k = 0; k < 4; ++k) tet[k] = number[at(p.tet[k])];
         out.mesh.tets.push_back(tet);
         out.parent.push_back(p.parent);
         if (knows_coverage_) out.mesh.coverage.push_back(p.coverage);
@@ -323,26 +410,25 @@ FittedTets Fitting::result(const std::vector<int>& place_of_patch, std::size_t p
 FittedTets fit_to_borders(const TetMesh& tets, const std::vector<const Solid*>& places, const Points& surface,
                           const std::vector<Triangle>& triangles, const MeshingControl& control) {
     Fitting fitting(tets, surface, triangles, control);
-    std::vector<int> place_of_patch;
-    const bool sound = fitting.is_sound();
-    for (std::size_t k = 0; k < places.size() && sound; ++k)
-        for (const BorderPatch& patch : border_patches(*places[k])) {
+    std::vector<std::vector<BorderPatch>> patches;
+    int number = 0;
+    for (const Solid* place : places) {
+        patches.push_back(border_patches(*place));
+        for (std::size_t k = 0; k < patches.back().size() && fitting.is_sound(); ++k) {
             control.report(0, "fitting tets to layers");
-            fitting.fit(patch, static_cast<int>(place_of_patch.size()));
-            place_of_patch.push_back(static_cast<int>(k));
+            fitting.fit(patches.back()[k], number++);
         }
-    return fitting.result(place_of_patch, places.size());
+    }
+    return fitting.result(patches);
 }
 
 std::vector<double> fitted_shares(const FittedTets& tets, std::size_t place_number, const Solid& place,
                                   const Points& surface, const std::vector<Triangle>& triangles,
                                   const MeshingControl& control) {
-    constexpr double of_curves = 0.1;
     std::vector<double> shares = layer_shares(tets.mesh, place, surface, triangles, control);
     for (std::size_t t = 0; t < shares.size(); ++t) {
-        if (!tets.at_border[place_number][t]) continue;
-        if (shares[t] < of_curves) shares[t] = 0;
-        if (shares[t] > 1 - of_curves) shares[t] = 1;
+        const double slack = tets.slack[place_number][t];
+        if (std::min(shares[t], 1 - shares[t]) <= slack) shares[t] = shares[t] < 0.5 ? 0 : 1;
     }
     return shares;
 }

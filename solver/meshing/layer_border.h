@@ -18,8 +18,10 @@ namespace sinew::solver {
 
 struct FittedTets {
     TetMesh mesh;
-    std::vector<int> parent;                  ///< tet of the given mesh that each is a part of
-    std::vector<std::vector<char>> at_border; ///< [place][tet]: 1 where the tet ends at that place's border
+    std::vector<int> parent; ///< tet of the given mesh that each is a part of
+    /// [place][tet]: about what share of it lies between its flat sides and the curved border that they stand for; 0
+    /// where the border is flat or elsewhere, at most one half.
+    std::vector<std::vector<double>> slack;
 };
 
 /// Splits tets along the borders of `places` where these run within the solid. Exact for flat sides, second order for
@@ -33,8 +35,7 @@ struct FittedTets {
 FittedTets fit_to_borders(const TetMesh& tets, const std::vector<const Solid*>& places, const Points& surface,
                           const std::vector<Triangle>& triangles, const MeshingControl& control = {});
 
-/// layer_shares of a place, whole where the tet ends at its border and less than a tenth is missing or too much: that
-/// is what a flat side of a tet lacks of a curved border.
+/// layer_shares of a place, but none or all of a tet where no more than its slack is in the layer or missing.
 std::vector<double> fitted_shares(const FittedTets& tets, std::size_t place_number, const Solid& place,
                                   const Points& surface, const std::vector<Triangle>& triangles,
                                   const MeshingControl& control = {});

@@ -1,6 +1,7 @@
 // Material layers that closed meshes bound, stiff as 1:1000, against exact solutions and fitted meshes.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/harmonic.h"
+#include "solver/mesh/primitives.h"
 #include "solver/meshing/layer_border.h"
 #include "solver/meshing/layer_place.h"
 #include "solver/newton/potential.h"
@@ -198,4 +199,69 @@ TEST_CASE("a stiff cube in a soft one, beside fitted meshes", "[layers]") {
     CHECK(compliance(0.5, 0.2, ElementKind::quadratic) / 0.699 == Approx(0.732).margin(0.01));
     CHECK(compliance(0.25, 0.2, ElementKind::quadratic) / 0.9285 == Approx(0.920).margin(0.01));
     CHECK(compliance(0.25, 0.1, ElementKind::linear) / 0.9285 == Approx(0.937).margin(0.01));
+}
+namespace {
+
+/// Radial displacement at the surface of a ball of radius 1 m with a core of other stiffness, pulled outwards by 1 % of
+/// what makes sense, over the exact one, less 1.
+double error_of_ball(double core, double inner, double outer, double tet_size, ElementKind element, bool fits = true) {
+    const double nu = 0.3, traction = 10, springs = 100;
+    const SurfaceMesh skin = make_sphere(1, 64, 48);
+    TissueInputs in = material(outer, nu);
+    in.layers.push_back(in.layers[0]);
+    in.layers[1].youngs_modulus = inner;
+    LatticeBody ball(skin, skin, tet_size, ElasticLaw::corotational, element, in);
+    const SurfaceMesh place = make_sphere(core, 64, 48);
+    const Solid solid = make_layer_place(place.points, place.triangles);
+    FittedTets fitted = fit_to_borders(ball.rest->tets, {&solid}, skin.points, skin.triangles);
+    if (fits) {
+        ball.rest->tets = fitted.mesh;
+        ball.rest->embedding = embed(ball.rest->tets, ball.rest->surface);
+    }
+    ball.rest->layer_weights = {std::vector<double>(ball.rest->tets.tets.size(), 1.0),
+                                fits ? fitted_shares(fitted, 0, solid, skin.points, skin.triangles)
+                                     : layer_shares(ball.rest->tets, solid, skin.points, skin.triangles)};
+    ball.hold([](const Vec3&) { return true; }, springs);
+    ball.start();
+    Points& loads = ball.values().forces;
+    loads.assign(ball.scene->vertex_count(0), Vec3::Zero());
+    double area = 0, volume = 0;
+    for (const Triangle& t : ball.triangles) {
+        const auto p = [&](std::size_t c) { return skin.points[static_cast<std::size_t>(t[c])]; };
+        const Vec3 normal = 0.5 * (p(1) - p(0)).cross(p(2) - p(0));
+        area += normal.norm(), volume += normal.dot(p(0)) / 3;
+        for (const int v : t) {
+            const PointWeights at = ball.carrier(v);
+            for (int k = 0; k < at.count; ++k)
+                loads[static_cast<std::size_t>(at.vertex[k])] += traction / 3 * at.weight[k] * normal;
+        }
+    }
+    ball.solve();
+    double moved = 0;
+    for (const Triangle& t : ball.triangles) {
+        const auto p = [&](std::size_t c) { return skin.points[static_cast<std::size_t>(t[c])]; };
+        const Vec3 normal = 0.5 * (p(1) - p(0)).cross(p(2) - p(0));
+        for (const int v : t) moved += ball.displacement(v).dot(normal) / 3 / area;
+    }
+    // u = A r inside, B r + C / r^2 outside; radial stress 3 K A inside, 3 K B - 4 mu C / r^3 outside.
+    const auto bulk = [&](double e) { return e / (3 * (1 - 2 * nu)); };
+    const double mu = outer / (2 * (1 + nu)), a3 = core * core * core;
+    // at r = a: A = B + C/a^3; 3 Ki A = 3 Ko B - 4 mu C/a^3, so C = g B
+    const double g = 3 * (bulk(outer) - bulk(inner)) / (3 * bulk(inner) + 4 * mu) * a3;
+    const double stress = 3 * bulk(outer) - 4 * mu * g, u = 1 + g; // of B = 1 at r = 1
+    const double exact = u * traction / (stress + springs * u);
+    return moved / exact - 1;
+}
+
+} // namespace
+
+TEST_CASE("balls", "[.balls]") {
+    for (const ElementKind e : kinds)
+        for (const double core : {0.5, 0.7})
+            for (const double size : {0.5, 0.35, 0.25, 0.17}) {
+                if (e == ElementKind::quadratic && size < 0.2) continue;
+                printf("%d core %.1f size %.2f: plain %.2f %%", int(e), core, size, 100 * error_of_ball(core, soft, soft, size, e));
+                printf(" stiff core %.2f %% (by mean %.2f)", 100 * error_of_ball(core, stiff, soft, size, e), 100 * error_of_ball(core, stiff, soft, size, e, false));
+                printf(" soft core %.2f %% (by mean %.2f)\n", 100 * error_of_ball(core, soft, stiff, size, e), 100 * error_of_ball(core, soft, stiff, size, e, false));
+            }
 }

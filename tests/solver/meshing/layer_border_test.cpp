@@ -15,7 +15,65 @@
 using namespace sinew::solver;
 using namespace sinew::test;
 
+namespace {
+
+SurfaceMesh moved(SurfaceMesh mesh, const Mat3& turn, const Vec3& by) {
+    for (Vec3& p : mesh.points) p = turn * p + by;
+    return mesh;
+}
+SurfaceMesh joined(SurfaceMesh one, const SurfaceMesh& other) {
+    const int count = static_cast<int>(one.points.size());
+    one.points.insert(one.points.end(), other.points.begin(), other.points.end());
+    for (const Triangle& t : other.triangles) one.triangles.push_back({t[0] + count, t[1] + count, t[2] + count});
+    return one;
+}
+
+/// A fitted mesh and what is known of it.
+struct Fit {
+    TetMesh before;
+    FittedTets tets;
+    std::vector<double> exact, shares;
+    double solid = 0, layer = 0; ///< volumes, by exact shares
+    double taken = 0;            ///< of the layer, by the shares that count
+    double mixed = 0;            ///< of tets in part inside by the shares that count
+    Fit(const TetMesh& mesh, const SurfaceMesh& place, const SurfaceMesh& skin)
+        : before(mesh) {
+        const Solid solid_place = make_layer_place(place.points, place.triangles);
+        tets = fit_to_borders(mesh, {&solid_place}, skin.points, skin.triangles);
+        exact = layer_shares(tets.mesh, solid_place, skin.points, skin.triangles);
+        shares = fitted_shares(tets, 0, solid_place, skin.points, skin.triangles);
+        for (std::size_t t = 0; t < shares.size(); ++t) {
+            const double volume = lattice_checks::volume_of(tets.mesh, t) *
+                                  (tets.mesh.coverage.empty() ? 1 : tets.mesh.coverage[t]);
+            solid += volume, layer += volume * exact[t], taken += volume * shares[t];
+            if (shares[t] > 1e-9 && shares[t] < 1 - 1e-9) mixed += volume;
+        }
+    }
+    void print(const char* name) const {
+        const auto a = dihedral_range(tets.mesh);
+        printf("%s: tets %zu -> %zu vertices %zu -> %zu angles %.1f %.1f solid %.12g layer %.12g taken %.9g mixed %.3g\n", name,
+               before.tets.size(), tets.mesh.tets.size(), before.vertices.size(), tets.mesh.vertices.size(), a[0], a[1],
+               solid, layer, taken, mixed);
+    }
+};
+
+} // namespace
+
 TEST_CASE("stats", "[.stats]") {
+    const SurfaceMesh cube = RotatedBox({1, 1, 1}, 0, 0).surface(1);
+    const TetMesh block = box_mesh({1, 1, 1}, 5, 4, 6);
+    const RotatedBox inner({0.5, 0.5, 0.5}, 30, 30);
+    const SurfaceMesh turned = moved(inner.surface(1), Mat3::Identity(), Vec3(0.5, 0.5, 0.5) - inner.at({0.25, 0.25, 0.25}));
+    Fit(block, turned, cube).print("turned cube in block");
+    for (int n : {6, 12, 24})
+        Fit(box_mesh({1, 1, 1}, n, n, n), moved(make_sphere(0.33, 46, 34), Mat3::Identity(), {0.52, 0.47, 0.51}), cube).print("ball in block");
+    for (double d : {0.1, 0.03, 0.01, 0.001})
+    Fit(block, moved(RotatedBox({3, 3, d}, 30, 30).surface(1), Mat3::Identity(), {-1, -1, 0.51}), cube).print("slab in block");
+    Fit(block, moved(RotatedBox({1, 1, 0.5}, 0, 0).surface(1), Mat3::Identity(), {0, 0, 0.02}), cube).print("skin shared");
+    for (double r : {0.2, 0.1, 0.05, 0.02})
+    Fit(block, moved(make_cylinder(r, 3, 20, 1, 1), inner.turn, {0.5, 0.5, 0.5}), cube).print("rod");
+    Fit(block, joined(moved(make_sphere(0.4, 20, 20), Mat3::Identity(), {0.5, 0.5, 0.5}), moved(make_sphere(0.3, 20, 20), Mat3::Identity(), {0.5, 0.5, 0.5})), cube).print("shell");
+    Fit(block, joined(moved(make_sphere(0.25, 20, 20), Mat3::Identity(), {0.4, 0.5, 0.5}), moved(make_sphere(0.25, 20, 20), Mat3::Identity(), {0.6, 0.5, 0.5})), cube).print("two balls");
     const RotatedBox bar({0.4, 0.1, 0.1}, 30, 30);
     const SurfaceMesh skin = bar.surface(1);
     for (const int moments : {1, 4})
@@ -23,29 +81,11 @@ TEST_CASE("stats", "[.stats]") {
             LatticeOptions options;
             options.tet_size = size, options.moments = moments;
             const TetMesh tets = make_lattice(skin.points, skin.triangles, options);
-            SurfaceMesh place = RotatedBox({0.11, 2, 2}, 30, 30).surface(1);
-            for (Vec3& p : place.points) p += bar.at({0.13, -1, -1});
-            const Solid solid = make_layer_place(place.points, place.triangles);
-            const FittedTets f = fit_to_borders(tets, {&solid}, skin.points, skin.triangles);
-            const auto raw = layer_shares(f.mesh, solid, skin.points, skin.triangles);
-            const auto s = fitted_shares(f, 0, solid, skin.points, skin.triangles);
-            double q = 1, was = 1, all = 0, old = 0, mixed = 0, rounded = 0, layer = 0, worst_s = 0;
-            for (std::size_t t = 0; t < f.mesh.tets.size(); ++t) {
-                const auto c = [&](std::size_t k) { return f.mesh.vertices[std::size_t(f.mesh.tets[t][k])]; };
-                q = std::min(q, tet_quality(c(0), c(1), c(2), c(3)));
-                const double v = lattice_checks::volume_of(f.mesh, t) * f.mesh.coverage[t];
-                all += v, layer += v * raw[t];
-                if (s[t] > 1e-9 && s[t] < 1 - 1e-9) mixed += v, (size > 0.03 && moments == 1) ? printf("   share %.4g coverage %.4g parent %d at %d\n", s[t], f.mesh.coverage[t], f.parent[t], f.at_border[0][t]) : 0;
-                if (std::abs(s[t] - raw[t]) > 1e-9) rounded += v, worst_s = std::max(worst_s, std::abs(s[t] - raw[t]));
+            for (double e : {0.0, 0.001, 0.3}) {
+                SurfaceMesh place = moved(RotatedBox({0.11, 0.1 + 2 * e, 0.1 + 2 * e}, 30, 30).surface(1), Mat3::Identity(), bar.at({0.13, -e, -e}));
+                Fit(tets, place, skin).print("bar");
             }
-            for (std::size_t t = 0; t < tets.tets.size(); ++t) {
-                const auto c = [&](std::size_t k) { return tets.vertices[std::size_t(tets.tets[t][k])]; };
-                was = std::min(was, tet_quality(c(0), c(1), c(2), c(3)));
-                old += lattice_checks::volume_of(tets, t) * tets.coverage[t];
-            }
-            const auto angles = dihedral_range(f.mesh);
-            printf("moments %d size %.3f tets %zu -> %zu vertices %zu -> %zu q %.3f -> %.3f angles %.1f %.1f volume %.9f -> %.9f layer %.9f mixed %.3g rounded %.3g worst %.3g\n",
-                   moments, size, tets.tets.size(), f.mesh.tets.size(), tets.vertices.size(), f.mesh.vertices.size(), was, q, angles[0],
-                   angles[1], old, all, layer, mixed / all, rounded / all, worst_s);
+            Fit(tets, moved(make_sphere(0.04, 46, 34), Mat3::Identity(), bar.at({0.2, 0.05, 0.05})), skin).print("ball in bar");
+            Fit(tets, moved(make_sphere(0.06, 46, 34), Mat3::Identity(), bar.at({0.2, 0.05, 0.05})), skin).print("ball through bar");
         }
 }
