@@ -22,6 +22,8 @@ constexpr double near_share = 0.3;
 constexpr double least_share = 0.02;
 /// Moved vertices leave tets at least this good (tet_quality), or half as good as they were.
 constexpr double least_quality = 0.35;
+/// Of edges on a border: height of its arch by length, beyond which the tets are too large to know the border.
+constexpr double most_bend = 0.12;
 /// Tets that hold less of their volume are left out, as by lattices.
 constexpr double negligible_share = 1e-9;
 
@@ -70,6 +72,7 @@ class Fitting {
 
     /// Fits the tets to one smooth part of a border. `number`: of the patch, over all places.
     void fit(const BorderPatch& patch, int number) {
+        patches_.push_back(&patch);
         find_crossed(patch);
         if (crossed_.empty()) return;
         find_stars();
@@ -77,7 +80,7 @@ class Fitting {
         find_edges(patch);
         for (const auto& [v, height] : heights_)
             if (height == 0) touch(v, number);
-        move_vertices(number);
+        move_vertices(patch, number);
         split_edges(number);
         balance(patch, number);
         measure_changed();
@@ -118,9 +121,12 @@ class Fitting {
             for (const int v : pieces_[i].tet) stars_[at(v)].push_back(static_cast<int>(i));
         std::vector<Tet> tets;
         for (const Piece& p : pieces_) tets.push_back(p.tet);
-        at_boundary_.assign(vertices_.size(), 0);
-        for (const Triangle& t : boundary_triangles(tets))
-            for (const int v : t) at_boundary_[at(v)] = 1;
+        sides_.assign(vertices_.size(), {});
+        for (const Triangle& t : boundary_triangles(tets)) {
+            const Vec3& a = vertices_[at(t[0])];
+            const Vec3 normal = (vertices_[at(t[1])] - a).cross(vertices_[at(t[2])] - a).normalized();
+            for (const int v : t) sides_[at(v)].push_back(normal);
+        }
     }
 
     void find_heights(const BorderPatch& patch) {
@@ -146,7 +152,8 @@ class Fitting {
         for (auto& [edge, place] : edges_) place = patch.crossing(vertices_[at(edge[0])], vertices_[at(edge[1])]);
     }
 
-    void move_vertices(int number);
+    void move_vertices(const BorderPatch& patch, int number);
+    Vec3 foot(int v, const BorderPatch& patch) const;
     bool may_move(int v, const Vec3& to, int along) const;
     void split_edges(int number);
     void balance(const BorderPatch& patch, int number);
@@ -160,12 +167,13 @@ class Fitting {
     std::vector<Piece> pieces_;
     int degree_;
     bool knows_coverage_, is_sound_ = false;
-    std::optional<Solid> tissue_; ///< where tets are solid in part
+    std::vector<const BorderPatch*> patches_; ///< by number
+    std::optional<Solid> tissue_;             ///< where tets are solid in part
     std::optional<TriangleFinder> skin_;
     // of the patch in hand
     std::vector<std::size_t> crossed_;
-    std::vector<std::vector<int>> stars_; ///< pieces about each vertex
-    std::vector<char> at_boundary_;
+    std::vector<std::vector<int>> stars_;        ///< pieces about each vertex
+    std::vector<Points> sides_;                  ///< of each vertex: normals of the mesh's boundary there
     std::map<int, double> heights_;              ///< of the crossed tets' vertices
     std::map<std::array<int, 2>, double> edges_; ///< that the patch cuts, and where
 };
@@ -198,8 +206,11 @@ bool Fitting::may_move(int v, const Vec3& to, int along) const {
     // What lies on other parts of the border stays on them.
     const std::vector<int>&own = borders_[at(v)], &others = borders_[at(along)];
     if (!std::includes(others.begin(), others.end(), own.begin(), own.end())) return false;
-    const bool covers_solid = at_boundary_[at(v)] != 0;
-    if (covers_solid && !tissue_) return false;
+    // The boundary keeps its shape, or what is solid stays covered.
+    const Vec3 way = to - vertices_[at(v)];
+    const bool covers_solid = tissue_ && !sides_[at(v)].empty();
+    for (const Vec3& normal : sides_[at(v)])
+        if (!tissue_ && std::abs(way.dot(normal)) > 1e-9 * way.norm()) return false;
     double before = 0, after = 0, all = 0;
     for (const int i : stars_[at(v)]) {
         const Tet& tet = pieces_[at(i)].tet;
@@ -218,7 +229,26 @@ bool Fitting::may_move(int v, const Vec3& to, int along) const {
     return !covers_solid || std::abs(after - before) <= 1e-9 * all;
 }
 
-void Fitting::move_vertices(int number) {
+/// The place nearest to a vertex on the patch, and on all parts of the border that it lies on.
+Vec3 Fitting::foot(int v, const BorderPatch& patch) const {
+    const Vec3& p = vertices_[at(v)];
+    const Vec3 normal = patch.normal(p);
+    Vec3 along = normal;
+    Points kept; // directions in which it stays, orthonormal
+    const auto keep = [&](Vec3 n) {
+        for (const Vec3& k : kept) n -= k.dot(n) * k;
+        if (!(n.norm() > 1e-3)) return;
+        kept.push_back(n.normalized());
+        along -= kept.back().dot(along) * kept.back();
+    };
+    for (const int other : borders_[at(v)]) keep(patches_[at(other)]->normal(p));
+    for (const Vec3& n : sides_[at(v)])
+        if (!tissue_) keep(n);
+    const double slope = along.dot(normal);
+    return slope > 0.01 ? Vec3(p - patch.height(p) / slope * along) : p;
+}
+
+void Fitting::move_vertices(const BorderPatch& patch, int number) {
     std::map<int, std::vector<std::array<int, 2>>> of_vertex;
     for (const auto& [edge, place] : edges_)
         for (const int v : edge) of_vertex[v].push_back(edge);
@@ -239,6 +269,13 @@ void Fitting::move_vertices(int number) {
                 goals.push_back({share, vertices_[at(v)] + share * (vertices_[at(along)] - vertices_[at(v)]), along});
         }
         std::stable_sort(goals.begin(), goals.end(), [](const Goal& a, const Goal& b) { return a.share < b.share; });
+        if (!goals.empty()) {
+            const Vec3 place = foot(v, patch);
+            const double moved = (place - vertices_[at(v)]).norm();
+            double longest = 0;
+            for (const Goal& g : goals) longest = std::max(longest, (vertices_[at(g.along)] - vertices_[at(v)]).norm());
+            if (moved > 0 && moved < near_share * longest) goals.push_back({moved / longest, place, v});
+        }
         const auto goal =
             std::find_if(goals.begin(), goals.end(), [&](const Goal& g) { return may_move(v, g.place, g.along); });
         if (goal != goals.end()) {
@@ -349,22 +386,23 @@ void Fitting::measure_changed() {
 }
 
 double Fitting::slack(const Tet& tet, const BorderPatch& patch, int number) const {
-    double highest = 0;
+    double highest = 0, longest = 0;
     for (std::size_t a = 0; a < 4; ++a)
         for (std::size_t b = a + 1; b < 4 && is_on(tet[a], number); ++b) {
             if (!is_on(tet[b], number)) continue;
             const Vec3 &p = vertices_[at(tet[a])], &q = vertices_[at(tet[b])];
+            longest = std::max(longest, (q - p).norm());
             for (const Vec3& place : {p, q, Vec3(0.5 * (p + q))})
                 highest = std::max(highest, std::abs(patch.height(place)));
         }
-    if (highest == 0) return 0;
+    if (!(highest > 0) || highest > most_bend * longest) return 0;
     const std::array<Vec3, 4> c = corners(tet);
     double area = 0;
     for (std::size_t k = 0; k < 4; ++k) {
         const Vec3 &p = c[(k + 1) % 4], &q = c[(k + 2) % 4], &r = c[(k + 3) % 4];
         area = std::max(area, 0.5 * (q - p).cross(r - p).norm());
     }
-    return highest * area / tet_volume(c[0], c[1], c[2], c[3]);
+    return 2 * highest * area / tet_volume(c[0], c[1], c[2], c[3]);
 }
 
 FittedTets Fitting::result(const std::vector<std::vector<BorderPatch>>& patches) const {

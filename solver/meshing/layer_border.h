@@ -20,7 +20,7 @@ struct FittedTets {
     TetMesh mesh;
     std::vector<int> parent; ///< tet of the given mesh that each is a part of
     /// [place][tet]: about what share of it lies between its flat sides and the curved border that they stand for; 0
-    /// where the border is flat or elsewhere, at most one half.
+    /// where the border is flat, elsewhere, or bends within the tet's width (where this would be more than one half).
     std::vector<std::vector<double>> slack;
 };
 
