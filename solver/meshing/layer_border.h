@@ -30,8 +30,8 @@ struct FittedTets {
 /// moments of what is changed are found anew from the surface; tets with less than 1e-9 of their volume inside are left
 /// out. The mesh stays as it is where it knows what the surface cuts off (TetMesh::cut) and that is not what `surface`
 /// says (tets made for another mesh, with cavities or large holes); parts of a layer that end between the vertices of a
-/// tet, so that no edge meets them, split nothing. The same for any number of threads. \param surface, triangles the
-/// tissue's own mesh, in the same place
+/// tet, so that no edge meets them, split nothing. The same for any number of threads.
+/// \param surface, triangles the tissue's own mesh, in the same place
 FittedTets fit_to_borders(const TetMesh& tets, const std::vector<const Solid*>& places, const Points& surface,
                           const std::vector<Triangle>& triangles, const MeshingControl& control = {});
 
