@@ -108,7 +108,9 @@ void TetFitting::move_vertices(const BorderPatch& patch, int number) {
 }
 
 void TetFitting::balance(const BorderPatch& patch, int number) {
-    find_stars();
+    std::vector<char> on_border(vertices_.size(), 0);
+    for (std::size_t v = 0; v < vertices_.size(); ++v) on_border[v] = is_on(static_cast<int>(v), number);
+    find_stars(on_border);
     std::map<std::array<int, 3>, std::array<int, 2>> sides; // of faces on the border: tets above and below
     for (const Piece& p : pieces_) {
         const auto on = std::count_if(p.tet.begin(), p.tet.end(), [&](int v) { return is_on(v, number); });

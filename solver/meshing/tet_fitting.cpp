@@ -56,7 +56,10 @@ void TetFitting::fit(const BorderPatch& patch) {
     patches_.push_back(&patch);
     find_crossed(patch);
     if (crossed_.empty()) return;
-    find_stars();
+    std::vector<char> near(vertices_.size(), 0);
+    for (const std::size_t i : crossed_)
+        for (const int v : pieces_[i].tet) near[at(v)] = 1;
+    find_stars(near);
     find_heights(patch);
     find_edges(patch);
     for (const auto& [v, height] : heights_)
@@ -106,18 +109,29 @@ bool TetFitting::runs_inside(const BarycentricPolygon& part, const std::array<Ve
     return false;
 }
 
-void TetFitting::find_stars() {
+void TetFitting::find_stars(const std::vector<char>& wanted) {
     stars_.assign(vertices_.size(), {});
     for (std::size_t i = 0; i < pieces_.size(); ++i)
-        for (const int v : pieces_[i].tet) stars_[at(v)].push_back(static_cast<int>(i));
-    std::vector<Tet> tets;
-    for (const Piece& p : pieces_) tets.push_back(p.tet);
+        for (const int v : pieces_[i].tet)
+            if (wanted[at(v)]) stars_[at(v)].push_back(static_cast<int>(i));
     sides_.assign(vertices_.size(), {});
-    for (const Triangle& t : boundary_triangles(tets)) {
-        const Vec3& a = vertices_[at(t[0])];
-        const Vec3 normal = (vertices_[at(t[1])] - a).cross(vertices_[at(t[2])] - a).normalized();
-        for (const int v : t) sides_[at(v)].push_back(normal);
-    }
+    parallel_for(vertices_.size(), 256, [&](std::size_t v) {
+        // Faces that one tet only has at the vertex, by their other two vertices.
+        std::vector<std::array<int, 2>> faces;
+        for (const int i : stars_[v]) {
+            const Tet& tet = pieces_[at(i)].tet;
+            for (std::size_t a = 0; a < 4; ++a)
+                for (std::size_t b = a + 1; b < 4; ++b)
+                    if (at(tet[a]) != v && at(tet[b]) != v)
+                        faces.push_back({std::min(tet[a], tet[b]), std::max(tet[a], tet[b])});
+        }
+        std::sort(faces.begin(), faces.end());
+        for (std::size_t k = 0; k < faces.size(); ++k) {
+            if ((k > 0 && faces[k] == faces[k - 1]) || (k + 1 < faces.size() && faces[k] == faces[k + 1])) continue;
+            const Vec3 p = vertices_[at(faces[k][0])] - vertices_[v], q = vertices_[at(faces[k][1])] - vertices_[v];
+            sides_[v].push_back(p.cross(q).normalized());
+        }
+    });
 }
 
 void TetFitting::find_heights(const BorderPatch& patch) {

@@ -46,7 +46,8 @@ class TetFitting {
     /// Tets through whose solid part the patch runs.
     void find_crossed(const BorderPatch& patch);
     bool runs_inside(const BarycentricPolygon& part, const std::array<Vec3, 4>& c, bool is_cut) const;
-    void find_stars();
+    /// Of some vertices the pieces about them, and the mesh's boundary there.
+    void find_stars(const std::vector<char>& wanted);
     void find_heights(const BorderPatch& patch);
     /// Where the patch cuts the edges of crossed tets.
     void find_edges(const BorderPatch& patch);
@@ -76,7 +77,7 @@ class TetFitting {
     std::optional<TriangleFinder> skin_;
     // of the patch in hand
     std::vector<std::size_t> crossed_;
-    std::vector<std::vector<int>> stars_;        ///< pieces about each vertex
+    std::vector<std::vector<int>> stars_;        ///< pieces about a vertex
     std::vector<Points> sides_;                  ///< of each vertex: normals of the mesh's boundary there
     std::map<int, double> heights_;              ///< of the crossed tets' vertices
     std::map<std::array<int, 2>, double> edges_; ///< that the patch cuts, and where
