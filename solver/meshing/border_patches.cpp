@@ -10,8 +10,8 @@ namespace sinew::solver {
 
 namespace {
 
-const double least_cosine = std::cos(40 * EIGEN_PI / 180);
-constexpr std::size_t most_patches = 64;
+const double least_cosine = std::cos(50 * EIGEN_PI / 180);
+constexpr std::size_t most_patches = 24;
 
 Vec3 area_vector(const Solid& solid, int triangle) {
     const Triangle& t = solid.triangles[at(triangle)];

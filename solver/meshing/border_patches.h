@@ -30,8 +30,8 @@ class BorderPatch {
     TriangleFinder finder_;
 };
 
-/// The surface of a solid, cut apart where it bends by more than 40 degrees; without what lies inside of it where parts
-/// overlap. A surface with more than 64 parts, which is rough rather than creased, is one.
+/// The surface of a solid, cut apart where it bends by more than 50 degrees; without what lies inside of it where parts
+/// overlap. A surface with more than 24 parts, which is rough rather than creased, is one.
 std::vector<BorderPatch> border_patches(const Solid& solid);
 
 } // namespace sinew::solver

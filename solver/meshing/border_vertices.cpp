@@ -12,13 +12,15 @@ namespace {
 /// A vertex moves onto the border if it lies nearer to it than this share of an edge.
 constexpr double near_share = 0.3;
 /// One that may not move counts as on the border if it lies nearer than this: tets must not become flat.
-constexpr double least_share = 0.02;
-/// Moved vertices leave tets at least this good (tet_quality), or half as good as they were.
+constexpr double least_share = 0.04;
+/// Moved vertices leave tets at least this good (tet_quality), or half as good as they were …
 constexpr double least_quality = 0.35;
+/// … or, if they are so near that splitting would leave worse ones, this good.
+double quality_for(double share) { return std::clamp(2 * share, 0.1, least_quality); }
 
 } // namespace
 
-bool TetFitting::may_move(int v, const Vec3& to, int along) const {
+bool TetFitting::may_move(int v, const Vec3& to, int along, double quality) const {
     // What lies on other parts of the border stays on them.
     const std::vector<int>&own = borders_[at(v)], &others = borders_[at(along)];
     if (!std::includes(others.begin(), others.end(), own.begin(), own.end())) return false;
@@ -35,7 +37,7 @@ bool TetFitting::may_move(int v, const Vec3& to, int along) const {
         for (std::size_t k = 0; k < 4; ++k)
             if (tet[k] == v) c[k] = to;
         const double was = tet_quality(old[0], old[1], old[2], old[3]);
-        if (!(tet_quality(c[0], c[1], c[2], c[3]) >= std::min(least_quality, 0.5 * was))) return false;
+        if (!(tet_quality(c[0], c[1], c[2], c[3]) >= std::min(quality, 0.5 * was))) return false;
         if (!covers_solid) continue;
         const double volume = tet_volume(old[0], old[1], old[2], old[3]);
         all += volume;
@@ -96,8 +98,12 @@ void TetFitting::move_vertices(const BorderPatch& patch, int number) {
             for (const Goal& g : goals) longest = std::max(longest, (vertices_[at(g.along)] - vertices_[at(v)]).norm());
             if (moved > 0 && moved < near_share * longest) goals.push_back({moved / longest, place, v});
         }
-        const auto goal =
-            std::find_if(goals.begin(), goals.end(), [&](const Goal& g) { return may_move(v, g.place, g.along); });
+        const auto find = [&](double quality) {
+            return std::find_if(goals.begin(), goals.end(),
+                                [&](const Goal& g) { return may_move(v, g.place, g.along, quality); });
+        };
+        auto goal = find(least_quality);
+        if (goal == goals.end() && !goals.empty()) goal = find(quality_for(goals.front().share));
         if (goal != goals.end()) {
             move(v, goal->place);
             touch(v, number);
@@ -151,7 +157,7 @@ void TetFitting::balance(const BorderPatch& patch, int number) {
         goals.emplace_back(v, vertices_[at(v)] + over * patch.normal(vertices_[at(v)]));
     }
     for (const auto& [v, goal] : goals)
-        if (may_move(v, goal, v)) move(v, goal);
+        if (may_move(v, goal, v, least_quality)) move(v, goal);
 }
 
 } // namespace sinew::solver

@@ -55,8 +55,9 @@ class TetFitting {
     void move_vertices(const BorderPatch& patch, int number);
     /// The place nearest to a vertex on the patch, and on all parts of the border that it lies on.
     Vec3 foot(int v, const BorderPatch& patch) const;
-    /// Whether a vertex may go there, along an edge to another one or (`along` = v) within what it lies on.
-    bool may_move(int v, const Vec3& to, int along) const;
+    /// Whether a vertex may go there, along an edge to another one or (`along` = v) within what it lies on: tets stay
+    /// this good (tet_quality), or half as good as they were.
+    bool may_move(int v, const Vec3& to, int along, double quality) const;
     void move(int v, const Vec3& to);
     void split_edges(int number);
     /// Flat sides of tets that end on a curved border lie on one side of it. So their vertices go over it, until the

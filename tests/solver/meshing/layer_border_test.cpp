@@ -322,3 +322,59 @@ TEST_CASE("fitting can be stopped", "[layers]") {
     const MeshingControl control{[&] { return ++asked == 3; }, {}};
     CHECK_THROWS_AS(fit_to_borders(block, {&solid}, cube.points, cube.triangles, control), Stopped);
 }
+TEST_CASE("random layers in random bodies: tets conform, and nothing is lost", "[layers]") {
+    std::mt19937 random(3);
+    std::uniform_real_distribution<double> number(0, 1);
+    const auto turn = [&] {
+        const Vec3 axis(number(random) - 0.5, number(random) - 0.5, number(random) - 0.5);
+        return Mat3(Eigen::AngleAxisd(6 * number(random), axis.normalized()).toRotationMatrix());
+    };
+    for (int round = 0; round < 12; ++round) {
+        SurfaceMesh skin = round % 3 == 0   ? make_sphere(0.6, 24, 18)
+                           : round % 3 == 1 ? moved(make_cylinder(0.3, 1.5, 24, 6, 2), Vec3::Zero(), turn())
+                                            : make_helix(0.5, 0.2, 1, 1.5, 10, 30);
+        const Vec3 by(0.5 * (number(random) - 0.5), 0.5 * (number(random) - 0.5), 0.5 * (number(random) - 0.5));
+        const double size = 0.3 + 0.2 * number(random), radius = 0.02 + 0.4 * number(random);
+        SurfaceMesh place;
+        switch (round % 5) {
+        case 0:
+            place = moved(make_sphere(radius, 20, 14), by);
+            break;
+        case 1:
+            place = moved(make_cylinder(radius, 2, 6, 3, 1), by, turn());
+            break;
+        case 2:
+            place = moved(RotatedBox({1.5 * radius, 1, 0.1 + radius}, 0, 0).surface(2), by, turn());
+            break;
+        case 3:
+            place = moved(make_helix(0.3, radius / 3, 0.8, 1.5, 9, 20), by, turn());
+            break;
+        default: // what of the body lies on one side, its skin and all
+            place = skin;
+            for (Vec3& p : place.points) p.x() = std::min(p.x(), by.x());
+        }
+        CAPTURE(round, size, radius);
+        LatticeOptions options;
+        options.tet_size = size;
+        options.moments = round % 2 ? 4 : 1;
+        if (round % 4 == 0)
+            for (std::size_t v = 0; v < skin.points.size(); ++v) options.refinement.push_back(number(random) < 0.1);
+        const TetMesh lattice = make_lattice(skin.points, skin.triangles, options);
+        const Solid solid = make_layer_place(place.points, place.triangles);
+        const FittedTets fit = fit_to_borders(lattice, {&solid}, skin.points, skin.triangles);
+        check_conforming(fit.mesh);
+        const auto volumes = [&](const TetMesh& mesh) {
+            const std::vector<double> shares = layer_shares(mesh, solid, skin.points, skin.triangles);
+            std::array<double, 2> out{};
+            for (std::size_t t = 0; t < shares.size(); ++t) {
+                const double volume = lattice_checks::volume_of(mesh, t) * mesh.coverage[t];
+                out[0] += volume, out[1] += volume * shares[t];
+            }
+            return out;
+        };
+        const auto before = volumes(lattice), after = volumes(fit.mesh);
+        CHECK(after[0] == Approx(before[0]).epsilon(5e-4)); // tets hardly touched count for a thousandth
+        CHECK(after[1] == Approx(before[1]).margin(5e-4 * before[0]));
+        CHECK(fit.mesh.tets.size() < 4 * lattice.tets.size());
+    }
+}
