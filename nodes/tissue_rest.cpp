@@ -61,7 +61,7 @@ solver::FittedTets fitted(const TissueParts& parts, const solver::TissueRest& t,
     for (std::size_t k = 1; k < parts.materials.size(); ++k)
         if (const auto& place = parts.materials[k].get().place) places.push_back(place.get());
     if (!places.empty()) return solver::fit_to_borders(tets, places, t.surface, t.triangles, quiet);
-    solver::FittedTets out{std::move(tets), {}, {}};
+    solver::FittedTets out{std::move(tets), {}, {}, {}};
     out.parent.resize(out.mesh.tets.size());
     std::iota(out.parent.begin(), out.parent.end(), 0);
     return out;

@@ -25,7 +25,7 @@ FittedTets fit_to_borders(const TetMesh& tets, const std::vector<const Solid*>& 
 std::vector<double> fitted_shares(const FittedTets& tets, std::size_t place_number, const Solid& place,
                                   const Points& surface, const std::vector<Triangle>& triangles,
                                   const MeshingControl& control) {
-    std::vector<double> shares = layer_shares(tets.mesh, place, surface, triangles, control);
+    std::vector<double> shares = layer_shares(tets.mesh, place, surface, triangles, control, tets.tissue.get());
     for (std::size_t t = 0; t < shares.size(); ++t) {
         const double slack = tets.slack[place_number][t];
         if (std::min(shares[t], 1 - shares[t]) <= slack) shares[t] = shares[t] < 0.5 ? 0 : 1;

@@ -12,6 +12,7 @@
 #include "solver/meshing/meshing_control.h"
 #include "solver/meshing/solid.h"
 
+#include <memory>
 #include <vector>
 
 namespace sinew::solver {
@@ -22,6 +23,7 @@ struct FittedTets {
     /// [place][tet]: about what share of it lies between its flat sides and the curved border that they stand for; 0
     /// where the border is flat, elsewhere, or bends within the tet's width (where this would be more than one half).
     std::vector<std::vector<double>> slack;
+    std::shared_ptr<const Solid> tissue; ///< what tissue_solid makes of the surface; null where it was not asked
 };
 
 /// Splits tets along the borders of `places` where these run within the solid. Exact for flat sides, second order for

@@ -51,7 +51,8 @@ std::optional<Solid> tissue_solid(const Points& points, const std::vector<Triang
 }
 
 std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const Points& surface,
-                                 const std::vector<Triangle>& triangles, const MeshingControl& control) {
+                                 const std::vector<Triangle>& triangles, const MeshingControl& control,
+                                 const Solid* tissue) {
     const TriangleFinder finder(place);
     std::vector<double> shares(tets.tets.size(), 0.0);
     MeshingPhase{control, 0, 0.5, "finding layers"}.run(tets.tets.size(), 64, [&](std::size_t tet) {
@@ -65,7 +66,8 @@ std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const 
         if (share > 0 && share < 1) at_border.push_back(k);
     }
     if (at_border.empty()) return shares;
-    const std::optional<Solid> tissue = tissue_solid(surface, triangles, control);
+    const std::optional<Solid> made = tissue ? std::optional<Solid>() : tissue_solid(surface, triangles, control);
+    if (made) tissue = &*made;
     if (!tissue) return shares;
     const TriangleFinder skin(*tissue);
     MeshingPhase{control, 0.5, 1, "finding layers"}.run(at_border.size(), 4, [&](std::size_t i) {

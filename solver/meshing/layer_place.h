@@ -29,8 +29,10 @@ std::optional<Solid> tissue_solid(const Points& surface, const std::vector<Trian
 /// knows of itself, within 1e-6 of the tet; of tets that another mesh was cut by, or with holes or cavities, and of
 /// all that are not cut, the share of the whole tet. The same for any number of threads.
 /// \param surface, triangles the tissue's own mesh, in the same place
+/// \param tissue what tissue_solid makes of it, where that is known
 std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const Points& surface,
-                                 const std::vector<Triangle>& triangles, const MeshingControl& control = {});
+                                 const std::vector<Triangle>& triangles, const MeshingControl& control = {},
+                                 const Solid* tissue = nullptr);
 
 /// 1 for each point inside `place` or on it, within 1e-6 of its longest side; else 0.
 std::vector<double> points_in_layer(const Points& points, const Solid& place);

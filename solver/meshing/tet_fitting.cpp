@@ -25,8 +25,10 @@ TetFitting::TetFitting(const TetMesh& tets, const Points& surface, const std::ve
     : vertices_(tets.vertices)
     , borders_(tets.vertices.size())
     , degree_(tets.cut.degree)
-    , knows_coverage_(!tets.coverage.empty())
-    , tissue_(tets.cut.tets.empty() ? std::optional<Solid>() : tissue_solid(surface, triangles, control)) {
+    , knows_coverage_(!tets.coverage.empty()) {
+    if (!tets.cut.tets.empty())
+        if (auto solid = tissue_solid(surface, triangles, control))
+            tissue_ = std::make_shared<const Solid>(std::move(*solid));
     pieces_.resize(tets.tets.size());
     for (std::size_t t = 0; t < pieces_.size(); ++t)
         pieces_[t] = {tets.tets[t], static_cast<int>(t), knows_coverage_ ? tets.coverage[t] : 1.0, {}};
@@ -89,24 +91,26 @@ bool TetFitting::runs_inside(const BarycentricPolygon& part, const std::array<Ve
     const auto place = [&](const Barycentric& b) -> Vec3 {
         return b[0] * c[0] + b[1] * c[1] + b[2] * c[2] + b[3] * c[3];
     };
-    const double scale = (c[1] - c[0]).squaredNorm();
+    const double length = (c[1] - c[0]).norm();
     for (std::size_t k = 2; k < part.size(); ++k) {
-        const Vec3 p = place(part[0]), u = place(part[k - 1]) - p, v = place(part[k]) - p;
-        if (!(u.cross(v).norm() > 1e-9 * scale)) continue;
-        if (!is_cut) return true;
-        // The middles of equal parts: inside, and not on the skin that layer and tissue may share.
-        constexpr int n = 12;
-        for (int i = 0; i < n; ++i)
-            for (int j = 0; i + j < n; ++j)
-                for (int half = 0; half < (i + j + 1 < n ? 2 : 1); ++half) {
-                    const double offset = (half + 1) / 3.0;
-                    const Vec3 middle = p + ((i + offset) * u + (j + offset) * v) / n;
-                    if (tissue_->tree.inside_either_way(middle) &&
-                        tissue_->tree.closest(middle, 1e-6 * std::sqrt(scale)).triangle < 0)
-                        return true;
-                }
+        const Vec3 p = place(part[0]), q = place(part[k - 1]), r = place(part[k]);
+        if (!((q - p).cross(r - p).norm() > 1e-9 * length * length)) continue;
+        if (!is_cut || is_inside({p, q, r}, length, 0)) return true;
     }
     return false;
+}
+
+bool TetFitting::is_inside(const std::array<Vec3, 3>& t, double length, int depth) const {
+    const Vec3 center = (t[0] + t[1] + t[2]) / 3;
+    const double radius = std::max({(t[0] - center).norm(), (t[1] - center).norm(), (t[2] - center).norm()});
+    const double distance = tissue_->tree.closest(center, radius + 1e-6 * length).distance;
+    // On the skin, which layer and tissue may share, is not inside.
+    if (distance > 1e-6 * length && tissue_->tree.inside_either_way(center)) return true;
+    constexpr int deepest = 4;
+    if (distance > radius || depth == deepest) return false; // all of it lies as its centre does
+    const std::array<Vec3, 3> m{0.5 * (t[1] + t[2]), 0.5 * (t[2] + t[0]), 0.5 * (t[0] + t[1])};
+    return is_inside(m, length, depth + 1) || is_inside({t[0], m[2], m[1]}, length, depth + 1) ||
+           is_inside({m[2], t[1], m[0]}, length, depth + 1) || is_inside({m[1], m[0], t[2]}, length, depth + 1);
 }
 
 void TetFitting::find_stars(const std::vector<char>& wanted) {
@@ -225,6 +229,7 @@ double TetFitting::slack(const Tet& tet, const BorderPatch& patch, int number) c
 
 FittedTets TetFitting::result(const std::vector<std::vector<BorderPatch>>& patches) const {
     FittedTets out;
+    out.tissue = tissue_;
     int first = 0; // number of the place's first patch
     for (const std::vector<BorderPatch>& of_place : patches) {
         std::vector<double>& slacks = out.slack.emplace_back(pieces_.size(), 0.0);

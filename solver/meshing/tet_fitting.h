@@ -46,6 +46,8 @@ class TetFitting {
     /// Tets through whose solid part the patch runs.
     void find_crossed(const BorderPatch& patch);
     bool runs_inside(const BarycentricPolygon& part, const std::array<Vec3, 4>& c, bool is_cut) const;
+    /// Whether some of a triangle in a tet with edges of this length lies inside the tissue and off its skin.
+    bool is_inside(const std::array<Vec3, 3>& triangle, double length, int depth) const;
     /// Of some vertices the pieces about them, and the mesh's boundary there.
     void find_stars(const std::vector<char>& wanted);
     void find_heights(const BorderPatch& patch);
@@ -74,7 +76,7 @@ class TetFitting {
     int degree_;
     bool knows_coverage_, is_sound_ = false;
     std::vector<const BorderPatch*> patches_; ///< by number
-    std::optional<Solid> tissue_;             ///< where tets are solid in part
+    std::shared_ptr<const Solid> tissue_;     ///< where tets are solid in part
     std::optional<TriangleFinder> skin_;
     // of the patch in hand
     std::vector<std::size_t> crossed_;
