@@ -5,9 +5,10 @@
 #include "nodes/adapters.h"
 #include "solver/mesh/harmonic.h"
 #include "solver/meshing/lattice.h"
-#include "solver/meshing/layer_place.h"
+#include "solver/meshing/layer_border.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace sinew::nodes {
 
@@ -38,37 +39,61 @@ std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std:
 }
 
 /// Unit vectors from given ones; zero where those are. Throws solver::Error FE227 where there are too few or many.
-solver::Points given_directions(const solver::TissueRest& t, const NumberList& given) {
-    const std::size_t count = t.tets.tets.size(), vectors = given.size() / 3;
+/// \param parent tets that directions are given for, of which the tissue's are parts; `count` of them
+solver::Points given_directions(const std::vector<int>& parent, std::size_t count, const NumberList& given) {
+    const std::size_t vectors = given.size() / 3;
     if (vectors != 1 && vectors != count)
         throw solver::Error("FE227",
                             std::to_string(vectors) + " fibre directions for " + std::to_string(count) + " tets",
                             "Give 3 numbers for each tet, in the order of the tets, or 3 for all.");
-    solver::Points out(count);
-    for (std::size_t i = 0; i < count; ++i) {
-        const double* d = given.data() + 3 * (vectors == 1 ? 0 : i);
+    solver::Points out(parent.size());
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        const double* d = given.data() + (vectors == 1 ? 0 : 3 * static_cast<std::size_t>(parent[i]));
         out[i] = solver::Vec3(d[0], d[1], d[2]).stableNormalized();
     }
     return out;
 }
 
+/// The tets, fitted to the borders of layers that have a mesh.
+solver::FittedTets fitted(const TissueParts& parts, const solver::TissueRest& t, solver::TetMesh tets,
+                          const solver::MeshingControl& quiet) {
+    std::vector<const solver::Solid*> places;
+    for (std::size_t k = 1; k < parts.materials.size(); ++k)
+        if (const auto& place = parts.materials[k].get().place) places.push_back(place.get());
+    if (!places.empty()) return solver::fit_to_borders(tets, places, t.surface, t.triangles, quiet);
+    solver::FittedTets out{std::move(tets), {}, {}, {}};
+    out.parent.resize(out.mesh.tets.size());
+    std::iota(out.parent.begin(), out.parent.end(), 0);
+    return out;
+}
+
+/// [place][tet]: what of each tet lies in a layer's mesh.
+std::vector<std::vector<double>> border_shares(const TissueParts& parts, const solver::FittedTets& fit,
+                                               const solver::TissueRest& t, const solver::MeshingControl& quiet) {
+    std::vector<std::vector<double>> out;
+    for (std::size_t k = 1; k < parts.materials.size(); ++k)
+        if (const auto& place = parts.materials[k].get().place)
+            out.push_back(solver::fitted_shares(fit, out.size(), *place, t.surface, t.triangles, quiet));
+    return out;
+}
+
 /// Layers with a mesh count where it is, times what is painted. Returns those whose mesh holds nothing of the tissue.
-std::vector<std::size_t> bound_layers(const TissueParts& parts, const solver::MeshingControl& control,
+std::vector<std::size_t> bound_layers(const TissueParts& parts, const std::vector<std::vector<double>>& shares,
                                       solver::TissueRest& t) {
-    const solver::MeshingControl quiet{control.stop, {}}; // meshing has reported all of its way
     std::vector<std::size_t> empty;
+    std::size_t place = 0;
     for (std::size_t k = 1; k < parts.materials.size(); ++k) {
-        const Material& layer = parts.materials[k];
-        if (!layer.place) continue;
-        const std::vector<double> shares = solver::layer_shares(t.tets, *layer.place, t.surface, t.triangles, quiet);
-        if (std::all_of(shares.begin(), shares.end(), [](double s) { return s == 0; })) empty.push_back(k);
-        for (std::size_t tet = 0; tet < shares.size(); ++tet) t.layer_weights[k][tet] *= shares[tet];
+        if (!parts.materials[k].get().place) continue;
+        const std::vector<double>& inside = shares[place++];
+        if (std::all_of(inside.begin(), inside.end(), [](double s) { return s == 0; })) empty.push_back(k);
+        for (std::size_t tet = 0; tet < inside.size(); ++tet) t.layer_weights[k][tet] *= inside[tet];
     }
     return empty;
 }
 
-solver::Points directions(const solver::TissueRest& t, const Fiber& fiber) {
-    if (!fiber.directions.empty()) return given_directions(t, fiber.directions);
+solver::Points directions(const solver::TissueRest& t, const std::vector<int>& parent, std::size_t count,
+                          const Fiber& fiber) {
+    if (!fiber.directions.empty()) return given_directions(parent, count, fiber.directions);
     std::vector<char> painted;
     NumberList ends;
     for (const double e : fiber.end_points) {
@@ -104,7 +129,11 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     auto t = std::make_shared<solver::TissueRest>();
     t->triangles = parts.mesh->topology->triangles;
     t->surface = *parts.mesh->points;
-    t->tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {}, control);
+    solver::TetMesh tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {}, control);
+    const std::size_t given_tets = tets.tets.size();
+    const solver::MeshingControl quiet{control.stop, {}}; // meshing has reported all of its way
+    solver::FittedTets fit = fitted(parts, *t, std::move(tets), quiet);
+    t->tets = fit.mesh;
     t->embedding = solver::embed(t->tets, t->surface);
     t->law = parts.law;
     if (parts.tets) t->element = parts.tets->element;
@@ -114,9 +143,10 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     for (const Fiber& f : parts.fibers) maps.push_back(&f.weights);
     t->layer_weights = per_tet(*t, maps);
     for (std::size_t i = 0; i < parts.fibers.size(); ++i)
-        t->fibers.push_back({directions(*t, parts.fibers[i]), std::move(t->layer_weights[parts.materials.size() + i])});
+        t->fibers.push_back({directions(*t, fit.parent, given_tets, parts.fibers[i]),
+                             std::move(t->layer_weights[parts.materials.size() + i])});
     t->layer_weights.resize(parts.materials.size());
-    std::vector<std::size_t> empty = bound_layers(parts, control, *t);
+    std::vector<std::size_t> empty = bound_layers(parts, border_shares(parts, fit, *t, quiet), *t);
     if (needs_direction(t->law)) t->stiff_directions = t->fibers.front().directions;
     auto rest = std::make_shared<BodyRest>();
     rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));

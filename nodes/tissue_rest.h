@@ -13,8 +13,9 @@ namespace sinew::nodes {
 
 /// Raised when the same parts give rest data with other bits; part of the digest below, and zTissue's `numerics`.
 /// 3: paint holds on triangles, not only at vertices, where they are larger than the tets. 4: maps and fibre
-/// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts.
-constexpr int tissue_numerics = 5;
+/// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts. 6: tets
+/// are fitted to the borders of layers.
+constexpr int tissue_numerics = 6;
 
 /// The rest data, and what its maker has to say.
 struct MadeTissue {

@@ -45,7 +45,7 @@ const Input<Vec3> direction{
 const Input<NumberList> directions{
     .name = "directions",
     .unit = "1",
-    .doc = "The direction of the fibres in each tet: 3 numbers a tet in the order of the tissue's tets, or 3 for all. "
+    .doc = "The direction of the fibres in each tet: 3 numbers a tet in the order of zTissue.tets, or 3 for all. "
            "Of any length, which does not count; where it is 0 there is no fibre.",
     .keyable = false,
 };

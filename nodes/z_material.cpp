@@ -31,9 +31,10 @@ const Wire<Mesh> mesh{
     .name = "mesh",
     .doc =
         "A closed mesh that says where this layer is, with a sharp border: an inclusion, a tendon, a pad of fat, "
-        "modelled where the tissue is at rest, in scene units. Each tet takes the share of its solid part that lies "
-        "inside; parts may overlap, and a shell inside another one bounds a hollow. Let it reach beyond the skin "
-        "where the layer does. Weights multiply it: the mesh says where, they how much. Pressure and surface tension "
+        "modelled where the tissue is at rest, in scene units. Tets that its border passes through are split along it; "
+        "where it bends within a tet's width, a tet takes the mean by volume. Parts may overlap, and a shell inside "
+        "another one bounds a hollow. Let it reach to the skin or beyond where the layer does. Weights multiply it: "
+        "the mesh says where, they how much. Pressure and surface tension "
         "count at the vertices of the tissue's mesh that lie in it or on it. It must not change over time. The first "
         "layer of a tissue covers all of it and ignores this, with a warning.",
     .required = false,

@@ -2,9 +2,7 @@
 #include "solver/meshing/layer_place.h"
 
 #include "solver/error.h"
-#include "solver/index.h"
-#include "solver/mesh/bvh.h"
-#include "solver/meshing/tet_share.h"
+#include "solver/meshing/triangle_finder.h"
 #include "solver/meshing/welding.h"
 #include "solver/parallel.h"
 
@@ -16,69 +14,12 @@ namespace sinew::solver {
 
 namespace {
 
-struct Boxes {
-    Points min, max;
-};
-
-/// Finds a solid's triangles about a tet.
-class Finder {
-  public:
-    explicit Finder(const Solid& solid)
-        : solid_(solid) {
-        Boxes boxes;
-        for (const Triangle& t : solid.triangles) {
-            const Vec3 &a = solid.points[at(t[0])], &b = solid.points[at(t[1])], &c = solid.points[at(t[2])];
-            boxes.min.push_back(a.cwiseMin(b).cwiseMin(c));
-            boxes.max.push_back(a.cwiseMax(b).cwiseMax(c));
-        }
-        bvh_ = build_bvh(boxes.min, boxes.max);
-    }
-
-    /// Those that touch the tet, in increasing order.
-    std::vector<int> touching(const std::array<Vec3, 4>& corners) const {
-        Vec3 low = corners[0], high = corners[0];
-        for (const Vec3& c : corners) low = low.cwiseMin(c), high = high.cwiseMax(c);
-        const Vec3 margin = Vec3::Constant(4 * touch_slack * (high - low).maxCoeff());
-        std::vector<int> found;
-        if (!bvh_.nodes.empty()) visit(0, low - margin, high + margin, found);
-        std::sort(found.begin(), found.end());
-        return touching_triangles(solid_, corners, found);
-    }
-
-  private:
-    void visit(int number, const Vec3& low, const Vec3& high, std::vector<int>& found) const {
-        const BvhNode& node = bvh_.nodes[at(number)];
-        if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) return;
-        for (int i = 0; i < node.count; ++i) found.push_back(bvh_.order[at(node.first + i)]);
-        if (node.count == 0) visit(number + 1, low, high, found), visit(node.first, low, high, found);
-    }
-    const Solid& solid_;
-    Bvh bvh_;
-};
-
-std::array<Vec3, 4> corners_of(const TetMesh& mesh, std::size_t tet) {
-    std::array<Vec3, 4> out;
-    for (std::size_t c = 0; c < 4; ++c) out[c] = mesh.vertices[at(mesh.tets[tet][c])];
-    return out;
-}
-
 /// Share of the tet that its own surface encloses, as it was found when the tet was made.
 double known_share(const CutTets& cut, std::size_t place) {
     TetMoments inside;
     inside.degree = cut.degree;
     std::copy_n(cut.of(place), moment_count(cut.degree), inside.value.begin());
     return inside.volume();
-}
-
-/// The tissue's own solid, if it has one that ends at its triangles.
-std::optional<Solid> tissue_solid(const Points& points, const std::vector<Triangle>& triangles,
-                                  const MeshingControl& control) {
-    try {
-        Solid solid = make_solid(points, triangles, Fill::filled_cavities, control);
-        if (solid.is_closed) return solid;
-    } catch (const Error&) { // the tets were made for another surface
-    }
-    return {};
 }
 
 } // namespace
@@ -99,12 +40,23 @@ Solid make_layer_place(const Points& points, const std::vector<Triangle>& triang
     return make_solid(points, triangles, Fill::empty_cavities, control);
 }
 
+std::optional<Solid> tissue_solid(const Points& points, const std::vector<Triangle>& triangles,
+                                  const MeshingControl& control) {
+    try {
+        Solid solid = make_solid(points, triangles, Fill::filled_cavities, control);
+        if (solid.is_closed) return solid;
+    } catch (const Error&) { // the tets were made for another surface
+    }
+    return {};
+}
+
 std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const Points& surface,
-                                 const std::vector<Triangle>& triangles, const MeshingControl& control) {
-    const Finder finder(place);
+                                 const std::vector<Triangle>& triangles, const MeshingControl& control,
+                                 const Solid* tissue) {
+    const TriangleFinder finder(place);
     std::vector<double> shares(tets.tets.size(), 0.0);
     MeshingPhase{control, 0, 0.5, "finding layers"}.run(tets.tets.size(), 64, [&](std::size_t tet) {
-        const std::array<Vec3, 4> corners = corners_of(tets, tet);
+        const std::array<Vec3, 4> corners = corners_of(tets.vertices, tets.tets[tet]);
         shares[tet] = std::clamp(closed_share(place, corners, finder.touching(corners)), 0.0, 1.0);
     });
 
@@ -114,12 +66,13 @@ std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const 
         if (share > 0 && share < 1) at_border.push_back(k);
     }
     if (at_border.empty()) return shares;
-    const std::optional<Solid> tissue = tissue_solid(surface, triangles, control);
+    const std::optional<Solid> made = tissue ? std::optional<Solid>() : tissue_solid(surface, triangles, control);
+    if (made) tissue = &*made;
     if (!tissue) return shares;
-    const Finder skin(*tissue);
+    const TriangleFinder skin(*tissue);
     MeshingPhase{control, 0.5, 1, "finding layers"}.run(at_border.size(), 4, [&](std::size_t i) {
         const std::size_t tet = at(tets.cut.tets[at_border[i]]);
-        const std::array<Vec3, 4> corners = corners_of(tets, tet);
+        const std::array<Vec3, 4> corners = corners_of(tets.vertices, tets.tets[tet]);
         const std::vector<int> own = skin.touching(corners);
         const double solid = closed_share(*tissue, corners, own);
         constexpr double alike = 1e-6, some_part = 1e-9;

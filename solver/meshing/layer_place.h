@@ -6,6 +6,7 @@
 #include "solver/meshing/meshing_control.h"
 #include "solver/meshing/solid.h"
 
+#include <optional>
 #include <vector>
 
 namespace sinew::solver {
@@ -16,6 +17,11 @@ namespace sinew::solver {
 Solid make_layer_place(const Points& points, const std::vector<Triangle>& triangles,
                        const MeshingControl& control = {});
 
+/// The tissue's own solid, if its surface is closed and can be made one; else the tets were made for another surface,
+/// or end elsewhere than at its triangles.
+std::optional<Solid> tissue_solid(const Points& surface, const std::vector<Triangle>& triangles,
+                                  const MeshingControl& control = {});
+
 /// Share of each tet's solid part that lies inside `place`, 0 to 1.
 ///
 /// Exact up to rounding (tet_share.h): no point is sampled. Of a tet that the tissue's surface cuts (TetMesh::cut) it
@@ -23,8 +29,10 @@ Solid make_layer_place(const Points& points, const std::vector<Triangle>& triang
 /// knows of itself, within 1e-6 of the tet; of tets that another mesh was cut by, or with holes or cavities, and of
 /// all that are not cut, the share of the whole tet. The same for any number of threads.
 /// \param surface, triangles the tissue's own mesh, in the same place
+/// \param tissue what tissue_solid makes of it, where that is known
 std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const Points& surface,
-                                 const std::vector<Triangle>& triangles, const MeshingControl& control = {});
+                                 const std::vector<Triangle>& triangles, const MeshingControl& control = {},
+                                 const Solid* tissue = nullptr);
 
 /// 1 for each point inside `place` or on it, within 1e-6 of its longest side; else 0.
 std::vector<double> points_in_layer(const Points& points, const Solid& place);

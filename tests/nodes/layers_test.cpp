@@ -92,6 +92,37 @@ TEST_CASE("a layer's mesh is part of what a tissue is made from", "[nodes]") {
     CHECK(layer_volume(rest_of(s.get<nodes::Body>("t", "outBody"))) == Approx(1.3).epsilon(1e-3));
 }
 
+TEST_CASE("tets are split along a layer's border, and fibres given for each tet go to its parts", "[nodes]") {
+    Session s(bar);
+    const auto given = s.get<nodes::TetMeshValue>("tets", "outTets").mesh;
+    // Along z left of the layer and along y right of it; the border lies at -0.55 and 0.75.
+    std::string list;
+    for (const solver::Tet& t : given->tets) {
+        double x = 0;
+        for (const int v : t) x += given->vertices[static_cast<std::size_t>(v)].x() / 4;
+        list += (list.empty() ? "" : ", ") + std::string(x < 0.1 ? "0, 0, 1" : "0, 2, 0");
+    }
+    s.graph = bench::graph(bar + R"(, "fibre": {"type": "zFiber", "inputs": {"excitation": 1, "directions": [)" + list +
+                           "]}}");
+    s.set("t", "fibers", R"([{"from": "fibre.outFiber"}])");
+    const solver::TissueRest& t = rest_of(s.get<nodes::Body>("t", "outBody"));
+    CHECK(t.tets.tets.size() > given->tets.size() + 10);
+    REQUIRE(t.fibers[0].directions.size() == t.tets.tets.size());
+    REQUIRE(t.layer_weights[1].size() == t.tets.tets.size());
+    std::size_t left = 0, right = 0;
+    for (std::size_t e = 0; e < t.tets.tets.size(); ++e) {
+        double x = 0;
+        for (const int v : t.tets.tets[e]) x += t.tets.vertices[static_cast<std::size_t>(v)].x() / 4;
+        left += x<-0.4, right += x> 0.6;
+        if (x < -0.4) CHECK(t.fibers[0].directions[e] == solver::Vec3::UnitZ());
+        if (x > 0.6) CHECK(t.fibers[0].directions[e] == solver::Vec3::UnitY());
+        if (x < -0.55 || x > 0.75) CHECK((t.layer_weights[1][e] < 1e-9 || t.tets.coverage[e] < 0.05));
+    }
+    CHECK(left > 100);
+    CHECK(right > 100);
+    CHECK(s.counter.warnings.empty());
+}
+
 TEST_CASE("shares are found once, whatever values are keyed", "[nodes]") {
     Listener listener;
     const auto graph = bench::graph(bar);
