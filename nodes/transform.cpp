@@ -98,6 +98,7 @@ void add_transform(Registry& registry) {
                    describe(track_name),   describe(track_offset), describe(track_rate)};
     type.outputs = {describe(out_matrix), describe(out_mesh)};
     type.uses_time = true; // the track is read at the frame
+    type.time_input = track.name;
     type.compute = compute;
     registry.add(std::move(type));
 }

@@ -214,6 +214,17 @@ std::size_t ValueTraits<nodes::Fiber>::bytes(const nodes::Fiber& v) {
 }
 
 void ValueTraits<nodes::Body>::hash(Hasher& h, const nodes::Body& v) { add(h, nodes::id_of(v)); }
+void ValueTraits<nodes::Body>::hash_rest(Hasher& h, const nodes::Body& v) {
+    add(h, v.rest->mesh);
+    h.add(v.collision != nullptr);
+    if (!v.collision) return;
+    add(h, v.collision->mesh);
+    h.add(static_cast<std::uint64_t>(v.collision->carriers.size()));
+    for (const solver::PointWeights& w : v.collision->carriers) {
+        const auto n = static_cast<std::size_t>(w.count);
+        h.add_ints({w.vertex, n}).add_doubles({w.weight, n});
+    }
+}
 std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
     // The rest data is one object for all frames, so a frame pays for its values only.
     if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));

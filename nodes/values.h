@@ -204,7 +204,6 @@ SINEW_NODE_VALUE(nodes::TetMeshValue, "tet mesh")
 SINEW_NODE_VALUE(nodes::CurvePoints, "curve")
 SINEW_NODE_VALUE(nodes::Material, "material")
 SINEW_NODE_VALUE(nodes::Fiber, "fiber")
-SINEW_NODE_VALUE(nodes::Body, "body")
 SINEW_NODE_VALUE(nodes::Attachment, "attachment")
 SINEW_NODE_VALUE(nodes::Force, "force")
 SINEW_NODE_VALUE(nodes::SolveReport, "solve report")
@@ -212,4 +211,11 @@ SINEW_NODE_VALUE(nodes::Solved, "solved bodies")
 SINEW_NODE_VALUE(nodes::FileContent, "file content")
 SINEW_NODE_VALUE(nodes::SimulationState, "simulation state")
 #undef SINEW_NODE_VALUE
+template <>
+struct ValueTraits<nodes::Body> {
+    static constexpr std::string_view name = "body";
+    static void hash(Hasher& h, const nodes::Body& v);
+    static void hash_rest(Hasher& h, const nodes::Body& v); ///< collision surface; a bone's points as modelled
+    static std::size_t bytes(const nodes::Body& v);
+};
 } // namespace sinew::engine

@@ -148,17 +148,19 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     if (!now[enable]) return before;
     std::vector<solver::StepInputs> inputs;
     Setup setup;
+    SceneKey known = before.scene; // of the sub-step before: which of two alike bones is meant stays known
     for (const auto& [in, within] : times) {
-        setup = read_setup(in, &before.scene);
+        setup = read_setup(in, &known);
+        if (setup.key != known) known = setup.key;
         if (in[integrator] == "QuasiStatic") check_all_tied(in, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
         for (const Reads& stage : within)
-            inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(
-                step_inputs(stage, read_setup(stage, &before.scene), times.size()));
+            inputs.back().at_gamma =
+                std::make_shared<const solver::StepInputs>(step_inputs(stage, read_setup(stage, &known), times.size()));
     }
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
-    SimulationState after{before.scene, solving(now, setup, [&] {
+    SimulationState after{setup.key, solving(now, setup, [&] {
                               return solver::advance(stage->workspace, before.state, inputs, control_of(now));
                           })};
     warn_if_unconverged(now, after.state.record);

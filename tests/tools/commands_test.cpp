@@ -135,6 +135,46 @@ TEST_CASE("explain computes nothing and says why it would", "[tools]") {
     CHECK(verdict.at("readiness") != "ready");
     CHECK_FALSE(verdict.at("because").get<std::string>().empty());
     CHECK(verdict.at("valid_frames").empty());
+    // A new process has no frame, so it is certain what would run and where it begins.
+    CHECK(verdict.at("readiness") == "would run");
+    CHECK(verdict.at("steps") == json({{"first_frame", 1.0}, {"last_frame", 4.0}}));
+    CHECK(verdict.at("first_plug") == "plateMesh.outMesh");
+    const std::string because = verdict.at("because");
+    CHECK(because.find("frames 1 to 4 would be simulated") != std::string::npos);
+    CHECK(because.find("first plateMesh.outMesh (polyCube) must be evaluated") != std::string::npos);
+}
+
+TEST_CASE("explain names the plug that differs from what is kept on disk", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["tets"] = json::parse(R"({ "type": "zTet", "inputs": {
+        "mesh": { "from": "blockMesh.outMesh" }, "tetSize": 2, "cacheTetMesh": true } })");
+    graph["nodes"]["block"]["inputs"]["tets"] = {{"from", "tets.outTets"}};
+    const std::string file = write_graph(folder, graph);
+    const auto explain = [&](std::vector<std::string> more) {
+        std::vector<std::string> words{"explain", file, "tets.outTets", "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Said said = run_program(words);
+        CHECK(said.code == 0);
+        return said.lines().front();
+    };
+    const json before = explain({});
+    CHECK(before.at("readiness") == "would run");
+    CHECK(before.at("first_plug") == "blockMesh.outMesh");
+    REQUIRE(run_program({"eval", file, "tets.outTets"}).code == 0);
+    const json kept = explain({});
+    CHECK(kept.at("readiness") == "ready");
+    CHECK(kept.at("because") == "the value is kept on disk");
+    CHECK(explain({"--no-cache"}).at("readiness") == "would run");
+    CHECK(explain({"--set", "tets.tetSize=2"}).at("readiness") == "ready");
+    const json differs = explain({"--set", "tets.tetSize=1.5", "--set", "blockMesh.width=5"});
+    CHECK(differs.at("readiness") == "would run");
+    CHECK(differs.at("changed_plugs") == json({"blockMesh.width", "tets.tetSize"}));
+    // What stands downstream of it is told the same reason.
+    const Said later = run_program({"explain", file, "block.outBody", "--json", "--set", "tets.tetSize=1.5"});
+    const json block = later.lines().front();
+    CHECK(block.at("because").get<std::string>().find("must be evaluated") != std::string::npos);
+    CHECK(block.at("changed_plugs") == json({"tets.tetSize"}));
 }
 
 TEST_CASE("nodes lists and explains every type, for people and for programs", "[tools]") {

@@ -94,7 +94,8 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
                          "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
-    CHECK(keys(report) == std::set<std::string>{"version", "machine", "threads", "graph", "totals", "frames", "size"});
+    CHECK(keys(report) ==
+          std::set<std::string>{"version", "machine", "threads", "graph", "totals", "computed", "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);
@@ -115,6 +116,70 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
     CHECK(report.at("size").at("bodies") == 3);
     CHECK(report.at("size").at("tets") > 0);
     CHECK(report.at("size").at("attachments") == 2);
+}
+
+TEST_CASE("the report counts what nodes of each type computed: what stands still once", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    json graph = small_graph();
+    graph["nodes"]["still"] = json::parse(
+        R"({ "type": "transform", "inputs": { "mesh": { "from": "blockMesh.outMesh" }, "rotate": [0, 5, 0] } })");
+    graph["nodes"]["tets"] =
+        json::parse(R"({ "type": "zTet", "inputs": { "mesh": { "from": "still.outMesh" }, "tetSize": 2 } })");
+    graph["nodes"]["block"]["inputs"]["mesh"] = {{"from", "still.outMesh"}};
+    graph["nodes"]["block"]["inputs"]["tets"] = {{"from", "tets.outTets"}};
+    for (const char* node : {"top", "bottom"}) graph["nodes"][node]["inputs"]["mesh"] = {{"from", "still.outMesh"}};
+    const Said said = run_program({"run", write_graph(folder, graph), "--frames", "1-5", "--report", file});
+    REQUIRE(said.code == 0);
+    const json computed = json::parse(read_text(file)).at("computed");
+    CHECK(computed.at("zTet").at("count") == 1);
+    CHECK(computed.at("zTet").at("wall_s") > 0);
+    CHECK(computed.at("weights").at("count") == 2);
+    CHECK(computed.at("zTissue").at("count") == 1);
+    // still, lowerMove once, upperMove at five frames; upper follows it, lower and the hold below stand.
+    CHECK(computed.at("transform").at("count") == 2 + 5);
+    CHECK(computed.at("zBone").at("count") == 1 + 5);
+    CHECK(computed.at("zAttachment").at("count") == 1 + 5);
+    CHECK(computed.at("zSolver").at("count") == 5);
+}
+
+TEST_CASE("a learning graph with nothing but constant transforms meshes once", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    REQUIRE(run_program({"run", std::string(SINEW_SOURCE_DIR) + "/graphs/learn/06_wrap_polygons.json", "--frames",
+                         "1-3", "--no-cache", "--report", file})
+                .code == 0);
+    const json computed = json::parse(read_text(file)).at("computed");
+    for (const char* type : {"zIsoMesh", "zTet", "weights", "zTissue", "zAttachment"}) {
+        INFO(type);
+        CHECK(computed.at(type).at("count") == 1);
+    }
+    CHECK(computed.at("transform").at("count") == 5);
+}
+
+TEST_CASE("a shot from frame 1001 is not simulated from frame 1", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["timing"] = {{"fps", 24}, {"start", 1001}, {"end", 1003}};
+    const Said said = run_program({"run", write_graph(folder, graph), "--json"});
+    CHECK(said.code == 0);
+    CHECK(said.err.empty());
+    CHECK(said.lines().back().at("frames_simulated") == 3);
+    graph["nodes"]["solver"]["inputs"]["startFrame"] = 999;
+    graph["nodes"]["solver"]["inputs"]["framesPerSecond"] = 30;
+    const Said early = run_program({"run", write_graph(folder, graph)});
+    CHECK(early.code == 0);
+    CHECK(early.err.find("DG031") != std::string::npos);
+    CHECK(early.err.find("solver.startFrame") != std::string::npos);
+    CHECK(early.err.find("2 frames before the graph's first") != std::string::npos);
+    CHECK(early.err.find("solver.framesPerSecond") != std::string::npos);
+    CHECK(early.out.find("5 simulated") != std::string::npos);
+    // What --set repairs is not complained about, what it breaks is.
+    const std::string file = write_graph(folder, graph);
+    CHECK(run_program({"run", file, "--set", "solver.startFrame=1001", "--set", "solver.framesPerSecond=24"})
+              .err.empty());
+    CHECK(run_program({"run", file, "--set", "solver.startFrame=1000", "--set", "solver.framesPerSecond=24"})
+              .err.find("1 frame before") != std::string::npos);
 }
 
 TEST_CASE("one and two threads give the same bits, and so does a run of the last frame alone", "[tools]") {

@@ -84,7 +84,7 @@ class Run {
         : in_(in)
         , plan_(std::move(plan))
         , json_(in.arguments.has("--json"))
-        , progress_(style_of(in.arguments), static_cast<int>(plan_.frames.size()), in.out, in.err)
+        , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
                   scene_axes(*plan_.graph, plan_.needed)) {
@@ -105,6 +105,7 @@ class Run {
         } catch (...) {
             // The finished frames stay, and the report says what was done up to here.
             report_.wall_s = seconds_since(start);
+            report_.computed = progress_.computed_by_type();
             report_.error = describe(std::current_exception());
             progress_.clear();
             if (has_begun_) close_after_failure();
@@ -112,6 +113,7 @@ class Run {
         }
         close();
         report_.wall_s = seconds_since(start);
+        report_.computed = progress_.computed_by_type();
         write_report();
         if (!plan_.out.empty()) mark_finished(plan_.out, mark());
         progress_.clear();

@@ -69,7 +69,7 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
     const ProgressStyle style = in.arguments.has("--quiet")                      ? ProgressStyle::quiet
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
-    Progress progress(style, static_cast<int>(e.frames.size()), in.out, in.err);
+    Progress progress(style, open.graph, static_cast<int>(e.frames.size()), in.out, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &progress);
     const auto needed = upstream_of(*open.graph, shown);
