@@ -4,6 +4,7 @@
 #include "nodes/values.h"
 
 #include "nodes/simulation_state.h"
+#include "solver/mesh/coordinates.h"
 
 #include <algorithm>
 
@@ -71,6 +72,7 @@ void add(Hasher& h, const SceneKey& k) {
 
 Mesh Mesh::from(solver::SurfaceMesh mesh) {
     auto topology = std::make_shared<MeshTopology>();
+    solver::check_coordinates(mesh.points);
     topology->digest =
         Hasher().add_ints(mesh.face_sizes).add_ints(mesh.face_vertices).add_ints(numbers(mesh.triangles)).finish();
     topology->face_sizes = std::move(mesh.face_sizes);

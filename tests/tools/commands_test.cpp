@@ -126,6 +126,38 @@ TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
     }
 }
 
+TEST_CASE("check looks at each node of a long chain once, and still finds all that is wrong", "[tools]") {
+    const TemporaryFolder folder;
+    // Node by node from its begin, with all that each needs, this would be 200 million look-ups.
+    json graph = {{"format", "sinew 1"}, {"nodes", {{"mesh", {{"type", "polyCube"}}}}}};
+    std::string last;
+    for (int i = 0; i < 20000; ++i) {
+        json inputs = {{"translate", {0, 0.001, 0}}};
+        if (!last.empty()) inputs["offsetParentMatrix"] = {{"from", last + ".outMatrix"}};
+        last = "t" + std::to_string(i);
+        graph["nodes"][last] = {{"type", "transform"}, {"inputs", inputs}};
+    }
+    graph["nodes"]["bone"] = {
+        {"type", "zBone"},
+        {"inputs", {{"mesh", {{"from", "mesh.outMesh"}}}, {"matrix", {{"from", last + ".outMatrix"}}}}}};
+    const Said right = run_program({"check", write_graph(folder, graph)});
+    CHECK(right.code == 0);
+    CHECK(right.out.find("right, 20002 nodes") != std::string::npos);
+
+    // Wrong at an end, wrong upstream of an end, and wrong where nothing is connected.
+    json three = small_graph();
+    three["nodes"]["top"]["inputs"]["mode"] = "file";
+    three["nodes"]["ring"] = {{"type", "polyHelix"}, {"inputs", {{"radius", 5}}}};
+    three["nodes"]["ringBone"] = {{"type", "zBone"}, {"inputs", {{"mesh", {{"from", "ring.outMesh"}}}}}};
+    three["nodes"]["alone"] = {{"type", "polyHelix"}, {"inputs", {{"coils", 1e8}}}};
+    const Said wrong = run_program({"check", write_graph(folder, three)});
+    CHECK(wrong.code == 1);
+    for (const char* place : {"top.", "ring.radius", "alone.coils"}) {
+        INFO(wrong.err);
+        CHECK(wrong.err.find(place) != std::string::npos);
+    }
+}
+
 TEST_CASE("explain computes nothing and says why it would", "[tools]") {
     const TemporaryFolder folder;
     const Said said =

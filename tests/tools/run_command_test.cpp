@@ -307,6 +307,30 @@ TEST_CASE("a place that cannot be written to is found before anything is simulat
     CHECK(said.out.empty());
 }
 
+TEST_CASE("a report or picture that cannot be written is found before anything is simulated", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "file", "x");
+    const std::string graph = write_graph(folder, small_graph());
+    for (const std::string& bad :
+         {(folder / "file/r.json").string(), folder.path().string(), std::string("/dev/null/r")})
+        for (const char* command : {"run", "view", "snapshot"}) {
+            INFO(command << " " << bad);
+            const char* flag = command == std::string("run") ? "--report" : "--output";
+            const Said said = run_program({command, graph, flag, bad});
+            CHECK((said.code == 1 || said.code == 2));
+            CHECK((said.err.find("IO405") != std::string::npos ||
+                   said.err.find("names the folder") != std::string::npos));
+            CHECK(said.out.empty()); // no frame was evaluated
+        }
+    // Nothing is made for a graph that is wrong.
+    const Said wrong = run_program({"run", graph, "--set", "solver.attachments=[]", "--set",
+                                    "solver.integrator=QuasiStatic", "--out", (folder / "new/out").string()});
+    CHECK(wrong.code != 0);
+    CHECK_FALSE(fs::exists(folder / "new"));
+    REQUIRE(run_program({"run", graph, "--frames", "1", "--report", (folder / "new/deep/r.json").string()}).code == 0);
+    CHECK(fs::exists(folder / "new/deep/r.json"));
+}
+
 TEST_CASE("frames that have not converged are counted, and --strict makes them a failure", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());

@@ -95,6 +95,8 @@ class Run {
     ExitCode operator()() {
         const Clock::time_point start = Clock::now();
         try {
+            if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
+            if (const auto file = in_.arguments.value("--report")) check_writable_file(*file, "--report");
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
             if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop); has_error(problems))
                 throw engine::Failure(std::move(problems));

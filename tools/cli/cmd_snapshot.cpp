@@ -6,6 +6,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/render/movie.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/collect_glb.h"
@@ -182,6 +183,8 @@ ExitCode snapshot(const Invocation& in) {
     Drawing drawing = parse_drawing(arguments);
     const auto movie_file = arguments.value("--movie");
     if (!movie_file && arguments.has("--fps")) throw UsageError("--fps is for --movie.");
+    check_writable_file(movie_file ? *movie_file : arguments.value("--output").value_or("snapshot.png"),
+                        movie_file ? "--movie" : "--output");
     const fs::path ffmpeg = movie_file ? check_movie(arguments, drawing) : fs::path();
     const int fps = arguments.whole_number("--fps", 0, 1);
 

@@ -7,6 +7,7 @@
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
 #include "tools/viewer/recorder.h"
@@ -107,6 +108,7 @@ ExitCode view(const Invocation& in) {
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
+    if (const auto page = in.arguments.value("--output")) check_writable_file(*page, "--output");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
     const viewer::ViewScene scene =
