@@ -113,6 +113,8 @@ constexpr CodeInfo table[] = {
     {"FE303", "free body without inertia", "QuasiStatic needs every body held; attach it or use BackwardEuler."},
     {"FE304", "value that a step cannot take", "Give a finite number in the range that the message names."},
     {"FE305", "not enough memory", "Choose fewer tets, or the iterative linear solver."},
+    {"FE306", "frame that converged with inverted tets",
+     "Take more substeps through that frame; look for bones that jump or pass through the tissue."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -254,6 +254,9 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     h.add(v.bodies).add(v.tets).add(v.triangles).add(v.dofs).add(v.attachments);
     h.add(static_cast<std::uint64_t>(v.terms.size()));
     for (const std::string& term : v.terms) h.add(term);
+    const nodes::WorstPlaces& w = v.worst;
+    h.add(w.body).add(w.tet).add(w.j).add_doubles(w.tet_place);
+    h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
 }
 std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
 

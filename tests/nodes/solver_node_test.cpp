@@ -332,6 +332,37 @@ TEST_CASE("tets behind a transform that stands still are made once", "[nodes]") 
     CHECK(computes(R"(, "trackName": "b", "track": ")" + path + "\"") == std::pair(5, 1));
 }
 
+TEST_CASE("the report's places are those of its numbers", "[nodes]") {
+    for (const char* element : {"linear", "quadratic"}) {
+        INFO(element);
+        Session s(beam(1));
+        s.set("tets", "element", "\"" + std::string(element) + "\"");
+        const auto report = s.get<nodes::SolveReport>("solver", "outReport", 4);
+        const nodes::WorstPlaces& worst = report.worst;
+        CHECK((worst.body == 1 && worst.tet >= 0 && worst.tet < report.tets));
+        CHECK(worst.j == Approx(report.record.min_j).epsilon(1e-12));
+        const auto solved = s.get<nodes::Solved>("solver", "outSolved", 4);
+        const auto& tissue = *std::get<0>(solved.rests[1]->data);
+        solver::Vec3 middle = solver::Vec3::Zero();
+        for (const int corner : tissue.tets.tets[static_cast<std::size_t>(worst.tet)])
+            middle += 0.25 * solved.positions[1][static_cast<std::size_t>(corner)];
+        CHECK((middle - solver::Vec3(worst.tet_place[0], worst.tet_place[1], worst.tet_place[2])).norm() < 1e-12);
+        CHECK((worst.attachment == 0 && worst.source_body == 1));
+        double stretch = 0;
+        for (const solver::Measured& m : report.record.measured)
+            if (m.what->name == "max_stretch_m") stretch = m.value;
+        CHECK(stretch > 0);
+        CHECK(worst.stretch == Approx(stretch).epsilon(1e-9));
+        // The tied end is that at -x; the vertex is the nearest of the mesh.
+        const solver::Points now = points(s, 4);
+        const solver::Vec3 place(worst.stretch_place[0], worst.stretch_place[1], worst.stretch_place[2]);
+        CHECK(place.x() < -0.3);
+        REQUIRE((worst.vertex >= 0 && worst.vertex < static_cast<int>(now.size())));
+        for (const solver::Vec3& p : now)
+            CHECK((now[static_cast<std::size_t>(worst.vertex)] - place).norm() <= (p - place).norm());
+    }
+}
+
 TEST_CASE("a simulation gives the same bits with one thread, two threads and without any kept scratch", "[nodes]") {
     Session one(beam(1), 1), two(beam(1), 2), forgetful(beam(1), 1);
     const engine::Digest expected = one.pull("solver", "outMeshes", 6).digest();

@@ -1,6 +1,7 @@
 // What is said while a run goes on.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
+#include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
 
 #include "engine/format/graph_file.h"
@@ -65,6 +66,18 @@ TEST_CASE("a pre-roll says where it is and how long it will take", "[tools]") {
     const std::size_t at = text.find("1001, ") + 6;
     const int minutes = std::stoi(text.substr(at));
     CHECK((minutes >= 9 && minutes < 20));
+}
+
+TEST_CASE("commands without a bar name what takes long, too", "[tools]") {
+    std::ostringstream err;
+    WarningCollector warnings(
+        engine::read_graph(nodes::make_registry(), test::small_graph().dump(), "small.json").graph, 4, false, err);
+    warnings.begins("block", 1);
+    warnings.stepped("solver", 1, 0.1);
+    wait(1300);
+    warnings.stepped("solver", 2, 0.1);
+    warnings.ends("block", 1);
+    CHECK(err.str().starts_with("computing block (zTissue)\npre-roll: frame 2 on the way to 4, "));
 }
 
 TEST_CASE("costs are summed by node type", "[tools]") {

@@ -343,6 +343,48 @@ TEST_CASE("frames that have not converged are counted, and --strict makes them a
     CHECK(run_program(strict).code == 3);
 }
 
+TEST_CASE("a frame that converges with inverted tets is warned about, and the report says where", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    json graph = small_graph();
+    // The upper plate jumps far into the block.
+    graph["nodes"]["upperMove"]["inputs"] = json::parse(
+        R"({ "translate": { "keys": [[1, [0, 4.5, 0]], [2, [0, 4.5, 0]], [3, [0, -2, 0]]], "interp": "step" } })");
+    graph["nodes"]["block"]["inputs"]["material"] = "Corotational";
+    graph["nodes"]["solver"]["inputs"]["maxNewtonIterations"] = 200;
+    const std::string path = write_graph(folder, graph);
+    const Said said = run_program({"run", path, "--report", file});
+    REQUIRE(said.code == 0);
+    const json report = json::parse(read_text(file));
+    int inverted = 0;
+    for (const json& frame : report.at("frames")) {
+        if (frame.at("inverted") == 0 || frame.at("converged") == false) continue;
+        ++inverted;
+        const json& where = frame.at("where").at("min_J");
+        CHECK(where.at("tissue") == "block");
+        CHECK(where.at("tet") >= 0);
+        // The block is 4 x 8 x 4 about the origin; what is left of it lies between the plates.
+        CHECK(std::abs(where.at("at").at(0).get<double>()) < 6);
+        CHECK(frame.at("min_J") < 0);
+    }
+    REQUIRE(inverted > 0);
+    CHECK(said.err.find("FE306") != std::string::npos);
+    CHECK(said.err.find("of block, near (") != std::string::npos);
+    CHECK(said.out.find(std::to_string(inverted) + " frame" + (inverted == 1 ? "" : "s") +
+                        " converged with INVERTED tets") != std::string::npos);
+    CHECK(said.out.find("of block\n") != std::string::npos);
+    CHECK(run_program({"run", path, "--json"}).lines().back().at("inverted") == inverted);
+    // A sound run says nothing of it, and names the attachment that gives most.
+    const Said sound = run_program({"run", write_graph(folder, small_graph()), "--report", file});
+    CHECK(sound.err.find("FE306") == std::string::npos);
+    CHECK(sound.out.find("INVERTED") == std::string::npos);
+    const json last = json::parse(read_text(file)).at("frames").back();
+    const json& stretch = last.at("where").at("max_stretch_m");
+    CHECK((stretch.at("attachment") == "holdTop" || stretch.at("attachment") == "holdBottom"));
+    CHECK(stretch.at("body") == "block");
+    CHECK((stretch.at("vertex") >= 0 && stretch.at("vertex") < 50));
+}
+
 TEST_CASE("several solvers without --pull are an error that lists them", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();

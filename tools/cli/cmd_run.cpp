@@ -90,6 +90,10 @@ class Run {
                   scene_axes(*plan_.graph, plan_.needed)) {
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
+        if (!plan_.solvers.empty()) {
+            report_.bodies = connected(*plan_.graph, plan_.solvers.front(), "bodies");
+            report_.attachments = connected(*plan_.graph, plan_.solvers.front(), "attachments");
+        }
     }
 
     ExitCode operator()() {
@@ -167,6 +171,7 @@ class Run {
                 {plan_.graph, {plan_.solvers.front(), "outReport"}, static_cast<double>(frame), in_.stop});
             report_.size = value.as<nodes::SolveReport>();
             f.step = report_.size->record;
+            f.worst = report_.size->worst;
         }
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
@@ -242,6 +247,7 @@ class Run {
                                            {"wall_s", report_.wall_s},
                                            {"frames_simulated", report_.frames_simulated},
                                            {"unconverged", report_.unconverged()},
+                                           {"inverted", report_.inverted()},
                                            {"written", nlohmann::ordered_json::array()}};
             for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
             if (!page_.empty()) line["page"] = page_.string();

@@ -79,7 +79,7 @@ Album album_of_graph(const Invocation& in) {
     std::vector<int> all;
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
-    WarningCollector warnings;
+    WarningCollector warnings(open.graph, *std::max_element(frames.begin(), frames.end()), false, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &warnings);
     viewer::Evaluation e;

@@ -143,6 +143,15 @@ engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph)
     return policy;
 }
 
+std::vector<std::string> connected(const Graph& graph, const std::string& node, std::string_view attribute) {
+    std::vector<std::string> out;
+    const Node* n = graph.find(node);
+    if (!n) return out;
+    if (const auto it = n->inputs.find(attribute); it != n->inputs.end())
+        for (const Plug& source : sources(it->second)) out.push_back(source.node);
+    return out;
+}
+
 std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {
     std::vector<std::string> out;
     for (const std::string& name : nodes) {

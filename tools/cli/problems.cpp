@@ -12,6 +12,12 @@ namespace sinew::cli {
 
 using engine::Diagnostic;
 
+WarningCollector::WarningCollector(std::shared_ptr<const engine::Graph> graph, double frame, bool is_quiet,
+                                   std::ostream& err)
+    : progress_(is_quiet ? ProgressStyle::quiet : ProgressStyle::lines, std::move(graph), 1, err, err) {
+    progress_.begin_frame(static_cast<int>(frame));
+}
+
 void WarningCollector::warning(const Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     warnings_.push_back(d);

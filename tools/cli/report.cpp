@@ -22,9 +22,28 @@ std::string text(const char* format, Values... values) {
     return buffer;
 }
 
-Json frame_json(const FrameReport& f) {
+std::string name_at(const std::vector<std::string>& names, int i) {
+    return i >= 0 && i < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(i)] : std::to_string(i);
+}
+
+/// Where the numbers of a frame are at their worst.
+Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
+    Json out = Json::object();
+    if (w.tet >= 0) out["min_J"] = {{"tissue", name_at(r.bodies, w.body)}, {"tet", w.tet}, {"at", w.tet_place}};
+    if (w.attachment >= 0)
+        out["max_stretch_m"] = {{"attachment", name_at(r.attachments, w.attachment)},
+                                {"body", name_at(r.bodies, w.source_body)},
+                                {"vertex", w.vertex},
+                                {"at", w.stretch_place}};
+    return out;
+}
+
+Json frame_json(const FrameReport& f, const RunReport& r) {
     Json out = {{"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
-    if (f.step) out.update(describe_step(*f.step));
+    if (f.step) {
+        out.update(describe_step(*f.step));
+        out["where"] = where_json(f.worst, r);
+    }
     return out;
 }
 
@@ -101,6 +120,12 @@ int RunReport::unconverged() const {
         std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.step && !f.step->converged; }));
 }
 
+int RunReport::inverted() const {
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) {
+        return f.step && f.step->converged && f.step->inverted > 0;
+    }));
+}
+
 std::string report_json(const RunReport& r) {
     Json out = {{"version", SINEW_VERSION}, {"machine", machine_name()}, {"threads", r.threads}, {"graph", r.graph}};
     const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
@@ -113,7 +138,7 @@ std::string report_json(const RunReport& r) {
     for (const auto& [type, cost] : r.computed)
         out["computed"][type] = {{"count", cost.count}, {"wall_s", cost.seconds}};
     out["frames"] = Json::array();
-    for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f));
+    for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f, r));
     if (r.error) {
         out["error"] = {{"frame", r.error->frame}, {"message", r.error->message}};
         if (!r.error->code.empty()) out["error"]["code"] = r.error->code;
@@ -144,6 +169,15 @@ std::string summary(const RunReport& r) {
     out += "\n";
     out += nodes_text(r);
     if (!steps.empty()) out += phases_text(steps) + health_text(steps);
+    if (const int frames = r.inverted()) {
+        const FrameReport* worst = nullptr;
+        for (const FrameReport& f : r.frames)
+            if (f.step && f.step->converged && f.step->inverted > 0 && (!worst || f.worst.j < worst->worst.j))
+                worst = &f;
+        out +=
+            text("  %d frame%s converged with INVERTED tets; the worst is frame %d, tet %d of %s\n", frames,
+                 frames == 1 ? "" : "s", worst->frame, worst->worst.tet, name_at(r.bodies, worst->worst.body).c_str());
+    }
     return out;
 }
 

@@ -15,6 +15,7 @@ struct FrameReport {
     bool reused = false; ///< nothing was simulated for it
     double wall_s = 0;
     std::optional<solver::StepRecord> step; ///< none where no solver is involved
+    nodes::WorstPlaces worst = {};
 };
 
 /// Why a run ended before its last frame.
@@ -38,8 +39,10 @@ struct RunReport {
     std::vector<FrameReport> frames;
     std::map<std::string, NodeCost> computed; ///< by node type
     std::optional<RunError> error;
-    std::optional<nodes::SolveReport> size; ///< of the last frame
+    std::optional<nodes::SolveReport> size;       ///< of the last frame
+    std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists
     int unconverged() const;
+    int inverted() const; ///< frames that have converged with inverted tets
 };
 
 /// JSON.
