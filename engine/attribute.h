@@ -18,6 +18,9 @@ enum class Affects {
     nothing        ///< display and editor: never part of a key, not readable in compute
 };
 
+/// A default that the graph's own timing gives, so that one number is not written twice.
+enum class FromTiming { nothing, start, fps };
+
 struct Limits {
     double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
     bool open_min = false, open_max = false; ///< the limit itself is not allowed
@@ -44,6 +47,8 @@ struct Input {
     Affects affects = Affects::result;
     std::vector<std::string_view> options = {}; ///< T = std::string: the allowed words
     std::vector<Preset> presets = {};           ///< T = double
+    /// T = double: the graph's timing is the default instead of `def`. Another literal is warned about (DG031).
+    FromTiming from_timing = FromTiming::nothing;
 };
 
 /// An attribute that only a connection can feed (mesh, body, material …).
@@ -85,6 +90,7 @@ struct AttributeInfo {
     Affects affects = Affects::result;
     std::vector<std::string_view> options;
     std::vector<Preset> presets;
+    FromTiming from_timing = FromTiming::nothing;
     /// Values between two keys are that of the first; options are keyed by their number.
     bool is_stepped() const {
         return kind == AttributeKind::literal && (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
@@ -99,8 +105,9 @@ AttributeInfo describe(const Input<T>& a) {
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     i.def = Value::of<T>(a.def);
     i.required = a.required, i.affects = a.affects, i.options = a.options, i.presets = a.presets;
+    i.from_timing = a.from_timing;
     i.keyable = a.keyable && !(std::is_same_v<T, std::string> && a.options.empty()) && !std::is_same_v<T, File> &&
-                !std::is_same_v<T, NumberList> && !std::is_same_v<T, Matrix4>;
+                !std::is_same_v<T, NumberList>;
     return i;
 }
 template <class T>

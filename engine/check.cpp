@@ -87,13 +87,15 @@ class Checker {
         if (whole && c.interpolation != Interpolation::step)
             problem("DG017", "keys of " + std::string(input_.type_name) + " are stepped", "write \"interp\": \"step\"",
                     "/interp");
+        if (input_.def.is<Matrix4>() && c.interpolation == Interpolation::smooth)
+            problem("DG017", "keys of a matrix are linear or stepped", "write \"interp\": \"linear\"", "/interp");
         for (std::size_t i = 0; i < c.keys.size(); ++i) key(c, i, whole);
     }
 
     void key(const Curve& c, std::size_t i, bool whole) {
         const Key& k = c.keys[i];
         const std::string place = "/keys/" + std::to_string(i);
-        const std::size_t width = input_.def.is<Vec3>() ? 3 : 1;
+        const std::size_t width = input_.def.is<Vec3>() ? 3 : input_.def.is<Matrix4>() ? 16 : 1;
         if (!std::isfinite(k.frame)) problem("DG027", "the frame of a key is not finite", {}, place + "/0");
         if (i > 0 && k.frame == c.keys[i - 1].frame)
             problem("DG017", "two keys at frame " + number_text(k.frame), "keep one of them", place);
@@ -217,6 +219,36 @@ std::vector<Problem> check_required(std::string_view node, const Node& n) {
                                                                  : "connect it: { \"from\": \"node.output\" }";
         }
         out.push_back(std::move(p));
+    }
+    return out;
+}
+
+std::vector<Diagnostic> check_timing(const Graph& graph) {
+    std::vector<Diagnostic> out;
+    for (const std::string& name : graph.node_names()) {
+        const Node& n = *graph.find(name);
+        if (!n.type) continue;
+        for (const AttributeInfo& a : n.type->inputs) {
+            if (a.from_timing == FromTiming::nothing) continue;
+            const auto it = n.inputs.find(a.name);
+            const auto* given = it == n.inputs.end() ? nullptr : std::get_if<Value>(&it->second);
+            const Value expected = default_value(a, graph.timing());
+            if (!given || !given->is<double>() || given->digest() == expected.digest()) continue;
+            const bool start = a.from_timing == FromTiming::start;
+            Diagnostic d;
+            d.severity = Severity::warning;
+            d.code = "DG031";
+            d.node = name, d.attribute = a.name;
+            d.spot = graph.spot(name, a.name);
+            d.message = number_text(given->as<double>()) + " differs from the graph's timing." +
+                        (start ? "start, " : "fps, ") + number_text(expected.as<double>());
+            const double ahead = expected.as<double>() - given->as<double>();
+            if (start && ahead > 0)
+                d.message += ": " + number_text(ahead) + " frame" + (ahead == 1 ? "" : "s") +
+                             " before the graph's first are simulated too";
+            d.hint = "leave it out to take the graph's";
+            out.push_back(std::move(d));
+        }
     }
     return out;
 }

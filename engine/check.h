@@ -22,6 +22,9 @@ std::vector<Problem> check_binding(const Graph& graph, std::string_view node, co
 /// Required inputs that are not there, lists with too few connections.
 std::vector<Problem> check_required(std::string_view node, const Node& n);
 
+/// Warns of literals that contradict the graph's timing where that is the default (DG031).
+std::vector<Diagnostic> check_timing(const Graph& graph);
+
 /// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
 

@@ -39,9 +39,12 @@ constexpr CodeInfo table[] = {
     {"DG028", "node name that cannot be used", "Names are not empty and hold no dot and no control characters."},
     {"DG029", "input that cannot be connected", "Write a plain value: the engine reads it before anything runs."},
     {"DG030", "connections form a cycle", "Break the cycle at one of the nodes on the path."},
+    {"DG031", "value that contradicts the graph's timing", "Leave the input out, or change the timing."},
     {"DG040", "edit of a node that does not exist", "Correct the name."},
     {"DG041", "name already in use", "Choose another name."},
     {"DG042", "key on a connected input", "Disconnect the input first."},
+    {"DG043", "frame of a keyed input that cannot be set alone",
+     "Give the input a plain value first, or set its keys; earlier frames would change otherwise."},
     // ---- DG1xx: evaluation ----
     {"DG101", "node of an unknown type was needed", "Use a program that knows the type, or bypass the node."},
     {"DG102", "no such plug", "Ask for an output as node.output."},
@@ -110,6 +113,8 @@ constexpr CodeInfo table[] = {
     {"FE303", "free body without inertia", "QuasiStatic needs every body held; attach it or use BackwardEuler."},
     {"FE304", "value that a step cannot take", "Give a finite number in the range that the message names."},
     {"FE305", "not enough memory", "Choose fewer tets, or the iterative linear solver."},
+    {"FE306", "frame that converged with inverted tets",
+     "Take more substeps through that frame; look for bones that jump or pass through the tissue."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

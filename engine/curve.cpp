@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/curve.h"
 
+#include "engine/matrix_between.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -52,6 +54,22 @@ double Curve::component_at(double frame, std::size_t c) const {
     if (interpolation == Interpolation::smooth) return smooth(keys, i, c, t);
     if (a.value[c] == b.value[c]) return a.value[c];
     return std::lerp(a.value[c], b.value[c], t);
+}
+
+Matrix4 Curve::matrix_at(double frame) const {
+    const auto matrix = [](const Key& k) {
+        Matrix4 out{};
+        std::copy_n(k.value.begin(), std::min(out.size(), k.value.size()), out.begin());
+        return out;
+    };
+    if (keys.empty()) return {};
+    if (!(frame > keys.front().frame)) return matrix(keys.front());
+    const auto after =
+        std::upper_bound(keys.begin(), keys.end(), frame, [](double f, const Key& k) { return f < k.frame; });
+    const Key& a = *(after - 1);
+    if (after == keys.end() || frame == a.frame || interpolation == Interpolation::step || a.value == after->value)
+        return matrix(a);
+    return matrix_between(matrix(a), matrix(*after), (frame - a.frame) / (after->frame - a.frame));
 }
 
 std::vector<double> Curve::at(double frame) const {

@@ -14,12 +14,13 @@
 namespace sinew::engine {
 
 struct Edit::Operation {
-    enum class Kind { add, remove, rename, bind, bind_json, key, reset, editor, timing, restore };
+    enum class Kind { add, remove, rename, bind, bind_json, key, input, reset, editor, timing, restore };
     Kind kind = Kind::reset;
     Plug plug;        ///< the node, and the attribute where there is one
     std::string text; ///< type, new name or JSON
     Binding binding = {};
     double frame = 0, value = 0;
+    Value at_frame = {};
     Timing time = {};
     // restore: a removed node comes back at its place, with what its consumers had bound
     std::shared_ptr<const Node> node = nullptr;
@@ -85,6 +86,8 @@ class Edit::Draft {
             return bind_json(op);
         case Op::Kind::key:
             return key(op);
+        case Op::Kind::input:
+            return set_input(op);
         case Op::Kind::reset:
             return reset(op.plug);
         case Op::Kind::editor:
@@ -320,6 +323,79 @@ class Edit::Draft {
         bind(op.plug, std::move(curve));
     }
 
+    // A value as a key holds it, or nothing if it is of another type.
+    std::optional<std::vector<double>> key_value(const AttributeInfo& info, const Value& v) {
+        if (v.is<std::int64_t>() && info.def.is<double>())
+            return std::vector{static_cast<double>(v.as<std::int64_t>())};
+        if (!v || v.type() != info.type) return {};
+        if (v.is<bool>()) return std::vector{v.as<bool>() ? 1.0 : 0.0};
+        if (v.is<std::int64_t>()) return std::vector{static_cast<double>(v.as<std::int64_t>())};
+        if (v.is<double>()) return std::vector{v.as<double>()};
+        if (v.is<Vec3>()) return std::vector<double>(v.as<Vec3>().begin(), v.as<Vec3>().end());
+        if (v.is<Matrix4>()) return std::vector<double>(v.as<Matrix4>().begin(), v.as<Matrix4>().end());
+        const auto word = v.is<std::string>() ? std::find(info.options.begin(), info.options.end(), v.as<std::string>())
+                                              : info.options.end();
+        if (word == info.options.end()) return {};
+        return std::vector{static_cast<double>(word - info.options.begin())};
+    }
+
+    void set_input(const Op& op) {
+        const AttributeInfo* info = input(op.plug);
+        if (!info) return;
+        if (info->kind != AttributeKind::literal || !info->keyable) { // said as for any other curve
+            bind(op.plug, Curve{});
+            return;
+        }
+        const auto value = key_value(*info, op.at_frame);
+        if (!value) {
+            for (Problem& p : check_binding(graph_, op.plug.node, *graph_.find(op.plug.node)->type, *info, op.at_frame))
+                problem(p.diagnostic.code, op.plug, p.diagnostic.message, p.diagnostic.hint);
+            return;
+        }
+        const Node& n = *graph_.find(op.plug.node);
+        const auto bound = n.inputs.find(op.plug.attribute);
+        Curve curve;
+        curve.interpolation = info->is_stepped() ? Interpolation::step : Interpolation::linear;
+        Value before = default_value(*info, graph_.timing());
+        if (bound != n.inputs.end()) {
+            if (const Curve* c = std::get_if<Curve>(&bound->second))
+                curve = *c;
+            else if (const Value* v = std::get_if<Value>(&bound->second))
+                before = *v;
+            else
+                return problem("DG042", op.plug, "a connected input cannot be keyed", "disconnect it first");
+        }
+        if (curve.interpolation == Interpolation::smooth)
+            return problem("DG043", op.plug, "a frame of a smooth curve cannot be set alone",
+                           "give the input a plain value first, or linear keys");
+        const auto earlier = [](const Key& k, double f) { return k.frame < f; };
+        const double kept = std::ceil(op.frame) - 1; // up to here nothing changes
+        auto at = std::lower_bound(curve.keys.begin(), curve.keys.end(), kept, earlier);
+        if (at == curve.keys.end() || at->frame >= op.frame) {
+            std::vector<double> stays;
+            if (curve.keys.empty())
+                stays = key_value(*info, before).value();
+            else if (at == curve.keys.begin())
+                stays = at->value;
+            else if (at == curve.keys.end() || curve.interpolation == Interpolation::step ||
+                     (at - 1)->value == at->value)
+                stays = (at - 1)->value;
+            else
+                return problem("DG043", op.plug,
+                               "frame " + number_text(op.frame) + " lies between the keys at " +
+                                   number_text((at - 1)->frame) + " and " + number_text(at->frame) +
+                                   ", whose values differ: the frames before it would change",
+                               "give the input a plain value first, or set its keys");
+            curve.keys.insert(at, Key{kept, std::move(stays)});
+        }
+        at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame, earlier);
+        if (at != curve.keys.end() && at->frame == op.frame)
+            at->value = *value;
+        else
+            curve.keys.insert(at, Key{op.frame, *value});
+        bind(op.plug, std::move(curve));
+    }
+
     void reset(const Plug& at) {
         if (!input(at) || !graph_.find(at.node)->inputs.contains(at.attribute)) return;
         undo_binding(at);
@@ -388,6 +464,15 @@ Edit& Edit::set_key(Plug input, double frame, double value) {
                  .binding = {},
                  .frame = frame,
                  .value = value});
+}
+Edit& Edit::set_input(Plug input, double frame, Value value) {
+    return push({.kind = Operation::Kind::input,
+                 .plug = std::move(input),
+                 .text = {},
+                 .binding = {},
+                 .frame = frame,
+                 .value = 0,
+                 .at_frame = std::move(value)});
 }
 Edit& Edit::reset(Plug input) { return push({.kind = Operation::Kind::reset, .plug = std::move(input), .text = {}}); }
 Edit& Edit::set_editor_json(std::string json) {

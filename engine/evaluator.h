@@ -28,6 +28,9 @@ struct StorePolicy {
 class Observer {
   public:
     virtual ~Observer() = default;
+    /// A node computes, or a simulation steps, from here to `ends`; whether it succeeds or not.
+    virtual void begins(const std::string& node, double frame) { (void)node, (void)frame; }
+    virtual void ends(const std::string& node, double frame) { (void)node, (void)frame; }
     /// A node computed (never a look-up).
     virtual void computed(const std::string& node, double frame, double seconds) {
         (void)node, (void)frame, (void)seconds;
@@ -60,8 +63,10 @@ enum class Readiness { ready, would_run, undecided };
 
 struct Verdict {
     Readiness readiness = Readiness::would_run;
-    std::string because;                    ///< in words, for people
-    std::vector<std::string> changed_plugs; ///< first plug that differs from the nearest known frame, and so on
+    std::string because; ///< in words, for people
+    /// Inputs whose content differs from what the value was made of when it was last computed here, or kept on disk.
+    std::vector<std::string> changed_plugs;
+    std::string first_plug;                 ///< the output that must be evaluated first, "node.output"; empty if none
     double first_frame = 0, last_frame = 0; ///< simulations: the frames that would be stepped
 };
 

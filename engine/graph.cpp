@@ -9,6 +9,18 @@
 
 namespace sinew::engine {
 
+Value default_value(const AttributeInfo& input, const Timing& timing) {
+    switch (input.from_timing) {
+    case FromTiming::start:
+        return Value::of<double>(timing.start);
+    case FromTiming::fps:
+        return Value::of<double>(timing.fps);
+    case FromTiming::nothing:
+        break;
+    }
+    return input.def;
+}
+
 Graph::Graph(std::shared_ptr<const Registry> registry)
     : registry_(std::move(registry)) {}
 

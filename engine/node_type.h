@@ -21,7 +21,8 @@ class ReadSource {
     /// The value of a literal or wire attribute; an empty Value for an unconnected optional wire.
     virtual Value get(std::string_view attribute) = 0;
     virtual std::vector<Value> get_list(std::string_view attribute) = 0;
-    virtual double frame() = 0; ///< throws std::logic_error unless the type says uses_time (or is a simulation)
+    /// Throws std::logic_error unless the type says uses_time, and its time_input is set (or it is a simulation).
+    virtual double frame() = 0;
     virtual double fps() = 0;
     virtual void checkpoint() = 0;
     virtual void progress(double done, std::string_view what) = 0;
@@ -152,6 +153,9 @@ struct NodeType {
     std::string_view doc;
     std::vector<AttributeInfo> inputs = {}, outputs = {};
     bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it
+    /// With uses_time: the input that brings time in. Where it is left alone (a literal that is its default; for a File
+    /// one that names none) the node does not change over time and compute must not ask for the frame. Empty: always.
+    std::string_view time_input = {};
     /// An Input<bool> with Affects::nothing: where it is on, the outputs are kept on disk under the node's key, and a
     /// later process reads them instead of computing. Every output's type needs a codec. Empty: never.
     std::string_view kept_when = {};

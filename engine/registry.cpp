@@ -30,6 +30,8 @@ void check_literal(const NodeType& t, const AttributeInfo& a) {
             contradiction(t, a.name, "the default is not among the options");
     }
     if (!a.presets.empty() && !a.def.is<double>()) contradiction(t, a.name, "only a number can have presets");
+    if (a.from_timing != FromTiming::nothing && !a.def.is<double>())
+        contradiction(t, a.name, "only a number can come from the timing");
     for (const Preset& p : a.presets)
         if (!inside(a.limits, p.value))
             contradiction(t, a.name, "preset \"" + std::string(p.name) + "\" is outside the limits");
@@ -106,6 +108,8 @@ void Registry::add(NodeType type) {
         if (a.kind != AttributeKind::output) contradiction(type, a.name, "an input stands among the outputs");
         check_attribute(type, a, outputs);
     }
+    if (!type.time_input.empty() && (!type.uses_time || !type.find_input(type.time_input)))
+        contradiction(type, type.time_input, "brings time in where none is used, or is no input");
     if (type.simulation) check_time_inputs(type);
     if (!type.kept_when.empty()) check_kept(type, codecs_);
     std::string name(type.name);

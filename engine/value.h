@@ -28,6 +28,8 @@ struct File {
 ///   static constexpr std::string_view name;              // for messages: "mesh", "body"
 ///   static void hash(Hasher&, const T&);                 // everything that a consumer can see
 ///   static std::size_t bytes(const T&);                  // memory held, for the store's budget
+/// and where a value holds what `hash` leaves out (because simulations are keyed by it and do not read that):
+///   static void hash_rest(Hasher&, const T&);            // all that is left out
 template <class T>
 struct ValueTraits;
 
@@ -46,6 +48,8 @@ class Value {
     explicit operator bool() const { return static_cast<bool>(box_); }
     /// Of an empty value: all zero.
     Digest digest() const { return box_ ? box_->digest : Digest{}; }
+    /// Of everything that the value holds; differs from `digest` for types with a ValueTraits::hash_rest.
+    Digest whole_digest() const { return box_ ? box_->whole : Digest{}; }
     std::size_t bytes() const { return box_ ? box_->bytes : 0; }
     std::type_index type() const { return box_ ? box_->type : std::type_index(typeid(void)); }
     std::string_view type_name() const { return box_ ? box_->type_name : std::string_view("nothing"); }
@@ -54,7 +58,7 @@ class Value {
     struct Box {
         std::type_index type;
         std::string_view type_name;
-        Digest digest;
+        Digest digest, whole;
         std::size_t bytes;
         explicit Box(std::type_index t)
             : type(t)
@@ -71,7 +75,13 @@ class Value {
             Hasher h;
             h.add(type_name);
             ValueTraits<T>::hash(h, v);
-            digest = h.finish();
+            digest = whole = h.finish();
+            if constexpr (requires { ValueTraits<T>::hash_rest(h, v); }) {
+                Hasher all;
+                all.add(digest);
+                ValueTraits<T>::hash_rest(all, v);
+                whole = all.finish();
+            }
             bytes = sizeof(*this) + ValueTraits<T>::bytes(v);
         }
     };

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/matrices.h"
 
+#include "solver/mesh/coordinates.h"
+
 #include <cmath>
 #include <numbers>
 
@@ -61,6 +63,7 @@ Mesh moved(const Mesh& mesh, const Matrix4& matrix) {
     const solver::Vec3 offset = m.topRightCorner<3, 1>();
     solver::Points points(*mesh.points);
     for (solver::Vec3& p : points) p = linear * p + offset;
+    solver::check_coordinates(points);
     return mesh.with_points(std::move(points));
 }
 

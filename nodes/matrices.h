@@ -1,7 +1,7 @@
 // Matrices as artists write them: translate, rotate and scale with Maya's rotate orders.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "engine/value.h"
+#include "engine/attribute.h"
 #include "nodes/values.h"
 
 #include <string_view>
@@ -16,7 +16,11 @@ engine::Matrix4 multiply(const engine::Matrix4& a, const engine::Matrix4& b);
 /// multiples of 90 are exact.
 engine::Matrix4 compose(const engine::Vec3& translate, const engine::Vec3& rotate, const engine::Vec3& scale,
                         std::string_view order, const engine::Vec3& rotate_pivot);
-/// The mesh with every point moved; the very same mesh for the identity.
+/// What an entry of a matrix, or a length, may be at most.
+inline constexpr engine::Limits within_reach{.min = -1e60, .max = 1e60};
+
+/// The mesh with every point moved; the very same mesh for the identity. Throws solver::Error FE202 or FE224 if they
+/// land where no mesh may lie.
 Mesh moved(const Mesh& mesh, const engine::Matrix4& matrix);
 
 } // namespace sinew::nodes

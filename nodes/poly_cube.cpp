@@ -1,7 +1,7 @@
 // polyCube: a box of quads.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "nodes/adapters.h"
+#include "nodes/made_mesh.h"
 #include "solver/mesh/primitives.h"
 
 namespace sinew::nodes {
@@ -57,8 +57,10 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh, Mesh::from(solver::make_cube(in[width], in[height], in[depth], count(in[subdivisions_width]),
-                                                   count(in[subdivisions_height]), count(in[subdivisions_depth]))));
+    const int w = count(in[subdivisions_width]), h = count(in[subdivisions_height]), d = count(in[subdivisions_depth]);
+    const double faces = 2 * (double{1} * w * h + double{1} * h * d + double{1} * w * d);
+    out.set(out_mesh, made_mesh(in, subdivisions_width.name, faces,
+                                [&] { return solver::make_cube(in[width], in[height], in[depth], w, h, d); }));
 }
 
 } // namespace

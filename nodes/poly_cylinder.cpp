@@ -1,7 +1,7 @@
 // polyCylinder: a closed cylinder along y.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "nodes/adapters.h"
+#include "nodes/made_mesh.h"
 #include "solver/mesh/primitives.h"
 
 namespace sinew::nodes {
@@ -51,8 +51,10 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh, Mesh::from(solver::make_cylinder(in[radius], in[height], count(in[subdivisions_axis]),
-                                                       count(in[subdivisions_height]), count(in[subdivisions_caps]))));
+    const int around = count(in[subdivisions_axis]), rows = count(in[subdivisions_height]),
+              caps = count(in[subdivisions_caps]);
+    out.set(out_mesh, made_mesh(in, subdivisions_axis.name, double{1} * around * (rows + 2.0 * caps),
+                                [&] { return solver::make_cylinder(in[radius], in[height], around, rows, caps); }));
 }
 
 } // namespace

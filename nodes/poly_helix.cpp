@@ -1,7 +1,7 @@
 // polyHelix: a closed tube wound about y.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "nodes/adapters.h"
+#include "nodes/made_mesh.h"
 #include "solver/mesh/primitives.h"
 
 namespace sinew::nodes {
@@ -56,8 +56,16 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh, Mesh::from(solver::make_helix(in[width] / 2, in[radius], in[height], in[coils],
-                                                    count(in[subdivisions_axis]), count(in[subdivisions_coil]))));
+    const int around = count(in[subdivisions_axis]), rows = count(in[subdivisions_coil]);
+    if (!(in[radius] < in[width] / 2))
+        in.fail(radius.name, "FE222", "the tube must be thinner than the helix is wide",
+                "Choose a radius below half of width.");
+    if (in[coils] * rows > 1e6)
+        in.fail(coils.name, "FE222", "the helix would have over a million rows of faces",
+                "Choose fewer coils, or fewer subdivisions of each.");
+    out.set(out_mesh, made_mesh(in, subdivisions_axis.name, in[coils] * rows * around, [&] {
+                return solver::make_helix(in[width] / 2, in[radius], in[height], in[coils], around, rows);
+            }));
 }
 
 } // namespace

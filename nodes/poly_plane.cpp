@@ -1,7 +1,7 @@
 // polyPlane: a flat sheet of quads that faces up.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "nodes/adapters.h"
+#include "nodes/made_mesh.h"
 #include "solver/mesh/primitives.h"
 
 namespace sinew::nodes {
@@ -44,8 +44,9 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh, Mesh::from(solver::make_plane(in[width], in[height], count(in[subdivisions_width]),
-                                                    count(in[subdivisions_height]))));
+    const int w = count(in[subdivisions_width]), h = count(in[subdivisions_height]);
+    out.set(out_mesh, made_mesh(in, subdivisions_width.name, double{1} * w * h,
+                                [&] { return solver::make_plane(in[width], in[height], w, h); }));
 }
 
 } // namespace

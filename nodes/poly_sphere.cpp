@@ -1,7 +1,7 @@
 // polySphere: a sphere of quads with triangle fans at the poles.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "nodes/adapters.h"
+#include "nodes/made_mesh.h"
 #include "solver/mesh/primitives.h"
 
 namespace sinew::nodes {
@@ -38,8 +38,9 @@ const Output<Mesh> out_mesh{
 int count(std::int64_t n) { return static_cast<int>(n); }
 
 void compute(const Reads& in, Writes& out) {
-    out.set(out_mesh,
-            Mesh::from(solver::make_sphere(in[radius], count(in[subdivisions_axis]), count(in[subdivisions_height]))));
+    const int around = count(in[subdivisions_axis]), rows = count(in[subdivisions_height]);
+    out.set(out_mesh, made_mesh(in, subdivisions_axis.name, double{1} * around * rows,
+                                [&] { return solver::make_sphere(in[radius], around, rows); }));
 }
 
 } // namespace

@@ -3,6 +3,11 @@
 #include "nodes/register_all.h"
 
 #include "nodes/codecs.h"
+#include "solver/error.h"
+#include "solver/meshing/meshing_control.h"
+
+#include <new>
+#include <stdexcept>
 
 namespace sinew::nodes {
 
@@ -48,8 +53,49 @@ void add_z_embedder(engine::Registry&);
 void add_mesh_writer(engine::Registry&);
 void add_tet_writer(engine::Registry&);
 
+namespace {
+
+/// Runs a call of a node; what no adapter foresaw becomes a diagnostic about the node instead of a bug.
+template <class Call>
+auto told(const engine::Reads& in, Call&& call) {
+    try {
+        return call();
+    } catch (const solver::Stopped&) {
+        throw engine::Cancelled();
+    } catch (const solver::Error& e) {
+        in.fail({}, e.code, e.what(), e.hint);
+    } catch (const std::bad_alloc&) {
+        in.fail({}, "FE305", "there is not enough memory for it", "Choose fewer tets, faces or frames at once.");
+    } catch (const std::length_error&) {
+        in.fail({}, "FE305", "it would be larger than any memory", "Choose fewer tets or faces.");
+    }
+}
+
+engine::NodeType with_errors_told(engine::NodeType type) {
+    if (type.compute)
+        type.compute = [compute = type.compute](const engine::Reads& in, engine::Writes& out) {
+            told(in, [&] { compute(in, out); });
+        };
+    if (!type.simulation) return type;
+    const engine::SimulationFunctions plain = *type.simulation;
+    auto wrapped = std::make_shared<engine::SimulationFunctions>(plain);
+    wrapped->initial = [plain](const engine::Reads& in) { return told(in, [&] { return plain.initial(in); }); };
+    wrapped->advance = [plain](const engine::Value& before, std::span<const engine::SubstepReads> substeps) {
+        return told(substeps.back().end, [&] { return plain.advance(before, substeps); });
+    };
+    wrapped->publish = [plain](const engine::Value& state, const engine::Reads& in, engine::Writes& out) {
+        told(in, [&] { plain.publish(state, in, out); });
+    };
+    type.simulation = std::move(wrapped);
+    return type;
+}
+
+} // namespace
+
 void register_all(engine::Registry& registry) {
     add_codecs(registry);
+    engine::Registry plain;
+    add_codecs(plain);
     for (auto* add : {add_mesh_file,        add_tet_mesh_file,   add_poly_sphere,
                       add_poly_cube,        add_poly_plane,      add_poly_cylinder,
                       add_poly_helix,       add_curve,           add_transform,
@@ -62,7 +108,8 @@ void register_all(engine::Registry& registry) {
                       add_vortex_field,     add_z_solver,        add_z_embedder,
                       add_mesh_writer,      add_z_iso_mesh,      add_z_delaunay_tet_mesh,
                       add_tet_writer,       add_transfer_weights})
-        add(registry);
+        add(plain);
+    for (const std::string& name : plain.names()) registry.add(with_errors_told(*plain.find(name)));
 }
 
 std::shared_ptr<const engine::Registry> make_registry() {

@@ -31,14 +31,19 @@ void take_bodies(const Reads& in, Setup& setup) {
     }
 }
 
+/// Bones may be alike at the start and go apart later. Tissues may not: what each becomes hangs on what is attached to
+/// it, which nothing could find.
 void refuse_twins(const Reads& in, const Setup& setup) {
     for (std::size_t i = 0; i < setup.ids.size(); ++i)
-        for (std::size_t j = i + 1; j < setup.ids.size(); ++j)
-            if (setup.ids[i] == setup.ids[j])
-                in.fail(bodies.name, "FE213",
-                        body_name(in, setup, i) + " and " + body_name(in, setup, j) +
-                            " are the same body, connected twice",
+        for (std::size_t j = i + 1; j < setup.ids.size(); ++j) {
+            if (setup.ids[i] != setup.ids[j]) continue;
+            const std::string one = body_name(in, setup, i), other = body_name(in, setup, j);
+            if (one == other)
+                in.fail(bodies.name, "FE213", one + " is connected twice", "Remove one of the two connections.");
+            if (!setup.body(i).is_bone())
+                in.fail(bodies.name, "FE213", one + " and " + other + " are alike in all, also in place",
                         "Remove one of them, or make them differ in place or material.");
+        }
 }
 
 /// Position among the simulated bodies; -1 if the body is connected but disabled.
@@ -46,11 +51,16 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
             int hint, const char* end) {
     const std::string name = in.source_name(attribute, entry);
     const int found = find_body(setup.ids, wanted, hint);
-    if (found == body_ambiguous)
+    // Bones that are alike in all: whichever is taken gives the same as long as they are, and when they part, their
+    // values tell which was meant.
+    for (std::size_t i = 0; i < setup.ids.size() && found == body_ambiguous; ++i)
+        if (setup.ids[i] == wanted && setup.body(i).is_bone()) return static_cast<int>(i);
+    const bool some_alike = std::find(setup.ids.begin(), setup.ids.end(), wanted) != setup.ids.end();
+    if (found == body_ambiguous && some_alike)
         in.fail(attribute, "FE213",
                 "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
-    if (found != body_missing) return found;
+    if (found >= 0) return found;
     for (const Body& b : setup.bodies)
         if (!b.enable && b.rest->digest == wanted.rest) return -1;
     in.fail(attribute, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
@@ -101,9 +111,27 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
         for (const Force& f : setup.body(b).forces) take_force(setup, f, {static_cast<int>(b)});
 }
 
+/// Of attachments and forces that hold on to one of several bones of the same rest data, it may turn out only when
+/// those part which one was meant. Until then they moved alike, so nothing that the state holds changes.
+bool same_but_for_twins(const Setup& setup, const SceneKey& known) {
+    const SceneKey& now = setup.key;
+    const auto fits = [&](int a, int b) {
+        const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
+        return i == j || (now.bodies[i] == now.bodies[j] && setup.body(i).is_bone());
+    };
+    SceneKey linked_as_known = now;
+    for (std::size_t l = 0; l < now.links.size() && l < known.links.size(); ++l)
+        for (std::size_t end = 0; end < 2; ++end)
+            if (fits(now.links[l][end], known.links[l][end])) linked_as_known.links[l][end] = known.links[l][end];
+    for (std::size_t f = 0; f < now.reach.size() && f < known.reach.size(); ++f)
+        for (std::size_t b = 0; b < now.reach[f].size() && b < known.reach[f].size(); ++b)
+            if (fits(now.reach[f][b], known.reach[f][b])) linked_as_known.reach[f][b] = known.reach[f][b];
+    return linked_as_known == known;
+}
+
 void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) {
     const SceneKey& now = setup.key;
-    if (now == known) return;
+    if (now == known || (now.bodies == known.bodies && same_but_for_twins(setup, known))) return;
     const std::string hint = "Meshes, tets and painted maps must not change over time; key stiffness, excitation or "
                              "bone motion instead.";
     for (std::size_t i = 0; i < now.bodies.size() && now.bodies.size() == known.bodies.size(); ++i)

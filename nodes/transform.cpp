@@ -37,6 +37,7 @@ const Input<Vec3> rotate_pivot{
 const Input<Matrix4> parent{
     .name = "offsetParentMatrix",
     .def = identity_matrix,
+    .limits = within_reach,
     .doc = "A matrix applied last, for example outMatrix of the transform above this one.",
 };
 const Input<File> track{
@@ -84,7 +85,7 @@ void compute(const Reads& in, Writes& out) {
     const Matrix4 all = multiply(in[parent], multiply(keyed, tracked(in)));
     out.set(out_matrix, all);
     const Mesh* m = in.find(mesh);
-    out.set(out_mesh, m ? moved(*m, all) : Mesh::from({}));
+    out.set(out_mesh, m ? guarded(in, mesh.name, [&] { return moved(*m, all); }) : Mesh::from({}));
 }
 
 } // namespace
@@ -98,6 +99,7 @@ void add_transform(Registry& registry) {
                    describe(track_name),   describe(track_offset), describe(track_rate)};
     type.outputs = {describe(out_matrix), describe(out_mesh)};
     type.uses_time = true; // the track is read at the frame
+    type.time_input = track.name;
     type.compute = compute;
     registry.add(std::move(type));
 }

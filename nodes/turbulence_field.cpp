@@ -51,7 +51,7 @@ void compute(const Reads& in, Writes& out) {
     solver::FieldValues values = field::read_common(in, magnitude, attenuation, rest);
     values.wavelength = 1 / in[frequency];
     values.phase_x = in[phase][0], values.phase_y = in[phase][1], values.phase_z = in[phase][2];
-    values.evolution = in[rate] * in.frame();
+    values.evolution = in[rate] == rate.def ? 0 : in[rate] * in.frame(); // without a rate the frame is not read
     rest.noise_level = static_cast<int>(in[noise_level]);
     values.noise_ratio = in[noise_ratio];
     field::publish(in, out, rest, values);
@@ -65,6 +65,7 @@ void add_turbulence_field(Registry& registry) {
         magnitude, attenuation,
         {describe(frequency), describe(phase), describe(rate), describe(noise_level), describe(noise_ratio)}, compute);
     type.uses_time = true; // the pattern changes with the frame
+    type.time_input = rate.name;
     registry.add(std::move(type));
 }
 

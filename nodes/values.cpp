@@ -4,6 +4,7 @@
 #include "nodes/values.h"
 
 #include "nodes/simulation_state.h"
+#include "solver/mesh/coordinates.h"
 
 #include <algorithm>
 
@@ -71,6 +72,7 @@ void add(Hasher& h, const SceneKey& k) {
 
 Mesh Mesh::from(solver::SurfaceMesh mesh) {
     auto topology = std::make_shared<MeshTopology>();
+    solver::check_coordinates(mesh.points);
     topology->digest =
         Hasher().add_ints(mesh.face_sizes).add_ints(mesh.face_vertices).add_ints(numbers(mesh.triangles)).finish();
     topology->face_sizes = std::move(mesh.face_sizes);
@@ -214,6 +216,17 @@ std::size_t ValueTraits<nodes::Fiber>::bytes(const nodes::Fiber& v) {
 }
 
 void ValueTraits<nodes::Body>::hash(Hasher& h, const nodes::Body& v) { add(h, nodes::id_of(v)); }
+void ValueTraits<nodes::Body>::hash_rest(Hasher& h, const nodes::Body& v) {
+    add(h, v.rest->mesh);
+    h.add(v.collision != nullptr);
+    if (!v.collision) return;
+    add(h, v.collision->mesh);
+    h.add(static_cast<std::uint64_t>(v.collision->carriers.size()));
+    for (const solver::PointWeights& w : v.collision->carriers) {
+        const auto n = static_cast<std::size_t>(w.count);
+        h.add_ints({w.vertex, n}).add_doubles({w.weight, n});
+    }
+}
 std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
     // The rest data is one object for all frames, so a frame pays for its values only.
     if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));
@@ -241,6 +254,9 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     h.add(v.bodies).add(v.tets).add(v.triangles).add(v.dofs).add(v.attachments);
     h.add(static_cast<std::uint64_t>(v.terms.size()));
     for (const std::string& term : v.terms) h.add(term);
+    const nodes::WorstPlaces& w = v.worst;
+    h.add(w.body).add(w.tet).add(w.j).add_doubles(w.tet_place);
+    h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
 }
 std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
 

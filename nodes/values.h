@@ -165,11 +165,24 @@ struct SimulationState {
     solver::State state;
 };
 
+/// Where a frame is at its worst. Places in scene units; -1: there is none.
+struct WorstPlaces {
+    int body = -1, tet = -1; ///< of the least det F: place in zSolver.bodies, tet of that tissue
+    double j = 1;            ///< det F there
+    std::array<double, 3> tet_place{};
+    /// Of the largest stretch: place in zSolver.attachments, in zSolver.bodies of its source, and the vertex of the
+    /// source's mesh that is nearest.
+    int attachment = -1, source_body = -1, vertex = -1;
+    double stretch = 0; ///< [m]
+    std::array<double, 3> stretch_place{};
+};
+
 /// What one frame's solve reported; the command line writes it into --report.
 struct SolveReport {
     solver::StepRecord record; ///< seconds are not digested
     std::int64_t bodies = 0, tets = 0, triangles = 0, dofs = 0, attachments = 0;
     std::vector<std::string> terms; ///< the energy terms that the scene uses
+    WorstPlaces worst = {};
 };
 
 /// The solved tets of every body at one frame, for zEmbedder. Positions in scene units.
@@ -204,7 +217,6 @@ SINEW_NODE_VALUE(nodes::TetMeshValue, "tet mesh")
 SINEW_NODE_VALUE(nodes::CurvePoints, "curve")
 SINEW_NODE_VALUE(nodes::Material, "material")
 SINEW_NODE_VALUE(nodes::Fiber, "fiber")
-SINEW_NODE_VALUE(nodes::Body, "body")
 SINEW_NODE_VALUE(nodes::Attachment, "attachment")
 SINEW_NODE_VALUE(nodes::Force, "force")
 SINEW_NODE_VALUE(nodes::SolveReport, "solve report")
@@ -212,4 +224,11 @@ SINEW_NODE_VALUE(nodes::Solved, "solved bodies")
 SINEW_NODE_VALUE(nodes::FileContent, "file content")
 SINEW_NODE_VALUE(nodes::SimulationState, "simulation state")
 #undef SINEW_NODE_VALUE
+template <>
+struct ValueTraits<nodes::Body> {
+    static constexpr std::string_view name = "body";
+    static void hash(Hasher& h, const nodes::Body& v);
+    static void hash_rest(Hasher& h, const nodes::Body& v); ///< collision surface; a bone's points as modelled
+    static std::size_t bytes(const nodes::Body& v);
+};
 } // namespace sinew::engine

@@ -25,6 +25,7 @@ const Wire<Mesh> mesh{
 const Input<Matrix4> matrix{
     .name = "matrix",
     .def = identity_matrix,
+    .limits = within_reach,
     .doc = "Moves the mesh; connect transform.outMatrix.",
 };
 const Output<Body> out_body{
@@ -57,7 +58,8 @@ void compute(const Reads& in, Writes& out) {
     const Digest key = Hasher().add("zBone.rest").add(modelled.topology->digest).add(modelled.points_digest).finish();
     auto kept = in.lease<Kept>(
         key, [&] { return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); }); });
-    out.set(out_body, Body{kept->rest, in[enable], moved(modelled, in[matrix])});
+    out.set(out_body,
+            Body{kept->rest, in[enable], guarded(in, matrix.name, [&] { return moved(modelled, in[matrix]); })});
 }
 
 } // namespace

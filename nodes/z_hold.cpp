@@ -46,6 +46,7 @@ const Input<std::string> weights_on{
 const Input<Matrix4> matrix{
     .name = "matrix",
     .def = identity_matrix,
+    .limits = within_reach,
     .doc = "Moves what is held, from where it is modelled, as this matrix moves from its value at the start frame; "
            "connect transform.outMatrix. Turns and translations only.",
 };

@@ -5,6 +5,7 @@
 #include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
+#include "nodes/worst.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/integrate/implicit_form.h"
 #include "solver/marks_of.h"
@@ -93,6 +94,23 @@ void warn_if_unconverged(const Reads& in, const solver::StepRecord& record) {
             "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
 }
 
+/// A shape can be in balance inside out: it has converged and is wrong all the same.
+void warn_if_inverted(const Reads& in, const Setup& setup, const solver::Scene& scene, const solver::State& state) {
+    const solver::StepRecord& record = state.record;
+    if (!record.converged || record.inverted == 0) return; // what has not converged is told already
+    const WorstPlaces worst = find_worst(setup, scene, state);
+    char text[240];
+    std::snprintf(text, sizeof text, "frame %g has converged with %d inverted tet%s; the worst is tet %d of ",
+                  in.frame(), record.inverted, record.inverted == 1 ? "" : "s", worst.tet);
+    const std::string name =
+        worst.body < 0 ? "a tissue" : in.source_name(bodies.name, static_cast<std::size_t>(worst.body));
+    char place[120];
+    std::snprintf(place, sizeof place, ", near (%.4g, %.4g, %.4g)", worst.tet_place[0], worst.tet_place[1],
+                  worst.tet_place[2]);
+    in.warn(bodies.name, "FE306", text + name + place,
+            "Take more substeps through this frame, or look for a bone that jumps or passes through the tissue.");
+}
+
 /// Says what an attachment leaves out, and where it reaches farther than the painted part of its source is large.
 void warn_of_reach(const Reads& in, const Setup& setup, const std::vector<solver::AttachmentStart>& starts) {
     const double units = setup.key.scale;
@@ -153,20 +171,23 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     if (!now[enable]) return before;
     std::vector<solver::StepInputs> inputs;
     Setup setup;
+    SceneKey known = before.scene; // of the sub-step before: which of two alike bones is meant stays known
     for (const auto& [in, within] : times) {
-        setup = read_setup(in, &before.scene);
+        setup = read_setup(in, &known);
+        if (setup.key != known) known = setup.key;
         if (without_inertia(in)) check_all_tied(in, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
         for (const Reads& stage : within)
-            inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(
-                step_inputs(stage, read_setup(stage, &before.scene), times.size()));
+            inputs.back().at_gamma =
+                std::make_shared<const solver::StepInputs>(step_inputs(stage, read_setup(stage, &known), times.size()));
     }
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
-    SimulationState after{before.scene, solving(now, setup, [&] {
+    SimulationState after{setup.key, solving(now, setup, [&] {
                               return solver::advance(stage->workspace, before.state, inputs, control_of(now));
                           })};
     warn_if_unconverged(now, after.state.record);
+    warn_if_inverted(now, setup, *stage->scene, after.state);
     return after;
 }
 
@@ -186,6 +207,15 @@ void publish_tissue(const solver::Scene& scene, const solver::State& state, int 
         (v < corners ? tets : midpoints).emplace_back(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
     tets = to_scene_units(std::move(tets), units);
     midpoints = to_scene_units(std::move(midpoints), units);
+}
+
+int nearest_vertex(const solver::Points& points, const std::array<double, 3>& place) {
+    const solver::Vec3 p(place[0], place[1], place[2]);
+    int best = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < points.size(); ++v)
+        if (const double d = (points[v] - p).squaredNorm(); d < least) least = d, best = static_cast<int>(v);
+    return best;
 }
 
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
@@ -217,6 +247,10 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             solved.bodies.push_back(setup.ids[i]);
             solved.rests.push_back(b.rest);
         }
+        report.worst = find_worst(setup, *stage->scene, s.state);
+        if (report.worst.attachment >= 0)
+            report.worst.vertex = nearest_vertex(
+                *meshes.meshes[static_cast<std::size_t>(report.worst.source_body)].points, report.worst.stretch_place);
     }
     out.set(out_meshes, std::move(meshes));
     out.set(out_solved, std::move(solved));

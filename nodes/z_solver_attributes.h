@@ -31,8 +31,10 @@ inline const Input<bool> enable{
 inline const Input<double> start_frame{
     .name = "startFrame",
     .def = 1,
-    .doc = "The frame at which everything is as modelled and at rest; attachments take their places there.",
+    .doc = "The frame at which everything is as modelled and at rest; attachments take their places there. An earlier "
+           "one than the graph's first frame lets the tissues settle before it.",
     .keyable = false,
+    .from_timing = FromTiming::start,
 };
 inline const Input<double> scale{
     .name = "scale",
@@ -65,6 +67,7 @@ inline const Input<double> frames_per_second{
     .unit = "1/s",
     .limits = {.min = 0, .open_min = true},
     .doc = "How many frames make a second of simulation.",
+    .from_timing = FromTiming::fps,
 };
 inline const Input<std::int64_t> substeps{
     .name = "substeps",

@@ -59,10 +59,13 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
     }
 }
 
-void Core::keep(const Digest& key, const NodeType& type, const EntryPtr& entry) {
+void Core::keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type,
+                const EntryPtr& entry) {
     for (std::size_t i = 0; i < type.outputs.size(); ++i)
         contents.put(plug_key(key, type.outputs[i].name), entry->outputs[i].digest());
+    if (by_content && values.find(*by_content) == entry) return values.alias(key, *by_content);
     values.put(key, entry);
+    if (by_content) values.alias(*by_content, key);
 }
 
 FlightPtr Core::claim(const Digest& key, const Graph* graph) {
@@ -73,10 +76,10 @@ FlightPtr Core::claim(const Digest& key, const Graph* graph) {
 }
 
 void Core::land(const Digest& key, const FlightPtr& flight, const NodeType& type, EntryPtr entry,
-                std::exception_ptr error) {
+                std::exception_ptr error, const std::optional<Digest>& by_content) {
     {
         const std::lock_guard lock(mutex);
-        if (entry) keep(key, type, entry);
+        if (entry) keep(key, by_content, type, entry);
         flight->done = true;
         flight->entry = std::move(entry);
         flight->error = std::move(error);

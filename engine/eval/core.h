@@ -52,13 +52,14 @@ struct Core {
     /// node's number too. Throws Failure.
     std::pair<std::shared_ptr<Program>, int> prepare(const std::shared_ptr<const Graph>& graph,
                                                      const std::string& node);
-    /// Needs the mutex. Stores the entry under the key and a row for each output.
-    void keep(const Digest& key, const NodeType& type, const EntryPtr& entry);
+    /// Needs the mutex. Stores the entry under the key, and under the key by content if there is one, and a row for
+    /// each output.
+    void keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type, const EntryPtr& entry);
     /// Needs the mutex.
     FlightPtr claim(const Digest& key, const Graph* graph);
     /// Takes the mutex. Ends a flight; an entry is kept.
     void land(const Digest& key, const FlightPtr& flight, const NodeType& type, EntryPtr entry,
-              std::exception_ptr error);
+              std::exception_ptr error, const std::optional<Digest>& by_content = {});
 
     /// Calls the observer, one call at a time.
     template <class F>
@@ -67,6 +68,26 @@ struct Core {
         const std::lock_guard lock(observer_mutex_);
         call(*observer_);
     }
+
+    /// Tells the observer that a node is at work, while it lives.
+    class AtWork {
+      public:
+        AtWork(Core& core, const std::string& node, double frame)
+            : core_(core)
+            , node_(node)
+            , frame_(frame) {
+            core_.observe([&](Observer& o) { o.begins(node_, frame_); });
+        }
+        ~AtWork() {
+            core_.observe([&](Observer& o) { o.ends(node_, frame_); });
+        }
+        AtWork(const AtWork&) = delete;
+
+      private:
+        Core& core_;
+        const std::string& node_;
+        double frame_;
+    };
 
   private:
     std::shared_ptr<Program> program_of(const std::shared_ptr<const Graph>& graph);

@@ -4,16 +4,22 @@
 #include "engine/atomic_file.h"
 #include "engine/byte_stream.h"
 
+#include <algorithm>
 #include <fstream>
 
 namespace sinew::engine {
 
 namespace {
 
-constexpr std::string_view mark = "sinew kept 1\n";
+constexpr std::string_view mark = "sinew kept 2\n";
 
 /// Everything before the payload: mark, key, checksum, length.
 constexpr std::size_t header_size = mark.size() + 2 * sizeof(Digest) + sizeof(std::uint64_t);
+
+std::optional<Digest> key_of(const std::string& hex) {
+    if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos) return {};
+    return Digest{std::stoull(hex.substr(0, 16), nullptr, 16), std::stoull(hex.substr(16), nullptr, 16)};
+}
 
 Digest checksum(std::span<const std::byte> payload) { return Hasher().add_bytes(payload).finish(); }
 
@@ -43,6 +49,21 @@ DiskStore::Found DiskStore::read(const Digest& key) const {
     if (checksum(header.rest) != sum) return {{}, "its bytes are damaged"};
     bytes.erase(bytes.begin(), bytes.begin() + header_size);
     return {std::move(bytes), {}};
+}
+
+std::vector<Digest> DiskStore::newest_first() const {
+    std::vector<std::pair<std::filesystem::file_time_type, Digest>> found;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
+        const std::filesystem::path& path = entry.path();
+        const auto key = path.extension() == ".kept" ? key_of(path.stem().string()) : std::nullopt;
+        const auto time = entry.last_write_time(error);
+        if (key && !error) found.emplace_back(time, *key);
+    }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return b < a; });
+    std::vector<Digest> out;
+    for (const auto& [time, key] : found) out.push_back(key);
+    return out;
 }
 
 void DiskStore::write(const Digest& key, std::span<const std::byte> payload) const {

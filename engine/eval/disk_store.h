@@ -26,6 +26,8 @@ class DiskStore {
     };
     /// Checks mark, key, length and checksum.
     Found read(const Digest& key) const;
+    /// Keys of all files in the folder; none if it cannot be listed.
+    std::vector<Digest> newest_first() const;
     /// Replaces what is there. Throws Failure IO405, and then what was there is untouched.
     void write(const Digest& key, std::span<const std::byte> payload) const;
 

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/explain.h"
 
+#include "engine/byte_stream.h"
+#include "engine/eval/kept_entry.h"
+#include "engine/eval/session.h"
 #include "engine/text.h"
 
 #include <algorithm>
+#include <map>
 #include <set>
 
 namespace sinew::engine {
@@ -15,8 +19,10 @@ ContentOf table_only(Core& core) {
 }
 
 std::string joined(const std::vector<std::string>& words) {
+    constexpr std::size_t most = 6;
     std::string out;
-    for (const std::string& w : words) out += (out.empty() ? "" : ", ") + w;
+    for (std::size_t i = 0; i < words.size() && i < most; ++i) out += (i ? ", " : "") + words[i];
+    if (words.size() > most) out += " and " + std::to_string(words.size() - most) + " more";
     return out;
 }
 
@@ -27,15 +33,126 @@ Explainer::Explainer(Core& core, std::shared_ptr<Program> program)
     , program_(std::move(program))
     , keys_(*program_, table_only(core)) {}
 
-Verdict Explainer::undecided(const Needs& needs, double frame) const {
+bool Explainer::is_stored(const Site& site, const Digest& key) {
+    if (core_.values.contains(key)) return true;
+    const Place& p = program_->place(site.node);
+    if (core_.disk && p.is_kept() && core_.disk->read(key).payload) return true;
+    if (p.is_simulation()) return false;
+    std::vector<Site> missing;
+    const auto stored = [&](const Site& up) -> EntryPtr {
+        Needs none;
+        const auto up_key = keys_.of(up, none);
+        return up_key ? core_.values.find(*up_key) : nullptr;
+    };
+    const SlotValues values = gather(*program_, p, site.frame, Phase::compute, stored, missing);
+    return missing.empty() && core_.values.contains(content_key(*program_, p, site.frame, values));
+}
+
+// The first node upstream of what is missing that nothing is stored of; what it needs is all there.
+Site Explainer::first_missing(Site site) {
+    while (true) {
+        const Place& p = program_->place(site.node);
+        std::optional<Site> missing;
+        for (const Slot& s : p.slots) {
+            if (!s.read_by_compute()) continue;
+            for (const Source& source : s.sources) {
+                const Site up = program_->site(source, site.frame);
+                Needs none;
+                const auto up_key = keys_.of(up, none);
+                if (!missing && !(up_key && is_stored(up, *up_key))) missing = up;
+            }
+        }
+        if (!missing) return site;
+        site = *missing;
+    }
+}
+
+// Compares with what a kept file of this node was made from: names all that differs.
+std::vector<std::string> Explainer::differs_from_kept(const Site& site, bool& found) const {
+    const Place& p = program_->place(site.node);
+    found = false;
+    if (!core_.disk || !p.is_kept()) return {};
+    for (const Digest& key : core_.disk->newest_first()) {
+        const auto read = core_.disk->read(key);
+        if (!read.payload) continue;
+        KeptInputs kept;
+        try {
+            kept = decode_inputs(*read.payload);
+        } catch (const BadBytes&) {
+            continue;
+        }
+        if (kept.node != p.name) continue;
+        found = true;
+        std::vector<std::string> out;
+        std::map<std::string, Digest> before(kept.contents.begin(), kept.contents.end());
+        for (const auto& [plug, content] : program_->recipe(site.node, site.frame)) {
+            const auto it = before.find(plug);
+            if (it == before.end() || it->second != content) out.push_back(plug);
+            if (it != before.end()) before.erase(it);
+        }
+        for (const auto& [plug, content] : before) out.push_back(plug);
+        return out;
+    }
+    return {};
+}
+
+// Names the plug at which work begins and why it is not there already, and how what is kept on disk differs.
+void Explainer::name_first(Verdict& out, const Site& from) {
+    const Site first = first_missing(from);
+    const Place& p = program_->place(first.node);
+    out.first_plug = p.name + "." + std::string(p.type->outputs.front().name);
+    const std::string at = p.dynamic && !p.is_simulation() ? " at frame " + number_text(first.frame) : "";
+    std::string why = "nothing is known of it: values are kept in memory, and this is the first time";
+    if (const auto before = earlier(p.name, p.type)) {
+        const int there = before->find(p.name);
+        Keys old_keys(*before, table_only(core_));
+        const auto plugs = changed_plugs(*before, old_keys, first, before->site(there, first.frame), first.frame);
+        why = plugs.empty() ? "it was not evaluated at this frame before, or the store has dropped it"
+                            : "its inputs differ from those before the edit in " + joined(plugs);
+        if (out.changed_plugs.empty()) out.changed_plugs = plugs;
+    } else if (program_->pulled) {
+        why = "it was not evaluated at this frame before, or the store has dropped it";
+    }
+    out.because += "; first " + out.first_plug + at + " (" + std::string(p.type->name) + ") must be evaluated: " + why;
+    const std::vector<int> cone = program_->cone(from.node); // sources first
+    for (const int node : cone) {
+        const Place& kept = program_->place(node);
+        if (!core_.disk || !kept.is_kept()) continue;
+        const Site site = program_->site(node, from.frame);
+        Needs none;
+        const auto key = keys_.of(site, none);
+        if (!key || is_stored(site, *key)) continue;
+        bool found = false;
+        const auto plugs = differs_from_kept(site, found);
+        if (!found)
+            out.because += "; nothing is kept on disk of " + kept.name;
+        else if (plugs.empty())
+            out.because += "; what is kept on disk of " + kept.name + " was made by another version of the program";
+        else
+            out.because += "; what is kept on disk of " + kept.name + " differs in " + joined(plugs);
+        if (out.changed_plugs.empty()) out.changed_plugs = plugs;
+    }
+}
+
+Verdict Explainer::undecided(const Needs& needs, int simulation, double frame) {
     Verdict out;
-    out.readiness = Readiness::undecided;
     const Site s = needs.values.empty() ? Site{} : needs.values.front();
     const std::string node = needs.values.empty() ? "the sources" : program_->place(s.node).name;
     const bool dynamic = s.node >= 0 && program_->place(s.node).dynamic;
-    out.because = node + (dynamic ? " at frame " + number_text(s.frame) : "") +
-                  " must be evaluated before it is known whether frame " + number_text(frame) + " is there";
-    if (s.node >= 0) out.changed_plugs.push_back(node);
+    if (core_.states.bytes() == 0 && simulation >= 0) {
+        // Nothing was simulated yet, so whatever the inputs are, there is no frame that could be the one.
+        const Place& p = program_->place(simulation);
+        out.readiness = Readiness::would_run;
+        out.first_frame = p.start_frame;
+        out.last_frame = program_->site(simulation, frame).frame;
+        out.because = "no frame of " + p.name + " is in memory; frames " + number_text(out.first_frame) + " to " +
+                      number_text(out.last_frame) + " would be simulated";
+    } else {
+        out.readiness = Readiness::undecided;
+        out.because = node + (dynamic ? " at frame " + number_text(s.frame) : "") +
+                      " must be evaluated before it is known whether frame " + number_text(frame) + " is there";
+    }
+    if (s.node >= 0) name_first(out, s);
     return out;
 }
 
@@ -167,7 +284,7 @@ Readiness Explainer::readiness(int node, double frame) {
     Needs missing;
     const auto found = key(program_->site(node, frame), missing);
     if (!found) return Readiness::undecided;
-    return core_.values.contains(*found) ? Readiness::ready : Readiness::would_run;
+    return is_stored(program_->site(node, frame), *found) ? Readiness::ready : Readiness::would_run;
 }
 
 Verdict Explainer::explain(int node, double frame) {
@@ -175,13 +292,21 @@ Verdict Explainer::explain(int node, double frame) {
     const Site site = program_->site(node, frame);
     Needs missing, none;
     const auto found = key(site, missing);
-    if (!found) return undecided(missing, frame);
-    const Digest key = *found;
     Place& p = program_->place(node);
+    if (!found) {
+        // The simulation that decides: this one, or the one nearest upstream.
+        int simulation = p.is_simulation() ? node : -1;
+        const std::vector<int> cone = program_->cone(node);
+        for (auto it = cone.rbegin(); it != cone.rend() && simulation < 0; ++it)
+            if (program_->place(*it).is_simulation()) simulation = *it;
+        return undecided(missing, simulation, frame);
+    }
+    const Digest key = *found;
     Verdict out;
-    if (core_.values.contains(key)) {
+    if (is_stored(site, key)) {
         out.readiness = Readiness::ready;
-        out.because = "the value is stored";
+        out.because = core_.disk && p.is_kept() && !core_.values.contains(key) ? "the value is kept on disk"
+                                                                               : "the value is stored";
         return out;
     }
     if (p.is_simulation()) return of_frame(node, static_cast<int>(site.frame));
@@ -205,6 +330,7 @@ Verdict Explainer::explain(int node, double frame) {
     }
     out.because = out.changed_plugs.empty() ? "the value is not in the store"
                                             : "its inputs differ (" + joined(out.changed_plugs) + ")";
+    name_first(out, site);
     return out;
 }
 

@@ -20,7 +20,12 @@ class Explainer {
     /// Extends chains as far as the known digests reach; empty if the key is still unknown, with the reason
     /// in needs.
     std::optional<Digest> key(const Site& site, Needs& needs);
-    Verdict undecided(const Needs& needs, double frame) const;
+    /// Needs the mutex. Stored under the key, or under what the inputs hold where those are stored.
+    bool is_stored(const Site& site, const Digest& key);
+    Site first_missing(Site site);
+    std::vector<std::string> differs_from_kept(const Site& site, bool& found) const;
+    void name_first(Verdict& out, const Site& from);
+    Verdict undecided(const Needs& needs, int simulation, double frame);
     Verdict of_frame(int simulation, int frame);
     std::shared_ptr<Program> earlier(const std::string& node, const NodeType* type) const;
     int first_difference(const Place& now, const Place& before) const;

@@ -117,12 +117,12 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     };
     const std::vector<SubstepTimes> times = steps ? s.keys.read_times(simulation_, next) : std::vector<SubstepTimes>();
     std::vector<std::pair<double, SlotValues>> inputs; // at the stages of each sub-step, then at its end
-    const auto take = [&](double t) { inputs.emplace_back(t, s.gather(p, t, phase, entry_of, missing)); };
+    const auto take = [&](double t) { inputs.emplace_back(t, gather(*s.program, p, t, phase, entry_of, missing)); };
     for (const SubstepTimes& t : times) {
         for (const double within : t.within) take(within);
         take(t.end);
     }
-    SlotValues at_frame = s.gather(p, next, Phase::publish, entry_of, missing);
+    SlotValues at_frame = gather(*s.program, p, next, Phase::publish, entry_of, missing);
     if (!missing.empty()) {
         lock.unlock();
         s.push_values(std::move(missing), this);
@@ -172,6 +172,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
 StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources,
                                 const std::vector<SubstepTimes>& times, CallContext& context, int next) {
     const SimulationFunctions& f = *place().type->simulation;
+    const Core::AtWork at_work(session_.core, place().name, next);
     const auto begin = std::chrono::steady_clock::now();
     StoredState out;
     on_arena(session_.core, [&] {

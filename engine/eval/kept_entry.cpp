@@ -3,8 +3,24 @@
 
 namespace sinew::engine {
 
-std::vector<std::byte> encode_entry(const Registry& registry, const NodeType& type, const Entry& entry) {
+namespace {
+
+void put_inputs(const KeptInputs& inputs, ByteWriter& out) {
+    out.bytes.reserve(4096);
+    out.put_text(inputs.node);
+    out.put<std::uint64_t>(inputs.contents.size());
+    for (const auto& [plug, content] : inputs.contents) {
+        out.put_text(plug);
+        out.put(content);
+    }
+}
+
+} // namespace
+
+std::vector<std::byte> encode_entry(const Registry& registry, const NodeType& type, const Entry& entry,
+                                    const KeptInputs& inputs) {
     ByteWriter out;
+    put_inputs(inputs, out);
     for (std::size_t i = 0; i < type.outputs.size(); ++i) {
         const Codec& codec = *registry.find_codec(type.outputs[i].type);
         out.put_text(codec.type_name);
@@ -18,8 +34,29 @@ std::vector<std::byte> encode_entry(const Registry& registry, const NodeType& ty
     return std::move(out.bytes);
 }
 
+namespace {
+
+KeptInputs get_inputs(ByteReader& in) {
+    KeptInputs out;
+    out.node = in.get_text();
+    const auto count = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < count; ++i) {
+        std::string plug = in.get_text();
+        out.contents.emplace_back(std::move(plug), in.get<Digest>());
+    }
+    return out;
+}
+
+} // namespace
+
+KeptInputs decode_inputs(std::span<const std::byte> bytes) {
+    ByteReader in(bytes);
+    return get_inputs(in);
+}
+
 Entry decode_entry(const Registry& registry, const NodeType& type, std::span<const std::byte> bytes) {
     ByteReader in(bytes);
+    get_inputs(in);
     Entry out;
     for (const AttributeInfo& info : type.outputs) {
         const Codec& codec = *registry.find_codec(info.type);

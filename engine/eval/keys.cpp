@@ -11,15 +11,27 @@ namespace {
 constexpr int frames_a_call = 256;       // how long the mutex is held at most
 constexpr std::size_t sites_a_call = 64; // how many nodes are evaluated together, ahead of the chain
 
+bool is_new(std::vector<Site>& all, const Site& s) { return std::find(all.begin(), all.end(), s) == all.end(); }
+
+} // namespace
+
 Hasher identity(const NodeType& t) {
     Hasher h;
     h.add(t.name).add(t.version).add(t.numerics);
     return h;
 }
 
-bool is_new(std::vector<Site>& all, const Site& s) { return std::find(all.begin(), all.end(), s) == all.end(); }
-
-} // namespace
+Digest content_key(const Program& program, const Place& p, double time, std::span<const std::vector<Value>> values) {
+    Hasher h = identity(*p.type);
+    h.add("content");
+    if (p.uses_frame) h.add(time).add(program.graph()->timing().fps);
+    for (std::size_t i = 0; i < p.slots.size(); ++i) {
+        if (!p.slots[i].read_by_compute()) continue;
+        h.add(p.slots[i].info->name).add(std::uint64_t{values[i].size()});
+        for (const Value& v : values[i]) h.add(v.whole_digest());
+    }
+    return h.finish();
+}
 
 std::optional<Digest> Keys::known(const Site& site) const {
     const Place& p = program_.place(site.node);
@@ -37,7 +49,7 @@ std::optional<Digest> Keys::known(const Site& site) const {
 Digest Keys::combine(const Site& site) const {
     const Place& p = program_.place(site.node);
     Hasher h = identity(*p.type);
-    if (p.type->uses_time) h.add(site.frame).add(program_.graph()->timing().fps);
+    if (p.uses_frame) h.add(site.frame).add(program_.graph()->timing().fps);
     for (const Slot& s : p.slots) {
         if (!s.read_by_compute()) continue;
         h.add(s.info->name).add(static_cast<int>(s.kind == Slot::Kind::curve ? Slot::Kind::constant : s.kind));

@@ -29,6 +29,13 @@ struct SubstepTimes {
 /// The content digest behind a plug key, if it is known.
 using ContentOf = std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
 
+/// What every key of a node of this type begins with.
+Hasher identity(const NodeType& type);
+
+/// The key of a node by what its inputs hold, whichever nodes gave it and at whichever frame: equal where `compute`
+/// cannot tell two calls from each other. Known only when the inputs are.
+Digest content_key(const Program& program, const Place& p, double time, std::span<const std::vector<Value>> values);
+
 /// Keys of one program. Needs the core's mutex for every call.
 class Keys {
   public:

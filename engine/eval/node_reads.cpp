@@ -71,9 +71,10 @@ Digest NodeReads::digest(std::string_view attribute) {
 
 void NodeReads::needs_time(std::string_view what) const {
     const NodeType& t = *context_.place->type;
-    if (!t.uses_time && !t.simulation)
+    if (!context_.place->uses_frame && !t.simulation)
         throw std::logic_error(std::string(t.name) + " asked for the " + std::string(what) +
-                               " without declaring uses_time");
+                               " without declaring uses_time" +
+                               (t.uses_time ? ", or where its time_input is not set" : ""));
 }
 
 double NodeReads::frame() {

@@ -89,18 +89,6 @@ void Plan::claim() {
         if (!i.finished && !i.foreign) i.flight = session_.core.claim(i.key, session_.program->graph().get());
 }
 
-namespace {
-
-/// The node asks for its outputs to be kept on disk.
-bool is_kept(const Place& p) {
-    if (p.type->kept_when.empty()) return false;
-    for (const Slot& s : p.slots)
-        if (s.info->name == p.type->kept_when) return s.kind == Slot::Kind::constant && s.constant.as<bool>();
-    return false;
-}
-
-} // namespace
-
 // What an earlier process, or this one, kept on disk; nothing if there is none that can be used.
 EntryPtr Plan::read_kept(const Item& item) {
     const Place& p = session_.program->place(item.site.node);
@@ -128,16 +116,34 @@ EntryPtr Plan::read_kept(const Item& item) {
         locate(d, *session_.program->graph(), p.name);
         session_.core.observe([&](Observer& o) { o.warning(d); });
     }
-    if (entry)
-        session_.core.observe([&](Observer& o) { o.reused(p.name, p.dynamic ? item.site.frame : session_.frame); });
+    if (entry) tell_reuse(item, nullptr);
     return entry;
+}
+
+// That a result was found, and what was warned about when it was made; without an entry the latter was told already.
+void Plan::tell_reuse(const Item& item, const EntryPtr& entry) {
+    const Place& p = session_.program->place(item.site.node);
+    session_.core.observe([&](Observer& o) {
+        o.reused(p.name, p.dynamic ? item.site.frame : session_.frame);
+        for (Diagnostic d : entry ? entry->warnings : std::vector<Diagnostic>()) {
+            if (p.dynamic && !d.frame) d.frame = item.site.frame;
+            locate(d, *session_.program->graph(), p.name);
+            o.warning(d);
+        }
+    });
 }
 
 void Plan::write_kept(const Item& item, const Entry& entry) {
     if (session_.core.disk_has_failed) return;
     const Place& p = session_.program->place(item.site.node);
+    KeptInputs made_from{p.name, {}};
+    {
+        const std::lock_guard lock(session_.core.mutex);
+        made_from.contents = session_.program->recipe(item.site.node, item.site.frame);
+    }
     try {
-        session_.core.disk->write(item.key, encode_entry(session_.program->graph()->registry(), *p.type, entry));
+        session_.core.disk->write(item.key,
+                                  encode_entry(session_.program->graph()->registry(), *p.type, entry, made_from));
     } catch (const Failure& failure) {
         if (session_.core.disk_has_failed.exchange(true)) return;
         Diagnostic d = session_.program->about(p, p.type->kept_when, "IO407",
@@ -148,21 +154,66 @@ void Plan::write_kept(const Item& item, const Entry& entry) {
     }
 }
 
-EntryPtr Plan::compute(const Item& item) {
+SlotValues Plan::inputs(const Item& item) {
+    std::size_t next = 0;
+    std::vector<Site> missing;
+    return gather(
+        *session_.program, session_.program->place(item.site.node), item.site.frame, Phase::compute,
+        [&](const Site&) { return at(item.sources[next++]).result; }, missing);
+}
+
+// What was made of the same content before, at another frame or by other nodes. `waits`: another item of this plan is
+// making it and will hand it over.
+EntryPtr Plan::found_by_content(int i, const Digest& by_content, bool& waits) {
+    {
+        const std::lock_guard lock(session_.core.mutex);
+        if (EntryPtr entry = session_.core.values.find(by_content)) return entry;
+    }
+    const std::lock_guard lock(mutex_);
+    const auto [first, is_new] = by_content_.try_emplace(by_content, i);
+    if (is_new || first->second == i) return nullptr;
+    Item& maker = at(first->second);
+    if (maker.finished) return maker.result;
+    maker.twins.push_back(i);
+    waits = true;
+    return nullptr;
+}
+
+// After item i: those of equal content take its result. If it failed each fails by itself, so that the diagnostics name
+// the right frames.
+void Plan::finish_twins(int i, const Digest& by_content, std::vector<int>& ready) {
+    std::vector<int> twins;
+    EntryPtr result;
+    {
+        const std::lock_guard lock(mutex_);
+        std::swap(twins, at(i).twins);
+        result = at(i).result;
+    }
+    for (const int t : twins) {
+        if (!result) {
+            ready.push_back(t);
+            continue;
+        }
+        const Item& twin = at(t);
+        session_.core.land(twin.key, twin.flight, *session_.program->place(twin.site.node).type, result, nullptr,
+                           by_content);
+        tell_reuse(twin, result);
+        for (int r : settle(t, result, nullptr, true)) ready.push_back(r);
+    }
+}
+
+EntryPtr Plan::compute(const Item& item, SlotValues values) {
     const Place& p = session_.program->place(item.site.node);
-    const bool kept = session_.core.disk && is_kept(p);
+    const bool kept = session_.core.disk && p.is_kept();
     if (kept)
         if (EntryPtr entry = read_kept(item)) return entry;
     const double frame = p.dynamic ? item.site.frame : session_.frame;
     CallContext context;
     context.core = &session_.core, context.program = session_.program.get(), context.place = &p;
     context.stop = session_.stop, context.frame = frame;
-    std::size_t next = 0;
-    std::vector<Site> missing;
-    SlotValues values = session_.gather(
-        p, item.site.frame, Phase::compute, [&](const Site&) { return at(item.sources[next++]).result; }, missing);
     NodeReads source(context, std::move(values), item.site.frame);
     Writes writes;
+    const Core::AtWork at_work(session_.core, p.name, frame);
     const auto begin = std::chrono::steady_clock::now();
     tbb::this_task_arena::isolate([&] {
         const Reads reads(source);
@@ -212,20 +263,31 @@ void Plan::work(tbb::task_group& group, int i) {
         EntryPtr result;
         std::exception_ptr error;
         Item* item;
+        Digest by_content;
         {
             const std::lock_guard lock(mutex_); // what other threads wrote into the items is visible from here on
             item = &at(i);
         }
+        const Place& p = session_.program->place(item->site.node);
         try {
             session_.check_stop();
-            result = compute(*item);
+            SlotValues values = inputs(*item);
+            by_content = content_key(*session_.program, p, item->site.frame, values);
+            bool waits = false;
+            result = found_by_content(i, by_content, waits);
+            if (waits) break;
+            if (result)
+                tell_reuse(*item, result);
+            else
+                result = compute(*item, std::move(values));
         } catch (...) {
             error = std::current_exception();
         }
-        session_.core.land(item->key, item->flight, *session_.program->place(item->site.node).type, result,
-                           error && !is_stop(error) ? error : nullptr);
+        session_.core.land(item->key, item->flight, *p.type, result, error && !is_stop(error) ? error : nullptr,
+                           by_content);
         session_.remember(item->key, item->flight);
         std::vector<int> ready = settle(i, std::move(result), std::move(error), true);
+        finish_twins(i, by_content, ready);
         // One successor goes on here, so that a chain of nodes is a loop; the others become tasks.
         i = ready.empty() ? -1 : ready.back();
         if (!ready.empty()) ready.pop_back();

@@ -41,11 +41,16 @@ class Plan {
         std::vector<int> sources; ///< in the order in which slots are gathered
         std::vector<int> dependents;
         int waiting = 0;
+        std::vector<int> twins; ///< of equal content; they take this one's result
     };
     int item_of(const Site& site, const std::function<EntryPtr(const Digest&)>& find);
     void work(tbb::task_group& group, int i);
     void spawn(tbb::task_group& group, int i);
-    EntryPtr compute(const Item& item);
+    SlotValues inputs(const Item& item);
+    EntryPtr compute(const Item& item, SlotValues values);
+    EntryPtr found_by_content(int i, const Digest& by_content, bool& waits);
+    void finish_twins(int i, const Digest& by_content, std::vector<int>& ready);
+    void tell_reuse(const Item& item, const EntryPtr& entry);
     EntryPtr read_kept(const Item& item);
     void write_kept(const Item& item, const Entry& entry);
     std::vector<int> settle(int i, EntryPtr result, std::exception_ptr error, bool original);
@@ -58,6 +63,7 @@ class Plan {
     std::mutex mutex_; ///< guards the items while they run
     std::vector<Item> items_;
     std::unordered_map<Digest, int, DigestHash> index_;
+    std::unordered_map<Digest, int, DigestHash> by_content_; ///< who computes it; guarded by mutex_
     std::vector<int> unexpanded_;
     std::vector<Site> frames_;
     bool again_ = false;

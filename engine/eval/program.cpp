@@ -26,6 +26,7 @@ Value Slot::sample(double frame) const {
     if (as.is<Vec3>())
         return Value::of<Vec3>(
             {curve->component_at(frame, 0), curve->component_at(frame, 1), curve->component_at(frame, 2)});
+    if (as.is<Matrix4>()) return Value::of<Matrix4>(curve->matrix_at(frame));
     const double v = curve->component_at(frame, 0);
     if (as.is<bool>()) return Value::of<bool>(v != 0);
     if (as.is<std::int64_t>()) return Value::of<std::int64_t>(static_cast<std::int64_t>(v));
@@ -35,6 +36,31 @@ Value Slot::sample(double frame) const {
 
 Digest Slot::digest_at(double frame) const {
     return kind == Kind::constant ? constant.digest() : sample(frame).digest();
+}
+
+bool Place::is_kept() const {
+    if (type->kept_when.empty()) return false;
+    for (const Slot& s : slots)
+        if (s.info->name == type->kept_when) return s.kind == Slot::Kind::constant && s.constant.as<bool>();
+    return false;
+}
+
+std::vector<std::pair<std::string, Digest>> Program::recipe(int node, double frame) {
+    std::vector<std::pair<std::string, Digest>> out;
+    for (const int at : cone(node)) {
+        const Place& p = place(at);
+        if (p.uses_frame) out.emplace_back(p.name, Hasher().add(frame).add(graph_->timing().fps).finish());
+        for (const Slot& s : p.slots) {
+            if (!s.read_by_compute()) continue;
+            Hasher h;
+            if (s.kind == Slot::Kind::constant || s.kind == Slot::Kind::curve) h.add(s.digest_at(frame));
+            for (const Source& source : s.sources)
+                h.add(place(source.node).name)
+                    .add(place(source.node).type->outputs[static_cast<std::size_t>(source.output)].name);
+            out.emplace_back(p.name + "." + std::string(s.info->name), h.finish());
+        }
+    }
+    return out;
 }
 
 Program::Program(std::shared_ptr<const Graph> graph)
@@ -66,6 +92,21 @@ Diagnostic Program::about(const Place& p, std::string_view attribute, std::strin
     return d;
 }
 
+namespace {
+
+/// Does anything but the default stand at this input?
+bool is_set(const Place& p, std::string_view input) {
+    for (const Slot& s : p.slots) {
+        if (s.info->name != input) continue;
+        if (s.kind != Slot::Kind::constant) return s.kind != Slot::Kind::none;
+        if (s.constant.is<File>()) return !s.constant.as<File>().path.empty();
+        return s.constant.digest() != s.info->def.digest();
+    }
+    return false;
+}
+
+} // namespace
+
 void Program::resolve(Place& p) {
     const auto source = [&](const Plug& plug) {
         Source s;
@@ -80,7 +121,8 @@ void Program::resolve(Place& p) {
         s.info = &info;
         const auto bound = p.node->inputs.find(info.name);
         if (bound == p.node->inputs.end()) {
-            if (info.kind == AttributeKind::literal) s.kind = Slot::Kind::constant, s.constant = info.def;
+            if (info.kind == AttributeKind::literal)
+                s.kind = Slot::Kind::constant, s.constant = default_value(info, graph_->timing());
             if (info.kind == AttributeKind::wire_list) s.kind = Slot::Kind::list;
         } else if (const Value* v = std::get_if<Value>(&bound->second)) {
             s.kind = Slot::Kind::constant, s.constant = *v;
@@ -99,6 +141,7 @@ void Program::resolve(Place& p) {
         p.problems.push_back(std::move(f.diagnostic));
     }
     if (p.type->simulation) find_times(p);
+    p.uses_frame = p.type->uses_time && (p.type->time_input.empty() || is_set(p, p.type->time_input));
 }
 
 void Program::find_times(Place& p) {
@@ -198,7 +241,7 @@ Program::Cone Program::make_cone(int node) {
     if (!problems.empty()) throw Failure(std::move(problems));
     for (int at : out.nodes) {
         Place& p = place(at);
-        bool dynamic = p.type->uses_time || p.is_simulation(), after_simulation = false;
+        bool dynamic = p.uses_frame || p.is_simulation(), after_simulation = false;
         for (std::size_t i = 0; i < p.slots.size(); ++i) {
             const Slot& s = p.slots[i];
             if (!s.read_by_compute()) continue;

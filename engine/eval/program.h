@@ -34,6 +34,7 @@ struct Place {
     const Node* node = nullptr;
     const NodeType* type = nullptr;
     std::vector<Slot> slots; ///< in the order of the type's inputs
+    bool uses_frame = false; ///< compute may ask for the frame
     bool dynamic = false;    ///< the value can differ between frames
     int start_frame = 0;     ///< simulations
     int substeps_slot = -1, stages_slot = -1;
@@ -42,6 +43,8 @@ struct Place {
     std::vector<Digest> chain; ///< simulations: S(start), S(start + 1), …
     std::vector<Diagnostic> problems;
     bool is_simulation() const { return type && type->simulation; }
+    /// The node asks for its outputs to be kept on disk.
+    bool is_kept() const;
 };
 
 /// A node at a frame; for nodes that do not change over time the frame is always 0.
@@ -80,6 +83,10 @@ class Program {
     /// A diagnostic about this node, placed in the graph file as exactly as possible.
     Diagnostic about(const Place& p, std::string_view attribute, std::string_view code, std::string message,
                      std::string hint = {}) const;
+
+    /// Everything that the graph says and that enters a node's key: each input upstream with its content, by name. For
+    /// people and `explain`; keys hold no names.
+    std::vector<std::pair<std::string, Digest>> recipe(int node, double frame);
 
     /// Keys whose warnings have reached the observer.
     std::unordered_set<Digest, DigestHash> delivered;

@@ -68,10 +68,6 @@ class Session {
     void remember(const Digest& key, const FlightPtr& flight);
     /// Without the mutex: passes on what was noted.
     void tell();
-    /// Gathers the values of all slots of a node at a time. Needs the core's mutex. `entry_of` gives the
-    /// entry of a source or nothing; sites without one are appended to `missing`.
-    template <class EntryOf>
-    SlotValues gather(const Place& p, double time, Phase phase, EntryOf entry_of, std::vector<Site>& missing);
 
   private:
     void run(std::unique_ptr<Goal> goal);
@@ -134,8 +130,11 @@ class FrameGoal : public Goal {
     StoredState state_;
 };
 
+/// Gathers the values of all slots of a node at a time. `entry_of` gives the entry of a source or nothing; sites
+/// without one are appended to `missing`.
 template <class EntryOf>
-SlotValues Session::gather(const Place& p, double time, Phase phase, EntryOf entry_of, std::vector<Site>& missing) {
+SlotValues gather(const Program& program, const Place& p, double time, Phase phase, EntryOf entry_of,
+                  std::vector<Site>& missing) {
     SlotValues out(p.slots.size());
     for (std::size_t i = 0; i < p.slots.size(); ++i) {
         const Slot& s = p.slots[i];
@@ -144,7 +143,7 @@ SlotValues Session::gather(const Place& p, double time, Phase phase, EntryOf ent
         if (s.info->affects == Affects::initial_state && later) continue;
         if (s.kind == Slot::Kind::constant || s.kind == Slot::Kind::curve) out[i].push_back(s.sample(time));
         for (const Source& source : s.sources) {
-            const Site site = program->site(source, time);
+            const Site site = program.site(source, time);
             const EntryPtr entry = entry_of(site);
             if (entry)
                 out[i].push_back(entry->outputs[static_cast<std::size_t>(source.output)]);

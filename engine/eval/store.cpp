@@ -13,8 +13,10 @@ std::size_t Entry::bytes() const {
     return out;
 }
 
+Digest ValueStore::original(const Digest& key) { return at_.contains(key) ? key : aliases_.find(key).value_or(key); }
+
 EntryPtr ValueStore::find(const Digest& key) {
-    const auto it = at_.find(key);
+    const auto it = at_.find(original(key));
     if (it == at_.end()) return {};
     order_.splice(order_.begin(), order_, it->second);
     return it->second->entry;

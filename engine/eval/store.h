@@ -22,14 +22,29 @@ struct Entry {
 };
 using EntryPtr = std::shared_ptr<const Entry>;
 
+/// Key of a plug -> content digest of its value. Rows are small and outlive values by far: a chain of frames
+/// can be rebuilt from them without evaluating anything. Two generations; the older one goes when the newer
+/// is full.
+class DigestTable {
+  public:
+    std::optional<Digest> find(const Digest& key);
+    void put(const Digest& key, const Digest& content);
+
+  private:
+    static constexpr std::size_t generation = std::size_t{1} << 20;
+    std::unordered_map<Digest, Digest, DigestHash> young_, old_;
+};
+
 /// Least recently used goes first. An entry larger than the whole budget is not kept.
 class ValueStore {
   public:
     explicit ValueStore(std::size_t budget)
         : budget_(budget) {}
     EntryPtr find(const Digest& key);
-    bool contains(const Digest& key) const { return at_.contains(key); }
+    bool contains(const Digest& key) { return at_.contains(original(key)); }
     void put(const Digest& key, EntryPtr entry);
+    /// From here on `key` finds what `other` does, and holds no memory of its own.
+    void alias(const Digest& key, const Digest& other) { aliases_.put(key, original(other)); }
     void clear();
     std::size_t bytes() const { return bytes_; }
 
@@ -39,7 +54,9 @@ class ValueStore {
         EntryPtr entry;
     };
     void drop_last();
+    Digest original(const Digest& key);
     std::size_t budget_, bytes_ = 0;
+    DigestTable aliases_;
     std::list<Row> order_; ///< most recently used first
     std::unordered_map<Digest, std::list<Row>::iterator, DigestHash> at_;
 };
@@ -76,19 +93,6 @@ class StateStore {
     std::uint64_t clock_ = 0;
     Digest newest_;
     std::unordered_map<Digest, Row, DigestHash> states_;
-};
-
-/// Key of a plug -> content digest of its value. Rows are small and outlive values by far: a chain of frames
-/// can be rebuilt from them without evaluating anything. Two generations; the older one goes when the newer
-/// is full.
-class DigestTable {
-  public:
-    std::optional<Digest> find(const Digest& key);
-    void put(const Digest& key, const Digest& content);
-
-  private:
-    static constexpr std::size_t generation = std::size_t{1} << 20;
-    std::unordered_map<Digest, Digest, DigestHash> young_, old_;
 };
 
 /// Scratch objects that nobody has on loan.

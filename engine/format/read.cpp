@@ -36,6 +36,7 @@ class GraphReader {
         Loaded out;
         out.notes = std::move(notes_);
         out.graph = std::make_shared<const Graph>(std::move(graph_));
+        for (Diagnostic& d : check_timing(*out.graph)) out.notes.push_back(std::move(d));
         return out;
     }
 

@@ -243,9 +243,9 @@ class BindingReader {
     }
 
     std::vector<double> keyed(const Json& json, const std::string& below, double factor) {
-        if (input_.def.is<Vec3>()) {
+        if (input_.def.is<Vec3>() || input_.def.is<Matrix4>()) {
             NumberList out;
-            numbers(json, below, factor, false, out);
+            numbers(json, below, factor, input_.def.is<Matrix4>(), out);
             return out;
         }
         if (const auto* b = json.as<bool>(); b && input_.def.is<bool>()) return {*b ? 1.0 : 0.0};

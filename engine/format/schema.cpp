@@ -73,7 +73,7 @@ Tree input(const AttributeInfo& a) {
         if (a.min_count > 0) out["minItems"] = a.min_count;
         return out;
     }
-    out["default"] = default_of(a);
+    if (a.from_timing == FromTiming::nothing) out["default"] = default_of(a);
     Tree& forms = out["anyOf"] = Tree::array();
     forms.push_back(literal(a));
     if (a.unit.empty())

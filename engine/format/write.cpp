@@ -60,9 +60,9 @@ std::string curve_text(const AttributeInfo& info, const Curve& c) {
 std::string plug_text(const Plug& p) { return "{ \"from\": " + json_quoted(p.text()) + " }"; }
 
 // Empty: the binding says no more than the default does.
-std::string binding_text(const AttributeInfo& info, const Binding& b, const std::string& folder) {
+std::string binding_text(const AttributeInfo& info, const Binding& b, const Timing& timing, const std::string& folder) {
     if (const Value* v = std::get_if<Value>(&b)) {
-        const bool is_default = v->digest() == info.def.digest() && !v->is<File>();
+        const bool is_default = v->digest() == default_value(info, timing).digest() && !v->is<File>();
         return is_default && !info.required ? "" : literal_text(*v, folder);
     }
     if (const Curve* c = std::get_if<Curve>(&b)) return curve_text(info, *c);
@@ -81,11 +81,11 @@ std::vector<std::string> ordered_inputs(const Node& n) {
     return out;
 }
 
-std::string node_text(const Node& n, const std::string& folder) {
+std::string node_text(const Node& n, const Timing& timing, const std::string& folder) {
     if (!n.type) return n.raw_json;
     std::string inputs;
     for (const std::string& name : ordered_inputs(n)) {
-        const std::string text = binding_text(*n.type->find_input(name), n.inputs.find(name)->second, folder);
+        const std::string text = binding_text(*n.type->find_input(name), n.inputs.find(name)->second, timing, folder);
         if (!text.empty())
             inputs += (inputs.empty() ? "" : ",") + std::string("\n        ") + json_quoted(name) + ": " + text;
     }
@@ -106,7 +106,7 @@ std::string write_graph(const Graph& graph) {
     for (const std::string& name : graph.node_names()) {
         out += first ? "\n    " : ",\n    ";
         first = false;
-        out += json_quoted(name) + ": " + node_text(*graph.find(name), folder);
+        out += json_quoted(name) + ": " + node_text(*graph.find(name), t, folder);
     }
     return out + (first ? "},\n" : "\n  },\n") + "  \"editor\": " + graph.editor_json() + "\n}\n";
 }

@@ -5,6 +5,7 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/mesh/bvh.h"
+#include "solver/mesh/coordinates.h"
 #include "solver/mesh/far_field.h"
 #include "solver/mesh/triangle_math.h"
 
@@ -89,7 +90,7 @@ SurfaceTree::SurfaceTree(const Points& points, const std::vector<Triangle>& tria
             if (v < 0 || at(v) >= points.size())
                 throw Error("FE203", "triangle " + std::to_string(t) + " uses vertex " + std::to_string(v) + " of " +
                                          std::to_string(points.size()));
-            if (!points[at(v)].allFinite()) throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
+            if (!is_within_reach(points[at(v)])) check_coordinates(points);
         }
         const Vec3 &a = points[at(triangles[t][0])], &b = points[at(triangles[t][1])], &c = points[at(triangles[t][2])];
         impl_->corners.push_back({a, b, c});
@@ -108,6 +109,8 @@ ClosestPoint SurfaceTree::Impl::closest(const Vec3& p, double max_distance, cons
     ClosestPoint best;
     best.distance = std::numeric_limits<double>::infinity();
     if (tree.nodes.empty() || !p.allFinite()) return best;
+    if (!is_within_reach(p)) // squared distances would overflow and find nothing where there is something
+        throw Error("FE224", "a point that is looked for lies more than 1e60 from the origin");
     double best2 = max_distance * max_distance;
     struct Entry {
         int node;

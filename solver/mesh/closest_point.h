@@ -16,15 +16,15 @@ struct ClosestPoint {
 };
 
 /// Immutable; queries are thread-safe and depend on the input alone. A query that is not finite finds
-/// nothing.
+/// nothing; with a finite one the closest point of a tree that is not empty is always found.
 class SurfaceTree {
   public:
-    /// Throws Error FE202, FE203.
+    /// Throws Error FE202, FE203, FE224.
     SurfaceTree(const Points& points, const std::vector<Triangle>& triangles);
     ~SurfaceTree();
     SurfaceTree(SurfaceTree&&) noexcept;
     /// `max_distance`: search radius; triangle = -1 if nothing is nearer. Ties go to the lowest triangle
-    /// index.
+    /// index. Throws Error FE224 for a finite point beyond largest_coordinate.
     ClosestPoint closest(const Vec3& p, double max_distance = 1e300) const;
     /// The same, over triangles whose `allowed` flag is set. Throws Error FE204 if the count differs.
     ClosestPoint closest(const Vec3& p, const std::vector<char>& allowed, double max_distance = 1e300) const;

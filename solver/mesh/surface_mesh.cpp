@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/mesh/coordinates.h"
 #include "solver/mesh/triangulate.h"
 
 #include <algorithm>
@@ -58,8 +59,7 @@ SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_size
 void check_usable(const SurfaceMesh& mesh) {
     if (mesh.points.empty()) throw Error("FE201", "the mesh has no vertices");
     if (mesh.triangles.empty()) throw Error("FE201", "the mesh has no faces");
-    for (std::size_t i = 0; i < mesh.points.size(); ++i)
-        if (!mesh.points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
+    check_coordinates(mesh.points);
     const int count = static_cast<int>(mesh.points.size());
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
         for (int v : mesh.triangles[t])

@@ -20,8 +20,11 @@ TEST_CASE("explain says ready, would_run or undecided and computes nothing") {
     Evaluator e;
     const Request request{g, {"sim", "out"}, 100, {}};
     const Verdict before = e.explain(request);
-    CHECK(before.readiness == Readiness::undecided);
-    CHECK(before.because.find("stiff") != std::string::npos);
+    // Nothing was simulated yet, so no frame can be there, whatever the inputs are.
+    CHECK(before.readiness == Readiness::would_run);
+    CHECK((before.first_frame == 1 && before.last_frame == 100));
+    CHECK(before.first_plug == "stiff.out");
+    CHECK(before.because.find("first stiff.out at frame 1 (number) must be evaluated") != std::string::npos);
     CHECK(counts->computes + counts->advances + counts->initials == 0);
     e.pull(request);
     CHECK(e.explain(request).readiness == Readiness::ready);
@@ -59,7 +62,11 @@ TEST_CASE("explain looks upstream for the cause") {
     e.pull({g, {"sim", "out"}, 100, {}});
     const auto edited = Edit(g).set_key({"stiff", "value"}, 90, 5).commit().graph;
     // The values of the edited node are not known yet: whether the chain moves cannot be told.
-    CHECK(e.explain({edited, {"sim", "out"}, 100, {}}).readiness == Readiness::undecided);
+    const Verdict open = e.explain({edited, {"sim", "out"}, 100, {}});
+    CHECK(open.readiness == Readiness::undecided);
+    CHECK(open.first_plug == "stiff.out");
+    CHECK(open.changed_plugs == std::vector<std::string>{"stiff.value"});
+    CHECK(open.because.find("differ from those before the edit in stiff.value") != std::string::npos);
     e.pull({edited, {"sim", "out"}, 85, {}});
     const auto further = Edit(edited).set_key({"sim", "gain"}, 1, 2).commit().graph;
     const Verdict v = e.explain({further, {"r", "out"}, 85, {}});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/engine_toys.h"
 
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
@@ -64,6 +65,38 @@ void add_arithmetic(Registry& r, std::shared_ptr<Counts> counts) {
            .outputs = {describe(out)},
            .uses_time = true,
            .compute = [counts](const Reads& in, Writes& w) { ++counts->computes, w.set(out, in.frame() / in.fps()); }});
+    static const Input<double> rate{.name = "rate", .doc = "A frame."};
+    r.add({.name = "drift",
+           .doc = "Grows with the frame where it has a rate.",
+           .inputs = {describe(rate)},
+           .outputs = {describe(out)},
+           .uses_time = true,
+           .time_input = "rate",
+           .compute = [counts](const Reads& in, Writes& w) {
+               ++counts->computes;
+               w.set(out, in[rate] == 0 ? 5 : in[rate] * in.frame());
+           }});
+    r.add({.name = "decade",
+           .doc = "Tens of frames.",
+           .outputs = {describe(out)},
+           .uses_time = true,
+           .compute = [counts](const Reads& in, Writes& w) {
+               ++counts->computes;
+               w.set(out, std::floor(in.frame() / 10));
+           }});
+    static const Input<Matrix4> matrix{
+        .name = "matrix", .def = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, .doc = "A matrix."};
+    static const Input<Vec3> translate{.name = "translate", .doc = "Moves it further."};
+    r.add({.name = "place",
+           .doc = "Where a matrix and a shift take the origin, as one number.",
+           .inputs = {describe(matrix), describe(translate)},
+           .outputs = {describe(out)},
+           .compute = [counts](const Reads& in, Writes& w) {
+               ++counts->computes;
+               const Matrix4& m = in[matrix];
+               const Vec3& t = in[translate];
+               w.set(out, (m[3] + t[0]) + 10 * (m[7] + t[1]) + 100 * (m[11] + t[2]));
+           }});
 }
 
 void add_troublemakers(Registry& r, std::shared_ptr<Counts> counts) {
@@ -120,7 +153,8 @@ void add_troublemakers(Registry& r, std::shared_ptr<Counts> counts) {
 }
 
 void add_simulation(Registry& r, std::shared_ptr<Counts> counts) {
-    static const Input<double> start{.name = "startFrame", .def = 1, .doc = "First frame.", .keyable = false};
+    static const Input<double> start{
+        .name = "startFrame", .def = 1, .doc = "First frame.", .keyable = false, .from_timing = FromTiming::start};
     static const Input<std::int64_t> substeps{
         .name = "substeps", .def = 1, .limits = {.min = 1}, .doc = "Steps a frame."};
     static const Input<double> stiffness{.name = "stiffness", .def = 1, .limits = {.min = 0}, .doc = "Of the spring."};

@@ -27,7 +27,8 @@ struct ToyState {
     std::int64_t steps = 0;
 };
 
-/// Types: number, relay, sum, clock, curveSource, fileSize, warner, failer, crasher, undeclared, peek, sim.
+/// Types: number, relay, sum, clock, drift, decade, place, curveSource, fileSize, warner, failer, crasher, undeclared,
+/// peek, sim.
 std::shared_ptr<const Registry> registry(std::shared_ptr<Counts> counts = std::make_shared<Counts>());
 
 std::shared_ptr<const Graph> graph(const std::shared_ptr<const Registry>& r, const std::string& nodes);

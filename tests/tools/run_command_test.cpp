@@ -94,16 +94,16 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
                          "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
-    CHECK(keys(report) ==
-          std::set<std::string>{"version", "machine", "blas", "threads", "graph", "totals", "frames", "size"});
+    CHECK(keys(report) == std::set<std::string>{"version", "machine", "blas", "threads", "graph", "totals", "computed",
+                                                "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);
     CHECK(report.at("totals").at("peak_bytes") > 1'000'000);
     REQUIRE(report.at("frames").size() == 4);
     const json& last = report.at("frames").at(3);
-    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "linear_iterations", "factorizations", "residual", "converged",
-                            "energy", "min_J", "inverted", "terms"})
+    for (const char* key : {"frame", "reused", "wall_s", "phases", "substeps", "newton", "linear_iterations",
+                            "factorizations", "residual", "converged", "energy", "min_J", "inverted", "terms"})
         CHECK(last.contains(key));
     // Nothing finds contacts, so nothing is said about them.
     CHECK(keys(last.at("phases")) == std::set<std::string>{"assembly", "factor", "solve", "other"});
@@ -116,6 +116,70 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
     CHECK(report.at("size").at("bodies") == 3);
     CHECK(report.at("size").at("tets") > 0);
     CHECK(report.at("size").at("attachments") == 2);
+}
+
+TEST_CASE("the report counts what nodes of each type computed: what stands still once", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    json graph = small_graph();
+    graph["nodes"]["still"] = json::parse(
+        R"({ "type": "transform", "inputs": { "mesh": { "from": "blockMesh.outMesh" }, "rotate": [0, 5, 0] } })");
+    graph["nodes"]["tets"] =
+        json::parse(R"({ "type": "zTet", "inputs": { "mesh": { "from": "still.outMesh" }, "tetSize": 2 } })");
+    graph["nodes"]["block"]["inputs"]["mesh"] = {{"from", "still.outMesh"}};
+    graph["nodes"]["block"]["inputs"]["tets"] = {{"from", "tets.outTets"}};
+    for (const char* node : {"top", "bottom"}) graph["nodes"][node]["inputs"]["mesh"] = {{"from", "still.outMesh"}};
+    const Said said = run_program({"run", write_graph(folder, graph), "--frames", "1-5", "--report", file});
+    REQUIRE(said.code == 0);
+    const json computed = json::parse(read_text(file)).at("computed");
+    CHECK(computed.at("zTet").at("count") == 1);
+    CHECK(computed.at("zTet").at("wall_s") > 0);
+    CHECK(computed.at("weights").at("count") == 2);
+    CHECK(computed.at("zTissue").at("count") == 1);
+    // still, lowerMove once, upperMove at five frames; upper follows it, lower and the hold below stand.
+    CHECK(computed.at("transform").at("count") == 2 + 5);
+    CHECK(computed.at("zBone").at("count") == 1 + 5);
+    CHECK(computed.at("zAttachment").at("count") == 1 + 5);
+    CHECK(computed.at("zSolver").at("count") == 5);
+}
+
+TEST_CASE("a learning graph with nothing but constant transforms meshes once", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    REQUIRE(run_program({"run", std::string(SINEW_SOURCE_DIR) + "/graphs/learn/06_wrap_polygons.json", "--frames",
+                         "1-3", "--no-cache", "--report", file})
+                .code == 0);
+    const json computed = json::parse(read_text(file)).at("computed");
+    for (const char* type : {"zIsoMesh", "zTet", "weights", "zTissue", "zAttachment"}) {
+        INFO(type);
+        CHECK(computed.at(type).at("count") == 1);
+    }
+    CHECK(computed.at("transform").at("count") == 5);
+}
+
+TEST_CASE("a shot from frame 1001 is not simulated from frame 1", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["timing"] = {{"fps", 24}, {"start", 1001}, {"end", 1003}};
+    const Said said = run_program({"run", write_graph(folder, graph), "--json"});
+    CHECK(said.code == 0);
+    CHECK(said.err.empty());
+    CHECK(said.lines().back().at("frames_simulated") == 3);
+    graph["nodes"]["solver"]["inputs"]["startFrame"] = 999;
+    graph["nodes"]["solver"]["inputs"]["framesPerSecond"] = 30;
+    const Said early = run_program({"run", write_graph(folder, graph)});
+    CHECK(early.code == 0);
+    CHECK(early.err.find("DG031") != std::string::npos);
+    CHECK(early.err.find("solver.startFrame") != std::string::npos);
+    CHECK(early.err.find("2 frames before the graph's first") != std::string::npos);
+    CHECK(early.err.find("solver.framesPerSecond") != std::string::npos);
+    CHECK(early.out.find("5 simulated") != std::string::npos);
+    // What --set repairs is not complained about, what it breaks is.
+    const std::string file = write_graph(folder, graph);
+    CHECK(run_program({"run", file, "--set", "solver.startFrame=1001", "--set", "solver.framesPerSecond=24"})
+              .err.empty());
+    CHECK(run_program({"run", file, "--set", "solver.startFrame=1000", "--set", "solver.framesPerSecond=24"})
+              .err.find("1 frame before") != std::string::npos);
 }
 
 TEST_CASE("one and two threads give the same bits, and so does a run of the last frame alone", "[tools]") {
@@ -243,6 +307,30 @@ TEST_CASE("a place that cannot be written to is found before anything is simulat
     CHECK(said.out.empty());
 }
 
+TEST_CASE("a report or picture that cannot be written is found before anything is simulated", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "file", "x");
+    const std::string graph = write_graph(folder, small_graph());
+    for (const std::string& bad :
+         {(folder / "file/r.json").string(), folder.path().string(), std::string("/dev/null/r")})
+        for (const char* command : {"run", "view", "snapshot"}) {
+            INFO(command << " " << bad);
+            const char* flag = command == std::string("run") ? "--report" : "--output";
+            const Said said = run_program({command, graph, flag, bad});
+            CHECK((said.code == 1 || said.code == 2));
+            CHECK((said.err.find("IO405") != std::string::npos ||
+                   said.err.find("names the folder") != std::string::npos));
+            CHECK(said.out.empty()); // no frame was evaluated
+        }
+    // Nothing is made for a graph that is wrong.
+    const Said wrong = run_program({"run", graph, "--set", "solver.attachments=[]", "--set",
+                                    "solver.integrator=QuasiStatic", "--out", (folder / "new/out").string()});
+    CHECK(wrong.code != 0);
+    CHECK_FALSE(fs::exists(folder / "new"));
+    REQUIRE(run_program({"run", graph, "--frames", "1", "--report", (folder / "new/deep/r.json").string()}).code == 0);
+    CHECK(fs::exists(folder / "new/deep/r.json"));
+}
+
 TEST_CASE("frames that have not converged are counted, and --strict makes them a failure", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
@@ -253,6 +341,48 @@ TEST_CASE("frames that have not converged are counted, and --strict makes them a
     std::vector<std::string> strict = words;
     strict.emplace_back("--strict");
     CHECK(run_program(strict).code == 3);
+}
+
+TEST_CASE("a frame that converges with inverted tets is warned about, and the report says where", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    json graph = small_graph();
+    // The upper plate jumps far into the block.
+    graph["nodes"]["upperMove"]["inputs"] = json::parse(
+        R"({ "translate": { "keys": [[1, [0, 4.5, 0]], [2, [0, 4.5, 0]], [3, [0, -2, 0]]], "interp": "step" } })");
+    graph["nodes"]["block"]["inputs"]["material"] = "Corotational";
+    graph["nodes"]["solver"]["inputs"]["maxNewtonIterations"] = 200;
+    const std::string path = write_graph(folder, graph);
+    const Said said = run_program({"run", path, "--report", file});
+    REQUIRE(said.code == 0);
+    const json report = json::parse(read_text(file));
+    int inverted = 0;
+    for (const json& frame : report.at("frames")) {
+        if (frame.at("inverted") == 0 || frame.at("converged") == false) continue;
+        ++inverted;
+        const json& where = frame.at("where").at("min_J");
+        CHECK(where.at("tissue") == "block");
+        CHECK(where.at("tet") >= 0);
+        // The block is 4 x 8 x 4 about the origin; what is left of it lies between the plates.
+        CHECK(std::abs(where.at("at").at(0).get<double>()) < 6);
+        CHECK(frame.at("min_J") < 0);
+    }
+    REQUIRE(inverted > 0);
+    CHECK(said.err.find("FE306") != std::string::npos);
+    CHECK(said.err.find("of block, near (") != std::string::npos);
+    CHECK(said.out.find(std::to_string(inverted) + " frame" + (inverted == 1 ? "" : "s") +
+                        " converged with INVERTED tets") != std::string::npos);
+    CHECK(said.out.find("of block\n") != std::string::npos);
+    CHECK(run_program({"run", path, "--json"}).lines().back().at("inverted") == inverted);
+    // A sound run says nothing of it, and names the attachment that gives most.
+    const Said sound = run_program({"run", write_graph(folder, small_graph()), "--report", file});
+    CHECK(sound.err.find("FE306") == std::string::npos);
+    CHECK(sound.out.find("INVERTED") == std::string::npos);
+    const json last = json::parse(read_text(file)).at("frames").back();
+    const json& stretch = last.at("where").at("max_stretch_m");
+    CHECK((stretch.at("attachment") == "holdTop" || stretch.at("attachment") == "holdBottom"));
+    CHECK(stretch.at("body") == "block");
+    CHECK((stretch.at("vertex") >= 0 && stretch.at("vertex") < 50));
 }
 
 TEST_CASE("several solvers without --pull are an error that lists them", "[tools]") {

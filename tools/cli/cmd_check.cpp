@@ -43,7 +43,7 @@ ExitCode check(const Invocation& in) {
     }
     OpenGraph open = open_graph(in.arguments);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
-    WarningCollector warnings;
+    WarningCollector warnings(open.graph, open.graph->timing().start, json, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &warnings);
     const auto failures = engine::remember_failures();

@@ -28,7 +28,7 @@ ExitCode evaluate(const Invocation& in) {
     print_diagnostics(open.notes, json, in.out, in.err);
     const engine::Plug plug = parse_plug(*open.graph, in.arguments.operand(1).value());
     const double frame = frame_of(in.arguments, open.graph->timing().start);
-    WarningCollector warnings;
+    WarningCollector warnings(open.graph, frame, json, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &warnings);
     const engine::Value value = evaluator.pull({open.graph, plug, frame, in.stop});

@@ -32,13 +32,14 @@ ExitCode explain(const Invocation& in) {
     const engine::Request request{open.graph, parse_plug(*open.graph, in.arguments.operand(1).value()),
                                   static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)),
                                   in.stop};
-    const engine::Evaluator evaluator;
+    const engine::Evaluator evaluator(store_policy(in.arguments, *open.graph));
     const engine::Verdict verdict = evaluator.explain(request);
     nlohmann::ordered_json description = {{"plug", request.plug.text()},
                                           {"frame", request.frame},
                                           {"readiness", word_of(verdict.readiness)},
                                           {"because", verdict.because}};
     if (!verdict.changed_plugs.empty()) description["changed_plugs"] = verdict.changed_plugs;
+    if (!verdict.first_plug.empty()) description["first_plug"] = verdict.first_plug;
     if (verdict.readiness == engine::Readiness::would_run &&
         !simulations(*open.graph, upstream_of(*open.graph, {request.plug.node})).empty())
         description["steps"] = {{"first_frame", verdict.first_frame}, {"last_frame", verdict.last_frame}};
@@ -60,6 +61,8 @@ Command explain_command() {
             {{"GRAPH", "the graph file (JSON)"}, {"NODE.PLUG", "an output, for example solver.outMeshes"}},
             {{"--frame", "N", "default: the graph's last frame"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             cache_flag,
+             no_cache_flag,
              {"--json", "", "one JSON object instead of text"}},
             "sinew explain graphs/scenes/arm.json solver.outMeshes --frame 80",
             explain};

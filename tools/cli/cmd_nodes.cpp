@@ -48,7 +48,10 @@ Json attribute_json(const engine::AttributeInfo& a) {
     Json out = {{"name", a.name}, {"kind", word_of(a.kind)}, {"type", a.type_name}};
     if (!a.unit.empty()) out["unit"] = a.unit;
     if (a.kind == engine::AttributeKind::literal) {
-        if (!a.required) out["default"] = describe_value(a.def);
+        if (a.from_timing != engine::FromTiming::nothing)
+            out["default_from"] = a.from_timing == engine::FromTiming::start ? "timing.start" : "timing.fps";
+        else if (!a.required)
+            out["default"] = describe_value(a.def);
         if (Json limits = limits_json(a.limits); !limits.empty()) out["limits"] = std::move(limits);
         out["keyable"] = a.keyable;
         if (!a.options.empty()) out["options"] = a.options;

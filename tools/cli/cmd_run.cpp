@@ -84,17 +84,23 @@ class Run {
         : in_(in)
         , plan_(std::move(plan))
         , json_(in.arguments.has("--json"))
-        , progress_(style_of(in.arguments), static_cast<int>(plan_.frames.size()), in.out, in.err)
+        , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
                   scene_axes(*plan_.graph, plan_.needed)) {
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
+        if (!plan_.solvers.empty()) {
+            report_.bodies = connected(*plan_.graph, plan_.solvers.front(), "bodies");
+            report_.attachments = connected(*plan_.graph, plan_.solvers.front(), "attachments");
+        }
     }
 
     ExitCode operator()() {
         const Clock::time_point start = Clock::now();
         try {
+            if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
+            if (const auto file = in_.arguments.value("--report")) check_writable_file(*file, "--report");
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
             if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop); has_error(problems))
                 throw engine::Failure(std::move(problems));
@@ -105,6 +111,7 @@ class Run {
         } catch (...) {
             // The finished frames stay, and the report says what was done up to here.
             report_.wall_s = seconds_since(start);
+            report_.computed = progress_.computed_by_type();
             report_.error = describe(std::current_exception());
             progress_.clear();
             if (has_begun_) close_after_failure();
@@ -112,6 +119,7 @@ class Run {
         }
         close();
         report_.wall_s = seconds_since(start);
+        report_.computed = progress_.computed_by_type();
         write_report();
         if (!plan_.out.empty()) mark_finished(plan_.out, mark());
         progress_.clear();
@@ -163,6 +171,7 @@ class Run {
                 {plan_.graph, {plan_.solvers.front(), "outReport"}, static_cast<double>(frame), in_.stop});
             report_.size = value.as<nodes::SolveReport>();
             f.step = report_.size->record;
+            f.worst = report_.size->worst;
         }
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
@@ -238,6 +247,7 @@ class Run {
                                            {"wall_s", report_.wall_s},
                                            {"frames_simulated", report_.frames_simulated},
                                            {"unconverged", report_.unconverged()},
+                                           {"inverted", report_.inverted()},
                                            {"written", nlohmann::ordered_json::array()}};
             for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
             if (!page_.empty()) line["page"] = page_.string();

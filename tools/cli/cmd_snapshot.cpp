@@ -6,6 +6,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/render/movie.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/collect_glb.h"
@@ -78,7 +79,7 @@ Album album_of_graph(const Invocation& in) {
     std::vector<int> all;
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
-    WarningCollector warnings;
+    WarningCollector warnings(open.graph, *std::max_element(frames.begin(), frames.end()), false, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &warnings);
     viewer::Evaluation e;
@@ -182,6 +183,8 @@ ExitCode snapshot(const Invocation& in) {
     Drawing drawing = parse_drawing(arguments);
     const auto movie_file = arguments.value("--movie");
     if (!movie_file && arguments.has("--fps")) throw UsageError("--fps is for --movie.");
+    check_writable_file(movie_file ? *movie_file : arguments.value("--output").value_or("snapshot.png"),
+                        movie_file ? "--movie" : "--output");
     const fs::path ffmpeg = movie_file ? check_movie(arguments, drawing) : fs::path();
     const int fps = arguments.whole_number("--fps", 0, 1);
 

@@ -7,6 +7,7 @@
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
 #include "tools/viewer/recorder.h"
@@ -69,7 +70,7 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
     const ProgressStyle style = in.arguments.has("--quiet")                      ? ProgressStyle::quiet
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
-    Progress progress(style, static_cast<int>(e.frames.size()), in.out, in.err);
+    Progress progress(style, open.graph, static_cast<int>(e.frames.size()), in.out, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
                                 &progress);
     const auto needed = upstream_of(*open.graph, shown);
@@ -107,6 +108,7 @@ ExitCode view(const Invocation& in) {
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
+    if (const auto page = in.arguments.value("--output")) check_writable_file(*page, "--output");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
     const viewer::ViewScene scene =

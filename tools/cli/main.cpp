@@ -7,6 +7,8 @@
 #include "tools/cli/print.h"
 
 #include <iostream>
+#include <new>
+#include <stdexcept>
 
 namespace {
 
@@ -38,6 +40,12 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         if (json) std::cout << "{\"event\":\"cancelled\"}\n";
         std::cerr << name << ": cancelled\n";
         return cancelled;
+    } catch (const std::bad_alloc&) {
+        std::cerr << name << ": there is not enough memory for this\n";
+        return graph_wrong;
+    } catch (const std::length_error&) {
+        std::cerr << name << ": a size in a file, or one that was asked for, is larger than any memory\n";
+        return graph_wrong;
     } catch (const std::exception& e) {
         std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
         return internal_error;

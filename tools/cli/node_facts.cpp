@@ -24,7 +24,9 @@ std::string facts(const engine::AttributeInfo& a) {
     if (a.required) out += ", required";
     if (a.kind == engine::AttributeKind::literal) {
         if (!a.required) {
-            std::string text = as_text(describe_value(a.def));
+            std::string text = a.from_timing == engine::FromTiming::start ? "the graph's timing.start"
+                               : a.from_timing == engine::FromTiming::fps ? "the graph's timing.fps"
+                                                                          : as_text(describe_value(a.def));
             text.erase(text.find_last_not_of('\n') + 1);
             if (!text.empty() && text.find('\n') == std::string::npos) out += ", default " + text;
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/open_graph.h"
 
+#include "engine/check.h"
 #include "engine/format/graph_file.h"
 #include "nodes/register_all.h"
 
@@ -52,7 +53,7 @@ engine::Value literal(const Graph& graph, const std::string& node, std::string_v
         return value ? *value : engine::Value();
     }
     const engine::AttributeInfo* info = n->type ? n->type->find_input(attribute) : nullptr;
-    return info ? info->def : engine::Value();
+    return info ? engine::default_value(*info, graph.timing()) : engine::Value();
 }
 
 render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
@@ -77,6 +78,9 @@ OpenGraph open_graph(const Arguments& arguments) {
         engine::Edit edit(loaded.graph);
         for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
         loaded.graph = edit.commit().graph;
+        // What was said of the timing holds for the graph as it is now.
+        std::erase_if(loaded.notes, [](const engine::Diagnostic& d) { return d.code == "DG031"; });
+        for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));
     }
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }
@@ -137,6 +141,15 @@ engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph)
     const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());
     return policy;
+}
+
+std::vector<std::string> connected(const Graph& graph, const std::string& node, std::string_view attribute) {
+    std::vector<std::string> out;
+    const Node* n = graph.find(node);
+    if (!n) return out;
+    if (const auto it = n->inputs.find(attribute); it != n->inputs.end())
+        for (const Plug& source : sources(it->second)) out.push_back(source.node);
+    return out;
 }
 
 std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {

@@ -39,6 +39,9 @@ engine::Plug default_plug(const engine::Graph& graph);
 /// `node` and all that it depends on, in file order.
 std::vector<std::string> upstream_of(const engine::Graph& graph, const std::vector<std::string>& nodes);
 
+/// The nodes connected to an input, in order; none if it is not connected.
+std::vector<std::string> connected(const engine::Graph& graph, const std::string& node, std::string_view attribute);
+
 /// Simulation nodes among `nodes`.
 std::vector<std::string> simulations(const engine::Graph& graph, const std::vector<std::string>& nodes);
 

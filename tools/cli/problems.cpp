@@ -12,6 +12,12 @@ namespace sinew::cli {
 
 using engine::Diagnostic;
 
+WarningCollector::WarningCollector(std::shared_ptr<const engine::Graph> graph, double frame, bool is_quiet,
+                                   std::ostream& err)
+    : progress_(is_quiet ? ProgressStyle::quiet : ProgressStyle::lines, std::move(graph), 1, err, err) {
+    progress_.begin_frame(static_cast<int>(frame));
+}
+
 void WarningCollector::warning(const Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     warnings_.push_back(d);
@@ -22,18 +28,65 @@ std::vector<Diagnostic> WarningCollector::take() {
     return std::exchange(warnings_, {});
 }
 
+namespace {
+
+/// Calls `take` with the name of each node that a node reads.
+template <class Take>
+void for_sources(const engine::Node& node, Take take) {
+    for (const auto& [attribute, binding] : node.inputs) {
+        const engine::AttributeInfo* info = node.type ? node.type->find_input(attribute) : nullptr;
+        if (!info || info->affects == engine::Affects::nothing) continue;
+        if (const auto* plug = std::get_if<engine::Plug>(&binding)) take(plug->node);
+        if (const auto* list = std::get_if<std::vector<engine::Plug>>(&binding))
+            for (const engine::Plug& plug : *list) take(plug.node);
+    }
+}
+
+/// Nodes that nothing among `nodes` reads, then the others; both in the given order.
+std::vector<std::string> ends_first(const engine::Graph& graph, const std::vector<std::string>& nodes) {
+    std::set<std::string> read;
+    for (const std::string& name : nodes)
+        if (const engine::Node* node = graph.find(name))
+            for_sources(*node, [&](const std::string& source) { read.insert(source); });
+    std::vector<std::string> out = nodes;
+    std::stable_partition(out.begin(), out.end(), [&](const std::string& name) { return !read.contains(name); });
+    return out;
+}
+
+/// Adds a node that was evaluated at `frame` and all that was evaluated there for it.
+void add_upstream(const engine::Graph& graph, const std::string& name, double frame, std::set<std::string>& sound) {
+    std::vector<std::string> open{name};
+    while (!open.empty()) {
+        const std::string at = open.back();
+        open.pop_back();
+        if (!sound.insert(at).second) continue;
+        const engine::Node* node = graph.find(at);
+        if (!node) continue;
+        // A simulation that starts elsewhere reads its inputs there.
+        if (node->type && node->type->simulation && start_frame(graph, {at}) != frame) continue;
+        for_sources(*node, [&](const std::string& source) { open.push_back(source); });
+    }
+}
+
+} // namespace
+
 std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
                                       const std::vector<std::string>& nodes, std::stop_token stop,
                                       const std::shared_ptr<engine::Failures>& failures) {
     const double frame = start_frame(*graph, nodes);
     std::vector<Diagnostic> found;
-    for (const std::string& name : nodes) {
+    // Ends first: where one can be had, so can all that it needs, and each node is looked at once however long the
+    // chains are. What fails is then looked at node by node.
+    std::set<std::string> sound;
+    for (const std::string& name : ends_first(*graph, nodes)) {
+        if (sound.contains(name)) continue;
         const engine::Node* node = graph->find(name);
         // The reader has warned of unknown types; they are errors where something needs them.
         if (!node || !node->type || node->type->outputs.empty()) continue;
         try {
             // One output is enough: a node computes all of them at once.
             evaluator.pull({graph, {name, std::string(node->type->outputs.front().name)}, frame, stop, failures});
+            add_upstream(*graph, name, frame, sound);
         } catch (const engine::Failure& failure) {
             found.insert(found.end(), failure.diagnostics().begin(), failure.diagnostics().end());
         }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/evaluator.h"
+#include "tools/cli/progress.h"
 
 #include <mutex>
 #include <string>
@@ -9,15 +10,25 @@
 
 namespace sinew::cli {
 
-/// Keeps the warnings that nodes give.
+/// Keeps the warnings that nodes give, and says on `err` what is being computed where that takes longer than a second,
+/// as `sinew run` does in a log.
 class WarningCollector : public engine::Observer {
   public:
+    /// \param frame that the command is after
+    /// \param is_quiet say nothing of that
+    WarningCollector(std::shared_ptr<const engine::Graph> graph, double frame, bool is_quiet, std::ostream& err);
     void warning(const engine::Diagnostic& d) override;
+    void begins(const std::string& node, double frame) override { progress_.begins(node, frame); }
+    void ends(const std::string& node, double frame) override { progress_.ends(node, frame); }
+    void stepped(const std::string& node, double frame, double seconds) override {
+        progress_.stepped(node, frame, seconds);
+    }
     std::vector<engine::Diagnostic> take();
 
   private:
     std::mutex mutex_;
     std::vector<engine::Diagnostic> warnings_;
+    Progress progress_;
 };
 
 /// Evaluates `nodes` at a frame at which their simulations start, and returns every error once, in the order

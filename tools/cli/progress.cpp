@@ -3,9 +3,11 @@
 
 #include "tools/cli/print.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 namespace sinew::cli {
 
@@ -13,6 +15,7 @@ namespace {
 
 constexpr int bar_width = 24;
 constexpr auto redraw_interval = std::chrono::milliseconds(100);
+constexpr auto told_after = std::chrono::seconds(1); // what is quicker needs no word
 
 std::string step_text(const FrameReport& f) {
     if (!f.step) return {};
@@ -24,13 +27,20 @@ std::string step_text(const FrameReport& f) {
 
 } // namespace
 
-Progress::Progress(ProgressStyle style, int frame_count, std::ostream& out, std::ostream& err)
+Progress::Progress(ProgressStyle style, std::shared_ptr<const engine::Graph> graph, int frame_count, std::ostream& out,
+                   std::ostream& err)
     : style_(style)
+    , graph_(std::move(graph))
     , frame_count_(frame_count)
     , out_(out)
-    , err_(err) {}
+    , err_(err) {
+    if (style_ != ProgressStyle::quiet) watcher_ = std::jthread([this](const std::stop_token& stop) { watch(stop); });
+}
 
-Progress::~Progress() { clear(); }
+Progress::~Progress() {
+    watcher_ = {}; // joined before the line goes
+    clear();
+}
 
 void Progress::clear() {
     const std::lock_guard lock(mutex_);
@@ -42,6 +52,8 @@ void Progress::clear() {
 void Progress::begin_frame(int frame) {
     const std::lock_guard lock(mutex_);
     current_ = frame;
+    frame_begun_ = preroll_told_ = Clock::now();
+    preroll_steps_ = 0;
     draw("", true);
 }
 
@@ -79,8 +91,84 @@ void Progress::stepped(const std::string&, double frame, double) {
     const std::lock_guard lock(mutex_);
     ++steps_;
     stepped_frames_.insert(frame);
-    // A run that starts in the middle simulates what comes before first; say so.
-    if (frame < current_) draw("simulating frame " + std::to_string(static_cast<int>(frame)) + " on the way", false);
+    if (frame < current_) tell_preroll(static_cast<int>(frame));
+}
+
+// A run that starts in the middle simulates what comes before first: which frame it is at, and how long it will take.
+void Progress::tell_preroll(int frame) {
+    ++preroll_steps_;
+    const auto now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - frame_begun_).count();
+    const double left = seconds / preroll_steps_ * (current_ - frame);
+    const std::string text = "pre-roll: frame " + std::to_string(frame) + " on the way to " + std::to_string(current_) +
+                             ", " + clock_text(left) + " left";
+    if (style_ == ProgressStyle::bar) return draw(text, false);
+    if (style_ == ProgressStyle::quiet || now - preroll_told_ < told_after) return;
+    preroll_told_ = now;
+    if (style_ == ProgressStyle::json) {
+        const nlohmann::ordered_json line = {
+            {"event", "preroll"}, {"frame", frame}, {"to", current_}, {"left_s", left}};
+        out_ << line.dump() << "\n" << std::flush;
+    } else {
+        err_ << text << "\n" << std::flush;
+    }
+}
+
+void Progress::begins(const std::string& node, double frame) {
+    const std::lock_guard lock(mutex_);
+    const engine::Node* n = graph_->find(node);
+    if (!n || !n->type || n->type->simulation) return;
+    working_.push_back({node, n->type_name, frame, Clock::now(), false});
+    if (working_.size() == 1) wake_.notify_all();
+}
+
+void Progress::ends(const std::string& node, double frame) {
+    const std::lock_guard lock(mutex_);
+    const auto at = std::find_if(working_.begin(), working_.end(),
+                                 [&](const Working& w) { return w.node == node && w.frame == frame; });
+    if (at != working_.end()) working_.erase(at);
+}
+
+void Progress::computed(const std::string& node, double, double seconds) {
+    const std::lock_guard lock(mutex_);
+    const engine::Node* n = graph_->find(node);
+    NodeCost& cost = computed_[n ? n->type_name : node];
+    ++cost.count;
+    cost.seconds += seconds;
+}
+
+std::map<std::string, NodeCost> Progress::computed_by_type() const {
+    const std::lock_guard lock(mutex_);
+    return computed_;
+}
+
+// Runs beside the work, because a node that takes long says nothing by itself.
+void Progress::watch(const std::stop_token& stop) {
+    std::unique_lock lock(mutex_);
+    while (wake_.wait(lock, stop, [this] { return !working_.empty(); })) {
+        tell_working(Clock::now());
+        wake_.wait_for(lock, stop, redraw_interval, [] { return false; });
+    }
+}
+
+void Progress::tell_working(Clock::time_point now) {
+    for (Working& w : working_) {
+        if (now - w.since < told_after) continue;
+        const std::string text = "computing " + w.node + " (" + w.type + ")";
+        if (style_ == ProgressStyle::bar) {
+            const double seconds = std::chrono::duration<double>(now - w.since).count();
+            if (now - last_drawn_ >= told_after) draw(text + ", " + clock_text(seconds), true);
+            return;
+        }
+        if (std::exchange(w.is_told, true)) continue;
+        if (style_ == ProgressStyle::json) {
+            const nlohmann::ordered_json line = {
+                {"event", "computing"}, {"node", w.node}, {"type", w.type}, {"frame", w.frame}};
+            out_ << line.dump() << "\n" << std::flush;
+        } else {
+            err_ << text << "\n" << std::flush;
+        }
+    }
 }
 
 void Progress::progress(const std::string& node, double done, std::string_view what) {
@@ -94,6 +182,8 @@ void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
+    // So is one with inverted tets, which the bar tells of once; the summary counts them.
+    if (style_ == ProgressStyle::bar && d.code == "FE306" && !told_.insert(d.code).second) return;
     // What is wrong with a mesh is said again by every frame that evaluates its node.
     if (d.code.starts_with("FE2") &&
         !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second)

@@ -6,11 +6,14 @@
 #include "tools/cli/report.h"
 
 #include <chrono>
+#include <condition_variable>
 #include <iosfwd>
 #include <map>
 #include <mutex>
 #include <set>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace sinew::cli {
 
@@ -20,7 +23,9 @@ class Progress : public engine::Observer {
   public:
     /// \param out lines and JSON
     /// \param err the bar and warnings
-    Progress(ProgressStyle style, int frame_count, std::ostream& out, std::ostream& err);
+    /// \param graph whose nodes are at work
+    Progress(ProgressStyle style, std::shared_ptr<const engine::Graph> graph, int frame_count, std::ostream& out,
+             std::ostream& err);
     ~Progress() override;
 
     void begin_frame(int frame);
@@ -29,18 +34,35 @@ class Progress : public engine::Observer {
     /// Steps of simulations since the start, and whether one ended at this frame.
     int steps() const;
     bool was_stepped(int frame) const;
+    /// What the nodes cost so far, by type.
+    std::map<std::string, NodeCost> computed_by_type() const;
     /// Takes the bar off the screen, so that other text can follow.
     void clear();
 
+    void begins(const std::string& node, double frame) override;
+    void ends(const std::string& node, double frame) override;
+    void computed(const std::string& node, double frame, double seconds) override;
     void stepped(const std::string& node, double frame, double seconds) override;
     void progress(const std::string& node, double done, std::string_view what) override;
     void warning(const engine::Diagnostic& d) override;
 
   private:
+    using Clock = std::chrono::steady_clock;
+    /// A node at work; simulations are not listed, their frames speak for themselves.
+    struct Working {
+        std::string node, type;
+        double frame;
+        Clock::time_point since;
+        bool is_told;
+    };
     void draw(const std::string& note, bool at_once);
+    void watch(const std::stop_token& stop);
+    void tell_working(Clock::time_point now);
+    void tell_preroll(int frame);
     std::string rate() const;
 
     const ProgressStyle style_;
+    const std::shared_ptr<const engine::Graph> graph_;
     const int frame_count_;
     std::ostream &out_, &err_;
     mutable std::mutex mutex_;
@@ -50,7 +72,12 @@ class Progress : public engine::Observer {
     double seconds_done_ = 0;
     std::string last_step_;
     bool bar_is_shown_ = false;
-    std::chrono::steady_clock::time_point last_drawn_{};
+    Clock::time_point last_drawn_{}, frame_begun_{}, preroll_told_{};
+    int preroll_steps_ = 0; ///< since frame_begun_
+    std::vector<Working> working_;
+    std::map<std::string, NodeCost> computed_;
+    std::condition_variable_any wake_;
+    std::jthread watcher_; ///< last: it ends before what it reads
 };
 
 } // namespace sinew::cli

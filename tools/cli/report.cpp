@@ -23,9 +23,28 @@ std::string text(const char* format, Values... values) {
     return buffer;
 }
 
-Json frame_json(const FrameReport& f) {
+std::string name_at(const std::vector<std::string>& names, int i) {
+    return i >= 0 && i < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(i)] : std::to_string(i);
+}
+
+/// Where the numbers of a frame are at their worst.
+Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
+    Json out = Json::object();
+    if (w.tet >= 0) out["min_J"] = {{"tissue", name_at(r.bodies, w.body)}, {"tet", w.tet}, {"at", w.tet_place}};
+    if (w.attachment >= 0)
+        out["max_stretch_m"] = {{"attachment", name_at(r.attachments, w.attachment)},
+                                {"body", name_at(r.bodies, w.source_body)},
+                                {"vertex", w.vertex},
+                                {"at", w.stretch_place}};
+    return out;
+}
+
+Json frame_json(const FrameReport& f, const RunReport& r) {
     Json out = {{"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
-    if (f.step) out.update(describe_step(*f.step));
+    if (f.step) {
+        out.update(describe_step(*f.step));
+        out["where"] = where_json(f.worst, r);
+    }
     return out;
 }
 
@@ -82,11 +101,30 @@ std::string health_text(const std::vector<solver::StepRecord>& steps) {
                 terms_text(steps).c_str());
 }
 
+/// "  nodes: zTet 2.61 s in 5, …": what took a noticeable share of the time beside the steps.
+std::string nodes_text(const RunReport& r) {
+    std::vector<std::pair<std::string, NodeCost>> all(r.computed.begin(), r.computed.end());
+    std::erase_if(all, [&](const auto& c) { return c.second.seconds < std::max(0.05, 0.01 * r.wall_s); });
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& a, const auto& b) { return a.second.seconds > b.second.seconds; });
+    std::string out;
+    for (const auto& [type, cost] : all)
+        out +=
+            text("%s%s %.2f s (%d computed)", out.empty() ? "  nodes: " : ", ", type.c_str(), cost.seconds, cost.count);
+    return out.empty() ? out : out + "\n";
+}
+
 } // namespace
 
 int RunReport::unconverged() const {
     return static_cast<int>(
         std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.step && !f.step->converged; }));
+}
+
+int RunReport::inverted() const {
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) {
+        return f.step && f.step->converged && f.step->inverted > 0;
+    }));
 }
 
 std::string report_json(const RunReport& r) {
@@ -101,8 +139,11 @@ std::string report_json(const RunReport& r) {
                      {"frames_simulated", r.frames_simulated},
                      {"frames_reused", reused},
                      {"peak_bytes", peak_bytes()}};
+    out["computed"] = Json::object();
+    for (const auto& [type, cost] : r.computed)
+        out["computed"][type] = {{"count", cost.count}, {"wall_s", cost.seconds}};
     out["frames"] = Json::array();
-    for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f));
+    for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f, r));
     if (r.error) {
         out["error"] = {{"frame", r.error->frame}, {"message", r.error->message}};
         if (!r.error->code.empty()) out["error"]["code"] = r.error->code;
@@ -131,7 +172,17 @@ std::string summary(const RunReport& r) {
         out += text("; %lld bodies, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
                     static_cast<long long>(r.size->tets), static_cast<long long>(r.size->dofs));
     out += "\n";
+    out += nodes_text(r);
     if (!steps.empty()) out += phases_text(steps) + health_text(steps);
+    if (const int frames = r.inverted()) {
+        const FrameReport* worst = nullptr;
+        for (const FrameReport& f : r.frames)
+            if (f.step && f.step->converged && f.step->inverted > 0 && (!worst || f.worst.j < worst->worst.j))
+                worst = &f;
+        out +=
+            text("  %d frame%s converged with INVERTED tets; the worst is frame %d, tet %d of %s\n", frames,
+                 frames == 1 ? "" : "s", worst->frame, worst->worst.tet, name_at(r.bodies, worst->worst.body).c_str());
+    }
     return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include "nodes/values.h"
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +15,7 @@ struct FrameReport {
     bool reused = false; ///< nothing was simulated for it
     double wall_s = 0;
     std::optional<solver::StepRecord> step; ///< none where no solver is involved
+    nodes::WorstPlaces worst = {};
 };
 
 /// Why a run ended before its last frame.
@@ -22,15 +24,25 @@ struct RunError {
     std::string code, node, message;
 };
 
+/// What nodes of one type cost in a run: each compute counts, look-ups do not. Of simulations what makes the outputs of
+/// a frame, not the steps.
+struct NodeCost {
+    int count = 0;
+    double seconds = 0;
+};
+
 struct RunReport {
     std::string graph;
     int threads = 0, frames_simulated = 0;
     double wall_s = 0;
     double setup_s = 0; ///< of wall_s: meshes, tets and everything else before the first frame
     std::vector<FrameReport> frames;
+    std::map<std::string, NodeCost> computed; ///< by node type
     std::optional<RunError> error;
-    std::optional<nodes::SolveReport> size; ///< of the last frame
+    std::optional<nodes::SolveReport> size;       ///< of the last frame
+    std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists
     int unconverged() const;
+    int inverted() const; ///< frames that have converged with inverted tets
 };
 
 /// JSON.

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/worst.h"
+
+#include "solver/attach/anchors.h"
+#include "solver/system.h"
+
+#include <array>
+
+namespace sinew::nodes {
+
+using solver::Vec3;
+
+namespace {
+
+Vec3 at(const std::vector<double>& x, int vertex) {
+    return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(vertex));
+}
+
+std::array<double, 3> in_scene_units(const Vec3& p, double units) {
+    return {p.x() * units, p.y() * units, p.z() * units};
+}
+
+/// The point of an anchor's end that lies on a tissue.
+Vec3 carried(const solver::Scene& scene, const solver::State& state, int body, const solver::AnchorEnd& end) {
+    const solver::PointWeights w = scene.embedded(body, end.tet, end.coordinates);
+    Vec3 out = Vec3::Zero();
+    for (int k = 0; k < w.count; ++k) out += w.weight[k] * at(state.x, w.vertex[k]);
+    return out;
+}
+
+/// Least det F of each tet of a batch, as the solver's own measure takes it.
+void least_of_batch(const solver::Scene::System& system, const solver::TissueBatches& tissue, std::size_t i,
+                    const double* x, double* least) {
+    const solver::TetBatch& batch = system.batches[tissue.first_batch + i];
+    if (tissue.kind == solver::ElementKind::quadratic)
+        return solver::quadratic_least_j(batch, system.edge_batches[tissue.first_edge_batch + i], x, least);
+    solver::Pack f[9];
+    solver::deformation_gradient(batch, solver::corners_of(batch, x), f);
+    const solver::Pack det =
+        f[0] * (f[4] * f[8] - f[5] * f[7]) - f[1] * (f[3] * f[8] - f[5] * f[6]) + f[2] * (f[3] * f[7] - f[4] * f[6]);
+    for (int lane = 0; lane < solver::lanes; ++lane) least[lane] = det[lane];
+}
+
+void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::State& state,
+                  const solver::TissueBatches& tissue, WorstPlaces& worst) {
+    const solver::Scene::System& system = scene.system();
+    for (std::size_t i = 0; i < tissue.batch_count; ++i) {
+        double least[solver::lanes];
+        least_of_batch(system, tissue, i, state.x.data(), least);
+        const solver::TetBatch& batch = system.batches[tissue.first_batch + i];
+        for (int lane = 0; lane < solver::lanes; ++lane) {
+            if (!(batch.volume[lane] > 0) || (worst.tet >= 0 && !(least[lane] < worst.j))) continue;
+            worst.j = least[lane];
+            worst.body = setup.simulated[static_cast<std::size_t>(tissue.body)];
+            worst.tet = static_cast<int>(i) * solver::lanes + lane; // tets stand in batches in their own order
+            Vec3 middle = Vec3::Zero();
+            for (const auto& corner : batch.vertex) middle += 0.25 * at(state.x, corner[lane]);
+            worst.tet_place = in_scene_units(middle, setup.key.scale);
+        }
+    }
+}
+
+void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solver::State& state, std::size_t attachment,
+                     WorstPlaces& worst) {
+    const auto [source, target] = setup.key.links[attachment];
+    const bool from_tissue = scene.tissue(source), to_tissue = scene.tissue(target);
+    if (!from_tissue && !to_tissue) return; // has no effect
+    const auto bone = [&](int body) -> const solver::Points& { return state.bones[static_cast<std::size_t>(body)]; };
+    for (const solver::Anchor& anchor : state.anchors[attachment]) {
+        const Vec3 from = from_tissue ? carried(scene, state, source, anchor.source)
+                                      : solver::bone_point(anchor.source, bone(source));
+        const Vec3 to =
+            to_tissue ? carried(scene, state, target, anchor.target) : solver::bone_anchor(anchor, bone(target));
+        const double stretch = (from - to).norm();
+        if (worst.attachment >= 0 && stretch <= worst.stretch) continue;
+        worst.stretch = stretch;
+        worst.attachment = setup.attachment_entries[attachment];
+        worst.stretch_place = in_scene_units(from, setup.key.scale);
+        worst.source_body = setup.simulated[static_cast<std::size_t>(source)];
+    }
+}
+
+} // namespace
+
+WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const solver::State& state) {
+    WorstPlaces out;
+    for (const solver::TissueBatches& tissue : scene.system().tissues) look_at_tets(setup, scene, state, tissue, out);
+    for (std::size_t a = 0; a < state.anchors.size() && a < setup.key.links.size(); ++a)
+        look_at_anchors(setup, scene, state, a, out);
+    return out;
+}
+
+} // namespace sinew::nodes

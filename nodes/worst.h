@@ -1,0 +1,12 @@
+// Where a frame is at its worst: which tet is squeezed most, which attachment is stretched most.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "nodes/solver_setup.h"
+#include "solver/state.h"
+
+namespace sinew::nodes {
+
+/// Bodies and attachments by their places in zSolver's lists. Looks at every tet and anchor once.
+WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const solver::State& state);
+
+} // namespace sinew::nodes

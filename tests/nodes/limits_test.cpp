@@ -1,0 +1,78 @@
+// Numbers that are too large, sizes that would not fit: told about the input that asks for them, before any work.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench.h"
+
+#include "solver/error.h"
+#include "solver/mesh/closest_point.h"
+
+using namespace bench;
+
+namespace {
+
+std::string text_of(const std::string& nodes, const std::string& node, const std::string& output, const Codes& wanted) {
+    Session s(nodes);
+    std::string text;
+    CHECK(codes([&] { s.pull(node, output); }, &text) == wanted);
+    return text;
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+} // namespace
+
+TEST_CASE("no mesh lies farther out than numbers can hold, wherever it comes from", "[nodes]") {
+    const Folder folder;
+    const std::string far = folder.write("far.obj", "v 0 0 0\nv 1e155 0 0\nv 0 1 0\nv 0 0 1\n"
+                                                    "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    CHECK(has(text_of(R"("n": {"type": "meshFile", "inputs": {"file": ")" + far + "\"}}", "n", "outMesh", {"FE224"}),
+              "n.file"));
+    text_of(R"("n": {"type": "polySphere", "inputs": {"radius": 1e100}})", "n", "outMesh", {"FE224"});
+    text_of(R"("n": {"type": "polyCube", "inputs": {"width": 1e300}})", "n", "outMesh", {"FE224"});
+    const std::string cube = R"("cube": {"type": "polyCube"}, )";
+    for (const char* move : {R"("translate": [1e155, 0, 0])", R"("scale": [1, 1e100, 1])"}) {
+        const std::string place =
+            cube + R"("n": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, )" + move + "}}";
+        CHECK(has(text_of(place, "n", "outMesh", {"FE224"}), "n.mesh"));
+    }
+    text_of(cube + R"("n": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "scale": [1e200, 1, 1],
+                       "translate": [1e200, 0, 0], "rotate": [0, 0, 45]}})",
+            "n", "outMesh", {"FE224"});
+    // A bone that a matrix would carry there: as a literal, and through a connection.
+    CHECK(codes([&] {
+              Session(cube + R"("n": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"},
+                  "matrix": [1,0,0,1e155, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})");
+          }) == Codes{"DG013"});
+    const std::string bone = cube + R"("t": {"type": "transform", "inputs": {"translate": [0, 1e155, 0]}},
+        "n": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}, "matrix": {"from": "t.outMatrix"}}})";
+    CHECK(has(text_of(bone, "n", "outBody", {"DG013"}), "(from t)"));
+    const std::string both = cube + R"("t": {"type": "transform", "inputs": {"scale": [1e40, 1, 1]}},
+        "big": {"type": "polyCube", "inputs": {"width": 1e40}},
+        "n": {"type": "zBone", "inputs": {"mesh": {"from": "big.outMesh"}, "matrix": {"from": "t.outMatrix"}}})";
+    CHECK(has(text_of(both, "n", "outBody", {"FE224"}), "n.matrix"));
+}
+
+TEST_CASE("a closest point is found wherever a query may lie, and refused beyond", "[nodes]") {
+    const solver::Points points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    const std::vector<solver::Triangle> triangles{{0, 1, 2}};
+    const solver::SurfaceTree tree(points, triangles);
+    for (const double far : {1.0, 1e30, 1e59}) CHECK(tree.closest({far, far, far}).triangle == 0);
+    for (const double far : {1e61, 1e155, 1e300}) CHECK_THROWS_AS(tree.closest({far, 0, 0}), solver::Error);
+    CHECK(tree.closest({std::nan(""), 0, 0}).triangle == -1);
+    CHECK_THROWS_AS(solver::SurfaceTree({{0, 0, 0}, {1e155, 0, 0}, {0, 1, 0}}, triangles), solver::Error);
+}
+
+TEST_CASE("meshes of absurd size are refused before any work, at the input that asks for them", "[nodes]") {
+    CHECK(
+        has(text_of(R"("n": {"type": "polyHelix", "inputs": {"radius": 3}})", "n", "outMesh", {"FE222"}), "n.radius"));
+    CHECK(
+        has(text_of(R"("n": {"type": "polyHelix", "inputs": {"coils": 1e9}})", "n", "outMesh", {"FE222"}), "n.coils"));
+    text_of(R"("n": {"type": "polyHelix", "inputs": {"coils": 20000, "subdivisionsAxis": 4096}})", "n", "outMesh",
+            {"FE232"});
+    const std::string all = R"("subdivisionsWidth": 4096, "subdivisionsHeight": 4096)";
+    CHECK(has(text_of(R"("n": {"type": "polyCube", "inputs": {)" + all + R"(, "subdivisionsDepth": 4096}})", "n",
+                      "outMesh", {"FE232"}),
+              "1.01e+08 faces"));
+    text_of(R"("n": {"type": "polyCylinder", "inputs": {"subdivisionsAxis": 4096, "subdivisionsHeight": 4096,
+               "subdivisionsCaps": 4096}})",
+            "n", "outMesh", {"FE232"});
+}
