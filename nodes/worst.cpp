@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/worst.h"
 
-#include "solver/attach/anchors.h"
 #include "solver/system.h"
+#include "solver/terms/attachment/anchors.h"
 
 #include <array>
 
@@ -60,13 +60,13 @@ void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::
     }
 }
 
-void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solver::State& state, std::size_t attachment,
-                     WorstPlaces& worst) {
+void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solver::State& state,
+                     const std::vector<solver::Anchor>& anchors, std::size_t attachment, WorstPlaces& worst) {
     const auto [source, target] = setup.key.links[attachment];
     const bool from_tissue = scene.tissue(source), to_tissue = scene.tissue(target);
     if (!from_tissue && !to_tissue) return; // has no effect
     const auto bone = [&](int body) -> const solver::Points& { return state.bones[static_cast<std::size_t>(body)]; };
-    for (const solver::Anchor& anchor : state.anchors[attachment]) {
+    for (const solver::Anchor& anchor : anchors) {
         const Vec3 from = from_tissue ? carried(scene, state, source, anchor.source)
                                       : solver::bone_point(anchor.source, bone(source));
         const Vec3 to =
@@ -85,8 +85,9 @@ void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solve
 WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const solver::State& state) {
     WorstPlaces out;
     for (const solver::TissueBatches& tissue : scene.system().tissues) look_at_tets(setup, scene, state, tissue, out);
-    for (std::size_t a = 0; a < state.anchors.size() && a < setup.key.links.size(); ++a)
-        look_at_anchors(setup, scene, state, a, out);
+    const solver::AttachmentMemory attachments = attachments_kept(state.memories);
+    for (std::size_t a = 0; a < attachments.anchors.size() && a < setup.key.links.size(); ++a)
+        look_at_anchors(setup, scene, state, attachments.anchors[a], a, out);
     return out;
 }
 
