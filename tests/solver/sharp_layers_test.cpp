@@ -1,5 +1,7 @@
 // Material layers that closed meshes bound, 1:1000, against exact solutions and fitted meshes.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/element/elastic_point.h"
+#include "solver/material/principal.h"
 #include "solver/mesh/harmonic.h"
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/layer_border.h"
@@ -162,6 +164,90 @@ TEST_CASE("layers weigh what their volumes do", "[layers]") {
         for (std::size_t u = 0; u < still.gradient.size() / 3; ++u) weight += still.gradient[3 * u + 2] / 10;
         CHECK(weight == Approx(0.01 * (0.2 * 1000 + 0.2 * 3000)).epsilon(2e-4));
     }
+}
+
+TEST_CASE("two layers, each with its own strain and one traction between them, are at rest: all laws", "[layers]") {
+    // F2 = F1 + a n^T with P1 n = P2 n: what a laminate does, far from small strains.
+    const SurfaceMesh cube = RotatedBox({1, 1, 1}, 0, 0).surface(1);
+    const RotatedBox half({4, 4, 4}, 30, 30);
+    SurfaceMesh place = half.surface(1);
+    const Vec3 on(0.5, 0.52, 0.47), n = half.turn.col(0);
+    for (Vec3& p : place.points) p += on - half.at({0, 2, 2});
+    const Solid solid = make_layer_place(place.points, place.triangles);
+    const FittedTets fitted = fit_to_borders(box_mesh({1, 1, 1}, 4, 4, 4), {&solid}, cube.points, cube.triangles);
+    const double nu = 0.3, moduli[2] = {soft, 10 * soft};
+    Mat3 f1;
+    f1 << 1.1, 0.05, -0.1, 0.02, 0.95, 0.1, -0.04, 0.08, 1.2;
+    for (const ElasticLaw law :
+         {ElasticLaw::stvk, ElasticLaw::neo_hookean, ElasticLaw::log_neo_hookean, ElasticLaw::corotational})
+        for (const ElementKind element : kinds) {
+            CAPTURE(static_cast<int>(law), static_cast<int>(element));
+            double energy[2];
+            const auto traction = [&](const Mat3& f, int layer) -> Vec3 {
+                const Lame l = lame(moduli[layer], nu);
+                double rows[9], p[9];
+                for (int i = 0; i < 9; ++i) rows[i] = f(i / 3, i % 3);
+                elastic_stress(law, l.mu, l.lambda, 0, rows, p, &energy[layer]);
+                return Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(p) * n;
+            };
+            Vec3 a = Vec3::Zero();
+            const auto gap = [&](const Vec3& jump) -> Vec3 {
+                return traction(f1 + jump * n.transpose(), 1) - traction(f1, 0);
+            };
+            for (int step = 0; step < 30; ++step) {
+                Mat3 slope;
+                for (int c = 0; c < 3; ++c)
+                    slope.col(c) = (gap(a + 1e-6 * Vec3::Unit(c)) - gap(a - 1e-6 * Vec3::Unit(c))) / 2e-6;
+                a -= slope.inverse() * gap(a);
+            }
+            REQUIRE(gap(a).norm() < 1e-8 * soft);
+            REQUIRE(a.norm() > 0.05);
+
+            const auto rest = tissue(fitted.mesh, law);
+            rest->element = element;
+            rest->layer_weights = {std::vector<double>(fitted.mesh.tets.size(), 1.0),
+                                   fitted_shares(fitted, 0, solid, cube.points, cube.triangles)};
+            StepInputs in = still_inputs();
+            in.integrator = Integrator::quasi_static;
+            TissueInputs values = two_layers(nu);
+            values.layers[1].youngs_modulus = moduli[1];
+            in.bodies = {values};
+            SceneDescription description;
+            description.bodies = {rest};
+            const Scene scene(description);
+            const State state = initial_state(scene, in);
+            Potential potential(scene);
+            ImplicitForm form;
+            quasi_static_form(state, form);
+            potential.take(state, in);
+            potential.begin_step(state, in);
+            potential.begin_stage(state, form, state.bones);
+            std::vector<double> x = state.x, gradient;
+            for (std::size_t i = 0; i < x.size(); i += 3) {
+                const Vec3 p(x[i], x[i + 1], x[i + 2]);
+                const Vec3 moved = f1 * p + std::max(0.0, n.dot(p - on)) * a;
+                std::copy_n(moved.data(), 3, x.begin() + static_cast<std::ptrdiff_t>(i));
+            }
+            const double total = potential.evaluate(x, &gradient, nullptr);
+            double volume[2] = {};
+            for (std::size_t t = 0; t < fitted.mesh.tets.size(); ++t) {
+                const auto v = [&](std::size_t k) {
+                    return fitted.mesh.vertices[static_cast<std::size_t>(fitted.mesh.tets[t][k])];
+                };
+                volume[rest->layer_weights[1][t] > 0.5] += tet_volume(v(0), v(1), v(2), v(3));
+            }
+            CHECK(total == Approx(volume[0] * energy[0] + volume[1] * energy[1]).epsilon(1e-9));
+            double worst = 0;
+            int inner = 0;
+            for (std::size_t u = 0; u < gradient.size() / 3; ++u) {
+                const Vec3 p = position(state, scene.numbering().vertex_of_unknown[u]);
+                if ((p.array() < 1e-9).any() || (p.array() > 1 - 1e-9).any()) continue; // held by what lies outside
+                worst = std::max(worst, Vec3(gradient[3 * u], gradient[3 * u + 1], gradient[3 * u + 2]).norm());
+                ++inner;
+            }
+            CHECK(inner > 30);
+            CHECK(worst < 1e-8 * soft / 16);
+        }
 }
 
 TEST_CASE("layers one after another: as long as the exact bar, where paint does not converge", "[layers]") {
