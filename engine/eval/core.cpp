@@ -2,6 +2,7 @@
 #include "engine/eval/core.h"
 
 #include "engine/check.h"
+#include "engine/eval/carry_chains.h"
 
 #include <algorithm>
 
@@ -48,7 +49,12 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
         bool complete = true;
         for (const std::string& path : program->file_paths(at)) complete = complete && contents.contains(path);
         if (complete) {
-            if (program->set_files(at, contents)) return {program, at};
+            if (program->set_files(at, contents)) {
+                // The snapshot used last before this one is most often the one that was edited.
+                if (programs.size() > 1 && programs.back() == program)
+                    carry_chains(*programs[programs.size() - 2], *program, at);
+                return {program, at};
+            }
             std::erase(programs,
                        program); // a file has changed: everything that was derived from it is out of date
             continue;
