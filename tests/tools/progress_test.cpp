@@ -28,7 +28,7 @@ void wait(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseco
 
 } // namespace
 
-TEST_CASE("a node that takes long is named while it computes, once; quick ones are not", "[tools]") {
+TEST_CASE("a node that takes long is named once while it computes and quick ones are not", "[tools]") {
     Said lines(ProgressStyle::lines), json(ProgressStyle::json), quiet(ProgressStyle::quiet);
     for (Said* s : {&lines, &json, &quiet}) {
         s->progress.begin_frame(1);
