@@ -109,9 +109,20 @@ test("a frame that flies apart is named and marked, and leaves the others exact 
 });
 
 test("numbers that no float holds leave the good frames as they are", async () => {
-    const { err, page } = await run({ "a.1.obj": cube(0), "a.2.obj": cube(0).replace("v 1 0 0", "v 1e300 0 0"), "a.3.obj": cube(1) });
+    const { err, page } = await run({ "a.1.obj": cube(0), "a.2.obj": cube(0).replace("v 1 0 0", "v 1e50 0 0"), "a.3.obj": cube(1) });
     assert.match(err, /Frame 2: a has coordinates that are no numbers/);
     for (const frame of [1, 2, 3]) {
+        await page.evaluate((f) => sinew.setFrame(f), frame);
+        assert.ok((await pixels(page)).share > 0.02, `${frame}`);
+    }
+    assert.ok(Math.abs((await page.evaluate(() => sinew.drawnPosition("a", 1)))[0] - 2) < 1e-4);
+});
+
+test("a frame beyond what any mesh may be is named and hidden, the good frames play", async () => {
+    const { err, page } = await run({ "a.1.obj": cube(0), "a.2.obj": cube(0).replace("v 1 0 0", "v 1e300 0 0"), "a.3.obj": cube(1) });
+    assert.match(err, /a\.2\.obj: vertex 1 lies more than 1e60 from the origin/);
+    assert.match(err, /a: nothing for frame 2; hidden there/);
+    for (const frame of [1, 3]) {
         await page.evaluate((f) => sinew.setFrame(f), frame);
         assert.ok((await pixels(page)).share > 0.02, `${frame}`);
     }
