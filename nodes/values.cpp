@@ -283,7 +283,8 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
     const solver::State& s = v.state;
     std::size_t n = size_of(s.x) + size_of(s.v) + size_of(v.scene.bodies) + size_of(v.scene.attachments) +
                     size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
-    for (const solver::TermMemory& m : s.memories) n += size_of(m.bytes);
+    for (const solver::TermMemory& m : s.memories)
+        if (!m.bytes.shared()) n += m.bytes.size(); // what other frames hold as well would not come free
     for (const solver::PartValues& part : s.parts) n += size_of(part);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);

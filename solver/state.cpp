@@ -29,9 +29,15 @@ class Writer {
     }
     template <class T>
     void put_all(const std::vector<T>& v) {
-        put(static_cast<std::uint64_t>(v.size()));
-        for (const T& x : v) put(x);
+        put_all(std::span<const T>(v));
     }
+    template <class T>
+    void put_all(std::span<const T> v) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        put(static_cast<std::uint64_t>(v.size()));
+        put_bytes(std::as_bytes(v));
+    }
+    void put_bytes(std::span<const std::byte> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
 
   private:
     std::vector<std::byte>& out_;
@@ -56,7 +62,12 @@ class Reader {
     template <class T>
     void get_all(std::vector<T>& v) {
         v.resize(get_count(sizeof(T)));
-        for (T& x : v) get(x);
+        get_to(std::as_writable_bytes(std::span(v)));
+    }
+    void get_to(std::span<std::byte> out) {
+        if (in_.size() < out.size()) throw Error("IO403", "a saved simulation state ends too early");
+        if (!out.empty()) std::memcpy(out.data(), in_.data(), out.size());
+        in_ = in_.subspan(out.size());
     }
     bool at_end() const { return in_.empty(); }
 
@@ -65,15 +76,14 @@ class Reader {
 };
 
 void put_points(Writer& w, const Points& points) {
+    static_assert(sizeof(Vec3) == 3 * sizeof(double));
     w.put(static_cast<std::uint64_t>(points.size()));
-    for (const Vec3& p : points)
-        for (int c = 0; c < 3; ++c) w.put(p[c]);
+    w.put_bytes(std::as_bytes(std::span(points)));
 }
 
 void get_points(Reader& r, Points& points) {
     points.resize(r.get_count(3 * sizeof(double)));
-    for (Vec3& p : points)
-        for (int c = 0; c < 3; ++c) r.get(p[c]);
+    r.get_to({reinterpret_cast<std::byte*>(points.data()), points.size() * sizeof(Vec3)});
 }
 
 void put_bones(Writer& w, const std::vector<Points>& bones) {
@@ -88,12 +98,12 @@ void get_bones(Reader& r, std::vector<Points>& bones) {
 
 void put_text(Writer& w, std::string_view text) {
     w.put(static_cast<std::uint64_t>(text.size()));
-    for (const char c : text) w.put(c);
+    w.put_bytes(std::as_bytes(std::span(text)));
 }
 
 std::string get_text(Reader& r) {
     std::string text(r.get_count(1), ' ');
-    for (char& c : text) r.get(c);
+    r.get_to(std::as_writable_bytes(std::span(text)));
     return text;
 }
 
@@ -102,7 +112,7 @@ void put_memories(Writer& w, const std::vector<TermMemory>& memories) {
     for (const TermMemory& m : memories) {
         put_text(w, m.term);
         w.put(m.version);
-        w.put_all(m.bytes);
+        w.put_all(std::span<const std::byte>(m.bytes));
     }
 }
 
@@ -111,7 +121,7 @@ void get_memories(Reader& r, std::vector<TermMemory>& memories) {
     for (TermMemory& m : memories) {
         m.term = get_text(r);
         r.get(m.version);
-        r.get_all(m.bytes);
+        r.get_to(m.bytes.rewrite(r.get_count(1)));
         const auto types = all_terms();
         const auto type =
             std::find_if(types.begin(), types.end(), [&](const TermType* t) { return t->name == m.term; });

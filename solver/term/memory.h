@@ -2,7 +2,8 @@
 // with it, so that none can be forgotten.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <cstddef>
+#include "solver/term/shared_bytes.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -12,7 +13,7 @@ namespace sinew::solver {
 struct TermMemory {
     std::string term; ///< the type's name
     int version = 0;  ///< of the bytes' layout
-    std::vector<std::byte> bytes;
+    SharedBytes bytes;
     friend bool operator==(const TermMemory&, const TermMemory&) = default;
 };
 

@@ -86,7 +86,7 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.history.x = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.v = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.acceleration = {1}; }));
-    CHECK(changed([](auto& s) { s.state.memories.push_back({"elastic", 1, {std::byte{1}}}); }));
+    CHECK(changed([](auto& s) { s.state.memories.push_back({"elastic", 1, std::vector{std::byte{1}}}); }));
     CHECK(changed([](auto& s) { s.state.history.bones = {{}}; }));
     CHECK(changed([](auto& s) { s.state.history.values.emplace(); }));
     CHECK(changed([](auto& s) { s.state.record.halvings = 1; }));

@@ -23,6 +23,7 @@ class Attachments final : public Term {
         springs_->begin_stage(stage.inputs, stage.before, stage.bones_after, stage.form);
     }
     double energy(const Positions& x, bool with_forces) override;
+    double energy_scale() const override { return springs_->energy_scale(); }
     void add_gradient(std::span<double> gradient) const override;
     void add_held_gradient(std::span<double> gradient) const override;
     void add_hessian(const Positions&, bool, BlockMatrix& a) override { springs_->add_hessian(a); }

@@ -37,17 +37,18 @@ std::size_t take_count(std::span<const std::byte>& bytes, std::size_t size) {
 } // namespace
 
 void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory) {
-    memory.bytes.clear();
-    if (attachments.anchors.empty()) return;
+    if (attachments.anchors.empty()) return memory.bytes.clear();
+    std::vector<std::byte> bytes;
     const std::uint64_t count = attachments.anchors.size();
-    append(&count, sizeof count, memory.bytes);
+    append(&count, sizeof count, bytes);
     for (std::size_t a = 0; a < attachments.anchors.size(); ++a) {
         const std::vector<Anchor>& anchors = attachments.anchors[a];
         const std::uint64_t size = anchors.size();
-        append(&attachments.starts[a], sizeof(AttachmentStart), memory.bytes);
-        append(&size, sizeof size, memory.bytes);
-        append(anchors.data(), size * sizeof(Anchor), memory.bytes);
+        append(&attachments.starts[a], sizeof(AttachmentStart), bytes);
+        append(&size, sizeof size, bytes);
+        append(anchors.data(), size * sizeof(Anchor), bytes);
     }
+    memory.bytes = std::move(bytes);
 }
 
 AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories) {

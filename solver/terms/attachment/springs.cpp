@@ -4,6 +4,7 @@
 #include "solver/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -12,6 +13,10 @@ namespace sinew::solver {
 namespace {
 
 constexpr std::size_t grain = 256;
+
+/// An expansion is made anew where the energy is a smaller share of what it was: sums of terms a hundred times larger
+/// than their result lose two digits of sixteen.
+constexpr double near_share = 0.01;
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -34,10 +39,16 @@ Springs::Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors)
             if (pulls_target) add_end(anchor.target, target, pulls_source ? -1 : 1);
         }
     }
+    std::vector<CoupledSpring> coupled;
+    for (const Spring& s : springs_)
+        coupled.push_back({s.attachment, {terms_.data() + s.first_term, at(s.count)}, s.area_weight});
+    coupling_.make(scene, coupled);
+    make_shares();
     pulls_.resize(attachments.size());
-    places_.resize(springs_.size()), references_.resize(springs_.size()), forces_.resize(springs_.size());
-    make_nodes();
-    make_groups();
+    places_.resize(springs_.size()), of_springs_.resize(springs_.size());
+    const std::size_t nodes = coupling_.nodes().size();
+    for (auto* by_node : {&base_, &forces_, &elastic_forces_, &moves_, &products_}) by_node->resize(nodes);
+    node_square_.resize(nodes);
 }
 
 /// Adds an embedded point to the last spring.
@@ -47,59 +58,24 @@ void Springs::add_end(const AnchorEnd& end, int body, double sign) {
     springs_.back().count += point.count;
 }
 
-/// Finds what each vertex gets, in the order of the springs, which fixes the order of every sum.
-void Springs::make_nodes() {
-    std::vector<std::pair<int, Share>> shares; // by vertex
+/// Finds what each node gets, in the order of the springs, which fixes the order of every sum.
+void Springs::make_shares() {
+    const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
+    const auto node_of = [&](int vertex) {
+        const auto found = std::lower_bound(nodes.begin(), nodes.end(), vertex,
+                                            [](const SpringCoupling::Node& n, int v) { return n.vertex < v; });
+        return static_cast<std::size_t>(found - nodes.begin());
+    };
+    first_share_.assign(nodes.size() + 1, 0);
+    for (const Term& term : terms_) ++first_share_[node_of(term.vertex) + 1];
+    std::partial_sum(first_share_.begin(), first_share_.end(), first_share_.begin());
+    shares_.resize(terms_.size());
+    std::vector<std::size_t> next(first_share_.begin(), first_share_.end() - 1);
     for (std::size_t s = 0; s < springs_.size(); ++s)
         for (std::size_t k = 0; k < at(springs_[s].count); ++k) {
             const Term& term = terms_[springs_[s].first_term + k];
-            shares.push_back({term.vertex, {static_cast<int>(s), term.coefficient}});
+            shares_[next[node_of(term.vertex)]++] = {static_cast<int>(s), term.coefficient};
         }
-    std::stable_sort(shares.begin(), shares.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    int body = 0;
-    for (const auto& [vertex, share] : shares) {
-        const Spring& spring = springs_[at(share.spring)];
-        const bool new_node = nodes_.empty() || nodes_.back().vertex != vertex;
-        if (new_node) {
-            while (vertex >= scene_.first_vertex(body) + static_cast<int>(scene_.vertex_count(body))) ++body;
-            nodes_.push_back({vertex, body, shares_.size(), loads_.size()});
-        }
-        if (new_node || loads_.back().attachment != spring.attachment) loads_.push_back({spring.attachment, 0});
-        loads_.back().area += spring.area_weight * std::abs(share.coefficient);
-        shares_.push_back(share);
-    }
-    node_square_.resize(nodes_.size());
-    nodes_.push_back({-1, -1, shares_.size(), loads_.size()});
-}
-
-void Springs::make_groups() {
-    std::vector<int> order(springs_.size());
-    std::iota(order.begin(), order.end(), 0);
-    // By attachment, then by vertices.
-    const auto compare = [&](int a, int b) {
-        const Spring &s = springs_[at(a)], &t = springs_[at(b)];
-        if (s.attachment != t.attachment) return s.attachment < t.attachment ? -1 : 1;
-        if (s.count != t.count) return s.count < t.count ? -1 : 1;
-        for (std::size_t k = 0; k < at(s.count); ++k) {
-            const int v = terms_[s.first_term + k].vertex, w = terms_[t.first_term + k].vertex;
-            if (v != w) return v < w ? -1 : 1;
-        }
-        return 0;
-    };
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return compare(a, b) < 0; });
-    for (const int s : order) {
-        if (groups_.empty() || compare(groups_.back().front(), s) != 0) groups_.emplace_back();
-        groups_.back().push_back(s);
-    }
-}
-
-void Springs::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
-    for (const Group& group : groups_) {
-        const Spring& s = springs_[at(group.front())];
-        const Term* term = terms_.data() + s.first_term;
-        for (int i = 0; i < s.count; ++i)
-            for (int j = 0; j < i; ++j) couplings.emplace_back(term[i].vertex, term[j].vertex);
-    }
 }
 
 void Springs::begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
@@ -110,6 +86,10 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
         const AttachmentInputs& in = inputs.attachments[a];
         pulls_[a] = {in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
     }
+    const bool any_viscous =
+        std::any_of(pulls_.begin(), pulls_.end(), [](const SpringPull& p) { return p.viscous != 0; });
+    references_.resize(any_viscous ? springs_.size() : 0);
+    elastic_of_springs_.resize(references_.size());
     parallel_for(springs_.size(), grain, [&](std::size_t k) {
         const Spring& s = springs_[k];
         const Anchor& anchor = anchors_[at(s.attachment)][at(s.anchor)];
@@ -124,6 +104,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             velocity += form.bone_velocity[time] * p;
         }
         places_[k] = place;
+        if (!any_viscous) return;
         references_[k] = Vec3::Zero();
         if (pulls_[at(s.attachment)].viscous == 0) return;
         // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
@@ -132,6 +113,8 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             offset += terms_[i].coefficient * point_of(form.velocity_offset, terms_[i].vertex);
         references_[k] = (velocity - offset) / form.velocity_factor - place;
     });
+    coupling_.set_pulls(pulls_);
+    expand(before.x);
 }
 
 Vec3 Springs::stretch(std::size_t spring, const std::vector<double>& x) const {
@@ -142,95 +125,77 @@ Vec3 Springs::stretch(std::size_t spring, const std::vector<double>& x) const {
     return sum;
 }
 
-Vec3 Springs::gathered(std::size_t node) const {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = nodes_[node].first_share; i < nodes_[node + 1].first_share; ++i)
-        sum += shares_[i].coefficient * forces_[at(shares_[i].spring)];
-    return sum;
+void Springs::gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const {
+    parallel_for(at_nodes.size(), 64, [&](std::size_t n) {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t i = first_share_[n]; i < first_share_[n + 1]; ++i)
+            sum += shares_[i].coefficient * of_springs[at(shares_[i].spring)];
+        at_nodes[n] = sum;
+    });
+}
+
+void Springs::expand(const std::vector<double>& x) {
+    energy_ = ordered_sum(springs_.size(), [&](std::size_t k) {
+        const Spring& s = springs_[k];
+        const SpringPull& pull = pulls_[at(s.attachment)];
+        const Vec3 d = stretch(k, x), elastic = s.area_weight * pull.stiffness * d;
+        of_springs_[k] = elastic;
+        double energy = 0.5 * elastic.dot(d);
+        if (viscous()) {
+            const Vec3 moved = d - references_[k];
+            elastic_of_springs_[k] = elastic;
+            of_springs_[k] += s.area_weight * pull.viscous * moved;
+            energy += 0.5 * s.area_weight * pull.viscous * moved.squaredNorm();
+        }
+        return energy;
+    });
+    const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
+    for (std::size_t n = 0; n < nodes.size(); ++n) base_[n] = point_of(x, nodes[n].vertex);
+    gather(of_springs_, forces_);
+    if (viscous()) gather(elastic_of_springs_, elastic_forces_);
+}
+
+void Springs::set_moves(const std::vector<double>& x) {
+    const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
+    for (std::size_t n = 0; n < nodes.size(); ++n) moves_[n] = point_of(x, nodes[n].vertex) - base_[n];
 }
 
 double Springs::energy(const std::vector<double>& x, double* gradient) {
-    const double total = ordered_sum(springs_.size(), [&](std::size_t k) {
-        const Spring& s = springs_[k];
-        const Pull& pull = pulls_[at(s.attachment)];
-        const Vec3 d = stretch(k, x), moved = d - references_[k];
-        forces_[k] = s.area_weight * (pull.stiffness * d + pull.viscous * moved);
-        return 0.5 * s.area_weight * (pull.stiffness * d.squaredNorm() + pull.viscous * moved.squaredNorm());
-    });
+    const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
+    set_moves(x);
+    parallel_for(nodes.size(), 64, [&](std::size_t n) { products_[n] = coupling_.product(n, moves_); });
+    double energy = energy_ + ordered_sum(nodes.size(), [&](std::size_t n) {
+                        return moves_[n].dot(forces_[n] + 0.5 * products_[n]);
+                    });
+    if (std::abs(energy) < near_share * energy_) {
+        expand(x);
+        energy = energy_;
+        std::fill(products_.begin(), products_.end(), Vec3::Zero());
+    }
     if (gradient)
-        parallel_for(node_square_.size(), grain,
-                     [&](std::size_t n) { Eigen::Map<Vec3>(gradient + 3 * at(nodes_[n].vertex)) += gathered(n); });
-    return total;
-}
-
-void Springs::set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown) {
-    std::vector<std::pair<int, Entry>> entries; // of the upper triangle, by block
-    for (const Group& group : groups_) {
-        const int count = springs_[at(group.front())].count, attachment = springs_[at(group.front())].attachment;
-        for (int i = 0; i < count; ++i)
-            for (int j = 0; j < count; ++j) {
-                const auto term = [&](int spring, int k) -> const Term& {
-                    return terms_[springs_[at(spring)].first_term + at(k)];
-                };
-                const int row = unknown[at(term(group.front(), i).vertex)],
-                          column = unknown[at(term(group.front(), j).vertex)];
-                if (row < 0 || column < row) continue; // also skips fixed vertices
-                double sum = 0;
-                for (const int s : group)
-                    sum += springs_[at(s)].area_weight * term(s, i).coefficient * term(s, j).coefficient;
-                entries.push_back({pattern.find(row, column), {attachment, sum}});
-            }
-    }
-    std::stable_sort(entries.begin(), entries.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    blocks_.clear();
-    entries_.clear();
-    entry_start_.clear();
-    for (const auto& [block, entry] : entries) { // within a block by attachment, as the groups are
-        const bool new_block = blocks_.empty() || blocks_.back() != block;
-        if (new_block) {
-            blocks_.push_back(block);
-            entry_start_.push_back(entries_.size());
-        }
-        if (new_block || entries_.back().attachment != entry.attachment)
-            entries_.push_back(entry);
-        else
-            entries_.back().product += entry.product;
-    }
-    entry_start_.push_back(entries_.size());
-}
-
-void Springs::add_hessian(BlockMatrix& a) const {
-    parallel_for(blocks_.size(), 512, [&](std::size_t b) {
-        double sum = 0;
-        for (std::size_t e = entry_start_[b]; e < entry_start_[b + 1]; ++e) {
-            const Pull& pull = pulls_[at(entries_[e].attachment)];
-            sum += (pull.stiffness + pull.viscous) * entries_[e].product;
-        }
-        double* block = a.block(at(blocks_[b]));
-        for (int c = 0; c < 3; ++c) block[4 * c] += sum;
-    });
+        for (std::size_t n = 0; n < nodes.size(); ++n)
+            Eigen::Map<Vec3>(gradient + 3 * at(nodes[n].vertex)) += forces_[n] + products_[n];
+    return energy;
 }
 
 void Springs::add_squared_forces(const std::vector<double>& x, std::vector<double>& of_body) {
-    parallel_for(springs_.size(), grain, [&](std::size_t k) {
-        forces_[k] = pulls_[at(springs_[k].attachment)].stiffness * springs_[k].area_weight * stretch(k, x);
+    const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
+    const std::vector<Vec3>& here = viscous() ? elastic_forces_ : forces_;
+    set_moves(x);
+    parallel_for(nodes.size(), 64, [&](std::size_t n) {
+        node_square_[n] = (here[n] + coupling_.elastic_product(n, moves_)).squaredNorm();
     });
-    parallel_for(node_square_.size(), grain, [&](std::size_t n) { node_square_[n] = gathered(n).squaredNorm(); });
-    for (std::size_t n = 0; n < node_square_.size(); ++n) of_body[at(nodes_[n].body)] += node_square_[n];
-}
-
-void Springs::add_squared_stiffnesses(std::vector<double>& of_body) const {
-    for (std::size_t n = 0; n + 1 < nodes_.size(); ++n)
-        for (std::size_t l = nodes_[n].first_load; l < nodes_[n + 1].first_load; ++l) {
-            const double stiffness = pulls_[at(loads_[l].attachment)].stiffness * loads_[l].area;
-            of_body[at(nodes_[n].body)] += stiffness * stiffness;
-        }
+    for (std::size_t n = 0; n < nodes.size(); ++n) of_body[at(nodes[n].body)] += node_square_[n];
 }
 
 double Springs::longest(const std::vector<double>& x) const {
-    double longest = 0;
-    for (std::size_t k = 0; k < springs_.size(); ++k) longest = std::max(longest, stretch(k, x).norm());
-    return longest;
+    std::array<double, 256> parts{};
+    const std::size_t chunk = (springs_.size() + parts.size() - 1) / parts.size();
+    parallel_for(parts.size(), 4, [&](std::size_t p) {
+        for (std::size_t k = p * chunk; k < std::min((p + 1) * chunk, springs_.size()); ++k)
+            parts[p] = std::max(parts[p], stretch(k, x).squaredNorm());
+    });
+    return std::sqrt(*std::max_element(parts.begin(), parts.end()));
 }
 
 double Springs::stored_energy(const std::vector<double>& x) const {

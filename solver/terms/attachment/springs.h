@@ -1,6 +1,9 @@
 // Attachment energy: 1/2 k A w |x_source - x_target|^2 per sample of the source's surface, k [N/m^3] x envelope, plus a
 // viscous part from the relative velocity. Both ends are linear in the unknowns (through embeddings) or prescribed
-// (bones), so the Hessian is constant over a step, and what one side gets the other gives.
+// (bones), so what one side gets the other gives, and the energy of a stage is a quadratic function of the positions of
+// the vertices that springs reach. There are some twenty samples to such a vertex: they are visited where the stage
+// begins and where Newton has come much nearer to the minimum; between, the energy is the exact expansion about the
+// last place of visit, by vertices.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/integrate/implicit_form.h"
@@ -9,6 +12,7 @@
 #include "solver/state.h"
 #include "solver/step_inputs.h"
 #include "solver/terms/attachment/anchors.h"
+#include "solver/terms/attachment/spring_coupling.h"
 
 namespace sinew::solver {
 
@@ -17,20 +21,24 @@ class Springs {
     /// Springs of all attachments that pull; bone to bone ones have no effect and are left out.
     Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors);
     /// Pairs of vertices that springs couple.
-    void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
+    void add_couplings(std::vector<std::pair<int, int>>& couplings) const { coupling_.add_couplings(couplings); }
     /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
-    void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown);
+    void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown) {
+        coupling_.set_pattern(pattern, unknown);
+    }
     /// Values of the coming stage of a step from `before`; `bones_after`: bone positions at the end of the step.
     void begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
                      const ImplicitForm& form);
     bool empty() const { return springs_.empty(); }
+    /// What the energy's terms were where the expansion is made [J]: its rounding is that of such numbers.
+    double energy_scale() const { return energy_; }
     /// Energy [J] with its gradient added to `gradient` (3 a vertex) unless that is null.
     double energy(const std::vector<double>& x, double* gradient);
     /// Adds the Hessian to a matrix of the pattern of set_pattern.
-    void add_hessian(BlockMatrix& a) const;
+    void add_hessian(BlockMatrix& a) const { coupling_.add_hessian(a); }
     /// Adds the squared elastic force on each vertex [N^2], or its squared stiffness [N^2/m^2], to that of its body.
     void add_squared_forces(const std::vector<double>& x, std::vector<double>& of_body);
-    void add_squared_stiffnesses(std::vector<double>& of_body) const;
+    void add_squared_stiffnesses(std::vector<double>& of_body) const { coupling_.add_squared_stiffnesses(of_body); }
     double longest(const std::vector<double>& x) const; ///< [m]
     /// Energy without the viscous part.
     double stored_energy(const std::vector<double>& x) const;
@@ -43,60 +51,40 @@ class Springs {
         int count;              ///< of its terms
         double area_weight;     ///< [m^2]
     };
-    struct Term {
-        int vertex;
-        double coefficient;
-    };
-    /// Springs with the same attachment and vertices, which have the same blocks: places in springs_.
-    using Group = std::vector<int>;
+    using Term = SpringTerm;
     /// What a vertex gets from springs.
     struct Share {
         int spring;
         double coefficient;
     };
-    /// A vertex that springs reach.
-    struct Node {
-        int vertex, body;
-        std::size_t first_share, first_load;
-    };
-    /// How much area of an attachment pulls at a vertex [m^2].
-    struct Load {
-        int attachment;
-        double area;
-    };
-    /// Stiffness per area of one attachment in this stage [N/m^3].
-    struct Pull {
-        double stiffness = 0, viscous = 0; ///< viscous = damping x velocity factor
-    };
-    /// The attachment's stiffness times this goes to the diagonal of a block.
-    struct Entry {
-        int attachment;
-        double product; ///< sum of area x coefficients of the block's row and column [m^2]
-    };
     void add_end(const AnchorEnd& end, int body, double sign);
-    void make_nodes();
-    void make_groups();
+    void make_shares();
     Vec3 stretch(std::size_t spring, const std::vector<double>& x) const;
-    Vec3 gathered(std::size_t node) const; ///< sum of coefficient x force_ at a vertex
+    /// Sums of the springs' forces at each node: elastic ones, and all.
+    void gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const;
+    /// Visits all springs at x.
+    void expand(const std::vector<double>& x);
+    /// How far the nodes are from where the expansion is made.
+    void set_moves(const std::vector<double>& x);
+    bool viscous() const { return !references_.empty(); }
 
     const Scene& scene_;
     std::vector<std::vector<Anchor>> anchors_; ///< per attachment
     std::vector<Spring> springs_;
     std::vector<Term> terms_;
-    std::vector<Group> groups_;
-    std::vector<Node> nodes_; ///< by rising vertex, and one past the end
+    SpringCoupling coupling_;
+    std::vector<std::size_t> first_share_; ///< per node
     std::vector<Share> shares_;
-    std::vector<Load> loads_;
     // Of the stage:
-    std::vector<Pull> pulls_;         ///< per attachment
-    std::vector<Vec3> places_;        ///< prescribed points, 0 where both ends are free
-    std::vector<Vec3> references_;    ///< the stretch at which the relative velocity would be zero
-    std::vector<Vec3> forces_;        ///< scratch: of each spring
-    std::vector<double> node_square_; ///< scratch
-    // Of the pattern:
-    std::vector<int> blocks_;              ///< those that springs reach
-    std::vector<std::size_t> entry_start_; ///< per such block
-    std::vector<Entry> entries_;
+    std::vector<SpringPull> pulls_; ///< per attachment
+    std::vector<Vec3> places_;      ///< prescribed points, 0 where both ends are free
+    std::vector<Vec3> references_;  ///< the stretch at which the relative velocity would be zero; empty: none is damped
+    // Of the expansion, by nodes:
+    double energy_ = 0; ///< where it is made [J]
+    std::vector<Vec3> base_, forces_, elastic_forces_;
+    std::vector<Vec3> moves_, products_;                ///< scratch
+    std::vector<Vec3> of_springs_, elastic_of_springs_; ///< scratch, by springs
+    std::vector<double> node_square_;                   ///< scratch
 };
 
 } // namespace sinew::solver

@@ -125,8 +125,8 @@ void Elastic::begin_stage(const Stage& stage) {
 
 void Elastic::remember(const Positions& x, bool keeps_history, TermMemory& memory) const {
     if (!keeps_history || !(damping_share_ > 0)) return memory.bytes.clear();
-    memory.bytes.resize(system_.strain_size * sizeof(double));
-    const std::span<double> out(reinterpret_cast<double*>(memory.bytes.data()), system_.strain_size);
+    const std::span<std::byte> bytes = memory.bytes.rewrite(system_.strain_size * sizeof(double));
+    const std::span<double> out(reinterpret_cast<double*>(bytes.data()), system_.strain_size);
     set_strains_of({.x = &x}, {}, out);
     parallel_for(out.size(), 8192,
                  [&](std::size_t i) { out[i] = velocity_factor_ * (out[i] - reference_strains_[i]); });

@@ -67,8 +67,8 @@ void remember_start(const Scene& scene, const StepInputs& inputs, const std::vec
             for (const Vec3& p : surfaces[at(followed_bone(scene, parts[k]))])
                 numbers.insert(numbers.end(), p.data(), p.data() + 3);
     }
-    memory.bytes.resize(numbers.size() * sizeof(double));
-    std::memcpy(memory.bytes.data(), numbers.data(), memory.bytes.size());
+    const std::span<std::byte> bytes = memory.bytes.rewrite(numbers.size() * sizeof(double));
+    std::memcpy(bytes.data(), numbers.data(), bytes.size());
 }
 
 void follow_bone(const Scene& scene, std::size_t part, const TermMemory& memory, const std::vector<Points>& bones,

@@ -1,0 +1,89 @@
+// What springs do between vertices: the constant Hessian of a stage, a number for each pair of vertices.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/block_matrix.h"
+#include "solver/scene.h"
+#include "solver/types.h"
+
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A vertex of a spring's end and its weight there, with the end's sign.
+struct SpringTerm {
+    int vertex;
+    double coefficient;
+};
+
+/// Stiffness per area of one attachment in a stage [N/m^3].
+struct SpringPull {
+    double stiffness = 0, viscous = 0; ///< viscous = damping x velocity factor
+};
+
+/// A spring as the coupling takes it: whose stiffness, where its terms are, how much area.
+struct CoupledSpring {
+    int attachment;
+    std::span<const SpringTerm> terms;
+    double area_weight; ///< [m^2]
+};
+
+class SpringCoupling {
+  public:
+    /// Nodes are the vertices that springs reach, by rising number.
+    struct Node {
+        int vertex, body;
+    };
+
+    void make(const Scene& scene, const std::vector<CoupledSpring>& springs);
+    const std::vector<Node>& nodes() const { return nodes_; }
+    void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
+    void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown);
+    /// Takes the stage's stiffnesses, one an attachment.
+    void set_pulls(const std::vector<SpringPull>& pulls);
+    void add_hessian(BlockMatrix& a) const;
+    /// (Stiffness times a move of every node) at a node [N]: of all, or without the viscous part.
+    Vec3 product(std::size_t node, const std::vector<Vec3>& moves) const { return times(values_, node, moves); }
+    Vec3 elastic_product(std::size_t node, const std::vector<Vec3>& moves) const {
+        return times(elastic_values_.empty() ? values_ : elastic_values_, node, moves);
+    }
+    void add_squared_stiffnesses(std::vector<double>& of_body) const;
+
+  private:
+    /// The attachment's stiffness times this goes to the diagonal of a block.
+    struct Share {
+        int attachment;
+        double product; ///< sum of area x coefficients of the block's row and column [m^2]
+    };
+    /// How much area of an attachment pulls at a vertex [m^2].
+    struct Load {
+        int attachment;
+        double area;
+    };
+    Vec3 times(const std::vector<double>& values, std::size_t node, const std::vector<Vec3>& moves) const {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t e = row_start_[node]; e < row_start_[node + 1]; ++e)
+            sum += values[e] * moves[static_cast<std::size_t>(column_[e])];
+        return sum;
+    }
+    template <class NodeOf>
+    void make_loads(const std::vector<CoupledSpring>& springs, const NodeOf& node_of);
+
+    std::vector<Node> nodes_;
+    std::vector<std::size_t> row_start_;   ///< per node and one past the end: of its entries
+    std::vector<int> column_;              ///< per entry: a node
+    std::vector<std::size_t> first_share_; ///< per entry and one past the end
+    std::vector<Share> shares_;
+    std::vector<std::size_t> first_load_; ///< per node and one past the end
+    std::vector<Load> loads_;
+    // Of the stage:
+    std::vector<double> values_;           ///< per entry [N/m]
+    std::vector<double> elastic_values_;   ///< likewise; empty where nothing is damped and they are the same
+    std::vector<double> square_stiffness_; ///< per node, of its loads [N^2/m^2]
+    // Of the pattern:
+    std::vector<std::pair<int, std::size_t>> blocks_; ///< of the pattern's upper triangle, and whose entry
+};
+
+} // namespace sinew::solver
