@@ -226,6 +226,52 @@ TEST_CASE(
             }
 }
 
+TEST_CASE("springs' energy by vertices is that of all samples, from rounding's distance to ten lengths away") {
+    for (const double damping : {0.0, 3e4}) {
+        auto t = in_lattice(bar_surface(8, 5, 5), 0.04, ElementKind::quadratic);
+        AttachmentRest a;
+        a.source = 0, a.target = 1;
+        a.source_weights = paint_vertices(t->surface, at_root);
+        const Scene scene({{t, wall_bone()}, {a}});
+        StepInputs in = bar_inputs();
+        in.bodies.push_back(BoneInputs{wall()});
+        in.attachments = {{1e9, 0.5, damping}};
+        const State s = initial_state(scene, in);
+        const double step = 0.02, spring = 0.5e9, dashpot = 0.5 * damping / step;
+        ImplicitForm form;
+        backward_euler_form(s, step, form);
+        Springs springs(scene, attachments_kept(s.memories).anchors);
+        springs.begin_stage(in, s, s.bones, form);
+        std::mt19937 random(2);
+        std::normal_distribution<double> normal;
+        std::vector<double> direction(s.x.size());
+        for (double& d : direction) d = normal(random);
+        // Far, near, far again, and very near: the places of expansion change in between.
+        for (const double far : {1e-3, 4.0, 1e-5, 1e-2, 1e-11}) {
+            std::vector<double> x(s.x), forward(s.x), back(s.x), gradient(s.x.size(), 0.0);
+            for (std::size_t i = 0; i < x.size(); ++i) {
+                x[i] += far * direction[i];
+                forward[i] += 1.5 * far * direction[i], back[i] += 0.5 * far * direction[i];
+            }
+            INFO("damping " << damping << ", " << far << " m");
+            // Both parts are quadratic in the same stretches, which begin at zero.
+            const double expected = springs.stored_energy(x) * (1 + dashpot / spring);
+            const double energy = springs.energy(x, gradient.data());
+            CHECK(energy == Approx(expected).epsilon(far < 1e-10 ? 1e-4 : 1e-11));
+            double slope = 0;
+            for (std::size_t i = 0; i < x.size(); ++i) slope += gradient[i] * direction[i];
+            const double difference = springs.stored_energy(forward) - springs.stored_energy(back);
+            CHECK(slope * far == Approx(difference * (1 + dashpot / spring)).epsilon(far < 1e-10 ? 1e-4 : 1e-10));
+            // The elastic forces alone: in a bed of one stiffness they are in proportion to all.
+            std::vector<double> squares(2, 0.0);
+            springs.add_squared_forces(x, squares);
+            double all = 0;
+            for (const double g : gradient) all += g * g;
+            CHECK(std::sqrt(squares[0]) * (1 + dashpot / spring) == Approx(std::sqrt(all)).epsilon(1e-9));
+        }
+    }
+}
+
 TEST_CASE("forces between two tissues balance in sum and in moment, and are the energy's gradient") {
     for (const ElementKind kind : kinds) {
         auto below = in_lattice(bar_surface(1, 1, 1), 0.06, kind);
