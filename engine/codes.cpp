@@ -105,6 +105,8 @@ constexpr CodeInfo table[] = {
     {"FE242", "attachment reaches far", "Check that it ties what it should; paint targetWeights."},
     {"FE243", "place of a layer that covers everything", "Put a layer below it, for what lies outside of its mesh."},
     {"FE244", "layer that is nowhere", "Model its mesh where the tissue is at rest, in the same units."},
+    {"FE245", "pressure on a mesh that is open or inside out",
+     "Close the mesh, or turn its faces; zIsoMesh does both."},
     {"FE250", "hold moved by what is not rigid", "Use a transform without scale, or a bone that keeps its shape."},
     {"FE251", "tets held by two", "Make one hold of the two, or leave more than a tet between what they hold."},
     {"FE252", "matrix whose last row is not 0 0 0 1",
