@@ -5,7 +5,9 @@
 #include "solver/mesh/coordinates.h"
 
 #include <cmath>
+#include <cstdio>
 #include <numbers>
+#include <string>
 
 namespace sinew::nodes {
 
@@ -54,6 +56,26 @@ Matrix4 compose(const Vec3& translate, const Vec3& rotate, const Vec3& scale, st
     turned = multiply(translation(rotate_pivot), multiply(turned, translation(back)));
     const Matrix4 scaled{scale[0], 0, 0, 0, 0, scale[1], 0, 0, 0, 0, scale[2], 0, 0, 0, 0, 1};
     return multiply(translation(translate), multiply(turned, scaled));
+}
+
+bool is_affine(const Matrix4& matrix) {
+    constexpr double rounding = 1e-6;
+    for (std::size_t c = 0; c < 4; ++c)
+        if (!(std::abs(matrix[12 + c] - identity_matrix[12 + c]) <= rounding)) return false;
+    return true;
+}
+
+void check_affine(const engine::Reads& in, std::string_view attribute, const Matrix4& matrix) {
+    if (is_affine(matrix)) return;
+    std::string row;
+    for (std::size_t c = 0; c < 4; ++c) {
+        char number[32];
+        std::snprintf(number, sizeof number, " %g", matrix[12 + c]);
+        row += number;
+    }
+    in.fail(attribute, "FE252", "the last row of the matrix is" + row + ", not 0 0 0 1",
+            "Write it row by row for column vectors, with the translation in the last column; a matrix for row vectors "
+            "has to be transposed.");
 }
 
 Mesh moved(const Mesh& mesh, const Matrix4& matrix) {

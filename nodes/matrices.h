@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/attribute.h"
+#include "engine/node_type.h"
 #include "nodes/values.h"
 
 #include <string_view>
@@ -18,6 +19,12 @@ engine::Matrix4 compose(const engine::Vec3& translate, const engine::Vec3& rotat
                         std::string_view order, const engine::Vec3& rotate_pivot);
 /// What an entry of a matrix, or a length, may be at most.
 inline constexpr engine::Limits within_reach{.min = -1e60, .max = 1e60};
+
+/// Whether the last row is 0 0 0 1, but for rounding: nothing reads it. It is not where a matrix is written for row
+/// vectors, with the translation there.
+bool is_affine(const engine::Matrix4& matrix);
+/// Fails at `attribute` with FE252 unless it is_affine.
+void check_affine(const engine::Reads& in, std::string_view attribute, const engine::Matrix4& matrix);
 
 /// The mesh with every point moved; the very same mesh for the identity. Throws solver::Error FE202 or FE224 if they
 /// land where no mesh may lie.

@@ -4,6 +4,7 @@
 
 #include "engine/diagnostics.h"
 #include "nodes/json_file.h"
+#include "nodes/matrices.h"
 #include "solver/error.h"
 #include "solver/types.h"
 
@@ -135,6 +136,11 @@ MatrixTrack read_matrix_track(const std::string& path, const std::string& bone) 
                         "Give 16, row by row.");
         track.frames.push_back(number);
         std::copy(m.begin(), m.end(), track.matrices.emplace_back().begin());
+        if (!is_affine(track.matrices.back()))
+            throw Error("IO403",
+                        "'" + path + "': the last row of the matrix of '" + bone + "' at frame " +
+                            std::to_string(number) + " is not 0 0 0 1",
+                        "Write matrices row by row, with the translation in the last column.");
     });
     return track;
 }

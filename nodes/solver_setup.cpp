@@ -263,9 +263,9 @@ void check_all_tied(const Reads& in, const Setup& setup) {
     for (std::size_t i = 0; i < group.size(); ++i)
         if (!holds[root(i)])
             in.fail(bodies.name, "FE303",
-                    body_name(in, setup, i) + " floats: no chain of attachments ties it to a "
-                                              "bone, so QuasiStatic finds no rest for it",
-                    "Attach it to a bone, or use BackwardEuler.");
+                    body_name(in, setup, i) + " floats: no hold and no chain of attachments to a bone or a held "
+                                              "tissue ties it, so QuasiStatic finds no rest for it",
+                    "Attach it to a bone, hold a part of it by zHold, or use BackwardEuler.");
 }
 
 SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Scene& scene) {

@@ -35,7 +35,7 @@ Setup read_setup(const engine::Reads& in, const SceneKey* known);
 solver::SceneDescription describe_scene(const Setup& setup);
 /// Values of one step out of `steps_per_frame`; metres.
 solver::StepInputs step_inputs(const engine::Reads& in, const Setup& setup, std::size_t steps_per_frame);
-/// Fails with FE303 if a tissue is tied to no bone by any chain of attachments.
+/// Fails with FE303 if a tissue is neither held nor tied to a bone or to what is held by any chain of attachments.
 void check_all_tied(const engine::Reads& in, const Setup& setup);
 /// Points in metres, from points in scene units, and back.
 solver::Points to_metres(const solver::Points& points, double scale);

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/surface_forces.h"
 
+#include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/layer_place.h"
 #include "solver/terms/pressure/pressure.h"
 #include "solver/terms/surface_tension/surface_tension.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <string>
 
 namespace sinew::nodes {
 
@@ -25,9 +28,13 @@ engine::NumberList weights_of(const Mesh& mesh, const Layers& layers, std::size_
     return out;
 }
 
+bool has_any(const Layers& layers, double Material::*value) {
+    return std::any_of(layers.begin(), layers.end(), [&](const Material& m) { return m.*value != 0; });
+}
+
 void add(const engine::Reads& in, const solver::TermType& type, double Material::*value, const Mesh& mesh,
          const Layers& layers, double envelope, std::vector<Force>& forces) {
-    if (std::all_of(layers.begin(), layers.end(), [&](const Material& m) { return m.*value == 0; })) return;
+    if (!has_any(layers, value)) return;
     Hasher h;
     h.add("surface layers").add(static_cast<std::uint64_t>(layers.size()));
     for (std::size_t k = 0; k < layers.size(); ++k) {
@@ -54,10 +61,47 @@ void add(const engine::Reads& in, const solver::TermType& type, double Material:
     f.values = {envelope};
 }
 
+/// Pressure goes by the way that faces look, and moves a tissue as a whole where they do not close.
+void warn_of_facing(const engine::Reads& in, const Mesh& mesh) {
+    struct Facing {
+        double open = 0; ///< sum of the faces' area vectors, as a share of their area
+        double volume = 0;
+    };
+    const Digest key = Hasher().add("pressure.facing").add(mesh.topology->digest).add(mesh.points_digest).finish();
+    auto facing = in.lease<Facing>(key, [&] {
+        auto made = std::make_shared<Facing>();
+        solver::Vec3 sum = solver::Vec3::Zero();
+        double area = 0;
+        for (const solver::Triangle& t : mesh.topology->triangles) {
+            const auto corner = [&](std::size_t i) { return (*mesh.points)[static_cast<std::size_t>(t[i])]; };
+            const solver::Vec3 across = 0.5 * (corner(1) - corner(0)).cross(corner(2) - corner(0));
+            sum += across;
+            area += across.norm();
+        }
+        made->open = sum.norm() / area;
+        made->volume = solver::enclosed_volume(*mesh.points, mesh.topology->triangles);
+        return made;
+    });
+    const std::string name = in.source_name("mesh");
+    constexpr double rounding = 1e-6;
+    if (facing->open > rounding) {
+        char share[32];
+        std::snprintf(share, sizeof share, "%.2g", 100 * facing->open);
+        in.warn("mesh", "FE245",
+                name + " is not closed or has faces twice, so pressure pushes the tissue away as a whole, by " + share +
+                    " % of what it presses with",
+                "Close the mesh, or remesh it by zIsoMesh.");
+    } else if (facing->volume < 0) {
+        in.warn("mesh", "FE245", "the faces of " + name + " look inwards, so its pressure pushes outwards",
+                "Turn the faces around, or remesh it by zIsoMesh.");
+    }
+}
+
 } // namespace
 
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                   std::vector<Force>& forces) {
+    if (has_any(layers, &Material::pressure)) warn_of_facing(in, mesh);
     add(in, solver::pressure_type, &Material::pressure, mesh, layers, envelope, forces);
 }
 

@@ -81,6 +81,7 @@ Matrix4 tracked(const Reads& in) {
 }
 
 void compute(const Reads& in, Writes& out) {
+    check_affine(in, parent.name, in[parent]);
     const Matrix4 keyed = compose(in[translate], in[rotate], in[scale], in[rotate_order], in[rotate_pivot]);
     const Matrix4 all = multiply(in[parent], multiply(keyed, tracked(in)));
     out.set(out_matrix, all);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/body_maps.h"
 #include "nodes/options.h"
 
 #include <algorithm>
@@ -107,24 +108,6 @@ const Output<Attachment> out_attachment{
 
 std::size_t vertex_count(const Body& body) { return body.rest->mesh.points->size(); }
 
-/// A painted map with one number per vertex, or per triangle of the body's faces.
-NumberList painted(const Reads& in, const Input<NumberList>& map, const Input<std::string>& on, const Body& body,
-                   const std::string& name) {
-    const MeshTopology& topology = *body.rest->mesh.topology;
-    const bool by_faces = meaning(options_of<solver::PaintedOn>, in[on]) == solver::PaintedOn::faces;
-    const std::size_t faces = topology.face_sizes.size(), count = by_faces ? faces : vertex_count(body);
-    const NumberList& given = in[map];
-    if (given.size() > 1 && given.size() != count && given.size() == (by_faces ? vertex_count(body) : faces))
-        in.fail(map.name, "FE204",
-                std::string(map.name) + " for " + name + ": " + std::to_string(given.size()) +
-                    " numbers, as many as the mesh has " + (by_faces ? "vertices" : "faces") + ", for its " +
-                    std::to_string(count) + (by_faces ? " faces" : " vertices"),
-                "Set " + std::string(on.name) + " to " + (by_faces ? "vertices" : "faces") + ".");
-    check_map(in, map.name, given, count, std::string(map.name) + " for " + name, by_faces ? "face" : "vertex");
-    const NumberList each = per_vertex(given, count);
-    return by_faces ? per_triangle(topology, each) : each;
-}
-
 bool is_blank(const NumberList& map) {
     return std::all_of(map.begin(), map.end(), [](double w) { return w <= 0; });
 }
@@ -140,8 +123,8 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
     rest.mode = both_bones ? solver::AttachmentMode::none : meaning(options_of<solver::AttachmentMode>, in[mode]);
     rest.correspondence = meaning(options_of<solver::Correspondence>, in[correspondence]);
     rest.maintain_offset = in[maintain_offset];
-    rest.source_weights = painted(in, weights, weights_on, from, in.source_name(source.name));
-    rest.target_weights = painted(in, target_weights, target_weights_on, to, in.source_name(target.name));
+    rest.source_weights = painted_map(in, weights, weights_on, from, in.source_name(source.name));
+    rest.target_weights = painted_map(in, target_weights, target_weights_on, to, in.source_name(target.name));
     rest.source_painted = meaning(options_of<solver::PaintedOn>, in[weights_on]);
     rest.target_painted = meaning(options_of<solver::PaintedOn>, in[target_weights_on]);
     rest.max_distance = in[max_distance];

@@ -98,6 +98,8 @@ NumberList given_directions(const Reads& in) {
         const std::string& path = in[directions_file].path;
         return numbers_of(part_of(read_json(path), in[directions_key], path), "the list of directions", path);
     });
+    if (list.empty())
+        in.fail(from, "FE227", "the list of directions is empty", "Give 3 numbers for each tet, or 3 for all.");
     if (list.size() % 3 != 0)
         in.fail(from, "FE227", std::to_string(list.size()) + " numbers cannot be directions of three",
                 "Give 3 numbers for each tet.");

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/body_maps.h"
 #include "nodes/matrices.h"
 #include "nodes/options.h"
 #include "solver/terms/hold/hold.h"
@@ -14,9 +15,6 @@ namespace sinew::nodes {
 using namespace engine;
 
 namespace {
-
-enum class WeightsOn { vertices, faces };
-constexpr Option<WeightsOn> weights_on_options[] = {{"vertices", WeightsOn::vertices}, {"faces", WeightsOn::faces}};
 
 const Input<bool> enable{
     .name = "enable",
@@ -38,10 +36,10 @@ const Input<NumberList> weights{
 };
 const Input<std::string> weights_on{
     .name = "weightsOn",
-    .def = "vertices",
+    .def = std::string(word_of(solver::PaintedOn::vertices)),
     .doc = "What weights counts.",
     .keyable = false,
-    .options = words(weights_on_options),
+    .options = words(options_of<solver::PaintedOn>),
 };
 const Input<Matrix4> matrix{
     .name = "matrix",
@@ -69,31 +67,19 @@ const Output<Force> out_force{
 /// What of a polygon mesh is painted.
 solver::PaintedPart painted_part(const Reads& in, const Body& body) {
     const Mesh& mesh = body.rest->mesh;
-    const MeshTopology& topology = *mesh.topology;
-    const NumberList& map = in[weights];
-    const bool by_faces = meaning(weights_on_options, in[weights_on]) == WeightsOn::faces;
-    const std::size_t vertices = mesh.points->size(), faces = topology.face_sizes.size();
-    const std::size_t count = by_faces ? faces : vertices;
     const std::string name = in.source_name(tissue.name);
-    if (map.size() > 1 && map.size() != count)
-        in.fail(weights.name, "FE204",
-                "weights for " + name + ": " + std::to_string(map.size()) + " numbers for a mesh of " +
-                    std::to_string(count) + (by_faces ? " faces" : " vertices"),
-                map.size() == (by_faces ? vertices : faces)
-                    ? std::string("Set weightsOn to ") + (by_faces ? "vertices." : "faces.")
-                    : std::string("Give one number for each, or one for all."));
-    if (!map.empty() && std::none_of(map.begin(), map.end(), [](double w) { return w > 0; }))
+    const NumberList each = painted_map(in, weights, weights_on, body, name);
+    if (std::none_of(each.begin(), each.end(), [](double w) { return w > 0; }))
         in.fail(weights.name, "FE212", "nothing of " + name + " has a weight above 0", "Paint what is to be held.");
-    const NumberList each = map.size() > 1 ? map : NumberList(count, 1.0);
-    if (!by_faces) return solver::painted_vertices(topology.triangles, each);
-    NumberList of_triangles;
-    for (std::size_t f = 0; f < faces; ++f)
-        of_triangles.insert(of_triangles.end(), static_cast<std::size_t>(topology.face_sizes[f] - 2), each[f]);
-    return solver::painted_triangles(topology.triangles, vertices, of_triangles);
+    const std::vector<solver::Triangle>& triangles = mesh.topology->triangles;
+    if (meaning(options_of<solver::PaintedOn>, in[weights_on]) == solver::PaintedOn::vertices)
+        return solver::painted_vertices(triangles, each);
+    return solver::painted_triangles(triangles, mesh.points->size(), each);
 }
 
 solver::RigidMotion rigid_motion(const Reads& in) {
     if (in[matrix] == identity_matrix) return {};
+    check_affine(in, matrix.name, in[matrix]);
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(in[matrix].data());
     const solver::Mat3 turn = m.topLeftCorner<3, 3>();
     const double off = (turn.transpose() * turn - solver::Mat3::Identity()).cwiseAbs().maxCoeff();

@@ -89,7 +89,9 @@ const Input<double> pressure{
     .name = "pressure",
     .def = 0,
     .unit = "Pa",
-    .doc = "Pushes the deformed surface inwards along its normal, or outwards where it is negative. Painted by the "
+    .doc = "Pushes the deformed surface inwards along its normal, or outwards where it is negative; faces must look "
+           "outwards. "
+           "Painted by the "
            "layer's weights and mesh on the surface alone. To change it over time, key zTissue.pressureEnvelope.",
     .keyable = false,
 };

@@ -48,7 +48,8 @@ inline const Input<std::string> integrator{
     .def = std::string(word_of(solver::Integrator::backward_euler)),
     .doc = "How time is stepped. BackwardEuler is the most robust and damps the most; BDF2 and, more so, TR-BDF2 keep "
            "swings alive and are accurate to second order, TR-BDF2 at twice the cost a step. QuasiStatic has no "
-           "momentum: it finds the shape at rest for each frame, so every tissue must be tied to a bone. May be keyed.",
+           "momentum: it finds the shape at rest for each frame, so every tissue must be tied to a bone or "
+           "held by zHold. May be keyed.",
     .options = words(options_of<solver::Integrator>),
 };
 inline const Input<std::string> linear_solver{

@@ -389,7 +389,7 @@ void elastic_stress(ElasticLaw law, double mu, double lambda, double compression
     if (has_tensor_form(law)) {
         Strains<double> strains;
         set_strains(f, strains);
-        TensorForm<double> form;
+        TensorForm<double> form{};
         evaluate_law(law, strains, mu, lambda, compression, form);
         tensor_stress(strains, form, p);
         *energy = form.energy;

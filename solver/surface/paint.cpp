@@ -2,6 +2,7 @@
 #include "solver/surface/paint.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 
 #include <algorithm>
 #include <numeric>
@@ -12,8 +13,6 @@ namespace {
 
 /// Cosine of the angle between normals beyond which paint does not run on: 60 degrees.
 constexpr double crease_cosine = 0.5;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 bool is_painted(const std::array<double, 3>& corners) {
     return std::all_of(corners.begin(), corners.end(), [](double w) { return w > 0; });

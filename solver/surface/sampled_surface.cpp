@@ -2,6 +2,7 @@
 #include "solver/surface/sampled_surface.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -16,8 +17,6 @@ namespace {
 /// Longest edge, and longest side of a triangle that one point stands for, in widths of the tets along it.
 constexpr double longest_share = 0.75, one_point_share = 0.17;
 constexpr std::size_t most_triangles = 4'000'000;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// The least width of the carriers at p along a direction.
 double width_at(const std::vector<SurfaceDensity::Carrier>& carriers, const Vec3& p, const Vec3& direction) {

@@ -230,6 +230,8 @@ TEST_CASE("fibres may be given by a vector, a list or a file, and then need no e
     CHECK(refused(R"(, "directions": [1, 0, 0], "direction": [1, 0, 0])") == Codes{"DG110"});
     CHECK(refused(R"(, "direction": [1, 0, 0], "endPoints": [0, 1])") == Codes{"DG110"});
     CHECK(refused(R"(, "directionsFile": ")" + folder.write("inf.json", "[1e999, 0, 0]") + "\"") == Codes{"IO403"});
+    CHECK(refused(R"(, "directionsFile": ")" + folder.write("none.json", "[]") + "\"") == Codes{"FE227"});
+    CHECK(text.find("fibre.directionsFile: the list of directions is empty") != std::string::npos);
     CHECK(refused("") == Codes{"FE205"});
 }
 

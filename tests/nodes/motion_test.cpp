@@ -63,6 +63,33 @@ TEST_CASE("a rotation leaves its pivot in place and parents apply last", "[nodes
     CHECK((eigen(s.get<Matrix4>("t", "outMatrix")) * pivot - Eigen::Vector4d(4, 15, 6, 1)).norm() < 1e-14);
 }
 
+TEST_CASE("a matrix for row vectors is refused where it is given", "[nodes]") {
+    // As Maya writes it: moved by (1, 2, 3).
+    const std::string rows = R"([1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1])";
+    std::string text;
+    const auto refused = [&](const std::string& nodes, const std::string& node, const std::string& output) {
+        return codes(R"("cube": {"type": "polyCube"}, "flesh": {"type": "zMaterial"},
+            "t": {"type": "zTissue", "inputs": {"mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}}, )" +
+                         nodes,
+                     node, output, &text);
+    };
+    CHECK(refused(R"("m": {"type": "transform", "inputs": {"offsetParentMatrix": )" + rows + "}}", "m", "outMatrix") ==
+          Codes{"FE252"});
+    CHECK_THAT(text, Catch::Contains("m.offsetParentMatrix") && Catch::Contains("1 2 3 1, not 0 0 0 1"));
+    CHECK(refused(R"("b": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}, "matrix": )" + rows + "}}",
+                  "b", "outBody") == Codes{"FE252"});
+    CHECK_THAT(text, Catch::Contains("b.matrix"));
+    CHECK(refused(R"("h": {"type": "zHold", "inputs": {"tissue": {"from": "t.outBody"}, "matrix": )" + rows + "}}", "h",
+                  "outForce") == Codes{"FE252"});
+    CHECK_THAT(text, Catch::Contains("h.matrix"));
+    // What rounding leaves there is none.
+    CHECK(
+        refused(
+            R"("m": {"type": "transform", "inputs": {"offsetParentMatrix": [1,0,0,1, 0,1,0,0, 0,0,1,0, 1e-9,0,0,1]}})",
+            "m", "outMatrix")
+            .empty());
+}
+
 TEST_CASE("an identity transform hands on the very same mesh", "[nodes]") {
     Session s(
         R"("cube": {"type": "polyCube"}, "t": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}}})");
@@ -191,6 +218,8 @@ TEST_CASE("a motion file that cannot be used says why", "[nodes]") {
     CHECK(pulled(R"({"frames": [{"frame": 1, "bones": {"b": [1, 2]}}]})") == Codes{"IO403"});
     CHECK(pulled(R"({"frames": [{"frame": 1, "bones": {"b": "x"}}]})") == Codes{"IO403"});
     CHECK(pulled(R"({"frames": [{"frame": 1}]})") == Codes{"IO403"});
+    CHECK(pulled(R"({"frames": [{"frame": 1, "bones": {"b": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,0,0,1]}}]})") ==
+          Codes{"IO403"});
     const std::string m = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
     CHECK(pulled(R"({"frames": [{"frame": 2, "bones": {"b": )" + m + R"(}}, {"frame": 2, "bones": {"b": )" + m +
                  "}}]}") == Codes{"IO403"});

@@ -117,3 +117,26 @@ TEST_CASE("painted pressure acts where the layer is painted, times what its enve
         CHECK(way(weak, 3).y() == Approx(0.25 * 3 * acceleration * h * h).epsilon(0.03));
     }
 }
+
+TEST_CASE("pressure on a mesh that is open or looks inwards is warned of", "[nodes]") {
+    const Folder folder;
+    const auto warnings = [&](const std::string& faces, const std::string& material) {
+        const std::string file = folder.write("tet.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n" + faces);
+        Session s(R"("mesh": {"type": "meshFile", "inputs": {"file": ")" + file + R"("}},
+            "flesh": {"type": "zMaterial", "inputs": {)" +
+                  material + R"(}}, "body": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh.outMesh"},
+            "materials": [{"from": "flesh.outMaterial"}]}})");
+        s.pull("body", "outBody");
+        std::string text;
+        for (const engine::Diagnostic& d : s.counter.warnings) text += d.code + " " + d.attribute + " " + d.message;
+        return text;
+    };
+    const std::string outwards = "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n",
+                      inwards = "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n", open = "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
+    const std::string pressed = R"("pressure": 10)", tense = R"("surfaceTension": 10)";
+    CHECK(warnings(outwards, pressed).empty());
+    CHECK_THAT(warnings(inwards, pressed), Catch::StartsWith("FE245 mesh") && Catch::Contains("look inwards"));
+    // Half a square metre is missing of 1.5 + sqrt(3)/2.
+    CHECK_THAT(warnings(open, pressed), Catch::StartsWith("FE245 mesh") && Catch::Contains("by 27 %"));
+    for (const std::string& faces : {outwards, inwards, open}) CHECK(warnings(faces, tense).empty());
+}

@@ -22,7 +22,8 @@ std::string full_name(const HardCase& c) {
 } // namespace
 
 HardResult run_case(const HardCase& c, const HardSetting& setting, const std::stop_token& stop) {
-    HardResult out{&c, setting};
+    HardResult out;
+    out.of = &c, out.setting = setting;
     const auto start = std::chrono::steady_clock::now();
     HardTrial trial(setting, stop);
     try {

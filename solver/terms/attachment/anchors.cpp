@@ -2,6 +2,7 @@
 #include "solver/terms/attachment/anchors.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/parallel.h"
 #include "solver/surface/quadrature.h"
 #include "solver/terms/attachment/find_targets.h"
@@ -14,8 +15,6 @@
 namespace sinew::solver {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Rotation whose columns are the triangle's first edge, the in-plane normal to it, and the normal.
 Mat3 triangle_frame(const Vec3& a, const Vec3& b, const Vec3& c) {

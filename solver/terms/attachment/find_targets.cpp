@@ -2,6 +2,7 @@
 #include "solver/terms/attachment/find_targets.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 namespace sinew::solver {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Triangle sorted(Triangle t) {
     std::sort(t.begin(), t.end());

@@ -17,9 +17,9 @@ constexpr std::size_t grain = 128;
 
 constexpr auto value_names = field_names<FieldValues>();
 constexpr Measure measures[] = {
-    {"field", "force_x_n", "N", "force of fields along x", Combine::last},
-    {"field", "force_y_n", "N", "along y", Combine::last},
-    {"field", "force_z_n", "N", "along z", Combine::last},
+    {"field", "force_x_N", "N", "force of fields along x", Combine::last},
+    {"field", "force_y_N", "N", "along y", Combine::last},
+    {"field", "force_z_N", "N", "along z", Combine::last},
 };
 
 bool acts(const Part& part) { return part.type == &field_type && !part.bodies.empty(); }

@@ -177,10 +177,9 @@ double central_work(const FieldAt& f, double d) {
 
 Vec3 unit_vector(double x, double y, double z, const char* what) {
     const Vec3 a(x, y, z);
-    const double length = a.norm();
-    if (!(length > 0))
+    if (a.isZero(0))
         throw Error("FE304", std::string("the ") + what + " of a field is zero", "give it a length above zero");
-    return a / length;
+    return a.stableNormalized(); // squares of what is very long or short are none
 }
 
 void check(double number, bool fits, const char* what, const char* range) {

@@ -52,10 +52,11 @@ void Holds::set_nearness() {
             Points places;
             for (const int v : hold.vertices) places.push_back(point(numbering.rest, v));
             const Bvh tree = build_bvh(places, places);
+            const double least = 1e-6 * body.spacing; // what lies on a held vertex is near, not infinitely so
             hold.nearness.resize(body.unknown_count);
             parallel_for(body.unknown_count, 64, [&](std::size_t u) {
                 const int v = numbering.vertex_of_unknown[body.first_unknown + u];
-                hold.nearness[u] = 1 / distance_to_nearest(places, tree, point(numbering.rest, v));
+                hold.nearness[u] = 1 / std::max(least, distance_to_nearest(places, tree, point(numbering.rest, v)));
             });
         }
     }

@@ -11,7 +11,7 @@ namespace {
 constexpr FieldName values[] = {{"pressureEnvelope", "1"}};
 constexpr Measure measures[] = {
     {"pressure", "volume_m3", "m^3", "volume inside surfaces under pressure", Combine::last},
-    {"pressure", "net_force_n", "N", "largest net force of pressure on a body", Combine::most},
+    {"pressure", "net_force_N", "N", "largest net force of pressure on a body", Combine::most},
 };
 
 Eigen::Map<const Vec3> point(std::span<const double> places, int p) {

@@ -75,7 +75,8 @@ TenseTets<N>::TenseTets(const Scene& scene, const LayeredSurfaces& surfaces, Sur
 template <int N>
 void TenseTets<N>::find_rest_areas(const std::vector<double>& rest) {
     stencils_.move(rest);
-    stencils_.evaluate(false, [&](std::size_t b, const StencilVectors<N>& x, StencilVectors<N>&) {
+    stencils_.evaluate(false, [&](std::size_t b, const StencilVectors<N>& x, StencilVectors<N>& g) {
+        for (PackVector& v : g) v = {Pack(0.0), Pack(0.0), Pack(0.0)};
         for (std::size_t f = first_[b]; f < first_[b + 1]; ++f) {
             const StencilVectors<3> y = spanned(facets_[f], x);
             const PackVector n = Pack(0.5) * cross(y[1], y[2]);
@@ -175,8 +176,9 @@ void TenseTets<N>::add_squared_stiffnesses(std::span<double> squares) const {
 
 template <int N>
 double TenseTets<N>::area() {
-    return stencils_.evaluate(false, [&](std::size_t b, const StencilVectors<N>& x, StencilVectors<N>&) {
+    return stencils_.evaluate(false, [&](std::size_t b, const StencilVectors<N>& x, StencilVectors<N>& g) {
         Pack sum(0.0);
+        for (PackVector& v : g) v = {Pack(0.0), Pack(0.0), Pack(0.0)};
         for (std::size_t k = first_[b]; k < first_[b + 1]; ++k) {
             const StencilVectors<3> y = spanned(facets_[k], x);
             const PackVector n = Pack(0.5) * cross(y[1], y[2]);

@@ -7,6 +7,8 @@
 #include "tests/support/swing.h"
 #include "tests/support/term_checks.h"
 
+#include <tuple>
+
 namespace sinew::test {
 
 using namespace solver;
@@ -24,10 +26,11 @@ TetMesh lattice(ElementKind kind, int fineness) {
     return make_lattice(box.points, box.triangles, options);
 }
 
-/// A block with fibres that flies, deformed by moving loads.
-ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, bool cut, int fineness) {
+/// A block with fibres that flies, or is held at one side, deformed by moving loads.
+ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, bool cut, bool held, int fineness) {
     auto t = tissue(cut ? lattice(kind, fineness) : box_mesh({0.2, 0.1, 0.1}, 2 * fineness, fineness, fineness), law);
     t->element = kind;
+    if (held) t->fixed_vertices = vertices_where(t->tets.vertices, [](const Vec3& p) { return p.x() < 1e-9; });
     const std::size_t n = t->tets.tets.size();
     if (needs_direction(law)) t->stiff_directions.assign(n, Vec3(1, 2, -0.5).normalized());
     t->fibers = {{Points(n, Vec3(1, 0.2, 0).normalized()), std::vector<double>(n, 1.0)}};
@@ -46,12 +49,15 @@ ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation,
             }};
 }
 
-/// Two blocks on top of each other, tied by their vertices at the border, or one to a bone that moves.
-ExampleScene tied(ElementKind kind, bool to_bone, double damping, int fineness) {
+/// Two blocks on top of each other, tied by their vertices at the border, or one to a bone that moves; the lower one
+/// may be held on the right, also where it is tied.
+ExampleScene tied(ElementKind kind, bool to_bone, double damping, bool held, int fineness) {
     const Vec3 size(0.2, 0.1, 0.1);
     auto lower = tissue(box_mesh(size, 2 * fineness, fineness, fineness), ElasticLaw::stvk);
     auto upper = tissue(box_mesh(size, 3 * fineness, fineness, fineness), ElasticLaw::stvk);
     lower->element = upper->element = kind;
+    if (held)
+        lower->fixed_vertices = vertices_where(lower->tets.vertices, [](const Vec3& p) { return p.x() > 0.2 - 1e-9; });
     for (Points* points : {&upper->tets.vertices, &upper->surface})
         for (Vec3& p : *points) p.y() += 0.1;
     const Points plate = {{-1, 0.1, -1}, {-1, 0.1, 2}, {2, 0.1, -1}};
@@ -90,13 +96,14 @@ std::vector<TermExample> elastic_examples() {
     std::vector<TermExample> out;
     for (const LawFacts& law : elastic_laws)
         for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
-            for (const auto& [conservation, cut] : {std::pair{0.0, false}, {1e5, false}, {1e5, true}}) {
+            for (const auto& [conservation, cut, held] :
+                 {std::tuple{0.0, false, false}, {0.0, false, true}, {1e5, false, false}, {1e5, true, false}}) {
                 TermExample e;
                 e.name = std::string(law.name) + ", " + name_of(kind) + (conservation > 0 ? ", keeps its volume" : "") +
-                         (cut ? ", cut tets" : "");
+                         (cut ? ", cut tets" : "") + (held ? ", held" : "");
                 e.type = &elastic_type;
-                e.make = [law = law.law, kind, conservation = conservation, cut = cut](int fineness) {
-                    return block(law, kind, conservation, cut, fineness);
+                e.make = [law = law.law, kind, conservation = conservation, cut = cut, held = held](int fineness) {
+                    return block(law, kind, conservation, cut, held, fineness);
                 };
                 e.forces_cancel = true;
                 e.torques_cancel = true;
@@ -111,12 +118,14 @@ std::vector<TermExample> attachment_examples() {
     std::vector<TermExample> out;
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
         for (const bool to_bone : {false, true})
-            for (const double damping : {0.0, 30.0}) {
+            for (const auto& [damping, held] : {std::pair{0.0, false}, {30.0, false}, {30.0, true}}) {
                 TermExample e;
                 e.name = "attachment to a " + std::string(to_bone ? "bone, " : "tissue, ") + name_of(kind) +
-                         (damping > 0 ? ", damped" : "");
+                         (damping > 0 ? ", damped" : "") + (held ? ", held" : "");
                 e.type = &attachment_type;
-                e.make = [=](int fineness) { return tied(kind, to_bone, damping, fineness); };
+                e.make = [kind, to_bone, damping = damping, held = held](int fineness) {
+                    return tied(kind, to_bone, damping, held, fineness);
+                };
                 e.forces_cancel = !to_bone;
                 e.torques_cancel = !to_bone && damping == 0; // a drag does not act along the line between its ends
                 out.push_back(std::move(e));

@@ -427,6 +427,19 @@ TEST_CASE("turbulence has mean 0 and a root mean square of its magnitude, with a
     }
 }
 
+TEST_CASE("the length of a direction or axis does not count, however long or short it is") {
+    const Vec3 x(0.3, -0.2, 0.5);
+    for (const double length : {1e300, 1e-300, 5.0}) {
+        INFO(length);
+        const Vec3 along = length * Vec3(0.6, 0, 0.8);
+        const Vec3 pushed = field_force(TestField(uniform, 50).towards(along).now(), x, Vec3::Zero());
+        CHECK((pushed - Vec3(30, 0, 40)).norm() < 1e-12);
+        const Vec3 turned = field_force(TestField(vortex, 50).around(along).now(), x, Vec3::Zero());
+        CHECK((turned - field_force(TestField(vortex, 50).around({3, 0, 4}).now(), x, Vec3::Zero())).norm() < 1e-12);
+        CHECK(turned.norm() > 1);
+    }
+}
+
 TEST_CASE("noise is what an implementation in another language makes of its description") {
     TestField f(turbulence, 1);
     f.values.evolution = 0.6;
@@ -445,9 +458,9 @@ TEST_CASE("the fields' total force is reported, and arrows show where it acts") 
     add_field(t, TestField(gravity, 2).towards({1, 0, 0}));
     t.start();
     REQUIRE(t.step());
-    CHECK(value_of(t.state.record.measured, "field", "force_x_n") == Approx(2 * 1000 * 0.02));
-    CHECK(value_of(t.state.record.measured, "field", "force_y_n") == Approx(0).margin(1e-12));
-    CHECK(value_of(t.state.record.measured, "field", "force_z_n") == Approx(-50 * 0.02));
+    CHECK(value_of(t.state.record.measured, "field", "force_x_N") == Approx(2 * 1000 * 0.02));
+    CHECK(value_of(t.state.record.measured, "field", "force_y_N") == Approx(0).margin(1e-12));
+    CHECK(value_of(t.state.record.measured, "field", "force_z_N") == Approx(-50 * 0.02));
     Trial::Judge judge(t, t.state);
     Marks marks;
     judge.potential.marks(t.state.x, marks);

@@ -508,3 +508,30 @@ TEST_CASE("each scheme starts from the initial velocity with its own formula") {
                 CHECK(b.state.v[3 * v + 2] == Approx(3 * factor).epsilon(1e-8));
         }
 }
+
+TEST_CASE("what lies on held vertices without being tied to them is taken along too") {
+    HeldBody b(Vec3(0.2, 0.1, 0.1), 2, 1, 1, ElasticLaw::stvk, ElementKind::linear,
+               {at_left, [](const Vec3& p) { return p.x() > 0.2 - 1e-9; }});
+    // A tet of its own, one corner of which is where a held one is.
+    TetMesh& tets = b.rest->tets;
+    const auto first = static_cast<int>(tets.vertices.size());
+    const Vec3 corner = *std::find_if(tets.vertices.begin(), tets.vertices.end(), at_left);
+    for (const Vec3& side : {Vec3(0, 0, 0), Vec3(-0.1, 0, 0), Vec3(0, 0, -0.1), Vec3(0, -0.1, 0)})
+        tets.vertices.emplace_back(corner + side);
+    tets.tets.push_back({first, first + 1, first + 2, first + 3});
+    b.rest->layer_weights.assign(1, std::vector<double>(tets.tets.size(), 1.0));
+    b.rest->stiff_directions.assign(tets.tets.size(), Vec3::UnitX());
+    if (!tets.coverage.empty()) tets.coverage.push_back(1);
+    b.start();
+    const Numbering& numbering = b.scene->numbering();
+    const Vec3 shift(0.3, -0.1, 0.2);
+    std::vector<double> before = numbering.rest, x = before;
+    for (std::size_t v = 0; v < numbering.unknown.size(); ++v)
+        for (std::size_t c = 0; numbering.unknown[v] < 0 && c < 3; ++c)
+            x[3 * v + c] += shift[static_cast<Eigen::Index>(c)];
+    std::vector<char> bodies(1);
+    REQUIRE(Holds(*b.scene).carry(before, x, bodies));
+    for (std::size_t v = 0; v < numbering.unknown.size(); ++v)
+        for (std::size_t c = 0; c < 3; ++c)
+            CHECK(x[3 * v + c] == Approx(before[3 * v + c] + shift[static_cast<Eigen::Index>(c)]).margin(1e-12));
+}

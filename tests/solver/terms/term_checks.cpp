@@ -232,6 +232,7 @@ void check_allocations(const TermExample& example) {
         const State end = advance(w, start, all.subspan(1 + first, std::size_t(steps)));
         taken[steps == longer] = allocations().all - before;
         CHECK(end.record.converged);
+        INFO("an example must move at every step: change a load or a value of it");
         CHECK(end.record.newton_iterations >= steps);
         CHECK(taken[steps == longer] > 0); // the returned state: else nothing is counted
     }

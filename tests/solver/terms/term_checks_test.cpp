@@ -45,6 +45,28 @@ TEST_CASE("every term has an example") {
     }
 }
 
+/// Whether the term pulls on a held vertex: what it does to it is in the hold's reaction.
+static bool pulls_on_what_is_held(const TermExample& example) {
+    TermProbe probe(example);
+    const Eigen::VectorXd gradient = probe.gradient(poses(probe).front().x);
+    const std::vector<int>& unknown = probe.numbering().unknown;
+    for (std::size_t v = 0; v < unknown.size(); ++v)
+        if (unknown[v] < 0 && gradient.segment<3>(static_cast<Eigen::Index>(3 * v)).norm() > 0) return true;
+    return false;
+}
+
+TEST_CASE("every term that has forces has an example in which it pulls on what is held") {
+    const std::vector<TermExample> examples = term_examples();
+    for (const TermType* type : all_terms()) {
+        INFO(type->name);
+        const auto is_of_it = [&](const TermExample& e) { return e.type == type; };
+        if (std::none_of(examples.begin(), examples.end(), [&](const TermExample& e) { return is_of_it(e) && e.acts; }))
+            continue;
+        CHECK(std::any_of(examples.begin(), examples.end(),
+                          [&](const TermExample& e) { return is_of_it(e) && pulls_on_what_is_held(e); }));
+    }
+}
+
 TEST_CASE("terms: the gradient is that of the energy") { for_each_example(check_gradient); }
 TEST_CASE("terms: the Hessian is the derivative of the gradient") { for_each_example(check_hessian); }
 TEST_CASE("terms: a projected Hessian is positive semi-definite") { for_each_example(check_projection); }
