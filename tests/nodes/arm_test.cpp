@@ -126,8 +126,9 @@ TEST_CASE("the arm flexes: converged, nothing inverted, muscles on their bones, 
             CHECK(worst < 0.3);
         }
     }
-    // A rig of stiff ends is solved by iterations on a factor that lasts for the frame: rarely a second one.
-    CHECK(factorizations <= 1.25 * 31);
+    // A rig of stiff ends is solved by iterations on a factor that serves several of Newton's.
+    CHECK(factorizations > 0);
+    CHECK(factorizations <= 0.75 * newton);
     CHECK(linear_iterations >= newton);
     CHECK(linear_iterations <= 8 * newton);
     const std::vector<int> origin = attachments[0]["vertices"], insertion = attachments[1]["vertices"];

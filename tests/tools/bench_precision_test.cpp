@@ -172,7 +172,49 @@ TEST_CASE("sinew bench scene runs a graph under each linear solver, to the same 
     }
     CHECK(solvers == std::vector<std::string>{"Plain", "Direct", "Iterative", "Auto"});
     CHECK(run_program({"bench", "scene"}).code == 2);
-    CHECK(run_program({"bench", "scene", graph, graph}).code == 2);
+    CHECK(run_program({"bench", "scene", graph, "--solvers", "Fast"}).code == 2);
+    CHECK(run_program({"bench", "scene", graph, "--elements", "cubic"}).code == 2);
+    CHECK(run_program({"bench", "scene", graph, "--sizes", "0"}).code == 2);
+}
+
+TEST_CASE("sinew bench scene takes folders, elements and tet sizes, and the first solver is the yardstick", "[tools]") {
+    const TemporaryFolder scratch;
+    const std::string folder = scratch.path().string();
+    write_text(scratch / "bar.json", R"({"format": "sinew 1", "timing": {"start": 1, "end": 5, "fps": 24}, "nodes": {
+      "box": {"type": "polyCube", "inputs": {"width": 40, "height": 10, "depth": 10, "subdivisionsWidth": 8}},
+      "ends": {"type": "weights", "inputs": {
+        "mesh": {"from": "box.outMesh"}, "mode": "ramp", "axis": "x", "start": -19, "end": -20}},
+      "tets": {"type": "zTet", "inputs": {"mesh": {"from": "box.outMesh"}, "tetSize": 5}},
+      "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 30000}},
+      "bar": {"type": "zTissue", "inputs": {"mesh": {"from": "box.outMesh"}, "tets": {"from": "tets.outTets"},
+                                            "materials": [{"from": "flesh.outMaterial"}]}},
+      "wall": {"type": "zHold", "inputs": {"tissue": {"from": "bar.outBody"}, "weights": {"from": "ends.outWeights"}}},
+      "solver": {"type": "zSolver", "inputs": {
+        "bodies": [{"from": "bar.outBody"}], "forces": [{"from": "wall.outForce"}]}}}})");
+    const Said said = run_program({"bench", "scene", folder, "--steps", "2", "--quick", "--json", "--solvers",
+                                   "Direct,Auto", "--elements", "linear,quadratic", "--sizes", "1,0.5"});
+    INFO(said.err);
+    REQUIRE(said.code == 0);
+    const auto rows = nlohmann::json::parse(said.out)["rows"];
+    REQUIRE(rows.size() == 8);
+    std::vector<std::int64_t> tets, unknowns;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        CHECK(rows[k]["scene"] == "bar.json");
+        CHECK(rows[k]["solver"] == (k % 2 == 0 ? "Direct" : "Auto"));
+        CHECK(rows[k]["element"] == (k < 4 ? "linear" : "quadratic"));
+        CHECK(rows[k]["tet_scale"] == (k % 4 < 2 ? 1.0 : 0.5));
+        CHECK(rows[k]["inverted"] == 0);
+        CHECK(rows[k]["difference"].get<double>() < 1e-4);
+        if (k % 2 == 0) {
+            CHECK(rows[k]["linear_per_frame"] == 0);
+            CHECK(rows[k]["factors_per_frame"].get<double>() >= 1);
+            tets.push_back(rows[k]["tets"]), unknowns.push_back(rows[k]["unknowns"]);
+        }
+    }
+    CHECK(tets[0] == tets[2]);
+    CHECK(tets[1] == tets[3]);
+    CHECK(tets[1] > 4 * tets[0]);
+    CHECK(unknowns[2] > 4 * unknowns[0]);
 }
 
 TEST_CASE("sinew bench report writes a page whose pictures are there, with machine and date", "[tools]") {

@@ -3,6 +3,7 @@
 
 #include "engine/evaluator.h"
 #include "nodes/values.h"
+#include "tools/bench/tet_variants.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,38 +18,11 @@ namespace {
 
 using engine::Graph;
 
-std::vector<std::string> nodes_of_type(const Graph& graph, std::string_view type) {
-    std::vector<std::string> out;
-    for (const std::string& name : graph.node_names())
-        if (graph.find(name)->type_name == type) out.push_back(name);
-    return out;
-}
-
-/// A zTet's tetSize; 0, the default, stays what it is to the node: a share of the mesh.
-double tet_size(const Graph& graph, const std::string& node) {
-    const auto& inputs = graph.find(node)->inputs;
-    const auto found = inputs.find("tetSize");
-    if (found == inputs.end()) return 0;
-    const auto* value = std::get_if<engine::Value>(&found->second);
-    return value && value->is<double>() ? value->as<double>() : 0;
-}
-
 std::shared_ptr<const Graph> variant(const std::shared_ptr<const Graph>& graph, const std::string& tissue,
                                      const std::string& element, double scale) {
-    engine::Edit edit(graph);
-    for (const std::string& node : nodes_of_type(*graph, "zTet")) {
-        const double size = tet_size(*graph, node);
-        if (!(size > 0)) {
-            engine::Diagnostic d;
-            d.code = "DG110", d.node = node, d.attribute = "tetSize";
-            d.message = "tetSize is not given as a number, so it cannot be scaled";
-            d.hint = "Give it in scene units.";
-            throw engine::Failure(d);
-        }
-        edit.set_json({node, "element"}, nlohmann::json(element).dump());
-        edit.set_json({node, "tetSize"}, nlohmann::json(size * scale).dump());
-    }
-    for (const std::string& node : nodes_of_type(*graph, "zTissue"))
+    const auto scaled = with_tets(graph, element, scale);
+    engine::Edit edit(scaled);
+    for (const std::string& node : nodes_of_type(*scaled, "zTissue"))
         if (!tissue.empty() && node != tissue) edit.set_json({node, "enable"}, "false");
     return edit.commit().graph;
 }

@@ -4,6 +4,7 @@
 #include "engine/evaluator.h"
 #include "nodes/values.h"
 #include "tools/bench/beams.h"
+#include "tools/bench/tet_variants.h"
 
 #include <algorithm>
 #include <array>
@@ -14,9 +15,6 @@ namespace sinew::bench {
 
 namespace {
 
-/// The yardstick first: the others are compared with it.
-constexpr std::array solvers{"Plain", "Direct", "Iterative", "Auto"};
-
 using Motion = std::vector<std::vector<solver::Points>>; ///< [frame][mesh]
 
 struct Pass {
@@ -25,12 +23,12 @@ struct Pass {
 };
 
 /// Simulates all frames from the start; fills in what does not vary from turn to turn.
-Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::string& node, const SceneBench& scene,
-             const RunOptions& options, SceneRow& row, std::int64_t& tets, Motion& motion) {
+Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::string& node, const RunOptions& options,
+             SceneRow& row, SceneBench& scene, Motion& motion) {
     engine::Evaluator evaluator;
     Pass pass;
     motion.clear();
-    row.newton_per_frame = 0, row.unconverged = 0;
+    row.newton_per_frame = row.linear_per_frame = row.factors_per_frame = 0, row.unconverged = 0;
     const int frames = scene.last - scene.first; // the first one is the start
     for (int frame = scene.first; frame <= scene.last; ++frame) {
         const engine::Value meshes =
@@ -39,13 +37,16 @@ Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::strin
             evaluator.pull({graph, {node, "outReport"}, static_cast<double>(frame), options.stop});
         motion.emplace_back();
         for (const nodes::Mesh& m : meshes.as<nodes::MeshList>().meshes) motion.back().push_back(*m.points);
-        const auto& size = report.as<nodes::SolveReport>();
-        const solver::StepRecord& r = size.record;
-        tets = size.tets;
+        const auto& solved = report.as<nodes::SolveReport>();
+        const solver::StepRecord& r = solved.record;
+        scene.tets = solved.tets, scene.unknowns = solved.dofs;
         if (frame == scene.first) continue;
         const std::array seconds{r.seconds_assembly, r.seconds_factor, r.seconds_solve, r.seconds_other};
         for (std::size_t k = 0; k < seconds.size(); ++k) pass.ms[k] += 1e3 * seconds[k] / frames;
         row.newton_per_frame += static_cast<double>(r.newton_iterations) / frames;
+        row.linear_per_frame += static_cast<double>(r.linear_iterations) / frames;
+        row.factors_per_frame += static_cast<double>(r.factorizations) / frames;
+        row.inverted = std::max(row.inverted, r.inverted);
         row.residual_max = std::max(row.residual_max, r.residual);
         row.unconverged += !r.converged;
     }
@@ -63,23 +64,26 @@ double farthest(const Motion& a, const Motion& b) {
 
 } // namespace
 
-SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::string& solver, int first, int last,
-                     int turns, const RunOptions& options) {
+SceneBench run_scene(const SceneVariant& variant, const std::vector<std::string>& solvers, int turns,
+                     const RunOptions& options) {
     SceneBench out;
-    out.first = first, out.last = last, out.turns = turns;
+    out.first = variant.first, out.last = variant.last, out.turns = turns;
+    out.element = variant.element, out.tet_scale = variant.tet_scale;
+    const auto graph = with_tets(variant.graph, variant.element, variant.tet_scale);
     out.name = std::filesystem::path(graph->file()).filename().string();
     std::vector<std::vector<Pass>> passes(solvers.size());
     Motion yardstick, motion;
     for (int turn = 0; turn < turns; ++turn)
         for (std::size_t k = 0; k < solvers.size(); ++k) {
-            options.tell(out.name + ", " + solvers[k] + ", turn " + std::to_string(turn + 1) + " of " +
+            options.tell(out.name + (out.element.empty() ? "" : ", " + out.element) + ", tet sizes x " +
+                         number(out.tet_scale, 3) + ", " + solvers[k] + ", turn " + std::to_string(turn + 1) + " of " +
                          std::to_string(turns));
             engine::Edit edit(graph);
-            edit.set_json({solver, "solver"}, nlohmann::json(solvers[k]).dump());
+            edit.set_json({variant.solver, "solver"}, nlohmann::json(solvers[k]).dump());
             if (turn == 0) out.rows.push_back({.solver = solvers[k]});
             SceneRow& row = out.rows[k];
             passes[k].push_back(
-                pass_of(edit.commit().graph, solver, out, options, row, out.tets, k == 0 ? yardstick : motion));
+                pass_of(edit.commit().graph, variant.solver, options, row, out, k == 0 ? yardstick : motion));
             if (k > 0 && turn == 0) row.difference = farthest(motion, yardstick);
         }
     for (std::size_t k = 0; k < solvers.size(); ++k) {
@@ -99,15 +103,62 @@ SceneBench run_scene(std::shared_ptr<const engine::Graph> graph, const std::stri
     return out;
 }
 
+namespace {
+
+std::vector<std::string> titles(const std::string& yardstick) {
+    return {"solver",
+            "ms per frame",
+            yardstick + " / this",
+            "assembly [ms]",
+            "factor [ms]",
+            "solve [ms]",
+            "other [ms]",
+            "Newton per frame",
+            "linear iterations",
+            "factors",
+            "worst residual",
+            "unconverged",
+            "inverted",
+            "farthest vertex from " + yardstick + "'s [scene units]"};
+}
+
+std::vector<std::string> cells(const SceneRow& r) {
+    return {r.solver,
+            number(r.ms_per_frame, 3),
+            number(r.speedup, 3),
+            number(r.assembly_ms, 3),
+            number(r.factor_ms, 3),
+            number(r.solve_ms, 3),
+            number(r.other_ms, 3),
+            number(r.newton_per_frame, 3),
+            number(r.linear_per_frame, 3),
+            number(r.factors_per_frame, 3),
+            number(r.residual_max, 2),
+            std::to_string(r.unconverged),
+            std::to_string(r.inverted),
+            number(r.difference, 2)};
+}
+
+} // namespace
+
 Table scene_table(const SceneBench& result) {
-    Table t{{"solver", "ms per frame", "Plain / this", "assembly [ms]", "factor [ms]", "solve [ms]", "other [ms]",
-             "Newton per frame", "worst residual", "unconverged", "farthest vertex from Plain's [scene units]"},
-            {}};
-    for (const SceneRow& r : result.rows)
-        t.rows.push_back({r.solver, number(r.ms_per_frame, 3), number(r.speedup, 3), number(r.assembly_ms, 3),
-                          number(r.factor_ms, 3), number(r.solve_ms, 3), number(r.other_ms, 3),
-                          number(r.newton_per_frame, 3), number(r.residual_max, 2), std::to_string(r.unconverged),
-                          number(r.difference, 2)});
+    Table t{titles(result.rows.front().solver), {}};
+    for (const SceneRow& r : result.rows) t.rows.push_back(cells(r));
+    return t;
+}
+
+Table scenes_table(const std::vector<SceneBench>& results) {
+    Table t{{"scene", "element", "tet sizes x", "tets", "unknowns"}, {}}; // and those of each row
+    const std::vector<std::string> rest = titles(results.front().rows.front().solver);
+    t.columns.insert(t.columns.end(), rest.begin(), rest.end());
+    for (const SceneBench& s : results)
+        for (const SceneRow& r : s.rows) {
+            std::vector<std::string> row{s.name, s.element, number(s.tet_scale, 3), std::to_string(s.tets),
+                                         std::to_string(s.unknowns)};
+            const std::vector<std::string> more = cells(r);
+            row.insert(row.end(), more.begin(), more.end());
+            t.rows.push_back(std::move(row));
+        }
     return t;
 }
 
@@ -118,7 +169,10 @@ nlohmann::ordered_json scene_json(const SceneBench& result) {
                        {"first", result.first},
                        {"last", result.last},
                        {"turns", result.turns},
+                       {"element", result.element},
+                       {"tet_scale", result.tet_scale},
                        {"tets", result.tets},
+                       {"unknowns", result.unknowns},
                        {"solver", r.solver},
                        {"ms_per_frame", r.ms_per_frame},
                        {"speedup", r.speedup},
@@ -127,8 +181,11 @@ nlohmann::ordered_json scene_json(const SceneBench& result) {
                        {"solve_ms", r.solve_ms},
                        {"other_ms", r.other_ms},
                        {"newton_per_frame", r.newton_per_frame},
+                       {"linear_per_frame", r.linear_per_frame},
+                       {"factors_per_frame", r.factors_per_frame},
                        {"residual_max", r.residual_max},
                        {"unconverged", r.unconverged},
+                       {"inverted", r.inverted},
                        {"difference", r.difference},
                        {"difference_unit", "scene units"}});
     return out;

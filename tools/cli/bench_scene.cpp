@@ -1,4 +1,4 @@
-// `sinew bench scene`: the frames of a graph under each linear solver.
+// `sinew bench scene`: the frames of graphs under each linear solver, with their own tets or others.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/graph_file.h"
 #include "nodes/register_all.h"
@@ -6,26 +6,90 @@
 #include "tools/cli/bench_common.h"
 #include "tools/cli/open_graph.h"
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 
 namespace sinew::cli {
 
-bench::SceneBench measure_scene(const Invocation& in, const std::string& file) {
+namespace {
+
+bench::SceneVariant as_it_is(const Invocation& in, const std::string& file) {
     const auto graph = engine::load_graph(nodes::make_registry(), file).graph;
-    const bool quick = in.arguments.has("--quick");
     const int first = start_frame(*graph, upstream_of(*graph, {default_plug(*graph).node}));
-    const int frames = in.arguments.whole_number("--steps", quick ? 4 : graph->timing().end - first, 1);
-    return bench::run_scene(graph, default_plug(*graph).node, first, first + frames, quick ? 1 : 5, run_options(in));
+    const int frames =
+        in.arguments.whole_number("--steps", in.arguments.has("--quick") ? 4 : graph->timing().end - first, 1);
+    return {.graph = graph, .solver = default_plug(*graph).node, .first = first, .last = first + frames};
+}
+
+int turns(const Invocation& in) { return in.arguments.has("--quick") ? 1 : 5; }
+
+/// The words of a list, each one of `known`.
+std::vector<std::string> words(const Invocation& in, std::string_view flag, const std::vector<std::string>& known,
+                               std::vector<std::string> otherwise) {
+    const auto text = in.arguments.value(flag);
+    if (!text) return otherwise;
+    std::vector<std::string> out = split(*text, ',');
+    for (const std::string& word : out)
+        if (std::find(known.begin(), known.end(), word) == known.end())
+            throw UsageError(std::string(flag) + ": there is no '" + word + "'." + did_you_mean(word, known));
+    if (out.empty()) throw UsageError(std::string(flag) + " needs a list.");
+    return out;
+}
+
+/// The files, and the graph files of folders by name.
+std::vector<std::string> graph_files(const std::vector<std::string>& paths) {
+    std::vector<std::string> out;
+    for (const std::string& path : paths) {
+        if (!std::filesystem::is_directory(path)) {
+            out.push_back(path);
+            continue;
+        }
+        std::vector<std::string> inside;
+        for (const auto& entry : std::filesystem::directory_iterator(path))
+            if (entry.path().extension() == ".json") inside.push_back(entry.path().string());
+        if (inside.empty()) throw UsageError("'" + path + "' has no graph files (*.json) in it.");
+        std::sort(inside.begin(), inside.end());
+        out.insert(out.end(), inside.begin(), inside.end());
+    }
+    return out;
+}
+
+} // namespace
+
+bench::SceneBench measure_scene(const Invocation& in, const std::string& file) {
+    return bench::run_scene(as_it_is(in, file),
+                            {std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers)}, turns(in),
+                            run_options(in));
 }
 
 ExitCode bench_scene(const Invocation& in) {
-    const auto file = in.arguments.operand(1);
-    if (!file) throw UsageError("scene needs a graph file.");
-    if (in.arguments.operand(2)) throw UsageError("scene takes one graph file.");
-    const bench::SceneBench r = measure_scene(in, *file);
-    print_result(in, "scene", bench::scene_table(r), bench::scene_json(r),
-                 r.name + ", " + std::to_string(r.tets) + " tets, frames " + std::to_string(r.first + 1) + " to " +
-                     std::to_string(r.last) + ", medians of " + std::to_string(r.turns));
+    const std::vector<std::string> files = graph_files(in.arguments.operands_from(1));
+    if (files.empty()) throw UsageError("scene needs graph files, or folders with graph files in them.");
+    const std::vector<std::string> all(std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers));
+    const std::vector<std::string> solvers = words(in, "--solvers", all, all);
+    const std::vector<std::string> elements = words(in, "--elements", {"linear", "quadratic"}, {""});
+    const std::vector<double> sizes = in.arguments.numbers("--sizes", {1});
+    for (const double s : sizes)
+        if (!(s >= 0.01) || !(s <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
+    std::vector<bench::SceneBench> results;
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    for (const std::string& file : files)
+        for (const std::string& element : elements)
+            for (const double size : sizes) {
+                bench::SceneVariant variant = as_it_is(in, file);
+                variant.element = element, variant.tet_scale = size;
+                results.push_back(bench::run_scene(variant, solvers, turns(in), run_options(in)));
+                for (const auto& row : bench::scene_json(results.back())) rows.push_back(row);
+            }
+    const bench::SceneBench& r = results.front();
+    if (results.size() > 1)
+        print_result(in, "scene", bench::scenes_table(results), rows,
+                     "frames after the start of each, medians of " + std::to_string(r.turns));
+    else
+        print_result(in, "scene", bench::scene_table(r), rows,
+                     r.name + ", " + std::to_string(r.tets) + " tets, frames " + std::to_string(r.first + 1) + " to " +
+                         std::to_string(r.last) + ", medians of " + std::to_string(r.turns));
     return done;
 }
 

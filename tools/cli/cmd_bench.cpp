@@ -29,7 +29,7 @@ constexpr Benchmark benchmarks[] = {
     {"scaling", bench_scaling, "--quick --only --output"},
     {"idle-cost", bench_idle_cost, "--quick --only"},
     {"hard", bench_hard, "--quick --only"},
-    {"scene", bench_scene, "--quick --steps", true},
+    {"scene", bench_scene, "--quick --steps --solvers --elements --sizes", true},
     {"elements", bench_elements, "--quick --steps --only --output", true},
     {"report", bench_report, "--quick --steps --output", true},
 };
@@ -85,14 +85,15 @@ Command bench_command() {
           "times; "
           "scaling: time and memory from a thousand to half a million tets; idle-cost: what unused "
           "features cost; hard: collapsed, scrambled, overstretched, torn about and spoilt bodies under every law, "
-          "element and integrator, exit code 3 if an answer is wrong; scene: the frames of a graph under each linear "
+          "element and integrator, exit code 3 if an answer is wrong; scene: the frames of graphs under each linear "
           "solver and under the yardstick "
-          "Plain; elements: the motion of a graph with linear and quadratic tets of several sizes, against time; "
+          "Plain, with their own tets or others; elements: the motion of a graph with linear and quadratic tets of "
+          "several sizes, against time; "
           "report: all of them but meshing as a page with pictures"},
          {"FILES",
-          "meshing: mesh files, or folders whose mesh files are taken; scene, elements: a graph file; report: graph "
-          "files, a "
-          "scene each",
+          "meshing: mesh files, or folders whose mesh files are taken; scene: graph files, or folders whose graph "
+          "files "
+          "are taken; elements: a graph file; report: graph files, a scene each",
           false, true}},
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
@@ -114,6 +115,9 @@ Command bench_command() {
           "elements: default: 12"},
          {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
          {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
+         {"--solvers", "LIST", "scene: of Plain, Direct, Iterative, Auto, the yardstick first; default: all"},
+         {"--elements", "LIST", "scene: linear, quadratic; default: as in the graph"},
+         {"--sizes", "LIST", "scene: factors of all tet sizes; default: 1"},
          {"--threads", "N", "default: all cores", false, 'j'}},
         "sinew bench cantilever --n 24 --E 1e5 --threads 2             # time of a step, its parts, a digest of the "
         "result\n"
@@ -131,6 +135,7 @@ Command bench_command() {
         "wrong\n"
         "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "
         "frames\n"
+        "sinew bench scene graphs/scenes --steps 8 --solvers Direct,Iterative,Auto --sizes 1,0.5 --elements linear\n"
         "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
         "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
         run_bench};
