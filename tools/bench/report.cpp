@@ -214,10 +214,18 @@ std::string report_page(const Report& report, const std::string& images) {
             << " turns. Plain is one CHOLMOD factorisation of the whole matrix in every Newton iteration; Direct, one "
                "of each "
                "group of bodies that attachments join; Iterative, conjugate gradients with multigrid; Auto, the "
-               "default, takes one of the "
-               "last two. All end each frame at the same tolerance. Scene units: zSolver.scale of them make a "
+               "default, takes what it counts to be cheapest of those and of conjugate gradients on a factor in "
+               "single precision that serves several iterations of Newton's. All end each frame at the same tolerance. "
+               "Scene units: zSolver.scale of them make a "
                "metre.\n\n"
             << as_markdown(scene_table(s));
+
+    if (!report.rigs.empty())
+        out << "\n## Rigs\n\n`sinew bench scene` with `--elements` and `--sizes`: the scenes' first nine frames, with "
+               "all "
+               "tet sizes scaled alike and with quadratic tets, one turn each. Linear iterations and factors are per "
+               "frame.\n\n"
+            << as_markdown(scenes_table(report.rigs));
 
     out << "\n## Scaling\n\n`sinew bench scaling`: the cantilever from a thousand to half a million tets. Memory is "
            "the growth of the "

@@ -28,7 +28,7 @@ struct Report {
     ScalingResult scaling;
     IdleCost idle_cost;
     std::vector<HardResult> hard;
-    std::vector<SceneBench> scenes;
+    std::vector<SceneBench> scenes, rigs; ///< as they are; with other tets
 };
 
 struct Picture {
@@ -36,7 +36,7 @@ struct Picture {
     std::string svg;
 };
 
-/// Runs every benchmark but scenes; those, date, machine, version and loads are the caller's to fill in.
+/// Runs every benchmark but scenes and rigs; those, date, machine, version and loads are the caller's to fill in.
 Report run_all(const RunOptions& options);
 std::vector<Picture> report_pictures(const Report& report);
 /// Markdown; `images` is the folder of the pictures as seen from the page.

@@ -9,6 +9,8 @@
 #include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace sinew::cli {
 
@@ -23,6 +25,8 @@ int thread_count(const Invocation& in);
 nlohmann::ordered_json provenance(const std::string& name);
 /// A graph file under each linear solver; --steps frames of it.
 bench::SceneBench measure_scene(const Invocation& in, const std::string& file);
+/// Its first frames with smaller tets and with quadratic ones, under Direct, Iterative and Auto.
+std::vector<bench::SceneBench> measure_rig(const Invocation& in, const std::string& file);
 /// With --json one line that holds provenance, the summary, the rows and the members of `extra`; else the table, if it
 /// has rows, and the summary.
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <ostream>
+#include <utility>
 
 namespace sinew::cli {
 
@@ -23,6 +24,8 @@ ExitCode bench_report(const Invocation& in) {
     const double load = load_average();
     bench::Report report = bench::run_all(run_options(in));
     for (const std::string& file : in.arguments.operands_from(1)) report.scenes.push_back(measure_scene(in, file));
+    for (const std::string& file : in.arguments.operands_from(1))
+        for (bench::SceneBench& rig : measure_rig(in, file)) report.rigs.push_back(std::move(rig));
     report.date = today(), report.machine = machine_name(), report.version = SINEW_VERSION;
     report.load_before = load, report.load_after = load_average(), report.threads = thread_count(in);
     for (const bench::Picture& p : bench::report_pictures(report)) write_file(images / p.file, p.svg);
@@ -38,6 +41,7 @@ ExitCode bench_report(const Invocation& in) {
         line["scaling"] = bench::scaling_json(report.scaling);
         line["idle_cost"] = bench::idle_cost_json(report.idle_cost);
         for (const bench::SceneBench& s : report.scenes) line["scenes"].push_back(bench::scene_json(s));
+        for (const bench::SceneBench& s : report.rigs) line["rigs"].push_back(bench::scene_json(s));
         in.out << line.dump() << std::endl;
     } else {
         in.out << "wrote " << page.string() << ": " << bench::accuracy_summary(report.accuracy) << std::endl;

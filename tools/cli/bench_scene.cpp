@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace sinew::cli {
 
@@ -61,6 +62,20 @@ bench::SceneBench measure_scene(const Invocation& in, const std::string& file) {
     return bench::run_scene(as_it_is(in, file),
                             {std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers)}, turns(in),
                             run_options(in));
+}
+
+std::vector<bench::SceneBench> measure_rig(const Invocation& in, const std::string& file) {
+    const bool quick = in.arguments.has("--quick");
+    std::vector<bench::SceneBench> out;
+    for (const auto& [element, size] : std::vector<std::pair<std::string, double>>{
+             {"linear", 1}, {"linear", 0.5}, {"linear", 1.0 / 3}, {"quadratic", 1}}) {
+        bench::SceneVariant variant = as_it_is(in, file);
+        variant.element = element, variant.tet_scale = size;
+        variant.last = variant.first + (quick ? 1 : 9);
+        out.push_back(bench::run_scene(variant, {"Direct", "Iterative", "Auto"}, 1, run_options(in)));
+        if (quick) break;
+    }
+    return out;
 }
 
 ExitCode bench_scene(const Invocation& in) {
