@@ -97,6 +97,7 @@ SurfaceMesh read_ascii(std::string_view bytes, const std::string& file) {
 } // namespace
 
 SurfaceMesh read_stl(std::string_view bytes, const std::string& file) {
+    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
     // Some binary files begin with "solid" too, so the size decides first.
     std::uint32_t count = 0;
     if (bytes.size() >= header_bytes) std::memcpy(&count, bytes.data() + 80, sizeof count);

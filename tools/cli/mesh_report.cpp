@@ -14,6 +14,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <typeindex>
@@ -182,6 +183,18 @@ std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>&
     return out;
 }
 
+namespace {
+
+/// No file, or text that begins as JSON does.
+bool may_be_graph(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    char first = '{';
+    in >> first;
+    return first == '{' || first == '[' || first == '/' || first == '\xEF';
+}
+
+} // namespace
+
 std::optional<MeshReport> report_of_file(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -189,10 +202,11 @@ std::optional<MeshReport> report_of_file(const std::string& path) {
         return std::find(all.begin(), all.end(), ending) != all.end();
     };
     const bool surface = is_one_of(solver::surface_endings());
-    if (!surface && !is_one_of(solver::tet_endings())) return std::nullopt;
+    const bool tets = is_one_of(solver::tet_endings());
+    if (!surface && !tets && (ending == ".json" || may_be_graph(path))) return std::nullopt;
     try {
         MeshReport report;
-        if (surface) {
+        if (!tets) { // an ending that nobody knows is refused there, with those that are known
             const solver::SurfaceMesh m = solver::read_surface(path);
             report = report_surface(m.points, m.face_sizes.size(), m.triangles);
         } else {

@@ -3,13 +3,14 @@
 
 #include "engine/check.h"
 #include "engine/format/graph_file.h"
+#include "engine/format/json_text.h"
+#include "engine/text.h"
 #include "nodes/register_all.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 
 namespace sinew::cli {
@@ -34,7 +35,7 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     if (equals == std::string::npos || plug.node.empty())
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
-    edit.set_json(plug, nlohmann::json::accept(json) ? json : nlohmann::json(json).dump());
+    edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
 }
 
 /// The connections that stand at an input.
