@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/doubts.h"
 #include "tools/cli/mesh_report.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
@@ -56,6 +57,11 @@ ExitCode check(const Invocation& in) {
         reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
+    if (!fast && !has_error(found)) // a tissue falls, say, because what holds it is wrong
+        for (auto& doubt : find_doubts(open.graph, evaluator, in.stop, failures)) found.push_back(std::move(doubt));
+    // Nothing that needs such a node can run, and the rest may run without it; but nobody writes one on purpose.
+    for (engine::Diagnostic& d : found)
+        if (d.code == "DG010") d.severity = engine::Severity::error;
     sort_by_place(found);
     print_diagnostics(found, json, in.out, in.err);
     if (meshes) print_meshes(reports, json, in.out);
@@ -78,7 +84,7 @@ ExitCode check(const Invocation& in) {
 
 Command check_command() {
     return {"check",
-            "say everything that is wrong with a graph, without simulating",
+            "say everything that is wrong with a graph or hardly meant, without simulating",
             {{"GRAPH", "the graph file (JSON), or one mesh file to look at"}},
             {{"--meshes", "",
               "say of every mesh whether it is closed, manifold and free of crossings, and what is off if not"},
