@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/mesh_report.h"
 
+#include "nodes/mesh_formats.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
 #include "solver/error.h"
@@ -201,13 +202,13 @@ std::optional<MeshReport> report_of_file(const std::string& path) {
     const auto is_one_of = [&](const std::vector<std::string>& all) {
         return std::find(all.begin(), all.end(), ending) != all.end();
     };
-    const bool surface = is_one_of(solver::surface_endings());
+    const bool surface = is_one_of(nodes::mesh_endings());
     const bool tets = is_one_of(solver::tet_endings());
     if (!surface && !tets && (ending == ".json" || may_be_graph(path))) return std::nullopt;
     try {
         MeshReport report;
         if (!tets) { // an ending that nobody knows is refused there, with those that are known
-            const solver::SurfaceMesh m = solver::read_surface(path);
+            const solver::SurfaceMesh m = nodes::read_mesh(path);
             report = report_surface(m.points, m.face_sizes.size(), m.triangles);
         } else {
             report = report_tets(solver::read_tets(path));

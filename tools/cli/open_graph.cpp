@@ -73,8 +73,10 @@ std::string file_name(const std::string& node) {
     return out;
 }
 
-OpenGraph open_graph(const Arguments& arguments) {
-    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), arguments.operand(0).value());
+OpenGraph open_graph(const Arguments& arguments) { return open_graph(arguments, arguments.operand(0).value()); }
+
+OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file);
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
         for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
