@@ -5,6 +5,7 @@
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
 #include "engine/text.h"
+#include "nodes/mesh_names.h"
 #include "nodes/register_all.h"
 
 #include <algorithm>
@@ -195,16 +196,9 @@ std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::si
         if (const auto body = node->inputs.find("body"); body != node->inputs.end())
             for (const Plug& source : sources(body->second))
                 labels.push_back({file_name(source.node) + "_collision", kind_of_node(graph, source.node)});
-    if (node && node->type && !is_collision)
-        for (const engine::AttributeInfo& input : node->type->inputs) {
-            const auto it = node->inputs.find(input.name);
-            if (input.kind != engine::AttributeKind::wire_list || it == node->inputs.end()) continue;
-            const std::vector<Plug> list = sources(it->second);
-            if (list.size() != count) continue;
-            for (const Plug& source : list)
-                labels.push_back({file_name(source.node), kind_of_node(graph, source.node)});
-            break;
-        }
+    if (!is_collision)
+        for (const std::string& name : nodes::mesh_names(graph, plug, count))
+            labels.push_back({file_name(name), kind_of_node(graph, name)});
     if (labels.empty())
         for (std::size_t i = 0; i < count; ++i)
             labels.push_back({file_name(plug.node) + (count > 1 ? "_" + std::to_string(i + 1) : ""),
