@@ -107,6 +107,7 @@ constexpr CodeInfo table[] = {
     {"FE244", "layer that is nowhere", "Model its mesh where the tissue is at rest, in the same units."},
     {"FE250", "hold moved by what is not rigid", "Use a transform without scale, or a bone that keeps its shape."},
     {"FE251", "tets held by two", "Make one hold of the two, or leave more than a tet between what they hold."},
+    {"FE252", "detail lost in a remeshed surface", "Choose a higher resolution and smaller triangles."},
     {"FE260", "tissue that nothing holds", "Attach it to a bone, hold a part of it, or switch gravity off."},
     {"FE261", "size that flesh hardly has", "Set zSolver.scale to the number of scene units in a metre."},
     {"FE262", "tets larger than thin parts", "Choose a smaller tet size, or refine where the parts are thin."},
