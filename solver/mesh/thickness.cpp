@@ -27,8 +27,12 @@ double leaves_at(const Vec3& origin, const Vec3& direction, const Corners& t) {
     const double distance = normal.dot(t.a - origin) / along;
     if (!(distance > 0)) return infinite;
     const Vec3 p = origin + distance * direction;
-    const auto side = [&](const Vec3& from, const Vec3& to) { return (to - from).cross(p - from).dot(normal); };
-    return side(t.a, t.b) >= 0 && side(t.b, t.c) >= 0 && side(t.c, t.a) >= 0 ? distance : infinite;
+    // Of the three, which sum up to the normal's square: on an edge both of its triangles are met, never none.
+    const double rounding = -1e-9 * normal.squaredNorm();
+    const auto is_within = [&](const Vec3& from, const Vec3& to) {
+        return (to - from).cross(p - from).dot(normal) >= rounding;
+    };
+    return is_within(t.a, t.b) && is_within(t.b, t.c) && is_within(t.c, t.a) ? distance : infinite;
 }
 
 /// Distance at which the ray enters the box; infinite if it misses it.
@@ -49,6 +53,7 @@ class Rays {
         : points_(points)
         , triangles_(triangles) {
         Points least, most;
+        double six_volumes = 0;
         for (const Triangle& t : triangles) {
             for (const int v : t)
                 if (v < 0 || static_cast<std::size_t>(v) >= points.size())
@@ -57,8 +62,9 @@ class Rays {
             const Corners c = corners(static_cast<int>(least.size()));
             least.push_back(c.a.cwiseMin(c.b).cwiseMin(c.c));
             most.push_back(c.a.cwiseMax(c.b).cwiseMax(c.c));
-            volume_ += c.a.dot(c.b.cross(c.c));
+            six_volumes += c.a.dot(c.b.cross(c.c));
         }
+        is_turned_ = six_volumes < 0;
         bvh_ = build_bvh(least, most);
     }
 
@@ -66,7 +72,7 @@ class Rays {
         const Triangle& t = triangles_[static_cast<std::size_t>(triangle)];
         const auto at = [&](std::size_t k) { return points_[static_cast<std::size_t>(t[k])]; };
         // All normals outwards.
-        return volume_ < 0 ? Corners{at(0), at(2), at(1)} : Corners{at(0), at(1), at(2)};
+        return is_turned_ ? Corners{at(0), at(2), at(1)} : Corners{at(0), at(1), at(2)};
     }
 
     double first_exit(const Vec3& origin, const Vec3& direction, int from) {
@@ -93,7 +99,7 @@ class Rays {
     const Points& points_;
     const std::vector<Triangle>& triangles_;
     Bvh bvh_;
-    double volume_ = 0; ///< six times the enclosed volume
+    bool is_turned_ = false; ///< inside out
     std::vector<int> open_;
 };
 

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,6 +22,7 @@ struct Surface {
 
     const Vec3& corner(std::size_t t, std::size_t k) const { return points[static_cast<std::size_t>(triangles[t][k])]; }
     Vec3 middle(std::size_t t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3; }
+    std::array<Vec3, 4> samples(std::size_t t) const { return {corner(t, 0), corner(t, 1), corner(t, 2), middle(t)}; }
     /// Twice as long as the area.
     Vec3 normal(std::size_t t) const { return (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)); }
     double volume() const {
@@ -51,14 +53,13 @@ class Measure {
 
     IsoDeviation run() {
         result_.for_some([&](std::size_t t) {
-            for (const Vec3& p : {result_.corner(t, 0), result_.middle(t)})
-                note(std::abs(from_tree_.closest(p).distance - std::abs(iso_)), p);
+            for (const Vec3& p : result_.samples(t)) note(std::abs(from_tree_.closest(p).distance - std::abs(iso_)), p);
         });
         if (iso_ >= 0)
             from_.for_some([&, sample = std::size_t{0}](std::size_t t) mutable {
                 const int w = winding_[sample++];
                 if (!is_open_ && w != 0 && w != 1) return; // within another part
-                for (const Vec3& p : {from_.corner(t, 0), from_.middle(t)}) {
+                for (const Vec3& p : from_.samples(t)) {
                     const double distance = result_tree_.closest(p).distance;
                     if (iso_ == 0)
                         note(distance, p);

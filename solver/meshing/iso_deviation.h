@@ -14,9 +14,9 @@ struct IsoDeviation {
 };
 
 /// Both one-sided distances between the result and the level set (Hausdorff's is the larger one), at vertices and
-/// triangles' middles, evenly thinned out to 20,000 of each mesh: of the result's points to the level set, and, for
-/// iso >= 0, of the polygons' points to where the result should be, at least iso farther out. Parts of polygons that
-/// lie within others count for nothing. Throws Error FE201 to FE203, FE224.
+/// triangles' middles, evenly thinned out to 20,000 triangles of each mesh: of the result's points to the level set,
+/// and, for iso >= 0, of the polygons' points to where the result should be, at least iso farther out. Parts of
+/// polygons that lie within others count for nothing. Throws Error FE201 to FE203, FE224.
 IsoDeviation measure_iso_mesh(const Points& points, const std::vector<Triangle>& triangles, double iso,
                               const Points& result_points, const std::vector<Triangle>& result_triangles);
 

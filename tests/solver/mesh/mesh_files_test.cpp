@@ -171,10 +171,10 @@ TEST_CASE("PLY: strips of triangles", "[mesh][files]") {
     const std::string head = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
                              "property float z\nelement tristrips 2\nproperty list int int vertex_indices\nend_header\n"
                              "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
-    // Five triangles in a row, all facing +z; then two strips in one list, joined by nothing and by repeated vertices.
-    const SurfaceMesh mesh = parse_surface(head + "4 0 1 2 3\n9 2 3 4 -1 3 3 5 4 4\n", "a.ply");
+    // Two strips that fill a rectangle, all facing +z; the second list holds two, one with repeated vertices.
+    const SurfaceMesh mesh = parse_surface(head + "4 0 1 2 3\n9 2 3 4 -1 3 3 4 5 5\n", "a.ply");
     REQUIRE(mesh.face_sizes == std::vector<int>{3, 3, 3, 3});
-    REQUIRE(mesh.face_vertices == std::vector<int>{0, 1, 2, 2, 1, 3, 2, 3, 4, 5, 3, 4});
+    REQUIRE(mesh.face_vertices == std::vector<int>{0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5});
     double area = 0;
     for (const Triangle& t : mesh.triangles) {
         const auto at = [&](int k) { return mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
