@@ -23,7 +23,7 @@ constexpr double least_extent = 0.01, largest_extent = 5;
 /// Softer than brain by far [Pa]; what people write who mean kPa.
 constexpr double least_modulus = 100;
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
-constexpr double thin_part = 0.5, thin_share = 0.25;
+constexpr double thin_part = 0.25, thin_share = 0.25;
 constexpr std::size_t most_rays = 20000;
 
 /// "1.2", two digits of it.
@@ -235,7 +235,7 @@ class Doubts {
         const bool sized = !tets.empty() && graph_->find(tets.front().node)->type_name == "zTet";
         doubt("FE262", sized ? tets.front().node : m.name, sized ? "tetSize" : "tets",
               rough(100 * thin_area / all) + " % of the surface of " + m.name + " belongs to parts about " +
-                  rough(usual) + " thick, less than half of the tets there (" + rough(largest) + ")",
+                  rough(usual) + " thick, less than a quarter of the tets there (" + rough(largest) + ")",
               std::string(sized ? "choose" : "connect a zTet with") + " a tetSize of about " + rough(usual) +
                   ", or refine there by weights and surfaceRefinement");
     }
