@@ -111,6 +111,13 @@ constexpr CodeInfo table[] = {
     {"FE251", "tets held by two", "Make one hold of the two, or leave more than a tet between what they hold."},
     {"FE252", "matrix whose last row is not 0 0 0 1",
      "Transpose it if it is written for row vectors; perspective has no meaning here."},
+    {"FE253", "detail lost in a remeshed surface", "Choose a higher resolution and smaller triangles."},
+    {"FE260", "tissue that nothing holds", "Attach it to a bone, hold a part of it, or switch gravity off."},
+    {"FE261", "size that flesh hardly has", "Set zSolver.scale to the number of scene units in a metre."},
+    {"FE262", "tets larger than thin parts", "Choose a smaller tet size, or refine where the parts are thin."},
+    {"FE263", "flesh softer than any", "Write the unit that is meant: \"12 kPa\" instead of 12."},
+    {"FE264", "attachment of a whole body", "Paint where the source holds on."},
+    {"FE265", "scale that mirrors", "Mirror the mesh where it is modelled, and turn its faces."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

@@ -25,12 +25,21 @@ using Binding = std::variant<Value, Curve, Plug, std::vector<Plug>>;
 
 struct NodeOrigin;
 
+/// What a person wrote beside the data of a graph file; written again with the graph.
+struct Remark {
+    std::vector<std::string> lines; ///< "// …" and "/* … */", in front of it
+    std::vector<std::string> last;  ///< the same, behind all that it holds
+    std::string json;               ///< the value of its key "comment", as it stood; empty: it has none
+};
+using Remarks = std::map<std::string, Remark, std::less<>>;
+
 struct Node {
     std::string type_name;
     const NodeType* type = nullptr; ///< nullptr: a type that this program does not know; fails only when pulled
     std::map<std::string, Binding, std::less<>> inputs; ///< only what the file or an edit set
     std::string raw_json;                               ///< unknown types: the node as it stood in the file
     std::vector<std::string> input_order;               ///< the order in which a file lists `inputs`
+    Remarks remarks;                                    ///< by input; "" for the node itself
     std::shared_ptr<const NodeOrigin> origin;           ///< where it stood in a file; nullptr if it came from an edit
 };
 
@@ -53,6 +62,8 @@ class Graph {
     const Timing& timing() const { return timing_; }
     const std::string& file() const { return file_; }
     const std::string& editor_json() const { return editor_json_; }
+    /// By top-level key of the file; "" for its end. "$schema" has its value for `json`.
+    const Remarks& remarks() const { return remarks_; }
     /// Where an input (or a node, with an empty attribute) stands in the graph file, if it came from one.
     std::optional<SourceSpot> spot(std::string_view node, std::string_view attribute = {}) const;
 
@@ -64,6 +75,7 @@ class Graph {
     std::map<std::string, std::shared_ptr<const Node>, std::less<>> nodes_; ///< shared between snapshots
     Timing timing_;
     std::string file_, editor_json_ = "{}";
+    Remarks remarks_;
 };
 
 /// A transaction: all or nothing. Every call is checked at commit, and all problems are thrown at once as

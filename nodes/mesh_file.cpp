@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
-#include "solver/mesh/mesh_files.h"
+#include "nodes/mesh_formats.h"
 
 namespace sinew::nodes {
 
@@ -12,15 +12,15 @@ namespace {
 
 const Input<File> file{
     .name = "file",
-    .doc = "The mesh file: OBJ, OFF, PLY or STL, told by its ending. Polygons are kept for output "
-           "and cut into triangles for the simulation. Coordinates are scene units.",
+    .doc = "The mesh file: OBJ, OFF, PLY, STL or GLB, told by its ending. Polygons are kept for output "
+           "and cut into triangles for the simulation. Coordinates are scene units (those of GLB are usually metres).",
     .required = true,
 };
 const Output<Mesh> out_mesh{.name = "outMesh", .doc = "The mesh as it stands in the file, in scene units."};
 
 void compute(const Reads& in, Writes& out) {
     solver::SurfaceMesh mesh = guarded(in, file.name, [&] {
-        solver::SurfaceMesh m = solver::read_surface(in[file].path);
+        solver::SurfaceMesh m = read_mesh(in[file].path);
         solver::check_usable(m);
         return m;
     });

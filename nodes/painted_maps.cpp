@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string_view>
 
 namespace sinew::nodes {
@@ -111,6 +112,67 @@ FileMap file_map(const std::string& path, const std::string& pointer) {
         if (pointer.ends_with("/" + std::string(key))) return {kind, numbers_of(part, "\"" + pointer + "\"", path)};
     }
     return {Kind::numbers, numbers_of(part, pointer.empty() ? "the map" : "\"" + pointer + "\"", path)};
+}
+
+namespace {
+
+/// Calls `take(face, a, b)` for each edge of each face.
+template <class Take>
+void for_edges(const MeshTopology& topology, const Take& take) {
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < topology.face_sizes.size(); ++f) {
+        const auto size = static_cast<std::size_t>(topology.face_sizes[f]);
+        for (std::size_t k = 0; k < size; ++k)
+            take(static_cast<int>(f), topology.face_vertices[first + k],
+                 topology.face_vertices[first + (k + 1) % size]);
+        first += size;
+    }
+}
+
+void make_unique(std::vector<std::vector<int>>& lists) {
+    for (std::vector<int>& l : lists) {
+        std::sort(l.begin(), l.end());
+        l.erase(std::unique(l.begin(), l.end()), l.end());
+    }
+}
+
+} // namespace
+
+std::vector<std::vector<int>> vertex_neighbours(const MeshTopology& topology, std::size_t count) {
+    std::vector<std::vector<int>> out(count);
+    for_edges(topology, [&](int, int a, int b) {
+        out[static_cast<std::size_t>(a)].push_back(b);
+        out[static_cast<std::size_t>(b)].push_back(a);
+    });
+    make_unique(out);
+    return out;
+}
+
+std::vector<std::vector<int>> face_neighbours(const MeshTopology& topology) {
+    std::map<std::pair<int, int>, std::vector<int>> faces;
+    for_edges(topology, [&](int f, int a, int b) { faces[std::minmax(a, b)].push_back(f); });
+    std::vector<std::vector<int>> out(topology.face_sizes.size());
+    for (const auto& [edge, all] : faces)
+        if (all.size() == 2 && all[0] != all[1]) { // else nobody could say which lies across
+            out[static_cast<std::size_t>(all[0])].push_back(all[1]);
+            out[static_cast<std::size_t>(all[1])].push_back(all[0]);
+        }
+    make_unique(out);
+    return out;
+}
+
+engine::NumberList smooth_map(engine::NumberList map, const std::vector<std::vector<int>>& neighbours, int times) {
+    engine::NumberList before;
+    for (int n = 0; n < times; ++n) {
+        before = map;
+        for (std::size_t i = 0; i < map.size(); ++i) {
+            if (neighbours[i].empty()) continue;
+            double sum = 0;
+            for (const int other : neighbours[i]) sum += before[static_cast<std::size_t>(other)];
+            map[i] = 0.5 * (before[i] + sum / static_cast<double>(neighbours[i].size()));
+        }
+    }
+    return map;
 }
 
 } // namespace sinew::nodes

@@ -20,6 +20,11 @@ engine::NumberList sphere_map(const solver::Points& points, const engine::Vec3& 
 engine::NumberList listed_map(std::size_t count, const engine::NumberList& indices, const char* what);
 /// Of a map of the vertices: 1 at the faces whose vertices all have a weight above 0.
 engine::NumberList faces_within(const MeshTopology& topology, const engine::NumberList& of_vertices);
+/// For each vertex those along its faces' edges, for each face those across its edges; sorted, each once.
+std::vector<std::vector<int>> vertex_neighbours(const MeshTopology& topology, std::size_t count);
+std::vector<std::vector<int>> face_neighbours(const MeshTopology& topology);
+/// Each weight goes half of the way to the mean of its neighbours, all at once, `times` times.
+engine::NumberList smooth_map(engine::NumberList map, const std::vector<std::vector<int>>& neighbours, int times);
 /// The mean of each face's vertices.
 solver::Points face_centres(const Mesh& mesh);
 

@@ -25,10 +25,12 @@ void add_z_iso_mesh(engine::Registry&);
 void add_z_delaunay_tet_mesh(engine::Registry&);
 // motion
 void add_transform(engine::Registry&);
+void add_aim(engine::Registry&);
 void add_track_channel(engine::Registry&);
 // painting
 void add_weights(engine::Registry&);
 void add_transfer_weights(engine::Registry&);
+void add_combine_weights(engine::Registry&);
 void add_end_points(engine::Registry&);
 // simulation
 void add_z_bone(engine::Registry&);
@@ -96,18 +98,43 @@ void register_all(engine::Registry& registry) {
     add_codecs(registry);
     engine::Registry plain;
     add_codecs(plain);
-    for (auto* add : {add_mesh_file,        add_tet_mesh_file,   add_poly_sphere,
-                      add_poly_cube,        add_poly_plane,      add_poly_cylinder,
-                      add_poly_helix,       add_curve,           add_transform,
-                      add_track_channel,    add_weights,         add_end_points,
-                      add_z_bone,           add_z_tet,           add_z_material,
-                      add_z_fiber,          add_z_tissue,        add_z_attachment,
-                      add_z_hold,           add_air_field,       add_drag_field,
-                      add_gravity_field,    add_newton_field,    add_radial_field,
-                      add_turbulence_field, add_uniform_field,   add_volume_axis_field,
-                      add_vortex_field,     add_z_solver,        add_z_embedder,
-                      add_mesh_writer,      add_z_iso_mesh,      add_z_delaunay_tet_mesh,
-                      add_tet_writer,       add_transfer_weights})
+    for (auto* add : {add_mesh_file,
+                      add_tet_mesh_file,
+                      add_poly_sphere,
+                      add_poly_cube,
+                      add_poly_plane,
+                      add_poly_cylinder,
+                      add_poly_helix,
+                      add_curve,
+                      add_transform,
+                      add_track_channel,
+                      add_weights,
+                      add_end_points,
+                      add_z_bone,
+                      add_z_tet,
+                      add_z_material,
+                      add_z_fiber,
+                      add_z_tissue,
+                      add_z_attachment,
+                      add_z_hold,
+                      add_air_field,
+                      add_drag_field,
+                      add_gravity_field,
+                      add_newton_field,
+                      add_radial_field,
+                      add_turbulence_field,
+                      add_uniform_field,
+                      add_volume_axis_field,
+                      add_vortex_field,
+                      add_z_solver,
+                      add_z_embedder,
+                      add_mesh_writer,
+                      add_z_iso_mesh,
+                      add_z_delaunay_tet_mesh,
+                      add_tet_writer,
+                      add_transfer_weights,
+                      add_combine_weights,
+                      add_aim})
         add(plain);
     for (const std::string& name : plain.names()) registry.add(with_errors_told(*plain.find(name)));
 }

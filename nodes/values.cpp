@@ -257,6 +257,7 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     const nodes::WorstPlaces& w = v.worst;
     h.add(w.body).add(w.tet).add(w.j).add_doubles(w.tet_place);
     h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
+    h.add(w.residual_body);
 }
 std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
 

@@ -163,6 +163,7 @@ struct SceneKey {
 struct SimulationState {
     SceneKey scene;
     solver::State state;
+    int residual_body = -1; ///< whose the record's residual is, a place in zSolver.bodies; -1: nobody's
 };
 
 /// Where a frame is at its worst. Places in scene units; -1: there is none.
@@ -175,6 +176,7 @@ struct WorstPlaces {
     int attachment = -1, source_body = -1, vertex = -1;
     double stretch = 0; ///< [m]
     std::array<double, 3> stretch_place{};
+    int residual_body = -1; ///< whose the record's residual is: place in zSolver.bodies
 };
 
 /// What one frame's solve reported; the command line writes it into --report.

@@ -2,7 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "solver/meshing/iso_deviation.h"
 #include "solver/meshing/iso_mesh.h"
+
+#include <cmath>
+#include <cstdio>
 
 namespace sinew::nodes {
 
@@ -62,6 +66,18 @@ const Input<bool> produce_manifold_mesh{
            "least 30 degrees either way.",
     .keyable = false,
 };
+const Output<double> out_distance{
+    .name = "outDistance",
+    .doc =
+        "The largest distance measured between outMesh and where it should be, in scene units: the larger of that of "
+        "its points from the level set and, for isoValue 0 and above, that of the polygons from it.",
+};
+const Output<double> out_volume_ratio{
+    .name = "outVolumeRatio",
+    .doc = "isoValue 0: the volume of outMesh by that of the polygons; 0 where that cannot be told (parts that overlap "
+           "or face different ways).",
+    .unit = "1",
+};
 const Output<Mesh> out_mesh{
     .name = "outMesh",
     .doc = "The triangles, facing outwards, no angle below 30 degrees, in scene units.",
@@ -72,7 +88,12 @@ const Output<Mesh> out_mesh{
 struct Made {
     Mesh mesh;
     std::size_t components = 0, lost = 0;
+    solver::IsoDeviation deviation;
+    double triangle = 0; ///< asked for, in scene units
 };
+
+/// What passes for remeshing: volume within this share, and no place farther off than so many triangles.
+constexpr double usual_volume = 0.1, usual_triangles = 2;
 
 Digest key_of(const Reads& in) {
     return Hasher()
@@ -109,8 +130,31 @@ Made make(const Reads& in) {
                                     {"FE232", triangle_size.name},
                                     {"FE233", max_time.name},
                                     {"FE234", iso_value.name}});
+    const auto deviation = guarded(in, meshes.name, [&] {
+        return solver::measure_iso_mesh(points, triangles, options.iso_value, mesh.points, mesh.triangles);
+    });
     return {Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
-            mesh.components, mesh.lost};
+            mesh.components, mesh.lost, deviation, options.triangle_size};
+}
+
+std::string rough(double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g", value);
+    return text;
+}
+
+void warn_of_loss(const Reads& in, const Made& made) {
+    const auto& [distance, place, ratio] = made.deviation;
+    const bool volume = std::abs(ratio - 1) > usual_volume, detail = distance > usual_triangles * made.triangle;
+    if (!volume && !detail) return;
+    std::string what;
+    if (volume) what = "the new surface encloses " + rough(100 * ratio) + " % of the polygons' volume";
+    if (detail)
+        what += std::string(volume ? ", and" : "the new surface") + " is off by up to " + rough(distance) + ", " +
+                rough(distance / made.triangle) + " triangles, near (" + rough(place.x()) + ", " + rough(place.y()) +
+                ", " + rough(place.z()) + ")";
+    in.warn(resolution.name, "FE253", what + ": what is thinner than a grid cell or a triangle is lost",
+            "Choose a higher resolution and a smaller triangleSize.");
 }
 
 void compute(const Reads& in, Writes& out) {
@@ -120,7 +164,10 @@ void compute(const Reads& in, Writes& out) {
                 std::to_string(made->lost) + " of the surface's " + std::to_string(made->components) +
                     " pieces are smaller than a triangle and left out",
                 "Choose a smaller triangleSize to keep them.");
+    warn_of_loss(in, *made);
     out.set(out_mesh, made->mesh);
+    out.set(out_distance, made->deviation.distance);
+    out.set(out_volume_ratio, std::isnan(made->deviation.volume_ratio) ? 0 : made->deviation.volume_ratio);
 }
 
 } // namespace
@@ -133,7 +180,7 @@ void add_z_iso_mesh(Registry& registry) {
     type.doc = "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
     type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),
                    describe(resolution), describe(max_time),  describe(produce_manifold_mesh)};
-    type.outputs = {describe(out_mesh)};
+    type.outputs = {describe(out_mesh), describe(out_distance), describe(out_volume_ratio)};
     type.compute = compute;
     registry.add(std::move(type));
 }

@@ -9,6 +9,7 @@
 #include "nodes/z_solver_attributes.h"
 #include "solver/integrate/implicit_form.h"
 #include "solver/marks_of.h"
+#include "solver/residual_body.h"
 #include "solver/terms/attachment/anchors.h"
 
 #include <cstdio>
@@ -85,12 +86,19 @@ solver::StepControl control_of(const Reads& in) {
     return c;
 }
 
-void warn_if_unconverged(const Reads& in, const solver::StepRecord& record) {
+void warn_if_unconverged(const Reads& in, const SimulationState& s) {
+    const solver::StepRecord& record = s.state.record;
     if (record.converged) return;
     char text[160];
-    std::snprintf(text, sizeof text, "frame %g has not converged: residual %.3g after %d Newton iterations", in.frame(),
-                  record.residual, record.newton_iterations);
-    in.warn(max_newton_iterations.name, "FE301", text,
+    std::snprintf(text, sizeof text, " after %d Newton iterations", record.newton_iterations);
+    const std::string of =
+        s.residual_body < 0 ? "" : " of " + in.source_name(bodies.name, static_cast<std::size_t>(s.residual_body));
+    char residual[32];
+    std::snprintf(residual, sizeof residual, "%.3g", record.residual);
+    char frame[32];
+    std::snprintf(frame, sizeof frame, "%g", in.frame());
+    in.warn(max_newton_iterations.name, "FE301",
+            "frame " + std::string(frame) + " has not converged: residual " + residual + of + text,
             "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
 }
 
@@ -186,7 +194,9 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     SimulationState after{setup.key, solving(now, setup, [&] {
                               return solver::advance(stage->workspace, before.state, inputs, control_of(now));
                           })};
-    warn_if_unconverged(now, after.state.record);
+    if (const int body = solver::residual_body(stage->workspace); body >= 0)
+        after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
+    warn_if_unconverged(now, after);
     warn_if_inverted(now, setup, *stage->scene, after.state);
     return after;
 }
@@ -248,6 +258,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             solved.rests.push_back(b.rest);
         }
         report.worst = find_worst(setup, *stage->scene, s.state);
+        report.worst.residual_body = s.residual_body;
         if (report.worst.attachment >= 0)
             report.worst.vertex = nearest_vertex(
                 *meshes.meshes[static_cast<std::size_t>(report.worst.source_body)].points, report.worst.stretch_place);

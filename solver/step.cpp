@@ -9,6 +9,7 @@
 #include "solver/newton/minimise.h"
 #include "solver/newton/potential.h"
 #include "solver/parallel.h"
+#include "solver/residual_body.h"
 #include "solver/scene_inputs.h"
 
 #include <algorithm>
@@ -29,6 +30,7 @@ struct Workspace::Impl {
     std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
     StepInputs between;                 ///< values within it
     StepInputs followed;                ///< the step's inputs with what follows from bones; unused where nothing does
+    int residual_body = -1;             ///< of the last advance
     const bool parts_move, parts_follow;
     explicit Impl(const Scene& scene)
         : scene(scene)
@@ -217,10 +219,15 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
     const bool stands_still = bones == s.bones && parts_stand_still(s, in);
     const bool last_chance = halvings == 0 || (in.integrator == Integrator::quasi_static && stands_still);
     bool taken = false;
+    if (impl.newton) impl.newton->worst_residual = 0, impl.newton->worst_deformable = -1;
     try {
         taken = take_step(impl, s, in, bones, last_chance, control, attempt);
     } catch (const Error&) {
         if (last_chance) throw;
+    }
+    if (taken && impl.newton && impl.newton->worst_deformable >= 0 && attempt.residual > record.residual) {
+        const auto worst = static_cast<std::size_t>(impl.newton->worst_deformable);
+        impl.residual_body = impl.potential.numbering().deformables[worst].body;
     }
     add_step(attempt, taken, record);
     if (taken) return;
@@ -248,6 +255,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     Workspace::Impl& impl = workspace.impl();
     State s = before;
     StepRecord record;
+    impl.residual_body = -1;
     if (impl.newton) impl.newton->linear.begin_frame();
     std::size_t k = 0;
     StepControl inner = control;
@@ -279,6 +287,8 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     s.record = record;
     return s;
 }
+
+int residual_body(Workspace& workspace) { return workspace.impl().residual_body; }
 
 Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs) {
     Marks out;

@@ -38,7 +38,31 @@ class Parser {
     bool more() const { return at_ < text_.size(); }
 
     void space() {
-        while (more() && (text_[at_] == ' ' || text_[at_] == '\t' || text_[at_] == '\n' || text_[at_] == '\r')) ++at_;
+        while (more()) {
+            const char c = text_[at_];
+            if (c == '/')
+                comment();
+            else if (c == ' ' || c == '\t' || c == '\n' || c == '\r')
+                ++at_;
+            else
+                return;
+        }
+    }
+
+    void comment() {
+        const std::string_view mark = text_.substr(at_, 2);
+        if (mark != "//" && mark != "/*") stop("expected // or /* at the begin of a comment, " + found());
+        JsonComment out{at_, text_.size()};
+        const std::size_t close = text_.find(mark == "//" ? "\n" : "*/", at_ + 2);
+        if (close == std::string_view::npos && mark == "/*") stop("a comment is not closed by */");
+        if (close != std::string_view::npos) out.end = close + (mark == "/*" ? 2 : 0);
+        while (at_ < out.end) {
+            const std::size_t length = utf8_length(text_, at_);
+            if (length == 0) stop("the text is not UTF-8");
+            at_ += length;
+        }
+        if (mark == "//" && text_[out.end - 1] == '\r') --out.end;
+        out_.comments.push_back(out);
     }
 
     std::string found() const {
@@ -93,6 +117,8 @@ class Parser {
             if (more() && text_[at_] == ']') return ++at_, out;
             if (!more() || text_[at_] != ',') stop("expected , or ] in a list, " + found());
             ++at_;
+            space();
+            if (more() && text_[at_] == ']') stop("remove the comma before this ]");
         }
     }
 
@@ -107,6 +133,7 @@ class Parser {
             space();
             JsonMember m;
             m.key_begin = at_;
+            if (more() && text_[at_] == '}' && !out.empty()) stop("remove the comma before this }");
             if (!more() || text_[at_] != '"') stop("expected a key in quotes, " + found());
             m.key = text();
             pointer_ += pointer_token(m.key);

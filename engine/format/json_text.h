@@ -1,5 +1,5 @@
-// Strict JSON (RFC 8259) into a small tree that remembers where everything stands. Never throws, never
-// recurses deeper than its limit, does not depend on the locale; knows nothing of graphs.
+// JSON (RFC 8259) with // and /* */ comments into a small tree that remembers where everything stands. Never throws,
+// never recurses deeper than its limit, does not depend on the locale; knows nothing of graphs.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cstdint>
@@ -42,8 +42,13 @@ struct JsonProblem {
     std::string pointer, message;
 };
 
+struct JsonComment {
+    std::size_t begin = 0, end = 0; ///< byte range in the text, without the line end
+};
+
 struct JsonDocument {
     Json root;
+    std::vector<JsonComment> comments; ///< in file order
     std::vector<JsonProblem> problems; ///< duplicate keys and the first syntax error; empty = root is complete
 };
 

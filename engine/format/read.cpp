@@ -1,5 +1,6 @@
 // JSON text -> Graph. Stages: syntax, format number, migrations, then everything inside at once.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/comments.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
@@ -33,6 +34,7 @@ class GraphReader {
         if (format < current_format) return migrated(format);
         top(doc.root);
         give_up_if_wrong();
+        remarks(doc.comments);
         Loaded out;
         out.notes = std::move(notes_);
         out.graph = std::make_shared<const Graph>(std::move(graph_));
@@ -60,7 +62,9 @@ class GraphReader {
     }
 
     void give_up_if_wrong() {
-        if (!problems_.empty()) throw Failure(std::move(problems_));
+        if (problems_.empty()) return;
+        problems_.insert(problems_.end(), notes_.begin(), notes_.end()); // what is wrong may follow from them
+        throw Failure(std::move(problems_));
     }
 
     int format_number(const Json& root) {
@@ -109,11 +113,16 @@ class GraphReader {
     }
 
     void top(const Json& root) {
-        unknown_keys(*root.as<Json::Object>(), {"format", "timing", "nodes", "editor"}, "", {});
+        unknown_keys(*root.as<Json::Object>(), {"$schema", "format", "comment", "timing", "nodes", "editor"}, "", {});
+        for (const JsonMember& m : *root.as<Json::Object>()) {
+            anchors_.push_back({m.key_begin, m.value.end, std::string::npos, "", m.key});
+            if (m.key == "editor") anchors_.back().kept_from = m.value.begin;
+            if (m.key == "$schema" || m.key == "comment") graph_.remarks_[m.key].json = raw(m.value);
+        }
         if (const Json* t = root.find("timing")) timing(*t);
         if (const Json* e = root.find("editor")) {
             if (!e->as<Json::Object>()) wrong_kind(*e, "/editor", {}, "an object");
-            graph_.editor_json_ = source_->text.substr(e->begin, e->end - e->begin);
+            graph_.editor_json_ = raw(*e);
         }
         const Json* all = root.find("nodes");
         if (!all) {
@@ -129,6 +138,31 @@ class GraphReader {
             const std::string first = cycle.substr(0, cycle.find('.'));
             const auto spot = graph_.spot(first);
             problem("DG030", 0, "", first, {}, "connections form a cycle: " + cycle).spot = spot;
+        }
+    }
+
+    std::string raw(const Json& json) const { return source_->text.substr(json.begin, json.end - json.begin); }
+
+    // Gives every comment to what it belongs to.
+    void remarks(const std::vector<JsonComment>& comments) {
+        std::sort(anchors_.begin(), anchors_.end(), [](const Anchor& a, const Anchor& b) { return a.begin < b.begin; });
+        const auto owners = comment_owners(source_->text, comments, anchors_);
+        for (std::size_t i = 0; i < comments.size(); ++i) {
+            const CommentOwner& owner = owners[i];
+            if (owner.anchor == CommentOwner::kept) continue;
+            const JsonComment& c = comments[i];
+            const Anchor* a = owner.anchor < 0 ? nullptr : &anchors_[static_cast<std::size_t>(owner.anchor)];
+            Remark* remark = nullptr;
+            if (a && !a->node.empty()) {
+                auto n = std::make_shared<Node>(*graph_.find(a->node));
+                remark = &n->remarks[a->input];
+                graph_.nodes_[a->node] = std::move(n);
+            } else {
+                remark = &graph_.remarks_[a ? a->input : ""];
+            }
+            // Only the list of nodes has a place behind what it holds.
+            const bool last = a && a->node.empty() && a->input == "nodes" && owner.at_end;
+            (last ? remark->last : remark->lines).push_back(source_->text.substr(c.begin, c.end - c.begin));
         }
     }
 
@@ -179,6 +213,7 @@ class GraphReader {
         graph_.order_.push_back(m.key);
         // Also a node that is wrong is there, so that connections to it are not reported as dangling.
         graph_.nodes_.emplace(m.key, n);
+        anchors_.push_back({m.key_begin, m.value.end, std::string::npos, m.key, ""});
         const auto* object = m.value.as<Json::Object>();
         if (!object) return wrong_kind(m.value, pointer, m.key, "an object with \"type\" and \"inputs\"");
         const Json* type = m.value.find("type");
@@ -192,17 +227,24 @@ class GraphReader {
         n->type = graph_.registry().find(*name);
         const Json* inputs = m.value.find("inputs");
         if (!n->type) {
-            n->raw_json = source_->text.substr(m.value.begin, m.value.end - m.value.begin);
+            n->raw_json = raw(m.value);
+            anchors_.back().kept_from = m.value.begin;
             unknown_type(m, *name, type->begin, pointer);
         } else {
-            unknown_keys(*object, {"type", "inputs"}, pointer, m.key);
+            unknown_keys(*object, {"type", "comment", "inputs"}, pointer, m.key);
+            for (const JsonMember& part : *object)
+                anchors_.push_back({part.key_begin, part.value.end, std::string::npos, m.key, ""});
+            if (const Json* comment = m.value.find("comment")) n->remarks[""].json = raw(*comment);
             if (inputs && !inputs->as<Json::Object>()) {
                 wrong_kind(*inputs, pointer + "/inputs", m.key, "an object, one entry an input");
                 inputs = nullptr;
             }
             if (inputs)
-                for (const JsonMember& input : *inputs->as<Json::Object>())
+                for (const JsonMember& input : *inputs->as<Json::Object>()) {
                     origin->inputs.emplace(input.key, input.value.begin);
+                    anchors_.push_back({input.key_begin, input.value.end, std::string::npos, m.key, input.key});
+                    if (const Json* comment = input.value.find("comment")) n->remarks[input.key].json = raw(*comment);
+                }
             pending_.push_back({m.key, pointer, inputs, m.key_begin});
         }
     }
@@ -263,6 +305,7 @@ class GraphReader {
     std::string folder_;
     std::vector<Diagnostic> problems_, notes_;
     std::vector<Pending> pending_;
+    std::vector<Anchor> anchors_; // what comments can belong to
 };
 
 Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name) {
@@ -282,10 +325,15 @@ Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& p
     if (!std::filesystem::exists(status)) throw unreadable("IO401", "there is no such graph file");
     if (std::filesystem::is_directory(status)) throw unreadable("IO402", "this is a folder, not a graph file");
     std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in || !text) throw unreadable("IO402", "the graph file cannot be read");
-    return read_graph(std::move(registry), text.str(), path);
+    std::ostringstream out;
+    out << in.rdbuf();
+    const std::string text = out.str();
+    if (!in || !out) throw unreadable("IO402", "the graph file cannot be read");
+    // A mesh, say: better than to say what JSON lacks in it.
+    const std::size_t first = text.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+    if (first != std::string::npos && std::string_view("{[/").find(text[first]) == std::string_view::npos)
+        throw unreadable("DG004", "this is no graph file: a graph is one JSON object and begins with {");
+    return read_graph(std::move(registry), text, path);
 }
 
 } // namespace sinew::engine

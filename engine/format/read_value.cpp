@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/read_value.h"
 
+#include "engine/format/typed_text.h"
 #include "engine/text.h"
 #include "engine/units.h"
 
@@ -53,21 +54,27 @@ class BindingReader {
         const auto* list = json.as<Json::List>();
         if (is_list_input() && list) return connections(*list);
         if (input_.kind == AttributeKind::literal) return literal(json, "", 1);
-        if (list) {
-            problem("DG020", "takes one connection, not a list", "write { \"from\": \"node.output\" }");
-        } else {
+        const std::string form = connection_form(list && list->size() == 1 ? list->front() : json);
+        if (list)
+            problem("DG020", "takes one connection, not a list", "write " + form);
+        else
             problem("DG026",
                     "a " + std::string(input_.type_name) + " can only be connected, found " + std::string(json.kind()),
-                    is_list_input() ? "write [ { \"from\": \"node.output\" } ]"
-                                    : "write { \"from\": \"node.output\" }");
-        }
+                    "write " + (is_list_input() ? "[ " + form + " ]" : form));
         return Value();
+    }
+
+    /// How the connection that somebody meant is written.
+    static std::string connection_form(const Json& json) {
+        const Json* from = json.find("from");
+        const auto* text = (from ? *from : json).as<std::string>();
+        return "{ \"from\": " + (text && parse_plug(*text) ? json_quoted(*text) : "\"node.output\"") + " }";
     }
 
     // Exactly one of these keys says what the object is.
     Binding from_object(const Json& json, const Json::Object& object) {
         static const std::vector<std::string> kinds = {"from", "value", "keys", "preset"};
-        static const std::vector<std::string> all = {"from", "value", "unit", "keys", "interp", "preset"};
+        static const std::vector<std::string> all = {"from", "value", "unit", "keys", "interp", "preset", "comment"};
         std::string kind;
         for (const JsonMember& m : object) {
             if (std::find(all.begin(), all.end(), m.key) == all.end()) {
@@ -105,9 +112,10 @@ class BindingReader {
     Plug connection(const Json& json, const std::string& below) {
         const Json* from = json.find("from");
         const auto* object = json.as<Json::Object>();
-        if (!from || object->size() != 1) {
+        const bool has_comment = below.empty() && json.find("comment"); // in a list it could not be kept
+        if (!from || object->size() != (has_comment ? 2u : 1u)) {
             problem("DG025", "expected a connection, found " + std::string(json.kind()),
-                    "write { \"from\": \"node.output\" }", below);
+                    "write " + connection_form(json), below);
             return {};
         }
         const auto* text = from->as<std::string>();
@@ -126,44 +134,88 @@ class BindingReader {
 
     double unit(const Json* json) {
         if (!json) return 1;
-        const auto* text = json->as<std::string>();
-        if (!text)
-            problem("DG015", "a unit is text, found " + std::string(json->kind()), {}, "/unit");
-        else if (input_.unit.empty())
-            problem("DG015", "has no unit, found " + json_quoted(*text), "write the plain value", "/unit");
-        else if (!parse_unit(*text))
-            problem("DG015", "unknown unit " + json_quoted(*text), "usual units here: " + usual_units(input_.unit),
-                    "/unit");
-        else if (const auto factor = unit_factor(*text, input_.unit))
+        has_unit_ = true;
+        if (const auto* text = json->as<std::string>()) return unit(*text, "/unit");
+        problem("DG015", "a unit is text, found " + std::string(json->kind()), {}, "/unit");
+        return 1;
+    }
+
+    double unit(const std::string& text, const std::string& below) {
+        if (input_.unit.empty())
+            problem("DG015", "has no unit, found " + json_quoted(text), "write the plain value", below);
+        else if (!parse_unit(text))
+            problem("DG015", "unknown unit " + json_quoted(text), "usual units here: " + usual_units(input_.unit),
+                    below);
+        else if (const auto factor = unit_factor(text, input_.unit))
             return *factor;
         else
-            problem("DG015", json_quoted(*text) + " does not convert to " + json_quoted(input_.unit),
-                    "usual units here: " + usual_units(input_.unit), "/unit");
+            problem("DG015", json_quoted(text) + " does not convert to " + json_quoted(input_.unit),
+                    "usual units here: " + usual_units(input_.unit), below);
         return 1;
     }
 
     Binding preset(const Json& json) {
-        std::vector<std::string> words;
-        for (const Preset& p : input_.presets) words.emplace_back(p.name);
-        const auto* text = json.as<std::string>();
-        for (const Preset& p : input_.presets)
-            if (text && *text == p.name) return Value::of<double>(p.value);
-        if (words.empty())
+        if (input_.presets.empty())
             problem("DG016", "has no presets", "write a number", "/preset");
+        else if (const auto* text = json.as<std::string>())
+            return Value::of<double>(preset(*text, "/preset"));
         else
-            problem("DG016", "unknown preset " + (text ? json_quoted(*text) : std::string(json.kind())),
-                    text ? name_hint(*text, words, "presets") : "presets: " + listed(words), "/preset");
+            problem("DG016", "unknown preset " + std::string(json.kind()), "presets: " + listed(preset_names()),
+                    "/preset");
         return Value();
     }
 
-    void wrong_type(const Json& json, const std::string& below, std::string expected = {}) {
+    double preset(const std::string& name, const std::string& below) {
+        for (const Preset& p : input_.presets)
+            if (name == p.name) return p.value;
+        problem("DG016", "unknown preset " + json_quoted(name), name_hint(name, preset_names(), "presets"), below);
+        return 0;
+    }
+
+    std::vector<std::string> preset_names() const {
+        std::vector<std::string> out;
+        for (const Preset& p : input_.presets) out.emplace_back(p.name);
+        return out;
+    }
+
+    void wrong_type(const Json& json, const std::string& below, std::string expected = {}, std::string hint = {}) {
         if (expected.empty()) expected = input_.type_name;
-        problem("DG012", "expected " + expected + ", found " + std::string(json.kind()), {}, below);
+        const auto* text = json.as<std::string>();
+        if (hint.empty() && text && parse_plug(*text)) hint = "write " + connection_form(json);
+        problem("DG012", "expected " + expected + ", found " + std::string(json.kind()), std::move(hint), below);
     }
 
     std::optional<double> number(const Json& json, const std::string& below, double factor) {
         if (const auto* i = json.as<std::int64_t>()) return converted(static_cast<double>(*i), factor);
         if (const auto* d = json.as<double>()) return converted(*d, factor);
+        if (const auto* text = json.as<std::string>()) return number_in(json, *text, below);
+        wrong_type(json, below, "number");
+        return {};
+    }
+
+    static std::string without_quotes(double number) { return "write " + number_text(number) + " without quotes"; }
+
+    /// "30 kPa", or the name of a preset.
+    std::optional<double> number_in(const Json& json, const std::string& text, const std::string& below) {
+        const auto quantity = parse_quantity(text);
+        if (!quantity && !input_.presets.empty()) return preset(text, below);
+        if (!quantity)
+            wrong_type(json, below, "number");
+        else if (quantity->unit.empty())
+            wrong_type(json, below, "number", without_quotes(quantity->number));
+        else if (quantity->unit.starts_with(','))
+            wrong_type(json, below, "number", "write decimals behind a dot, lists in brackets");
+        else if (has_unit_)
+            problem("DG015", json_quoted(text) + " holds a unit, and \"unit\" stands beside it", "keep one of them",
+                    below);
+        else
+            return converted(quantity->number, unit(quantity->unit, below));
+        return {};
+    }
+
+    /// A number without a unit: frames.
+    std::optional<double> plain_number(const Json& json, const std::string& below) {
+        if (!json.as<std::string>()) return number(json, below, 1);
         wrong_type(json, below, "number");
         return {};
     }
@@ -172,17 +224,19 @@ class BindingReader {
         if (const auto* i = json.as<std::int64_t>()) return *i;
         const auto* d = json.as<double>();
         if (d && *d == std::floor(*d) && std::abs(*d) < 9e15) return static_cast<std::int64_t>(*d);
+        const auto* text = json.as<std::string>();
+        const auto typed = text ? parse_quantity(*text) : std::nullopt;
         if (d)
             problem("DG012", number_text(*d) + " is not an integer", {}, below);
         else
-            wrong_type(json, below);
+            wrong_type(json, below, "", typed && typed->unit.empty() ? without_quotes(typed->number) : "");
         return {};
     }
 
     // Reads a list of numbers; a list of lists is read row by row (matrices).
     void numbers(const Json& json, const std::string& below, double factor, bool rows, NumberList& out) {
         const auto* list = json.as<Json::List>();
-        if (!list) return wrong_type(json, below, "a list of numbers");
+        if (!list) return wrong_type(json, below, "a list of numbers", list_form(json));
         for (std::size_t i = 0; i < list->size(); ++i) {
             const std::string place = below + "/" + std::to_string(i);
             if (rows && (*list)[i].as<Json::List>())
@@ -190,6 +244,20 @@ class BindingReader {
             else
                 out.push_back(number((*list)[i], place, factor).value_or(0));
         }
+    }
+
+    /// How the list that somebody meant by a number or text is written; empty if that cannot be told.
+    std::string list_form(const Json& json) const {
+        const bool is_vector = input_.def.is<Vec3>();
+        const auto* text = json.as<std::string>();
+        const NumberList meant = text ? numbers_in(*text) : NumberList();
+        if (!meant.empty() && (!is_vector || meant.size() == 3)) return "write " + list_text(meant);
+        if (!is_vector) return {};
+        const auto* i = json.as<std::int64_t>();
+        const auto* d = json.as<double>();
+        if (!i && !d) return text && parse_plug(*text) ? "" : "write three numbers: [x, y, z]";
+        const double v = i ? static_cast<double>(*i) : *d;
+        return "write three numbers: " + list_text(NumberList{v, v, v}) + " if all of them are " + number_text(v);
     }
 
     template <std::size_t N>
@@ -213,7 +281,8 @@ class BindingReader {
         if (kind.is<Matrix4>()) return fixed<16>(json, below, factor);
         if (kind.is<NumberList>()) {
             NumberList out;
-            if (json.as<Json::List>())
+            const auto* text = json.as<std::string>();
+            if (json.as<Json::List>() || (text && numbers_in(*text).size() > 1))
                 numbers(json, below, factor, false, out);
             else if (const auto one = number(json, below, factor))
                 out.push_back(*one);
@@ -224,8 +293,21 @@ class BindingReader {
             if (kind.is<std::string>()) return Value::of<std::string>(*t);
             if (kind.is<File>()) return file(*t, below);
         }
-        wrong_type(json, below, kind.is<bool>() ? "true or false" : kind.is<File>() ? "the path of a file" : "");
+        if (kind.is<bool>())
+            wrong_type(json, below, "true or false", bool_form(json));
+        else
+            wrong_type(json, below, kind.is<File>() ? "the path of a file" : "");
         return Value();
+    }
+
+    static std::string bool_form(const Json& json) {
+        const auto* text = json.as<std::string>();
+        const auto* number = json.as<std::int64_t>();
+        if ((text && (*text == "true" || *text == "yes" || *text == "on")) || (number && *number == 1))
+            return "write true";
+        if ((text && (*text == "false" || *text == "no" || *text == "off")) || (number && *number == 0))
+            return "write false";
+        return {};
     }
 
     Binding file(const std::string& path, const std::string& below) {
@@ -306,7 +388,7 @@ class BindingReader {
                 continue;
             }
             Key key;
-            key.frame = number((*pair)[0], place + "/0", 1).value_or(0);
+            key.frame = plain_number((*pair)[0], place + "/0").value_or(0);
             key.value = keyed((*pair)[1], place + "/1", factor);
             if (pair->size() == 3) {
                 if (out.interpolation != Interpolation::smooth)
@@ -322,6 +404,7 @@ class BindingReader {
     const std::string& folder_;
     std::vector<Problem>& problems_;
     std::size_t before_;
+    bool has_unit_ = false; ///< a key "unit" stands beside the value
 };
 
 } // namespace

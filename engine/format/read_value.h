@@ -1,5 +1,5 @@
-// One value of a graph file -> Binding: literal, {value, unit}, {preset}, {keys, interp, unit}, {from}, [
-// {from}, … ]. Says what is malformed; limits, options and connections are checked afterwards by
+// One value of a graph file -> Binding: literal, "30 kPa", {value, unit}, {preset} or its name, {keys, interp, unit},
+// {from}, [ {from}, … ]. Says what is malformed; limits, options and connections are checked afterwards by
 // check_binding.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once

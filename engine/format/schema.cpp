@@ -61,6 +61,12 @@ Tree object(Tree properties, std::vector<std::string> required) {
             {"additionalProperties", false}};
 }
 
+/// An object beside whose data people may write what they like.
+Tree with_comment(Tree properties, std::vector<std::string> required) {
+    properties["comment"] = true;
+    return object(std::move(properties), std::move(required));
+}
+
 Tree input(const AttributeInfo& a) {
     const Tree connection = {{"$ref", "#/$defs/connection"}};
     std::string doc(a.doc);
@@ -69,23 +75,27 @@ Tree input(const AttributeInfo& a) {
     if (a.kind == AttributeKind::wire) return out["$ref"] = "#/$defs/connection", out;
     if (a.kind == AttributeKind::wire_list) {
         out["type"] = "array";
-        out["items"] = connection;
+        out["items"] = {{"$ref", "#/$defs/entry"}};
         if (a.min_count > 0) out["minItems"] = a.min_count;
         return out;
     }
     if (a.from_timing == FromTiming::nothing) out["default"] = default_of(a);
     Tree& forms = out["anyOf"] = Tree::array();
     forms.push_back(literal(a));
-    if (a.unit.empty())
-        forms.push_back(object({{"value", literal(a)}}, {"value"}));
-    else // in another unit the numbers are others, so the limits cannot be told here
+    if (a.unit.empty()) {
+        forms.push_back(with_comment({{"value", literal(a)}}, {"value"}));
+    } else { // in another unit the numbers are others, so the limits cannot be told here
         forms.push_back(
-            object({{"value", {{"type", {"number", "array"}}}}, {"unit", {{"type", "string"}}}}, {"value"}));
+            with_comment({{"value", {{"type", {"number", "array"}}}}, {"unit", {{"type", "string"}}}}, {"value"}));
+    }
     if (!a.presets.empty()) {
         Tree words = Tree::array();
         for (const Preset& p : a.presets) words.push_back(p.name);
-        forms.push_back(object({{"preset", {{"enum", words}}}}, {"preset"}));
+        forms.push_back(with_comment({{"preset", {{"enum", words}}}}, {"preset"}));
+        forms.push_back({{"enum", words}});
     }
+    if (!a.unit.empty() && (a.def.is<double>() || a.def.is<NumberList>()))
+        forms.push_back({{"type", "string"}, {"pattern", "^ *[-+]?[0-9.]"}}); // "30 kPa"
     if (a.keyable) forms.push_back({{"$ref", "#/$defs/keys"}});
     forms.push_back(connection);
     return out;
@@ -99,7 +109,7 @@ Tree node(const NodeType& t) {
     }
     Tree inputs = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
     if (!required.empty()) inputs["required"] = required;
-    Tree out = object({{"type", {{"const", t.name}}}, {"inputs", inputs}}, {"type"});
+    Tree out = with_comment({{"type", {{"const", t.name}}}, {"inputs", inputs}}, {"type"});
     if (!required.empty()) out["required"].push_back("inputs");
     out["description"] = t.doc;
     return out;
@@ -115,17 +125,19 @@ Tree keys_definition() {
         {"type", "object"}, {"properties", {{"in", value}, {"out", value}}}, {"additionalProperties", false}};
     Tree key = {{"type", "array"}, {"minItems", 2}, {"maxItems", 3}};
     key["prefixItems"] = Tree::array({Tree{{"type", "number"}}, value, tangents});
-    return object({{"keys", {{"type", "array"}, {"items", key}, {"minItems", 1}}},
-                   {"interp", {{"enum", {"step", "linear", "smooth"}}}},
-                   {"unit", {{"type", "string"}}}},
-                  {"keys"});
+    return with_comment({{"keys", {{"type", "array"}, {"items", key}, {"minItems", 1}}},
+                         {"interp", {{"enum", {"step", "linear", "smooth"}}}},
+                         {"unit", {{"type", "string"}}}},
+                        {"keys"});
 }
 
 } // namespace
 
 std::string graph_schema(const Registry& registry) {
     Tree types = Tree::array(), definitions = Tree::object();
-    definitions["connection"] = object({{"from", {{"type", "string"}, {"pattern", "^[^.]+\\.[^.]+$"}}}}, {"from"});
+    const Tree plug = {{"from", {{"type", "string"}, {"pattern", "^[^.]+\\.[^.]+$"}}}};
+    definitions["connection"] = with_comment(plug, {"from"});
+    definitions["entry"] = object(plug, {"from"}); // of a list
     definitions["keys"] = keys_definition();
     for (const std::string& name : registry.names()) {
         definitions["node_" + name] = node(*registry.find(name));
@@ -140,13 +152,14 @@ std::string graph_schema(const Registry& registry) {
                            {"start", {{"type", "integer"}}},
                            {"end", {{"type", "integer"}}}}},
                          {"additionalProperties", false}};
-    Tree root =
-        object({{"format", {{"const", "sinew " + std::to_string(current_format)}}},
-                {"timing", timing},
-                {"nodes",
-                 {{"type", "object"}, {"propertyNames", {{"pattern", "^[^.]+$"}}}, {"additionalProperties", any_node}}},
-                {"editor", {{"type", "object"}}}},
-               {"format", "nodes"});
+    Tree root = with_comment(
+        {{"$schema", {{"type", "string"}}},
+         {"format", {{"const", "sinew " + std::to_string(current_format)}}},
+         {"timing", timing},
+         {"nodes",
+          {{"type", "object"}, {"propertyNames", {{"pattern", "^[^.]+$"}}}, {"additionalProperties", any_node}}},
+         {"editor", {{"type", "object"}}}},
+        {"format", "nodes"});
     Tree out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Sinew graph"}};
     out.update(root);
     out["$defs"] = definitions;

@@ -3,6 +3,7 @@
 #include "engine/format/graph_file.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
+#include "engine/format/typed_text.h"
 #include "engine/text.h"
 
 #include <algorithm>
@@ -11,12 +12,6 @@
 namespace sinew::engine {
 
 namespace {
-
-std::string joined(std::span<const double> values) {
-    std::string out;
-    for (double v : values) out += (out.empty() ? "" : ", ") + number_text(v);
-    return "[" + out + "]";
-}
 
 std::string relative_path(const std::string& path, const std::string& folder) {
     const std::filesystem::path base = folder.empty() ? std::filesystem::path(".") : std::filesystem::path(folder);
@@ -29,9 +24,9 @@ std::string literal_text(const Value& v, const std::string& folder) {
     if (v.is<std::int64_t>()) return number_text(v.as<std::int64_t>());
     if (v.is<double>()) return number_text(v.as<double>());
     if (v.is<std::string>()) return json_quoted(v.as<std::string>());
-    if (v.is<Vec3>()) return joined(v.as<Vec3>());
-    if (v.is<Matrix4>()) return joined(v.as<Matrix4>());
-    if (v.is<NumberList>()) return joined(v.as<NumberList>());
+    if (v.is<Vec3>()) return list_text(v.as<Vec3>());
+    if (v.is<Matrix4>()) return list_text(v.as<Matrix4>());
+    if (v.is<NumberList>()) return list_text(v.as<NumberList>());
     const std::string& path = v.as<File>().path;
     return json_quoted(path.empty() ? path : relative_path(path, folder));
 }
@@ -39,7 +34,7 @@ std::string literal_text(const Value& v, const std::string& folder) {
 std::string keyed_text(const AttributeInfo& info, const std::vector<double>& v) {
     if (info.def.is<bool>()) return v[0] != 0 ? "true" : "false";
     if (!info.options.empty()) return json_quoted(info.options[static_cast<std::size_t>(v[0])]);
-    return v.size() == 1 ? number_text(v[0]) : joined(v);
+    return v.size() == 1 ? number_text(v[0]) : list_text(v);
 }
 
 std::string curve_text(const AttributeInfo& info, const Curve& c) {
@@ -57,16 +52,37 @@ std::string curve_text(const AttributeInfo& info, const Curve& c) {
     return "{ \"keys\": [" + keys + "], \"interp\": \"" + words[static_cast<int>(c.interpolation)] + "\" }";
 }
 
+/// Comments, each on a line of its own.
+std::string lines_of(const std::vector<std::string>& comments, std::string_view indent) {
+    std::string out;
+    for (const std::string& c : comments) out += "\n" + std::string(indent) + c;
+    return out;
+}
+
+const Remark& remark_of(const Remarks& all, std::string_view key) {
+    static const Remark none;
+    const auto it = all.find(key);
+    return it == all.end() ? none : it->second;
+}
+
 std::string plug_text(const Plug& p) { return "{ \"from\": " + json_quoted(p.text()) + " }"; }
 
-// Empty: the binding says no more than the default does.
-std::string binding_text(const AttributeInfo& info, const Binding& b, const Timing& timing, const std::string& folder) {
+// Empty: the binding says no more than the default does, and nobody says anything of it.
+std::string binding_text(const AttributeInfo& info, const Binding& b, const Remark& remark, const Timing& timing,
+                         const std::string& folder) {
+    const bool has_comment = !remark.json.empty();
     if (const Value* v = std::get_if<Value>(&b)) {
         const bool is_default = v->digest() == default_value(info, timing).digest() && !v->is<File>();
-        return is_default && !info.required ? "" : literal_text(*v, folder);
+        if (is_default && !info.required && remark.lines.empty() && !has_comment) return "";
+        const std::string text = literal_text(*v, folder);
+        return has_comment ? "{ \"value\": " + text + ", \"comment\": " + remark.json + " }" : text;
     }
-    if (const Curve* c = std::get_if<Curve>(&b)) return curve_text(info, *c);
-    if (const Plug* p = std::get_if<Plug>(&b)) return plug_text(*p);
+    const auto with_comment = [&](std::string object) {
+        if (has_comment) object.replace(object.size() - 2, 2, ", \"comment\": " + remark.json + " }");
+        return object;
+    };
+    if (const Curve* c = std::get_if<Curve>(&b)) return with_comment(curve_text(info, *c));
+    if (const Plug* p = std::get_if<Plug>(&b)) return with_comment(plug_text(*p));
     std::string out;
     for (const Plug& p : std::get<std::vector<Plug>>(b)) out += (out.empty() ? " " : ",\n          ") + plug_text(p);
     return out.empty() ? "[]" : "[" + out + " ]";
@@ -85,11 +101,15 @@ std::string node_text(const Node& n, const Timing& timing, const std::string& fo
     if (!n.type) return n.raw_json;
     std::string inputs;
     for (const std::string& name : ordered_inputs(n)) {
-        const std::string text = binding_text(*n.type->find_input(name), n.inputs.find(name)->second, timing, folder);
+        const Remark& remark = remark_of(n.remarks, name);
+        const std::string text =
+            binding_text(*n.type->find_input(name), n.inputs.find(name)->second, remark, timing, folder);
         if (!text.empty())
-            inputs += (inputs.empty() ? "" : ",") + std::string("\n        ") + json_quoted(name) + ": " + text;
+            inputs += (inputs.empty() ? "" : ",") + lines_of(remark.lines, "        ") + "\n        " +
+                      json_quoted(name) + ": " + text;
     }
     std::string out = "{ \"type\": " + json_quoted(n.type_name);
+    if (const Remark& remark = remark_of(n.remarks, ""); !remark.json.empty()) out += ", \"comment\": " + remark.json;
     if (!inputs.empty()) out += ", \"inputs\": {" + inputs + "\n      }";
     return out + " }";
 }
@@ -98,17 +118,30 @@ std::string node_text(const Node& n, const Timing& timing, const std::string& fo
 
 std::string write_graph(const Graph& graph) {
     const Timing& t = graph.timing();
-    std::string out = "{\n  \"format\": \"sinew " + std::to_string(current_format) + "\",\n";
-    out += "  \"timing\": { \"fps\": " + number_text(t.fps) + ", \"start\": " + std::to_string(t.start) +
-           ", \"end\": " + std::to_string(t.end) + " },\n  \"nodes\": {";
+    std::string out = "{";
+    const auto member = [&](std::string_view key, const std::string& text) {
+        out += (out.size() > 1 ? "," : "") + lines_of(remark_of(graph.remarks(), key).lines, "  ") + "\n  " +
+               json_quoted(key) + ": " + text;
+    };
+    const auto own = [&](std::string_view key) {
+        if (const Remark& remark = remark_of(graph.remarks(), key); !remark.json.empty()) member(key, remark.json);
+    };
+    own("$schema");
+    member("format", json_quoted("sinew " + std::to_string(current_format)));
+    own("comment");
+    member("timing", "{ \"fps\": " + number_text(t.fps) + ", \"start\": " + std::to_string(t.start) +
+                         ", \"end\": " + std::to_string(t.end) + " }");
     const std::string folder = folder_of(graph.file());
-    bool first = true;
+    std::string nodes;
     for (const std::string& name : graph.node_names()) {
-        out += first ? "\n    " : ",\n    ";
-        first = false;
-        out += json_quoted(name) + ": " + node_text(*graph.find(name), t, folder);
+        const Node& n = *graph.find(name);
+        nodes += (nodes.empty() ? "" : ",") + lines_of(remark_of(n.remarks, "").lines, "    ") + "\n    " +
+                 json_quoted(name) + ": " + node_text(n, t, folder);
     }
-    return out + (first ? "},\n" : "\n  },\n") + "  \"editor\": " + graph.editor_json() + "\n}\n";
+    nodes += lines_of(remark_of(graph.remarks(), "nodes").last, "    ");
+    member("nodes", "{" + nodes + (nodes.empty() ? "}" : "\n  }"));
+    member("editor", graph.editor_json());
+    return out + "\n}" + lines_of(remark_of(graph.remarks(), "").lines, "") + "\n";
 }
 
 } // namespace sinew::engine

@@ -1,4 +1,4 @@
-// PLY: ascii and binary in both byte orders, with any further elements and properties.
+// PLY: ascii and binary in both byte orders, faces and strips of triangles, with any further elements and properties.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
 #include "solver/mesh/mesh_readers.h"
@@ -220,6 +220,41 @@ void read_faces(Source& source, const Element& element, std::vector<int>& sizes,
     }
 }
 
+/// Strips of triangles: each further vertex makes one with the two before it, every other of them turned round; -1 ends
+/// a strip. Triangles that repeat a vertex lead from strip to strip and are no faces.
+void read_strips(Source& source, const Element& element, std::vector<int>& sizes, std::vector<int>& corners) {
+    for (std::size_t s = 0; s < element.count; ++s) {
+        const std::string owner = "strip " + std::to_string(s);
+        for (const Property& property : element.properties) {
+            if (!is_corner_list(property)) {
+                skip(source, property, owner);
+                continue;
+            }
+            const std::size_t size = source.next_count(*property.list_count, "the size of " + owner);
+            int before[2] = {-1, -1};
+            bool turned = false;
+            for (std::size_t k = 0; k < size; ++k) {
+                const double v = source.next(property.type, "a vertex number of " + owner);
+                if (!(v >= -1) || v != std::floor(v) || v > 2147483646)
+                    source.fail("a vertex number of " + owner + " is not a whole number from -1");
+                const int at = static_cast<int>(v);
+                if (at < 0) {
+                    before[0] = before[1] = -1, turned = false;
+                    continue;
+                }
+                if (before[0] >= 0) {
+                    if (before[0] != before[1] && before[1] != at && before[0] != at) {
+                        sizes.push_back(3);
+                        corners.insert(corners.end(), {before[turned ? 1 : 0], before[turned ? 0 : 1], at});
+                    }
+                    turned = !turned;
+                }
+                before[0] = before[1], before[1] = at;
+            }
+        }
+    }
+}
+
 void require(const TextScanner& text, bool condition, const std::string& problem) {
     if (!condition) text.fail(problem);
 }
@@ -237,9 +272,9 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file) {
                         std::count_if(e.properties.begin(), e.properties.end(),
                                       [&](const Property& p) { return p.name == axis && !p.list_count; }) == 1,
                         "the vertices need one property " + std::string(axis));
-        if (e.name == "face")
+        if (e.name == "face" || e.name == "tristrips")
             require(text, std::count_if(e.properties.begin(), e.properties.end(), is_corner_list) == 1,
-                    "the faces need one list vertex_indices");
+                    "the " + std::string(e.name == "face" ? "faces" : "strips") + " need one list vertex_indices");
     }
 
     std::optional<TextSource> as_text;
@@ -263,8 +298,10 @@ SurfaceMesh read_ply(std::string_view bytes, const std::string& file) {
                          " are more than the rest of the file can hold");
         if (element.name == "vertex" && points.empty()) {
             read_vertices(*source, element, points);
-        } else if (element.name == "face" && sizes.empty()) {
+        } else if (element.name == "face") {
             read_faces(*source, element, sizes, corners);
+        } else if (element.name == "tristrips") {
+            read_strips(*source, element, sizes, corners);
         } else {
             for (std::size_t i = 0; i < element.count; ++i)
                 for (const Property& p : element.properties) skip(*source, p, element.name + " " + std::to_string(i));

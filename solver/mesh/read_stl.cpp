@@ -1,6 +1,7 @@
 // STL, ascii and binary. Corners at exactly the same place become one vertex.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
+#include "solver/mesh/corner_welder.h"
 #include "solver/mesh/mesh_readers.h"
 #include "solver/mesh/text_scanner.h"
 
@@ -8,7 +9,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <unordered_map>
 
 namespace sinew::solver {
 namespace {
@@ -17,35 +17,12 @@ static_assert(std::endian::native == std::endian::little, "binary STL is read wi
 
 constexpr std::size_t header_bytes = 84, record_bytes = 50;
 
-/// Vertices in the order in which they first appear.
-class Welder {
-  public:
-    int add(const Vec3& p) {
-        const Vec3 key = p + Vec3::Zero(); // -0 becomes +0
-        const auto [entry, is_new] = numbers_.try_emplace({key[0], key[1], key[2]}, static_cast<int>(points.size()));
-        if (is_new) points.push_back(key);
-        return entry->second;
-    }
-    Points points;
-
-  private:
-    using Key = std::array<double, 3>;
-    struct Hash {
-        std::size_t operator()(const Key& k) const {
-            std::uint64_t h = 0;
-            for (double x : k) h = (h ^ std::bit_cast<std::uint64_t>(x)) * 0x9e3779b97f4a7c15ull, h ^= h >> 29;
-            return static_cast<std::size_t>(h);
-        }
-    };
-    std::unordered_map<Key, int, Hash> numbers_;
-};
-
-SurfaceMesh finish(const std::string& file, Welder& welder, const std::vector<int>& corners) {
+SurfaceMesh finish(const std::string& file, CornerWelder& welder, const std::vector<int>& corners) {
     return finish_surface(file, std::move(welder.points), std::vector<int>(corners.size() / 3, 3), corners);
 }
 
 SurfaceMesh read_binary(std::string_view bytes, std::size_t count, const std::string& file) {
-    Welder welder;
+    CornerWelder welder;
     std::vector<int> corners;
     corners.reserve(3 * count);
     for (std::size_t t = 0; t < count; ++t) {
@@ -67,7 +44,7 @@ SurfaceMesh read_ascii(std::string_view bytes, const std::string& file) {
         if (const std::string_view found = text.word(); found != word)
             text.fail("'" + printable(found) + "' stands where '" + std::string(word) + "' should");
     };
-    Welder welder;
+    CornerWelder welder;
     std::vector<int> corners;
     while (!text.at_end()) {
         expect("solid");
@@ -97,6 +74,7 @@ SurfaceMesh read_ascii(std::string_view bytes, const std::string& file) {
 } // namespace
 
 SurfaceMesh read_stl(std::string_view bytes, const std::string& file) {
+    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
     // Some binary files begin with "solid" too, so the size decides first.
     std::uint32_t count = 0;
     if (bytes.size() >= header_bytes) std::memcpy(&count, bytes.data() + 80, sizeof count);

@@ -6,13 +6,13 @@
 
 namespace sinew::solver {
 
-/// Reads words from text. `\n`, `\r\n` and lone `\r` end a line; a comment runs from the comment character to
-/// the end of its line (0 = no comments). Every failure is Error IO403 "<file>:<line>: what is wrong", or
-/// FE202 for a number that is not finite.
+/// Reads words from text, behind a byte order mark if it begins with one. `\n`, `\r\n` and lone `\r` end a line; a
+/// comment runs from the comment character to the end of its line (0 = no comments). Every failure is Error IO403
+/// "<file>:<line>: what is wrong", or FE202 for a number that is not finite.
 class TextScanner {
   public:
     TextScanner(std::string_view text, std::string file, char comment = '#')
-        : text_(text)
+        : text_(text.starts_with("\xEF\xBB\xBF") ? text.substr(3) : text)
         , file_(std::move(file))
         , comment_(comment) {}
 

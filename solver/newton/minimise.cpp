@@ -267,6 +267,16 @@ End leave_ridge(Potential& potential, NewtonWorkspace& w, const NewtonOptions& o
     return definite ? End::converged : End::out_of_iterations;
 }
 
+/// The deformable with the largest share of forces left; -1: there is none.
+int worst_deformable(const std::vector<BodyForces>& forces) {
+    int worst = -1;
+    double residual = 0;
+    for (std::size_t d = 0; d < forces.size(); ++d)
+        if (const double r = forces[d].sum / forces[d].at_work; !(r <= residual))
+            residual = r, worst = static_cast<int>(d);
+    return worst;
+}
+
 } // namespace
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
@@ -293,7 +303,13 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
         end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite,
                       record, r);
     }
-    if (end == End::converged && !definite) end = leave_ridge(potential, w, options, control, x, memory, record, r);
+    int worst = worst_deformable(w.forces);
+    if (end == End::converged && !definite) {
+        const double here = r;
+        end = leave_ridge(potential, w, options, control, x, memory, record, r);
+        if (r != here) worst = worst_deformable(w.forces);
+    }
+    if (!(r <= w.worst_residual)) w.worst_residual = r, w.worst_deformable = worst;
     record.residual = std::max(record.residual, r);
     record.converged = record.converged && end == End::converged;
 }

@@ -29,6 +29,8 @@ struct NewtonWorkspace {
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;
+    double worst_residual = 0; ///< of all calls since it was last set to 0
+    int worst_deformable = -1; ///< whose that is
     explicit NewtonWorkspace(const Potential& potential)
         : hessian(potential.pattern())
         , linear(potential.pattern(), potential.places()) {}

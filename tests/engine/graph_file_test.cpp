@@ -178,7 +178,7 @@ TEST_CASE("keyframes are checked") {
     CHECK(input_problem("value", "{\"keys\": [[1, 2], [1, 3]]}") == "DG017@2:68");
     CHECK(input_problem("value", "{\"keys\": [[5, 2], [1, 3]]}") == "DG017@2:68");
     CHECK(input_problem("value", "{\"keys\": [[1, 2], [2]]}") == "DG017@2:68");
-    CHECK(input_problem("value", "{\"keys\": [[1, 2], [2, \"x\"]]}") == "DG012@2:72");
+    CHECK(input_problem("value", "{\"keys\": [[1, 2], [2, \"x\"]]}") == "DG016@2:72");
     CHECK(input_problem("value", "{\"keys\": [[1, 2], [2, -7]]}") == "DG013@2:72");
     CHECK(input_problem("value", "{\"keys\": [[1, 2]], \"interp\": \"cubic\"}") == "DG017@2:79");
     CHECK(input_problem("value", "{\"keys\": [[1, 2, {\"in\": 1}]]}") == "DG017@2:67");

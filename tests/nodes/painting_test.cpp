@@ -160,3 +160,61 @@ TEST_CASE("transferred weights stay between 0 and 1", "[nodes]") {
     s.set("moved", "weights", "[0.25]");
     for (const double w : s.get<NumberList>("moved", "outWeights")) CHECK(w == 0.25);
 }
+
+TEST_CASE("maps are combined and inverted and smoothed", "[nodes]") {
+    const std::string two = strip + R"(
+      "a": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "ramp", "start": 0, "end": 4}},
+      "b": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [1, 2, 3]}},
+      "w": {"type": "combineWeights", "inputs": {"weights": [{"from": "a.outWeights"}, {"from": "b.outWeights"}]}})";
+    Session s(two);
+    // Vertices 0…4 lie at x = 0…4 in the first row; b is 1 at 1, 2 and 3 of it.
+    const auto row = [&] {
+        const auto all = s.get<NumberList>("w", "outWeights");
+        REQUIRE(all.size() == 10);
+        return Line(all.begin(), all.begin() + 5);
+    };
+    CHECK(row() == Line{0, 0.25, 0.5, 0.75, 0});
+    s.set("w", "mode", "\"min\"");
+    CHECK(row() == Line{0, 0.25, 0.5, 0.75, 0});
+    s.set("w", "mode", "\"max\"");
+    CHECK(row() == Line{0, 1, 1, 1, 1});
+    s.set("w", "invert", "true");
+    CHECK(row() == Line{1, 0, 0, 0, 0});
+    // One list alone, smoothed once: half of itself and half of the mean of those along the edges.
+    Session one(
+        strip +
+        R"("w0": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "vertices", "vertices": [0]}},
+      "w": {"type": "combineWeights", "inputs": {"weights": [{"from": "w0.outWeights"}], "smooth": 1, "mesh": {"from": "strip.outMesh"}}},
+      "f0": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "faces", "faces": [1]}},
+      "f": {"type": "combineWeights", "inputs": {"weights": [{"from": "f0.outWeights"}], "smooth": 1, "on": "faces", "mesh": {"from": "strip.outMesh"}}})");
+    // 0 has neighbours 1 and 5; 1 has 0, 2 and 6; 5 has 0 and 6.
+    CHECK(one.get<NumberList>("w", "outWeights") == NumberList{0.5, 0.5 / 3, 0, 0, 0, 0.25, 0, 0, 0, 0});
+    CHECK(one.get<NumberList>("f", "outWeights") == NumberList{0.5, 0.5, 0.25, 0});
+    one.set("w", "smooth", "1000"); // all the same in the end, somewhere between
+    const auto even = one.get<NumberList>("w", "outWeights");
+    for (const double w : even) CHECK(w == Approx(even.front()).margin(1e-9));
+    CHECK((even.front() > 0 && even.front() < 1));
+}
+
+TEST_CASE("maps that do not fit together are refused", "[nodes]") {
+    const std::string maps = strip + R"("v": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}}},
+      "f": {"type": "weights", "inputs": {"mesh": {"from": "strip.outMesh"}, "mode": "faces", "faces": [1]}},)";
+    std::string text;
+    CHECK(
+        codes(
+            maps +
+                R"("w": {"type": "combineWeights", "inputs": {"weights": [{"from": "v.outWeights"}, {"from": "f.outWeights"}]}})",
+            "w", "outWeights", &text) == Codes{"FE204"});
+    CHECK(text.find("f gives 4 numbers, the maps before it 10") != std::string::npos);
+    CHECK(
+        codes(maps +
+                  R"("w": {"type": "combineWeights", "inputs": {"weights": [{"from": "v.outWeights"}], "smooth": 1}})",
+              "w", "outWeights") == Codes{"DG110"});
+    CHECK(
+        codes(
+            maps +
+                R"("w": {"type": "combineWeights", "inputs": {"weights": [{"from": "f.outWeights"}], "smooth": 1, "mesh": {"from": "strip.outMesh"}}})",
+            "w", "outWeights") == Codes{"FE204"});
+    CHECK(codes(maps + R"("w": {"type": "combineWeights", "inputs": {"weights": []}})", "w", "outWeights") ==
+          Codes{"DG021"});
+}

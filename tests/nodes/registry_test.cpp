@@ -10,24 +10,14 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {"airField",         "curve",
-                                            "dragField",        "endPoints",
-                                            "gravityField",     "meshFile",
-                                            "meshWriter",       "newtonField",
-                                            "polyCube",         "polyCylinder",
-                                            "polyHelix",        "polyPlane",
-                                            "polySphere",       "radialField",
-                                            "tetMeshFile",      "tetWriter",
-                                            "trackChannel",     "transferWeights",
-                                            "transform",        "turbulenceField",
-                                            "uniformField",     "volumeAxisField",
-                                            "vortexField",      "weights",
-                                            "zAttachment",      "zBone",
-                                            "zDelaunayTetMesh", "zEmbedder",
-                                            "zFiber",           "zHold",
-                                            "zIsoMesh",         "zMaterial",
-                                            "zSolver",          "zTet",
-                                            "zTissue"};
+const std::vector<std::string> all_types = {
+    "aim",          "airField",        "combineWeights", "curve",           "dragField",        "endPoints",
+    "gravityField", "meshFile",        "meshWriter",     "newtonField",     "polyCube",         "polyCylinder",
+    "polyHelix",    "polyPlane",       "polySphere",     "radialField",     "tetMeshFile",      "tetWriter",
+    "trackChannel", "transferWeights", "transform",      "turbulenceField", "uniformField",     "volumeAxisField",
+    "vortexField",  "weights",         "zAttachment",    "zBone",           "zDelaunayTetMesh", "zEmbedder",
+    "zFiber",       "zHold",           "zIsoMesh",       "zMaterial",       "zSolver",          "zTet",
+    "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -59,6 +49,10 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         return base + R"("n": {"type": ")" + type + R"(", "inputs": {)" + inputs + "}}";
     };
     return {
+        {"aim", node("aim", "")},
+        {"combineWeights",
+         node("combineWeights", R"("weights": [{"from": "half.outWeights"}, {"from": "rest.outWeights"}],
+             "mesh": {"from": "cube.outMesh"})")},
         {"curve", node("curve", R"("points": [0,0,0, 1,0,0])")},
         {"endPoints", node("endPoints", R"("mesh": {"from": "cube.outMesh"}, "source": {"from": "half.outWeights"},
                                                "sink": {"from": "rest.outWeights"})")},

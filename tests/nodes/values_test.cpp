@@ -49,6 +49,7 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
         edit(s);
         return digest(std::move(s)) != base;
     };
+    CHECK(changed([](auto& s) { s.residual_body = 1; }));
     CHECK(changed([](auto& s) { s.scene.scale = 11; }));
     CHECK(changed([](auto& s) { s.scene.bodies[1].lo = 9; }));
     CHECK(changed([](auto& s) { s.scene.attachments[0].hi = 9; }));

@@ -188,3 +188,21 @@ TEST_CASE("check names parts that are inside out, tets that repeat and tets that
     CHECK(has(checked.err, "own.outTets has 1 nearly flat tet (1)"));
     CHECK_FALSE(has(checked.out, "unused")); // a border on its tets' vertices leaves out the inner ones
 }
+
+TEST_CASE("check takes several files and looks at all of them whatever the first is like", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string good = write_graph(folder, small_graph());
+    std::ofstream(folder / "bad.json") << "{";
+    std::ofstream(folder / "a.obj") << "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const std::string bad = (folder / "bad.json").string(), mesh = (folder / "a.obj").string();
+    const Said both = run_program({"check", bad, good, mesh, "--json", "--no-cache"});
+    CHECK(both.code == 1);
+    const auto lines = both.lines();
+    REQUIRE(lines.size() == 3);
+    CHECK(lines[0].at("code") == "DG001");
+    CHECK(lines[1].at("event") == "checked");
+    CHECK(lines[1].at("graph") == good);
+    CHECK(lines[2].at("mesh") == mesh);
+    CHECK(run_program({"check", good, mesh, "--no-cache"}).code == 0);
+    CHECK(run_program({"check", good, good, "--set", "flesh.youngsModulus=1"}).code == 2);
+}

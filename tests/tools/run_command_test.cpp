@@ -385,6 +385,37 @@ TEST_CASE("a frame that converges with inverted tets is warned about, and the re
     CHECK((stretch.at("vertex") >= 0 && stretch.at("vertex") < 50));
 }
 
+TEST_CASE("the report names the body that is farthest from balance", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string();
+    json graph = small_graph();
+    json& nodes = graph["nodes"];
+    // A second block that nothing moves, before and behind the first one in the list.
+    nodes["aside"] = json::parse(
+        R"({ "type": "transform", "inputs": { "mesh": { "from": "blockMesh.outMesh" }, "translate": [30, 0, 0] } })");
+    nodes["idle"] = nodes["block"];
+    nodes["idle"]["inputs"]["mesh"]["from"] = "aside.outMesh";
+    nodes["solver"]["inputs"]["gravity"] = {0, 0, 0};
+    nodes["solver"]["inputs"]["maxNewtonIterations"] = 1;
+    nodes["solver"]["inputs"]["stepHalvings"] = 0;
+    for (const bool first : {true, false}) {
+        json& bodies = nodes["solver"]["inputs"]["bodies"] = json::array();
+        for (const char* name : {"lower", "upper", "block"})
+            bodies.push_back(json::object({{"from", name + std::string(".outBody")}}));
+        bodies.insert(first ? bodies.begin() : bodies.end(), json::object({{"from", "idle.outBody"}}));
+        const Said said = run_program({"run", write_graph(folder, graph), "--frames", "1-3", "--report", file});
+        INFO(said.err);
+        REQUIRE(said.code == 0);
+        const json frames = json::parse(read_text(file)).at("frames");
+        CHECK_FALSE(frames.at(0).at("where").contains("residual")); // nothing was solved for the start frame
+        for (const std::size_t f : {1, 2}) {
+            REQUIRE(frames.at(f).at("converged") == false);
+            CHECK(frames.at(f).at("where").at("residual").at("body") == "block");
+        }
+        CHECK(said.err.find("of block after 1 Newton iterations") != std::string::npos);
+    }
+}
+
 TEST_CASE("several solvers without --pull are an error that lists them", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();

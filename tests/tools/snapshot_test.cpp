@@ -76,6 +76,59 @@ TEST_CASE("a snapshot of a run that fails on the way fails as the run does, and 
     CHECK_FALSE(fs::exists(png));
 }
 
+TEST_CASE("a snapshot draws the bodies that are picked and fills the picture with those in focus", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph()), png = (folder / "p.png").string();
+    const auto picture = [&](std::vector<std::string> words) {
+        words.insert(words.begin(),
+                     {"snapshot", graph, "--frames", "4", "--size", "96x64", "--smooth", "1", "-o", png});
+        REQUIRE(run_program(words).code == 0);
+        return read_text(png);
+    };
+    const std::string all = picture({}), block = picture({"--bodies", "block"}), focus = picture({"--focus", "block"});
+    CHECK(picture({"--bodies", "lower,upper,block"}) == all);
+    CHECK(picture({"--focus", "block,lower,upper"}) == all);
+    CHECK(picture({"--bodies", "block", "--focus", "block"}) == block);
+    CHECK(block != all);
+    CHECK(focus != all);
+    CHECK(focus != block); // the plates are still there
+    CHECK(picture({"--bodies", "block", "--overlays", "attachments"}) ==
+          picture({"--bodies", "block", "--overlays", "marks"}));
+    const Said wrong = run_program({"snapshot", graph, "--frames", "1", "--bodies", "blok", "-o", png});
+    CHECK(wrong.code == 2);
+    CHECK(has(wrong.err, "--bodies: there is no body 'blok'. Did you mean 'block'?"));
+    CHECK(has(run_program({"snapshot", graph, "--frames", "1", "--focus", "femur", "-o", png}).err,
+              "Bodies: lower, upper or block."));
+}
+
+TEST_CASE("the camera makes room for what is framed alone", "[tools]") {
+    const auto cube_at = [](double x) {
+        render::Surface s;
+        s.points = {{x, 0, 0}, {x + 1, 0, 0}, {x, 1, 0}, {x, 0, 1}};
+        s.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+        s.normals.assign(4, solver::Vec3(0.6, 0, 0.8));
+        return s;
+    };
+    // Pixels of the first one, which is red.
+    const auto red = [](const std::vector<render::Surface>& surfaces) {
+        int count = 0;
+        for (const auto& [r, g, b] :
+             render::contact_sheet({render::Shot{"frame 1", surfaces}}, render::View{}, 180, 120, 1).pixels)
+            count += r > 60 && r > 2 * g && r > 2 * b;
+        return count;
+    };
+    render::Surface one = cube_at(0), far = cube_at(30);
+    one.look = {Eigen::Vector3f(0.7f, 0.02f, 0.02f), 0, 0};
+    far.look = {Eigen::Vector3f(0.4f, 0.4f, 0.4f), 0, 0};
+    const int alone = red({one}), both = red({one, far});
+    REQUIRE(alone > 1000);
+    CHECK(both < alone / 20);
+    far.is_framed = false;
+    CHECK(red({one, far}) == Approx(alone).epsilon(0.02));
+    one.is_framed = false; // nothing is framed: all are
+    CHECK(red({one, far}) == both);
+}
+
 TEST_CASE("what is wrong with a movie's words is said before anything is computed", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph()), mp4 = (folder / "m.mp4").string();

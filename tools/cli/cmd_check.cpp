@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/doubts.h"
 #include "tools/cli/mesh_report.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -33,15 +35,14 @@ Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluato
     return out;
 }
 
-ExitCode check(const Invocation& in) {
+ExitCode check_file(const Invocation& in, const std::string& file) {
     const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
                meshes = in.arguments.has("--meshes");
-    if (fast && meshes) throw UsageError("--meshes looks at meshes, which --fast does not load.");
-    if (const auto report = report_of_file(in.arguments.operand(0).value())) {
+    if (const auto report = report_of_file(file)) {
         print_meshes({*report}, json, in.out);
         return done;
     }
-    OpenGraph open = open_graph(in.arguments);
+    OpenGraph open = open_graph(in.arguments, file);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings(open.graph, open.graph->timing().start, json, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
@@ -56,6 +57,11 @@ ExitCode check(const Invocation& in) {
         reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
+    if (!fast && !has_error(found)) // a tissue falls, say, because what holds it is wrong
+        for (auto& doubt : find_doubts(open.graph, evaluator, in.stop, failures)) found.push_back(std::move(doubt));
+    // Nothing that needs such a node can run, and the rest may run without it; but nobody writes one on purpose.
+    for (engine::Diagnostic& d : found)
+        if (d.code == "DG010") d.severity = engine::Severity::error;
     sort_by_place(found);
     print_diagnostics(found, json, in.out, in.err);
     if (meshes) print_meshes(reports, json, in.out);
@@ -74,12 +80,30 @@ ExitCode check(const Invocation& in) {
     return done;
 }
 
+ExitCode check(const Invocation& in) {
+    if (in.arguments.has("--fast") && in.arguments.has("--meshes"))
+        throw UsageError("--meshes looks at meshes, which --fast does not load.");
+    const std::vector<std::string> files = in.arguments.operands_from(0);
+    if (files.size() == 1) return check_file(in, files.front());
+    if (in.arguments.has("--set")) throw UsageError("--set changes one graph, but several files are named.");
+    ExitCode worst = done;
+    for (const std::string& file : files) {
+        try {
+            worst = std::max(worst, check_file(in, file));
+        } catch (const engine::Failure& e) { // the others are looked at too
+            print_diagnostics(e.diagnostics(), in.arguments.has("--json"), in.out, in.err);
+            worst = std::max(worst, dynamic_cast<const engine::SolveFailure*>(&e) ? solve_failed : graph_wrong);
+        }
+    }
+    return worst;
+}
+
 } // namespace
 
 Command check_command() {
     return {"check",
-            "say everything that is wrong with a graph, without simulating",
-            {{"GRAPH", "the graph file (JSON), or one mesh file to look at"}},
+            "say everything that is wrong with a graph or hardly meant, without simulating",
+            {{"FILE", "graph files (JSON), and mesh files to look at", true, true}},
             {{"--meshes", "",
               "say of every mesh whether it is closed, manifold and free of crossings, and what is off if not"},
              {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},

@@ -1,5 +1,6 @@
 // `sinew snapshot`: a PNG of chosen frames or a movie of all, without a display. Draws the viewer's scene.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/body_files.h"
@@ -14,6 +15,7 @@
 #include "tools/viewer/shot_overlays.h"
 
 #include <algorithm>
+#include <optional>
 #include <ostream>
 
 namespace sinew::cli {
@@ -101,6 +103,47 @@ std::pair<int, int> parse_size(const std::string& text) {
     return {*width, *height};
 }
 
+/// The bodies that a flag names, by their own name or their node's; null if it is not given.
+std::optional<std::set<std::size_t>> named_bodies(const Arguments& arguments, std::string_view flag,
+                                                  const viewer::ViewScene& scene) {
+    const auto text = arguments.value(flag);
+    if (!text) return {};
+    std::set<std::size_t> out;
+    for (const std::string& word : split(*text, ',')) {
+        std::vector<std::string> known;
+        bool found = false;
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
+            known.push_back(scene.bodies[b].name);
+            if (scene.bodies[b].name == word || scene.bodies[b].node == word) out.insert(b), found = true;
+        }
+        if (found) continue;
+        const std::string near = did_you_mean(word, known);
+        throw UsageError(std::string(flag) + ": there is no body '" + word + "'." +
+                         (near.empty() ? " Bodies: " + engine::listed(known) + "." : near));
+    }
+    return out;
+}
+
+/// Leaves out what --bodies does not name, and frames what --focus names.
+void choose_bodies(const Arguments& arguments, viewer::ViewScene& scene) {
+    if (const auto focus = named_bodies(arguments, "--focus", scene))
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b) scene.bodies[b].is_framed = focus->contains(b);
+    const auto kept = named_bodies(arguments, "--bodies", scene);
+    if (!kept) return;
+    std::vector<int> place(scene.bodies.size(), -1);
+    std::vector<viewer::ViewBody> bodies;
+    for (const std::size_t b : *kept) {
+        place[b] = static_cast<int>(bodies.size());
+        bodies.push_back(std::move(scene.bodies[b]));
+    }
+    scene.bodies = std::move(bodies);
+    for (viewer::ViewAttachment& a : scene.attachments) {
+        a.source = place[static_cast<std::size_t>(a.source)];
+        a.target = place[static_cast<std::size_t>(a.target)];
+    }
+    std::erase_if(scene.attachments, [](const auto& a) { return a.source < 0 || a.target < 0; });
+}
+
 struct Drawing {
     render::View view;
     int width = 0, height = 0, smoothing = 3;
@@ -158,7 +201,8 @@ std::string movie_of(const Album& album, const Drawing& drawing, const fs::path&
     // One camera that holds the whole motion, so that what stands still does so in the movie.
     render::Framing framing(drawing.view, static_cast<double>(drawing.width) / drawing.height);
     for (const std::size_t f : album.shots)
-        for (const render::Surface& surface : viewer::shot_of(album.scene, f, {}).surfaces) framing.add(surface.points);
+        for (const render::Surface& surface : viewer::shot_of(album.scene, f, {}).surfaces)
+            if (surface.is_framed) framing.add(surface.points);
     const render::Camera camera = framing.camera();
     render::Movie movie;
     for (const std::size_t f : album.shots) {
@@ -191,10 +235,11 @@ ExitCode snapshot(const Invocation& in) {
     const fs::path source = arguments.operand(0).value();
     if (fs::is_directory(source) && !drawing.overlays.empty())
         throw UsageError("--overlays is for graphs; the files in '" + source.string() + "' hold surfaces only.");
-    const Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
+    Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
     for (const viewer::ViewNote& note : album.scene.notes)
         if (note.is_warning) in.err << "sinew snapshot: " << note.text << "\n";
     if (album.scene.bodies.empty()) return graph_wrong;
+    choose_bodies(arguments, album.scene);
     const std::string up = arguments.value("--up").value_or("");
     drawing.view.up = up.empty() ? album.scene.up : up[0];
     if (!movie_file) {
@@ -227,6 +272,8 @@ Command snapshot_command() {
          {"--fps", "N", "of the movie; default: the scene's"},
          {"--size", "WxH", "of the whole picture; default: 1600x900"},
          {"--view", "VIEW", "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
+         {"--bodies", "LIST", "draw these bodies alone, for example biceps,humerus"},
+         {"--focus", "LIST", "let these bodies fill the picture; default: all that are drawn"},
          {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
          {"--overlays", "LIST",
           "graphs: lattice, fibers, attachments, marks; flesh is then seen through. Same colours as in the viewer"},
@@ -237,6 +284,7 @@ Command snapshot_command() {
          cache_flag,
          no_cache_flag},
         "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
+        "sinew snapshot out/arm --frames 64 --bodies biceps,humerus --focus biceps -o biceps.png\n"
         "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",
         snapshot};
 }

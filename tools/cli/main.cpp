@@ -27,7 +27,8 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         json = arguments.has("--json");
         return command.run({arguments, std::cout, std::cerr, stop});
     } catch (const UsageError& e) {
-        std::cerr << name << ": " << e.what() << "\nUsage: " << usage_line(command) << "`" << name
+        // What is wrong comes last, where one looks.
+        std::cerr << "Usage: " << usage_line(command) << name << ": " << e.what() << " `" << name
                   << " --help` says more.\n";
         return wrong_usage;
     } catch (const engine::SolveFailure& e) {

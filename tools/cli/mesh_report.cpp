@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/mesh_report.h"
 
+#include "nodes/mesh_formats.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
 #include "solver/error.h"
@@ -14,6 +15,7 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <typeindex>
@@ -182,18 +184,31 @@ std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>&
     return out;
 }
 
+namespace {
+
+/// No file, or text that begins as JSON does.
+bool may_be_graph(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    char first = '{';
+    in >> first;
+    return first == '{' || first == '[' || first == '/' || first == '\xEF';
+}
+
+} // namespace
+
 std::optional<MeshReport> report_of_file(const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const auto is_one_of = [&](const std::vector<std::string>& all) {
         return std::find(all.begin(), all.end(), ending) != all.end();
     };
-    const bool surface = is_one_of(solver::surface_endings());
-    if (!surface && !is_one_of(solver::tet_endings())) return std::nullopt;
+    const bool surface = is_one_of(nodes::mesh_endings());
+    const bool tets = is_one_of(solver::tet_endings());
+    if (!surface && !tets && (ending == ".json" || may_be_graph(path))) return std::nullopt;
     try {
         MeshReport report;
-        if (surface) {
-            const solver::SurfaceMesh m = solver::read_surface(path);
+        if (!tets) { // an ending that nobody knows is refused there, with those that are known
+            const solver::SurfaceMesh m = nodes::read_mesh(path);
             report = report_surface(m.points, m.face_sizes.size(), m.triangles);
         } else {
             report = report_tets(solver::read_tets(path));

@@ -25,7 +25,7 @@ struct MeshReport {
 /// cannot be computed is left out: find_problems tells.
 std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
                                      std::stop_token stop, const std::shared_ptr<engine::Failures>& failures);
-/// The report of a mesh file; nothing if the ending is not that of one. Throws Failure if it cannot be read.
+/// The report of a mesh file; nothing if it may be a graph. Throws Failure if it cannot be read.
 std::optional<MeshReport> report_of_file(const std::string& path);
 
 /// Warnings FE238: inputs that do less than they could because of their mesh.

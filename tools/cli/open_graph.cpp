@@ -3,13 +3,15 @@
 
 #include "engine/check.h"
 #include "engine/format/graph_file.h"
+#include "engine/format/json_text.h"
+#include "engine/text.h"
+#include "nodes/mesh_names.h"
 #include "nodes/register_all.h"
 
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <set>
 
 namespace sinew::cli {
@@ -34,7 +36,7 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     if (equals == std::string::npos || plug.node.empty())
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
-    edit.set_json(plug, nlohmann::json::accept(json) ? json : nlohmann::json(json).dump());
+    edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
 }
 
 /// The connections that stand at an input.
@@ -72,8 +74,10 @@ std::string file_name(const std::string& node) {
     return out;
 }
 
-OpenGraph open_graph(const Arguments& arguments) {
-    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), arguments.operand(0).value());
+OpenGraph open_graph(const Arguments& arguments) { return open_graph(arguments, arguments.operand(0).value()); }
+
+OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file);
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
         for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
@@ -192,16 +196,9 @@ std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::si
         if (const auto body = node->inputs.find("body"); body != node->inputs.end())
             for (const Plug& source : sources(body->second))
                 labels.push_back({file_name(source.node) + "_collision", kind_of_node(graph, source.node)});
-    if (node && node->type && !is_collision)
-        for (const engine::AttributeInfo& input : node->type->inputs) {
-            const auto it = node->inputs.find(input.name);
-            if (input.kind != engine::AttributeKind::wire_list || it == node->inputs.end()) continue;
-            const std::vector<Plug> list = sources(it->second);
-            if (list.size() != count) continue;
-            for (const Plug& source : list)
-                labels.push_back({file_name(source.node), kind_of_node(graph, source.node)});
-            break;
-        }
+    if (!is_collision)
+        for (const std::string& name : nodes::mesh_names(graph, plug, count))
+            labels.push_back({file_name(name), kind_of_node(graph, name)});
     if (labels.empty())
         for (std::size_t i = 0; i < count; ++i)
             labels.push_back({file_name(plug.node) + (count > 1 ? "_" + std::to_string(i + 1) : ""),

@@ -20,6 +20,8 @@ struct OpenGraph {
 /// The GRAPH operand, edited by every --set NODE.ATTR=JSON. A value that is no JSON is taken as text, so that
 /// `--set biceps.material=NeoHookean` needs no quotes. Throws Failure or UsageError.
 OpenGraph open_graph(const Arguments& arguments);
+/// The same for another file than the first operand.
+OpenGraph open_graph(const Arguments& arguments, const std::string& file);
 
 /// For commands that evaluate.
 inline constexpr Flag cache_flag{

@@ -30,6 +30,7 @@ std::string name_at(const std::vector<std::string>& names, int i) {
 /// Where the numbers of a frame are at their worst.
 Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
     Json out = Json::object();
+    if (w.residual_body >= 0) out["residual"] = {{"body", name_at(r.bodies, w.residual_body)}};
     if (w.tet >= 0) out["min_J"] = {{"tissue", name_at(r.bodies, w.body)}, {"tet", w.tet}, {"at", w.tet_place}};
     if (w.attachment >= 0)
         out["max_stretch_m"] = {{"attachment", name_at(r.attachments, w.attachment)},

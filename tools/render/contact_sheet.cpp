@@ -55,8 +55,13 @@ Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width,
     Image sheet(width, height, gap_colour);
     if (shots.empty()) return sheet;
     std::vector<const Points*> points;
-    for (const Shot& shot : shots)
-        for (const Surface& surface : shot.surfaces) points.push_back(&surface.points);
+    const auto take = [&](bool all) {
+        for (const Shot& shot : shots)
+            for (const Surface& surface : shot.surfaces)
+                if (all || surface.is_framed) points.push_back(&surface.points);
+    };
+    take(false);
+    if (points.empty()) take(true);
     const Grid grid = arrange(static_cast<int>(shots.size()), width, height, scene_aspect(points, view));
     const Camera camera = frame_points(points, view, static_cast<double>(grid.cell_width) / grid.cell_height);
     for (int i = 0; i < static_cast<int>(shots.size()); ++i) {

@@ -16,7 +16,8 @@ struct Surface {
     std::vector<solver::Triangle> triangles;
     Points grain; ///< rest position in the body's own frame: long axis first, half its length = 1
     Look look;
-    float opacity = 1; ///< below 1 what lies behind shines through; such surfaces do not show one another
+    float opacity = 1;     ///< below 1 what lies behind shines through; such surfaces do not show one another
+    bool is_framed = true; ///< the camera makes room for it
 };
 
 /// A line that is as wide wherever it is; both ends at one place give a dot. It hides behind opaque surfaces,
@@ -46,7 +47,7 @@ struct Shot {
 Image labelled_picture(const Shot& shot, const Camera& camera, int width, int height, int smoothing = 3);
 
 /// Several shots side by side, wrapped into rows so that each is as large as possible, all with one camera
-/// that frames the points of every shot.
+/// that frames the points of every shot: of what is framed, or of all if nothing is there that is.
 Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width, int height, int smoothing = 3);
 
 } // namespace sinew::render

@@ -188,7 +188,7 @@ void place_in_columns(GraphDrawing& d) {
 
 /// True if the editor has a place for every box.
 bool place_as_edited(GraphDrawing& d, const std::string& editor_json) {
-    const auto editor = nlohmann::json::parse(editor_json, nullptr, false);
+    const auto editor = nlohmann::json::parse(editor_json, nullptr, false, true);
     if (!editor.is_object() || !editor.contains("positions") || d.boxes.empty()) return false;
     const auto& positions = editor["positions"];
     for (GraphBox& box : d.boxes) {

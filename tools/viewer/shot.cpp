@@ -44,6 +44,7 @@ render::Shot shot_of(const ViewScene& scene, std::size_t frame, const std::set<s
     for (const ViewBody& body : scene.bodies) {
         if (!body.is_there(frame)) continue;
         shot.surfaces.push_back(surface_of(body, frame));
+        shot.surfaces.back().is_framed = body.is_framed;
         if (!overlays.empty() && body.kind != render::BodyKind::bone)
             shot.surfaces.back().opacity = flesh_under_overlays;
     }

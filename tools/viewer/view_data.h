@@ -74,6 +74,7 @@ struct ViewBody {
     std::vector<std::array<int, 2>> edges;   ///< of the polygons, once each; body vertices
     std::variant<RigidMotion, DeformingMotion> motion;
     std::vector<char> present; ///< per frame; empty = always there
+    bool is_framed = true;     ///< pictures: the camera makes room for it
     std::optional<ViewLattice> lattice;
     std::vector<ViewFibres> fibres;
     std::vector<ViewMap> maps;

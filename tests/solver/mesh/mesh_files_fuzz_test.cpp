@@ -109,6 +109,9 @@ std::vector<Sample> samples() {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
         "property float z\nproperty list uchar float q\nelement face 1\n"
         "property list uchar int vertex_indices\nend_header\n0 0 0 1 5\n1 0 0 0\n0 1 0 0\n3 0 1 2\n";
+    std::string strips = ascii_ply;
+    strips.replace(strips.find("face"), 4, "tristrips");
+    strips.replace(strips.find("3 0 1 2"), 7, "6 0 1 2 -1 2 1");
     std::string ascii_stl = "solid a\n";
     for (int i = 0; i < 2; ++i)
         ascii_stl += "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 " + std::to_string(i) +
@@ -119,6 +122,7 @@ std::vector<Sample> samples() {
             {"a.ply", write_ply(mesh), false},
             {"a.ply", big, false},
             {"a.ply", ascii_ply, false},
+            {"a.ply", strips, false},
             {"a.stl", write_stl(mesh), false},
             {"a.stl", ascii_stl, false},
             {"a.mesh", medit_sample(), true},

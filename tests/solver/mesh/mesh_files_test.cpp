@@ -167,6 +167,42 @@ TEST_CASE("PLY: ascii and both binary orders with further properties give the sa
     }
 }
 
+TEST_CASE("PLY: strips of triangles", "[mesh][files]") {
+    const std::string head = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\n"
+                             "property float z\nelement tristrips 2\nproperty list int int vertex_indices\nend_header\n"
+                             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n0 2 0\n1 2 0\n";
+    // Two strips that fill a rectangle, all facing +z; the second list holds two, one with repeated vertices.
+    const SurfaceMesh mesh = parse_surface(head + "4 0 1 2 3\n9 2 3 4 -1 3 3 4 5 5\n", "a.ply");
+    REQUIRE(mesh.face_sizes == std::vector<int>{3, 3, 3, 3});
+    REQUIRE(mesh.face_vertices == std::vector<int>{0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5});
+    double area = 0;
+    for (const Triangle& t : mesh.triangles) {
+        const auto at = [&](int k) { return mesh.points[static_cast<std::size_t>(t[static_cast<std::size_t>(k)])]; };
+        const Vec3 twice = (at(1) - at(0)).cross(at(2) - at(0));
+        REQUIRE(twice.z() == 1);
+        area += twice.z() / 2;
+    }
+    REQUIRE(area == 2); // of the rectangle
+    REQUIRE(refusal(head + "3 0 1 -2\n3 0 1 2\n", "a.ply").says("strip 0 is not a whole number from -1"));
+    REQUIRE(refusal(head + "3 0 1 7\n3 0 1 2\n", "a.ply").code == "FE203");
+}
+
+TEST_CASE("a byte order mark or blank lines in front are passed over", "[mesh][files]") {
+    const SurfaceMesh mesh = make_cylinder(1, 2, 6, 1, 0);
+    const std::string mark = "\xEF\xBB\xBF";
+    require_same(parse_surface(mark + write_obj(mesh), "a.obj"), mesh);
+    require_same(parse_surface(mark + write_off(mesh), "a.off"), mesh);
+    require_same(parse_surface("\n \r\n" + write_off(mesh), "a.off"), mesh);
+    const std::string triangle = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                                 "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+                                 "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    REQUIRE(refusal(mark + triangle, "a.ply").code == "none");
+    REQUIRE(refusal(mark + "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                           "endloop\nendfacet\nendsolid a\n",
+                    "a.stl")
+                .code == "none");
+}
+
 TEST_CASE("PLY: refusals say what is missing", "[mesh][files]") {
     const std::string begin = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n";
     const std::string faces = "element face 1\nproperty list uchar int vertex_indices\nend_header\n";

@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/read_glb.h"
+
+#include "solver/error.h"
+#include "solver/mesh/corner_welder.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+namespace sinew::nodes {
+
+namespace {
+
+using Json = nlohmann::json;
+using solver::Error;
+using Motion = Eigen::Matrix4d;
+
+constexpr std::uint32_t magic = 0x46546C67, json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
+constexpr std::size_t most_triangles = 20'000'000, most_depth = 1000;
+
+class GlbReader {
+  public:
+    GlbReader(std::string_view bytes, const std::string& file)
+        : file_(file) {
+        if (bytes.size() < 12 || word(bytes, 0) != magic) fail("the file does not begin with glTF");
+        if (word(bytes, 4) != 2) fail("it is of version " + std::to_string(word(bytes, 4)) + "; version 2 can be read");
+        std::string_view text;
+        for (std::size_t at = 12; at + 8 <= bytes.size();) {
+            const std::size_t length = word(bytes, at);
+            const std::uint32_t kind = word(bytes, at + 4);
+            if (length > bytes.size() - at - 8) fail("it ends in the middle of a chunk");
+            if (kind == json_chunk && text.empty()) text = bytes.substr(at + 8, length);
+            if (kind == binary_chunk && binary_.empty()) binary_ = bytes.substr(at + 8, length);
+            at += 8 + length;
+        }
+        document_ = Json::parse(text);
+        if (!document_.is_object()) fail("it has no description");
+    }
+
+    solver::SurfaceMesh read() {
+        for (const Json& name : document_.value("extensionsRequired", Json::array()))
+            if (name.get<std::string>().find("compression") != std::string::npos || name == "KHR_mesh_quantization")
+                throw Error("IO404", file_ + ": it is packed by " + name.get<std::string>(), "save it unpacked");
+        const Json& scenes = document_.value("scenes", Json::array());
+        if (scenes.empty()) fail("it has no scene");
+        seen_.assign(document_.value("nodes", Json::array()).size(), 0);
+        const Json& scene = scenes.at(document_.value("scene", std::size_t{0}));
+        for (const Json& node : scene.value("nodes", Json::array()))
+            visit(node.get<std::size_t>(), Motion::Identity(), 0);
+        return solver::SurfaceMesh::from_triangles(std::move(welder_.points), std::move(triangles_));
+    }
+
+  private:
+    [[noreturn]] void fail(const std::string& why) const { throw Error("IO403", file_ + ": " + why); }
+
+    static std::uint32_t word(std::string_view bytes, std::size_t at) {
+        std::uint32_t v = 0;
+        std::memcpy(&v, bytes.data() + at, 4);
+        return v;
+    }
+
+    template <std::size_t N>
+    static std::array<double, N> numbers(const Json& node, const char* key, std::array<double, N> otherwise) {
+        return node.contains(key) ? node.at(key).get<std::array<double, N>>() : otherwise;
+    }
+
+    static Motion motion_of(const Json& node) {
+        if (node.contains("matrix"))
+            return Motion(numbers<16>(node, "matrix", {}).data()); // columns, as Eigen has them
+        const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
+        const auto q = numbers<4>(node, "rotation", {0, 0, 0, 1});
+        Eigen::Affine3d out = Eigen::Translation3d(t[0], t[1], t[2]) * Eigen::Quaterniond(q[3], q[0], q[1], q[2]) *
+                              Eigen::Scaling(s[0], s[1], s[2]);
+        return out.matrix();
+    }
+
+    void visit(std::size_t index, const Motion& above, std::size_t depth) {
+        const Json& node = document_.at("nodes").at(index);
+        if (depth > most_depth || seen_.at(index)++) fail("its nodes are no tree");
+        const Motion here = above * motion_of(node);
+        if (node.contains("mesh")) {
+            const Json& mesh = document_.at("meshes").at(node.at("mesh").get<std::size_t>());
+            for (const Json& primitive : mesh.at("primitives"))
+                take(primitive, node.contains("skin") ? Motion(Motion::Identity()) : here);
+        }
+        for (const Json& child : node.value("children", Json::array()))
+            visit(child.get<std::size_t>(), here, depth + 1);
+    }
+
+    /// Where the numbers of an accessor lie.
+    struct Place {
+        const char* first;
+        std::size_t count, stride, component;
+    };
+
+    Place place_of(std::size_t index, const char* type, std::size_t width) const {
+        const Json& a = document_.at("accessors").at(index);
+        if (a.contains("sparse") || !a.contains("bufferView"))
+            throw Error("IO404", file_ + ": accessor " + std::to_string(index) + " is sparse", "save it without");
+        const Json& view = document_.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
+        const auto buffer = view.at("buffer").get<std::size_t>();
+        if (buffer != 0 || document_.at("buffers").at(0).contains("uri"))
+            throw Error("IO404", file_ + ": its numbers lie in another file", "save it as one .glb");
+        Place p{};
+        p.component = a.at("componentType").get<std::size_t>();
+        const std::size_t size = p.component == 5121 ? 1 : p.component == 5123 ? 2 : 4;
+        p.count = a.at("count").get<std::size_t>();
+        p.stride = view.value("byteStride", size * width);
+        const auto start = view.value("byteOffset", std::size_t{0}), length = view.at("byteLength").get<std::size_t>();
+        const auto offset = a.value("byteOffset", std::size_t{0});
+        if (a.at("type") != type) fail("accessor " + std::to_string(index) + " is not of type " + type);
+        const bool fits = start <= binary_.size() && length <= binary_.size() - start && offset <= length &&
+                          p.stride >= size * width &&
+                          (p.count == 0 || (length - offset >= size * width &&
+                                            p.count - 1 <= (length - offset - size * width) / p.stride));
+        if (!fits) fail("accessor " + std::to_string(index) + " reaches beyond the file's numbers");
+        p.first = binary_.data() + start + offset;
+        return p;
+    }
+
+    std::vector<int> vertices(std::size_t accessor, const Motion& motion) {
+        const Place p = place_of(accessor, "VEC3", 3);
+        if (p.component != 5126) fail("positions are not of single precision");
+        std::vector<int> out;
+        for (std::size_t i = 0; i < p.count; ++i) {
+            float v[3];
+            std::memcpy(v, p.first + i * p.stride, sizeof v);
+            const Eigen::Vector4d at = motion * Eigen::Vector4d(v[0], v[1], v[2], 1);
+            if (!at.allFinite())
+                throw Error("FE202", file_ + ": vertex " + std::to_string(i) + " of accessor " +
+                                         std::to_string(accessor) + " is not finite");
+            out.push_back(welder_.add(at.head<3>()));
+        }
+        return out;
+    }
+
+    std::vector<std::size_t> corners(const Json& primitive, std::size_t vertex_count) const {
+        std::vector<std::size_t> out;
+        if (!primitive.contains("indices")) {
+            for (std::size_t i = 0; i < vertex_count; ++i) out.push_back(i);
+            return out;
+        }
+        const Place p = place_of(primitive.at("indices").get<std::size_t>(), "SCALAR", 1);
+        if (p.component != 5121 && p.component != 5123 && p.component != 5125) fail("indices are no whole numbers");
+        const std::size_t size = p.component == 5121 ? 1 : p.component == 5123 ? 2 : 4;
+        for (std::size_t i = 0; i < p.count; ++i) {
+            std::uint32_t v = 0;
+            std::memcpy(&v, p.first + i * p.stride, size);
+            if (v >= vertex_count)
+                throw Error("FE203", file_ + ": a triangle uses vertex " + std::to_string(v) + " of " +
+                                         std::to_string(vertex_count));
+            out.push_back(v);
+        }
+        return out;
+    }
+
+    void take(const Json& primitive, const Motion& motion) {
+        const int mode = primitive.value("mode", 4);
+        if (mode < 4) return; // points and lines
+        if (mode > 6) fail("a primitive has mode " + std::to_string(mode));
+        const std::vector<int> v = vertices(primitive.at("attributes").at("POSITION").get<std::size_t>(), motion);
+        const std::vector<std::size_t> c = corners(primitive, v.size());
+        const bool turned = motion.topLeftCorner<3, 3>().determinant() < 0; // mirrored: the other way round
+        const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
+            const solver::Triangle t{v[c[i]], v[c[turned ? k : j]], v[c[turned ? j : k]]};
+            if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_.push_back(t);
+        };
+        if (triangles_.size() + c.size() > most_triangles)
+            throw Error("FE232", file_ + ": it has more than " + std::to_string(most_triangles) + " triangles",
+                        "save less of it");
+        if (mode == 4)
+            for (std::size_t i = 2; i < c.size(); i += 3) add(i - 2, i - 1, i);
+        for (std::size_t i = 2; mode == 5 && i < c.size(); ++i) add(i - 2, i % 2 ? i : i - 1, i % 2 ? i - 1 : i);
+        for (std::size_t i = 2; mode == 6 && i < c.size(); ++i) add(0, i - 1, i);
+    }
+
+    const std::string& file_;
+    std::string_view binary_;
+    Json document_;
+    std::vector<char> seen_;
+    solver::CornerWelder welder_;
+    std::vector<solver::Triangle> triangles_;
+};
+
+} // namespace
+
+solver::SurfaceMesh read_glb(std::string_view bytes, const std::string& file) {
+    try {
+        solver::SurfaceMesh mesh = GlbReader(bytes, file).read();
+        check_usable(mesh);
+        return mesh;
+    } catch (const Json::exception& e) {
+        throw Error("IO403", file + ": its description cannot be used: " + e.what());
+    }
+}
+
+} // namespace sinew::nodes

@@ -1,0 +1,196 @@
+// What people type into graph files: quantities in quotes, names of presets, comments. Taken, or answered with the form
+// that is right.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/support/engine_toys.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+using namespace toys;
+
+namespace {
+
+const std::shared_ptr<const Registry>& types() {
+    static const std::shared_ptr<const Registry> r = registry();
+    return r;
+}
+
+std::shared_ptr<const Graph> read(const std::string& text) { return read_graph(types(), text, "t.json").graph; }
+
+std::string with_input(const std::string& name, const std::string& value) {
+    return R"({"format": "sinew 1", "nodes": {"n": {"type": "number", "inputs": {")" + name + "\": " + value + "}}}}";
+}
+
+/// "DG012 expected number, found text | write 3 without quotes"
+std::string answer(const std::string& text) {
+    try {
+        read(text);
+    } catch (const Failure& f) {
+        const Diagnostic& d = f.diagnostics().front();
+        return d.code + " " + d.message + (d.hint.empty() ? "" : " | " + d.hint);
+    }
+    return "taken";
+}
+
+std::string answer(const std::string& name, const std::string& value) { return answer(with_input(name, value)); }
+
+template <class T>
+T value(const std::string& name, const std::string& json) {
+    return std::get<Value>(read(with_input(name, json))->find("n")->inputs.at(name)).as<T>();
+}
+
+} // namespace
+
+TEST_CASE("a quantity in quotes is a number with its unit") {
+    CHECK(value<double>("value", "\"12 kPa\"") == 12000);
+    CHECK(value<double>("value", "\"12kPa\"") == 12000);
+    CHECK(value<double>("value", "\" +1.5e-1 MPa \"") == 150000);
+    CHECK(value<Vec3>("axis", "[\"1 mm\", \"2cm\", 3]") == Vec3{0.001, 0.02, 3});
+    CHECK(value<double>("value", "\"fat\"") == 500); // a preset
+    CHECK(value<double>("value", "{\"value\": \"12 kPa\"}") == 12000);
+    CHECK(answer("value", "{\"keys\": [[1, \"1 kPa\"], [5, \"2 kPa\"]]}") == "taken");
+    CHECK(answer("value", "\"12 cm\"") == "DG015 \"cm\" does not convert to \"Pa\" | usual units here: Pa, kPa or MPa");
+    CHECK(answer("value", "\"12 parsec\"") == "DG015 unknown unit \"parsec\" | usual units here: Pa, kPa or MPa");
+    CHECK(answer("value", "\"fatt\"") == "DG016 unknown preset \"fatt\" | did you mean \"fat\"?");
+    CHECK(answer("value", "\"inf Pa\"") == "DG016 unknown preset \"inf Pa\" | presets: fat or muscle");
+    CHECK(answer("value", "\"-1 kPa\"") == "DG013 -1000 is outside [0, 1e+09] Pa");
+    CHECK(answer("value", "{\"value\": \"1 kPa\", \"unit\": \"Pa\"}") ==
+          "DG015 \"1 kPa\" holds a unit, and \"unit\" stands beside it | keep one of them");
+    CHECK(answer("value", "\"1,5 kPa\"") ==
+          "DG012 expected number, found text | write decimals behind a dot, lists in brackets");
+    CHECK(answer("value", "{\"keys\": [[\"1 s\", 2]]}") == "DG012 expected number, found text");
+}
+
+TEST_CASE("a wrong form is answered with the right one") {
+    CHECK(answer("value", "\"30\"") == "DG012 expected number, found text | write 30 without quotes");
+    CHECK(answer("times", "\"4\"") == "DG012 expected integer, found text | write 4 without quotes");
+    CHECK(answer("negate", "\"true\"") == "DG012 expected true or false, found text | write true");
+    CHECK(answer("negate", "0") == "DG012 expected true or false, found an integer | write false");
+    CHECK(answer("axis", "2") ==
+          "DG012 expected a list of numbers, found an integer | write three numbers: [2, 2, 2] if all of them are 2");
+    CHECK(answer("axis", "\"1, 2,3\"") == "DG012 expected a list of numbers, found text | write [1, 2, 3]");
+    CHECK(answer("axis", "\"up\"") == "DG012 expected a list of numbers, found text | write three numbers: [x, y, z]");
+    CHECK(answer("weights", "\"0 0.5 1\"") == "DG012 expected a list of numbers, found text | write [0, 0.5, 1]");
+    CHECK(answer("axis", "\"m.out\"") ==
+          "DG012 expected a list of numbers, found text | write { \"from\": \"m.out\" }");
+    const auto in = [](const std::string& type, const std::string& input, const std::string& json) {
+        return answer(R"({"format": "sinew 1", "nodes": {"m": {"type": "number"}, "n": {"type": ")" + type +
+                      R"(", "inputs": {")" + input + "\": " + json + "}}}}");
+    };
+    CHECK(in("relay", "in", "\"m.out\"") ==
+          "DG026 a number can only be connected, found text | write { \"from\": \"m.out\" }");
+    CHECK(in("relay", "in", "[{\"from\": \"m.out\"}]") ==
+          "DG020 takes one connection, not a list | write { \"from\": \"m.out\" }");
+    CHECK(in("sum", "terms", "\"m.out\"") ==
+          "DG026 a number can only be connected, found text | write [ { \"from\": \"m.out\" } ]");
+    CHECK(in("sum", "terms", "[\"m.out\"]") ==
+          "DG025 expected a connection, found text | write { \"from\": \"m.out\" }");
+    CHECK(in("sum", "terms", "{\"from\": \"m.out\"}") ==
+          "DG020 takes a list of connections, not a single one | write [ { \"from\": \"m.out\" } ]");
+    CHECK(answer("{\"format\": \"sinew 1\", \"nodes\": {},}") == "DG001 remove the comma before this }");
+    CHECK(answer("weights", "[1, 2,]") == "DG001 remove the comma before this ]");
+}
+
+TEST_CASE("a file that is no graph is told so and not what JSON lacks in it") {
+    const auto file = std::filesystem::temp_directory_path() / "sinew_no_graph.obj";
+    std::ofstream(file) << "v 0 0 0\n";
+    try {
+        load_graph(types(), file.string());
+        FAIL("it was read");
+    } catch (const Failure& f) {
+        CHECK(f.diagnostics().front().code == "DG004");
+        CHECK(f.diagnostics().front().message == "this is no graph file: a graph is one JSON object and begins with {");
+    }
+    std::filesystem::remove(file);
+}
+
+TEST_CASE("comments are kept beside what they belong to and change nothing else") {
+    const std::string written = R"(// of the file
+{
+  "$schema": "graph.schema.json",
+  "format": "sinew 1", // behind a value
+  "comment": ["what", { "people": "like" }],
+  "nodes": {
+    // of a node
+    "a": { /* of its type */ "type": "number", "comment": "a number", "inputs": {
+        /* two
+           lines */
+        "value": 3, // behind it
+        "times": { "value": 2, "comment": "default" },
+        "axis": [0, 1, 0] // the default too
+        // "mode": "double"
+      } }, // behind the node
+    "odd": { "type": "strange", /* kept */ "inputs": {} },
+    "r": { "type": "relay", "inputs": { "in": { "from": "a.out", "comment": 4 } } },
+    "s": { "type": "sum", "inputs": { "terms": [ { "from": "a.out" }, // first
+      { "from": "r.out" } ] } }
+    // "b": { "type": "number" }
+  },
+  "editor": { "x": 1 /* kept */ }
+}
+// the end
+)";
+    const std::string kept = R"({
+  "$schema": "graph.schema.json",
+  // behind a value
+  "format": "sinew 1",
+  "comment": ["what", { "people": "like" }],
+  "timing": { "fps": 24, "start": 1, "end": 1 },
+  "nodes": {
+    // of a node
+    /* of its type */
+    // "mode": "double"
+    // behind the node
+    "a": { "type": "number", "comment": "a number", "inputs": {
+        /* two
+           lines */
+        // behind it
+        "value": 3,
+        "times": { "value": 2, "comment": "default" },
+        // the default too
+        "axis": [0, 1, 0]
+      } },
+    "odd": { "type": "strange", /* kept */ "inputs": {} },
+    "r": { "type": "relay", "inputs": {
+        "in": { "from": "a.out", "comment": 4 }
+      } },
+    "s": { "type": "sum", "inputs": {
+        // first
+        "terms": [ { "from": "a.out" },
+          { "from": "r.out" } ]
+      } }
+    // "b": { "type": "number" }
+  },
+  "editor": { "x": 1 /* kept */ }
+}
+// the end
+)";
+    const auto g = read(written);
+    std::string with_head = kept;
+    with_head.replace(with_head.find("  \"$schema\""), 0, "  // of the file\n");
+    CHECK(write_graph(*g) == with_head);
+    CHECK(write_graph(*read(write_graph(*g))) == with_head);
+    // Edits leave them where they are.
+    Edit edit(g);
+    edit.set({"a", "value"}, Value::of<double>(4)).rename_node("a", "c");
+    const std::string edited = write_graph(*edit.commit().graph);
+    CHECK(edited.find("        // behind it\n        \"value\": 4,") != std::string::npos);
+    CHECK(edited.find("    // of a node\n    /* of its type */\n    // \"mode\": \"double\"\n    // behind the "
+                      "node\n    \"c\": {") != std::string::npos);
+    // The same keys with and without them.
+    Evaluator e;
+    CHECK(number(e, g, {"a", "out"}, 1) == number(e, read(with_input("value", "3, \"times\": 2")), {"n", "out"}, 1));
+}
+
+TEST_CASE("comments that are none and where a comment key cannot be kept") {
+    CHECK(answer("{ /* open") == "DG001 a comment is not closed by */");
+    CHECK(answer("{ / }") == "DG001 expected // or /* at the begin of a comment, found \"/\"");
+    CHECK(answer("{ // \xff\n }") == "DG001 the text is not UTF-8");
+    CHECK(answer("\xEF\xBB\xBF// first\r\n{\"format\": \"sinew 1\", \"nodes\": {}}") == "taken");
+    CHECK(answer("{\"format\": \"sinew 1\", \"nodes\": {\"n\": {\"type\": \"number\"}, \"s\": {\"type\": \"sum\", "
+                 "\"inputs\": {\"terms\": [{\"from\": \"n.out\", \"comment\": 1}]}}}}") ==
+          "DG025 expected a connection, found an object | write { \"from\": \"n.out\" }");
+    CHECK(answer("{\"format\": \"sinew 1\", \"coment\": 1, \"nodes\": {}}") ==
+          "DG007 unknown key \"coment\" | did you mean \"comment\"?");
+}

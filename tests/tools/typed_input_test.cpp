@@ -1,0 +1,81 @@
+// What people type, through the command line.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+
+#include <catch2/catch.hpp>
+#include <fstream>
+
+using namespace sinew::test;
+using nlohmann::json;
+
+namespace {
+
+std::string put(const TemporaryFolder& folder, const std::string& name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return (folder / name).string();
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+} // namespace
+
+TEST_CASE("units and presets and comments as people type them in the file and by --set", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = put(folder, "g.json", R"(// a soft thing
+{ "$schema": "s.json", "format": "sinew 1", "comment": "mine",
+  "nodes": { /* the flesh */ "flesh": { "type": "zMaterial", "inputs": {
+      "youngsModulus": "15 kPa" } }, "hard": { "type": "zMaterial", "inputs": { "youngsModulus": "skeletalMuscle" } } } })");
+    const auto written = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"graph", file, "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Said said = run_program(words);
+        CHECK(said.code == 0);
+        return said.out;
+    };
+    CHECK(run_program({"check", file}).code == 0);
+    const std::string plain = written({});
+    CHECK(has(plain, "\"youngsModulus\": 15000"));
+    CHECK(has(plain, "{\n  // a soft thing\n  \"$schema\": \"s.json\""));
+    CHECK(has(plain, "\"comment\": \"mine\""));
+    CHECK(has(plain, "/* the flesh */\n    \"flesh\""));
+    CHECK(has(written({"--set", "flesh.youngsModulus=30kPa"}), "\"youngsModulus\": 30000"));
+    CHECK(has(written({"--set", "flesh.youngsModulus=0.25 MPa"}), "\"youngsModulus\": 250000"));
+    const Said wrong = run_program({"check", file, "--set", "flesh.youngsModulus=30km"});
+    CHECK(wrong.code == 1);
+    CHECK(has(wrong.err, "\"km\" does not convert to \"Pa\""));
+}
+
+TEST_CASE("errors of flags end with what is wrong", "[tools]") {
+    const Said said = run_program({"snapshot", "g.json", "--frmes", "1"});
+    CHECK(said.code == 2);
+    CHECK(said.err.starts_with("Usage: sinew snapshot "));
+    CHECK(said.err.ends_with(
+        "\nsinew snapshot: unknown flag '--frmes'. Did you mean '--frames'? `sinew snapshot --help` says more.\n"));
+}
+
+TEST_CASE("a file that is neither graph nor mesh is refused by its ending", "[tools]") {
+    const TemporaryFolder folder;
+    const Said said = run_program({"check", put(folder, "body.fbx", "Kaydara")});
+    CHECK(said.code == 1);
+    CHECK(has(said.err, "error [IO404]"));
+    CHECK(has(said.err, "'.fbx' is not a surface format that can be read"));
+    CHECK(has(said.err, ".obj"));
+    const Said run = run_program({"run", put(folder, "body.obj", "v 0 0 0\n")});
+    CHECK(run.code == 1);
+    CHECK(has(run.err, "this is no graph file"));
+    const Said none = run_program({"check", (folder / "none.xyz").string()});
+    CHECK(has(none.err, "error [IO401]"));
+}
+
+TEST_CASE("meshes with a byte order mark or blank lines or strips are read", "[tools]") {
+    const TemporaryFolder folder;
+    CHECK(run_program({"check", put(folder, "a.obj", "\xEF\xBB\xBFv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")}).code == 0);
+    CHECK(run_program({"check", put(folder, "a.off", "\n\nOFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")}).code == 0);
+    const Said strip = run_program(
+        {"check", "--json",
+         put(folder, "a.ply",
+             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+             "element tristrips 1\nproperty list int int vertex_indices\nend_header\n"
+             "0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n")});
+    CHECK(strip.lines().at(0).at("triangles") == 2);
+}
