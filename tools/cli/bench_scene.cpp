@@ -20,7 +20,7 @@ bench::SceneVariant as_it_is(const Invocation& in, const std::string& file) {
     const int first = start_frame(*graph, upstream_of(*graph, {default_plug(*graph).node}));
     const int frames =
         in.arguments.whole_number("--steps", in.arguments.has("--quick") ? 4 : graph->timing().end - first, 1);
-    return {.graph = graph, .solver = default_plug(*graph).node, .first = first, .last = first + frames};
+    return {.graph = graph, .solver = default_plug(*graph).node, .element = {}, .first = first, .last = first + frames};
 }
 
 int turns(const Invocation& in) { return in.arguments.has("--quick") ? 1 : 5; }
