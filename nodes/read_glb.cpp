@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/read_glb.h"
 
+#include "nodes/glb_file.h"
 #include "solver/error.h"
 #include "solver/mesh/corner_welder.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
-#include <nlohmann/json.hpp>
 
 namespace sinew::nodes {
 
@@ -17,32 +17,18 @@ using Json = nlohmann::json;
 using solver::Error;
 using Motion = Eigen::Matrix4d;
 
-constexpr std::uint32_t magic = 0x46546C67, json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
 constexpr std::size_t most_triangles = 20'000'000, most_depth = 1000;
 
 class GlbReader {
   public:
-    GlbReader(std::string_view bytes, const std::string& file)
-        : file_(file) {
-        if (bytes.size() < 12 || word(bytes, 0) != magic) fail("the file does not begin with glTF");
-        if (word(bytes, 4) != 2) fail("it is of version " + std::to_string(word(bytes, 4)) + "; version 2 can be read");
-        std::string_view text;
-        for (std::size_t at = 12; at + 8 <= bytes.size();) {
-            const std::size_t length = word(bytes, at);
-            const std::uint32_t kind = word(bytes, at + 4);
-            if (length > bytes.size() - at - 8) fail("it ends in the middle of a chunk");
-            if (kind == json_chunk && text.empty()) text = bytes.substr(at + 8, length);
-            if (kind == binary_chunk && binary_.empty()) binary_ = bytes.substr(at + 8, length);
-            at += 8 + length;
-        }
-        document_ = Json::parse(text);
-        if (!document_.is_object()) fail("it has no description");
-    }
+    explicit GlbReader(std::string_view bytes)
+        : glb_(bytes)
+        , document_(glb_.document()) {}
 
     solver::SurfaceMesh read() {
         for (const Json& name : document_.value("extensionsRequired", Json::array()))
             if (name.get<std::string>().find("compression") != std::string::npos || name == "KHR_mesh_quantization")
-                throw Error("IO404", file_ + ": it is packed by " + name.get<std::string>(), "save it unpacked");
+                throw Error("IO404", "it is packed by " + name.get<std::string>(), "save it unpacked");
         const Json& scenes = document_.value("scenes", Json::array());
         if (scenes.empty()) fail("it has no scene");
         seen_.assign(document_.value("nodes", Json::array()).size(), 0);
@@ -53,13 +39,7 @@ class GlbReader {
     }
 
   private:
-    [[noreturn]] void fail(const std::string& why) const { throw Error("IO403", file_ + ": " + why); }
-
-    static std::uint32_t word(std::string_view bytes, std::size_t at) {
-        std::uint32_t v = 0;
-        std::memcpy(&v, bytes.data() + at, 4);
-        return v;
-    }
+    [[noreturn]] static void fail(const std::string& why) { throw Error("IO403", why); }
 
     template <std::size_t N>
     static std::array<double, N> numbers(const Json& node, const char* key, std::array<double, N> otherwise) {
@@ -89,39 +69,8 @@ class GlbReader {
             visit(child.get<std::size_t>(), here, depth + 1);
     }
 
-    /// Where the numbers of an accessor lie.
-    struct Place {
-        const char* first;
-        std::size_t count, stride, component;
-    };
-
-    Place place_of(std::size_t index, const char* type, std::size_t width) const {
-        const Json& a = document_.at("accessors").at(index);
-        if (a.contains("sparse") || !a.contains("bufferView"))
-            throw Error("IO404", file_ + ": accessor " + std::to_string(index) + " is sparse", "save it without");
-        const Json& view = document_.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
-        const auto buffer = view.at("buffer").get<std::size_t>();
-        if (buffer != 0 || document_.at("buffers").at(0).contains("uri"))
-            throw Error("IO404", file_ + ": its numbers lie in another file", "save it as one .glb");
-        Place p{};
-        p.component = a.at("componentType").get<std::size_t>();
-        const std::size_t size = p.component == 5121 ? 1 : p.component == 5123 ? 2 : 4;
-        p.count = a.at("count").get<std::size_t>();
-        p.stride = view.value("byteStride", size * width);
-        const auto start = view.value("byteOffset", std::size_t{0}), length = view.at("byteLength").get<std::size_t>();
-        const auto offset = a.value("byteOffset", std::size_t{0});
-        if (a.at("type") != type) fail("accessor " + std::to_string(index) + " is not of type " + type);
-        const bool fits = start <= binary_.size() && length <= binary_.size() - start && offset <= length &&
-                          p.stride >= size * width &&
-                          (p.count == 0 || (length - offset >= size * width &&
-                                            p.count - 1 <= (length - offset - size * width) / p.stride));
-        if (!fits) fail("accessor " + std::to_string(index) + " reaches beyond the file's numbers");
-        p.first = binary_.data() + start + offset;
-        return p;
-    }
-
     std::vector<int> vertices(std::size_t accessor, const Motion& motion) {
-        const Place p = place_of(accessor, "VEC3", 3);
+        const GlbNumbers p = glb_.numbers(accessor, "VEC3", 3);
         if (p.component != 5126) fail("positions are not of single precision");
         std::vector<int> out;
         for (std::size_t i = 0; i < p.count; ++i) {
@@ -129,8 +78,8 @@ class GlbReader {
             std::memcpy(v, p.first + i * p.stride, sizeof v);
             const Eigen::Vector4d at = motion * Eigen::Vector4d(v[0], v[1], v[2], 1);
             if (!at.allFinite())
-                throw Error("FE202", file_ + ": vertex " + std::to_string(i) + " of accessor " +
-                                         std::to_string(accessor) + " is not finite");
+                throw Error("FE202", "vertex " + std::to_string(i) + " of accessor " + std::to_string(accessor) +
+                                         " is not finite");
             out.push_back(welder_.add(at.head<3>()));
         }
         return out;
@@ -142,15 +91,14 @@ class GlbReader {
             for (std::size_t i = 0; i < vertex_count; ++i) out.push_back(i);
             return out;
         }
-        const Place p = place_of(primitive.at("indices").get<std::size_t>(), "SCALAR", 1);
+        const GlbNumbers p = glb_.numbers(primitive.at("indices").get<std::size_t>(), "SCALAR", 1);
         if (p.component != 5121 && p.component != 5123 && p.component != 5125) fail("indices are no whole numbers");
-        const std::size_t size = p.component == 5121 ? 1 : p.component == 5123 ? 2 : 4;
         for (std::size_t i = 0; i < p.count; ++i) {
             std::uint32_t v = 0;
-            std::memcpy(&v, p.first + i * p.stride, size);
+            std::memcpy(&v, p.first + i * p.stride, p.size);
             if (v >= vertex_count)
-                throw Error("FE203", file_ + ": a triangle uses vertex " + std::to_string(v) + " of " +
-                                         std::to_string(vertex_count));
+                throw Error("FE203",
+                            "a triangle uses vertex " + std::to_string(v) + " of " + std::to_string(vertex_count));
             out.push_back(v);
         }
         return out;
@@ -168,7 +116,7 @@ class GlbReader {
             if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles_.push_back(t);
         };
         if (triangles_.size() + c.size() > most_triangles)
-            throw Error("FE232", file_ + ": it has more than " + std::to_string(most_triangles) + " triangles",
+            throw Error("FE232", "it has more than " + std::to_string(most_triangles) + " triangles",
                         "save less of it");
         if (mode == 4)
             for (std::size_t i = 2; i < c.size(); i += 3) add(i - 2, i - 1, i);
@@ -176,9 +124,8 @@ class GlbReader {
         for (std::size_t i = 2; mode == 6 && i < c.size(); ++i) add(0, i - 1, i);
     }
 
-    const std::string& file_;
-    std::string_view binary_;
-    Json document_;
+    GlbFile glb_;
+    const Json& document_;
     std::vector<char> seen_;
     solver::CornerWelder welder_;
     std::vector<solver::Triangle> triangles_;
@@ -187,13 +134,16 @@ class GlbReader {
 } // namespace
 
 solver::SurfaceMesh read_glb(std::string_view bytes, const std::string& file) {
+    solver::SurfaceMesh mesh;
     try {
-        solver::SurfaceMesh mesh = GlbReader(bytes, file).read();
-        check_usable(mesh);
-        return mesh;
+        mesh = GlbReader(bytes).read();
+    } catch (const Error& e) {
+        throw Error(e.code, file + ": " + e.what(), e.hint);
     } catch (const Json::exception& e) {
         throw Error("IO403", file + ": its description cannot be used: " + e.what());
     }
+    check_usable(mesh);
+    return mesh;
 }
 
 } // namespace sinew::nodes

@@ -4,6 +4,8 @@
 #include "tools/viewer/collect_glb.h"
 
 #include <catch2/catch.hpp>
+#include <cstdint>
+#include <cstring>
 
 using namespace sinew;
 using namespace sinew::viewer;
@@ -88,4 +90,15 @@ TEST_CASE("files that are no GLB, cut off or not of Sinew are refused with a rea
     std::string other = whole;
     other.replace(other.find("\"sinew\":{"), 9, "\"sonew\":{");
     CHECK(reason(other).find("which frames") != std::string::npos);
+    // An accessor that says it has 1e15 times as many numbers: refused before room is made for them.
+    std::string huge = whole;
+    const std::size_t count = huge.find("\"count\":") + 8, grown = 16; // whole words: chunks are padded to four bytes
+    huge.insert(huge.find_first_not_of("0123456789", count), grown - 1, '0').insert(count, " ");
+    for (const std::size_t at : {std::size_t{8}, std::size_t{12}}) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, huge.data() + at, 4);
+        length += grown;
+        std::memcpy(huge.data() + at, &length, 4);
+    }
+    CHECK(reason(huge).find("reaches beyond the file's numbers") != std::string::npos);
 }

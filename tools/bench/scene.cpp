@@ -148,7 +148,7 @@ Table scene_table(const SceneBench& result) {
 }
 
 Table scenes_table(const std::vector<SceneBench>& results) {
-    Table t{{"scene", "element", "tet sizes x", "tets", "unknowns"}, {}}; // and those of each row
+    Table t{{"scene", "element", "tet sizes x", "tets", "unknowns"}, {}};
     const std::vector<std::string> rest = titles(results.front().rows.front().solver);
     t.columns.insert(t.columns.end(), rest.begin(), rest.end());
     for (const SceneBench& s : results)

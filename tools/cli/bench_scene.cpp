@@ -23,6 +23,10 @@ bench::SceneVariant as_it_is(const Invocation& in, const std::string& file) {
     return {.graph = graph, .solver = default_plug(*graph).node, .element = {}, .first = first, .last = first + frames};
 }
 
+std::vector<std::string> all_solvers() {
+    return {std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers)};
+}
+
 int turns(const Invocation& in) { return in.arguments.has("--quick") ? 1 : 5; }
 
 /// The words of a list, each one of `known`.
@@ -59,9 +63,7 @@ std::vector<std::string> graph_files(const std::vector<std::string>& paths) {
 } // namespace
 
 bench::SceneBench measure_scene(const Invocation& in, const std::string& file) {
-    return bench::run_scene(as_it_is(in, file),
-                            {std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers)}, turns(in),
-                            run_options(in));
+    return bench::run_scene(as_it_is(in, file), all_solvers(), turns(in), run_options(in));
 }
 
 std::vector<bench::SceneBench> measure_rig(const Invocation& in, const std::string& file) {
@@ -81,8 +83,7 @@ std::vector<bench::SceneBench> measure_rig(const Invocation& in, const std::stri
 ExitCode bench_scene(const Invocation& in) {
     const std::vector<std::string> files = graph_files(in.arguments.operands_from(1));
     if (files.empty()) throw UsageError("scene needs graph files, or folders with graph files in them.");
-    const std::vector<std::string> all(std::begin(bench::all_linear_solvers), std::end(bench::all_linear_solvers));
-    const std::vector<std::string> solvers = words(in, "--solvers", all, all);
+    const std::vector<std::string> solvers = words(in, "--solvers", all_solvers(), all_solvers());
     const std::vector<std::string> elements = words(in, "--elements", {"linear", "quadratic"}, {""});
     const std::vector<double> sizes = in.arguments.numbers("--sizes", {1});
     for (const double s : sizes)

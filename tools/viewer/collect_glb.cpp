@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/collect_glb.h"
 
+#include "nodes/glb_file.h"
 #include "tools/viewer/recorder.h"
 
 #include <Eigen/Geometry>
@@ -19,8 +20,6 @@ using nlohmann::json;
 
 namespace {
 
-constexpr std::uint32_t magic = 0x46546C67, json_chunk = 0x4E4F534A, binary_chunk = 0x004E4942;
-
 [[noreturn]] void fail(const std::string& why) { throw std::runtime_error(why); }
 
 /// How one node moves: one entry a frame, or none.
@@ -31,26 +30,16 @@ struct Tracks {
 } // namespace
 
 struct GlbRun::Content {
-    json document;
-    std::string binary;
+    std::string bytes;
+    nodes::GlbFile glb;
+    const json& document;
     GlbFrames frames;
     std::vector<int> order; ///< frame numbers as the file has them
 
-    void read(const fs::path& file) {
-        std::ifstream in(file, std::ios::binary);
-        std::ostringstream text;
-        text << in.rdbuf();
-        const std::string bytes = text.str();
-        if (bytes.size() < 20 || word(bytes, 0) != magic) fail("it is no GLB file");
-        for (std::size_t at = 12; at + 8 <= bytes.size();) {
-            const std::size_t length = word(bytes, at);
-            const std::uint32_t kind = word(bytes, at + 4);
-            if (at + 8 + length > bytes.size()) fail("it ends in the middle");
-            if (kind == json_chunk) document = json::parse(bytes.substr(at + 8, length));
-            if (kind == binary_chunk) binary = bytes.substr(at + 8, length);
-            at += 8 + length;
-        }
-        if (!document.is_object()) fail("it has no description");
+    explicit Content(std::string all)
+        : bytes(std::move(all))
+        , glb(bytes)
+        , document(glb.document()) {
         find_frames();
     }
 
@@ -73,24 +62,16 @@ struct GlbRun::Content {
     }
 
   private:
-    static std::uint32_t word(const std::string& bytes, std::size_t at) {
-        std::uint32_t v = 0;
-        std::memcpy(&v, bytes.data() + at, 4);
-        return v;
-    }
-
     template <class T>
-    std::vector<T> numbers(std::size_t index, int component) const {
+    std::vector<T> numbers(std::size_t index, std::size_t component) const {
         const json& accessor = document.at("accessors").at(index);
-        const json& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
         static const std::map<std::string, std::size_t> widths{{"SCALAR", 1}, {"VEC2", 2}, {"VEC3", 3}, {"VEC4", 4}};
         const auto width = widths.find(accessor.at("type").get<std::string>());
-        if (accessor.at("componentType") != component || width == widths.end() || view.contains("byteStride"))
-            fail("it was not written by Sinew");
-        std::vector<T> out(accessor.at("count").get<std::size_t>() * width->second);
-        const std::size_t at = view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0});
-        if (at > binary.size() || out.size() > (binary.size() - at) / sizeof(T)) fail("it ends in the middle");
-        if (!out.empty()) std::memcpy(out.data(), binary.data() + at, out.size() * sizeof(T));
+        if (width == widths.end()) fail("it was not written by Sinew");
+        const nodes::GlbNumbers n = glb.numbers(index, width->first, width->second);
+        if (n.component != component || n.stride != sizeof(T) * width->second) fail("it was not written by Sinew");
+        std::vector<T> out(n.count * width->second);
+        if (!out.empty()) std::memcpy(out.data(), n.first, out.size() * sizeof(T));
         return out;
     }
 
@@ -149,10 +130,13 @@ solver::Points welded(const std::vector<float>& pose, const std::vector<float>& 
 
 } // namespace
 
-GlbRun::GlbRun(const fs::path& file)
-    : content_(std::make_unique<Content>()) {
+GlbRun::GlbRun(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    if (!text.view().starts_with("glTF")) fail("it is no GLB file");
     try {
-        content_->read(file);
+        content_ = std::make_unique<Content>(std::move(text).str());
     } catch (const json::exception&) {
         fail("its description is damaged");
     }

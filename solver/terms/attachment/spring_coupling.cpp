@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/attachment/spring_coupling.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 namespace sinew::solver {
 
 namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 /// Springs with the same attachment and vertices, which have the same blocks: places in the list of springs.
 std::vector<std::vector<std::size_t>> groups_of(const std::vector<CoupledSpring>& springs) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/attachment/springs.h"
 
+#include "solver/index.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -17,8 +18,6 @@ constexpr std::size_t grain = 256;
 /// An expansion is made anew where the energy is a smaller share of what it was: sums of terms a hundred times larger
 /// than their result lose two digits of sixteen.
 constexpr double near_share = 0.01;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 Vec3 point_of(const std::vector<double>& x, int vertex) { return Eigen::Map<const Vec3>(x.data() + 3 * at(vertex)); }
 

@@ -29,7 +29,6 @@ class Springs {
     /// Values of the coming stage of a step from `before`; `bones_after`: bone positions at the end of the step.
     void begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
                      const ImplicitForm& form);
-    bool empty() const { return springs_.empty(); }
     /// What the energy's terms were where the expansion is made [J]: its rounding is that of such numbers.
     double energy_scale() const { return energy_; }
     /// Energy [J] with its gradient added to `gradient` (3 a vertex) unless that is null.
