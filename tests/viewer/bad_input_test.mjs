@@ -203,7 +203,7 @@ test("the folder of a default run is shown from its GLB, as exact as the OBJ fil
     await writeFile(path.join(out, "02_muscle_pulls.glb"), "glTF");
     const damaged = await sinew("view", out);
     assert.equal(damaged.code, 1);
-    assert.match(damaged.err, /cannot be shown: it is no GLB file/);
+    assert.match(damaged.err, /cannot be shown: the file does not begin with glTF/);
 });
 
 test("a report that is damaged or odd is told, and the frames play", async () => {
