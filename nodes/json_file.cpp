@@ -32,7 +32,11 @@ Json read_json(const std::string& path) {
     try {
         return Json::parse(text);
     } catch (const Json::exception& e) {
-        throw Error("IO403", "'" + path + "' is not JSON: " + e.what(), "Correct the file at that place.");
+        // The library's own name of the error stands in brackets before what it says.
+        const std::string says = e.what();
+        const std::size_t after = says.find("] ");
+        throw Error("IO403", "'" + path + "' is not JSON: " + (after == says.npos ? says : says.substr(after + 2)),
+                    "Correct the file at that place.");
     }
 }
 
@@ -47,6 +51,9 @@ const Json& part_of(const Json& json, const std::string& pointer, const std::str
 
 namespace {
 
+/// Of what a file holds, in a message.
+constexpr std::size_t longest_shown = 40;
+
 void collect(const Json& json, engine::NumberList& out, const std::string& what, const std::string& path) {
     for (const Json& entry : json) {
         if (entry.is_array()) {
@@ -54,7 +61,9 @@ void collect(const Json& json, engine::NumberList& out, const std::string& what,
         } else if (entry.is_number() && std::isfinite(entry.get<double>())) {
             out.push_back(entry.get<double>());
         } else {
-            throw Error("IO403", "'" + path + "': " + what + " holds " + entry.dump() + ", which is not a number");
+            std::string shown = entry.dump(-1, ' ', true); // in ASCII, so that it can be cut anywhere
+            if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + " …";
+            throw Error("IO403", "'" + path + "': " + what + " holds " + shown + ", which is not a number");
         }
     }
 }

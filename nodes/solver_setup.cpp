@@ -84,8 +84,9 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
     }
 }
 
-void take_force(Setup& setup, const Force& f, std::vector<int> bodies) {
+void take_force(Setup& setup, const Force& f, int entry, std::vector<int> bodies) {
     setup.forces.emplace_back(f);
+    setup.force_entries.push_back(entry);
     setup.key.forces.push_back(static_digest(f));
     setup.key.reach.push_back(std::move(bodies));
 }
@@ -105,10 +106,10 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
         }
         for (std::size_t b = 0; f.on_all && b < setup.simulated.size(); ++b)
             if (!setup.body(b).is_bone()) reached.push_back(static_cast<int>(b));
-        if (!reached.empty()) take_force(setup, f, std::move(reached));
+        if (!reached.empty()) take_force(setup, f, static_cast<int>(i), std::move(reached));
     }
     for (std::size_t b = 0; b < setup.simulated.size(); ++b)
-        for (const Force& f : setup.body(b).forces) take_force(setup, f, {static_cast<int>(b)});
+        for (const Force& f : setup.body(b).forces) take_force(setup, f, -1, {static_cast<int>(b)});
 }
 
 /// Of attachments and forces that hold on to one of several bones of the same rest data, it may turn out only when

@@ -91,6 +91,9 @@ NumberList given_directions(const Reads& in) {
                            : directions_file.name,
                 "DG110", "the direction of the fibres is given more than once",
                 "Keep one of endPoints, direction, directions and directionsFile.");
+    if (!in[directions_key].empty() && !has_file)
+        in.fail(directions_key.name, "DG110", "a directionsKey is given but no directionsFile",
+                "Give the file that it points into, or leave it out.");
     if (has_vector) return {in[direction].begin(), in[direction].end()};
     if (!has_list && !has_file) return {};
     const std::string_view from = has_list ? directions.name : directions_file.name;

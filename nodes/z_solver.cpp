@@ -52,7 +52,7 @@ std::string attachment_name(const Reads& in, const Setup& setup, int attachment)
     return in.source_name(attachments.name, static_cast<std::size_t>(entry));
 }
 
-/// Runs a solver call; its errors become diagnostics that name the body or attachment to blame.
+/// Runs a solver call; its errors become diagnostics that name the body, attachment or force to blame.
 template <class Call>
 auto solving(const Reads& in, const Setup& setup, Call&& call) {
     try {
@@ -67,6 +67,10 @@ auto solving(const Reads& in, const Setup& setup, Call&& call) {
             message = in.source_name(bodies.name,
                                      static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
                       ": " + message;
+        const int entry = e.part < 0 ? -1 : setup.force_entries[static_cast<std::size_t>(e.part)];
+        if (entry >= 0)
+            in.fail(forces.name, e.code, in.source_name(forces.name, static_cast<std::size_t>(entry)) + ": " + message,
+                    e.hint);
         in.fail(bodies.name, e.code, std::move(message), e.hint);
     }
 }

@@ -16,6 +16,7 @@ class Error : public std::runtime_error {
     std::string code, hint;
     int body = -1;       ///< index of the body in the scene, if one is to blame
     int attachment = -1; ///< likewise of the attachment
+    int part = -1;       ///< likewise of the part
 };
 
 /// The host asked to stop.

@@ -98,7 +98,7 @@ TEST_CASE("a held part follows a bone, which may be moved by its mesh too, and r
         "bone": {"type": "zBone", "inputs": {"mesh": {"from": "plate.outMesh"}, "matrix": {"from": "grow.outMatrix"}}}, )" +
                   block(wire, with_bone));
     CHECK(codes([&] { bends.pull("solver", "outMeshes", 4); }, &text) == Codes{"FE250"});
-    CHECK(text.find("bone: the bone changes its shape") != std::string::npos);
+    CHECK(text.find("solver.forces: hold: bone: the bone changes its shape") != std::string::npos);
 
     // A bone that is switched off takes its hold along: QuasiStatic then finds the tissue afloat.
     Session off(by_matrix + block(wire, with_bone, R"(, "integrator": "QuasiStatic")"));
@@ -130,7 +130,7 @@ TEST_CASE("holds that cannot be are refused by name", "[nodes]") {
                   R"("forces": [{"from": "hold.outForce"}, {"from": "again.outForce"}]}},
                   "again": {"type": "zHold", "inputs": {"tissue": {"from": "beam.outBody"}, "weights": {"from": "end.outWeights"}, "momentPoint": [0, 1, 0]}})");
     CHECK(codes([&] { twice.pull("solver", "outMeshes", 2); }, &text) == Codes{"FE251"});
-    CHECK(text.find("beam: two holds") != std::string::npos);
+    CHECK(text.find("solver.forces: again: beam: two holds") != std::string::npos);
 }
 
 TEST_CASE("a hold of faces takes their points, and keyed motion builds no scene anew", "[nodes]") {
@@ -229,7 +229,14 @@ TEST_CASE("fibres may be given by a vector, a list or a file, and then need no e
     CHECK(refused(R"(, "directions": [0, 0, 0])") == Codes{"FE212"});
     CHECK(refused(R"(, "directions": [1, 0, 0], "direction": [1, 0, 0])") == Codes{"DG110"});
     CHECK(refused(R"(, "direction": [1, 0, 0], "endPoints": [0, 1])") == Codes{"DG110"});
+    CHECK(refused(R"(, "direction": [1, 0, 0], "directionsKey": "/biceps")") == Codes{"DG110"});
+    CHECK(text.find("fibre.directionsKey") != std::string::npos);
     CHECK(refused(R"(, "directionsFile": ")" + folder.write("inf.json", "[1e999, 0, 0]") + "\"") == Codes{"IO403"});
+    CHECK(text.find("json.exception") == std::string::npos);
+    const std::string words = "[1, 0, \"" + std::string(5000, 'x') + "\"]";
+    CHECK(refused(R"(, "directionsFile": ")" + folder.write("words.json", words) + "\"") == Codes{"IO403"});
+    CHECK(text.size() < 400);
+    CHECK(text.find("which is not a number") != std::string::npos);
     CHECK(refused(R"(, "directionsFile": ")" + folder.write("none.json", "[]") + "\"") == Codes{"FE227"});
     CHECK(text.find("fibre.directionsFile: the list of directions is empty") != std::string::npos);
     CHECK(refused("") == Codes{"FE205"});

@@ -54,9 +54,16 @@ TEST_CASE("a value outside its tolerance, a step that did not converge and a fla
     book.slope("g", "x", 1e-3, 1.9, 1.8);
     book.slope("h", "x", 1e-3, 1.7, 1.8);
     book.compare(CaseKind::exact, "i", "x", std::numeric_limits<double>::quiet_NaN(), 1, 1e-8);
+    book.converge("j", "x", {0.2, 0.1, 0.05}, {1.16, 1.12, 1.08}, 1, 1, {}, true); // locks
+    book.converge("k", "x", {0.2, 0.1, 0.05}, {1.16, 1.12, 1.12}, 1, 1, {}, true); // comes no nearer
+    book.converge("l", "x", {0.2, 0.1, 0.05}, {1.16, 1.12, 1.08}, 1, 1, unfinished, true);
     std::string verdicts;
-    for (const bench::CaseResult& r : book.results) verdicts += r.status == CaseStatus::pass ? 'p' : 'F';
-    CHECK(verdicts == "FpFpFFpFF");
+    for (const bench::CaseResult& r : book.results) verdicts += name_of(r.status)[0];
+    CHECK(verdicts == "FpFpFFpFFlFF");
+    CHECK(bench::accuracy_summary(book.results) == "3 passed, 8 failed, 1 lock, 0 not yet modelled");
+    CHECK(bench::in_locking_range(solver::ElementKind::linear, 0.49));
+    CHECK_FALSE(bench::in_locking_range(solver::ElementKind::linear, 0.45));
+    CHECK_FALSE(bench::in_locking_range(solver::ElementKind::quadratic, 0.499));
     CHECK(book.results[3].order == Approx(2));
     CHECK(book.results[4].order == Approx(1));
     CHECK(book.results[2].note.find("did not converge") != std::string::npos);

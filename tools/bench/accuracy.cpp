@@ -26,6 +26,10 @@ constexpr std::array<std::array<const char*, 3>, 9> missing{{
 
 } // namespace
 
+bool in_locking_range(solver::ElementKind element, double poissons_ratio) {
+    return element == solver::ElementKind::linear && poissons_ratio >= 0.49;
+}
+
 CaseResult& Book::add(CaseKind kind, std::string setting, std::string quantity, const Work& work) {
     CaseResult r;
     r.section = section_, r.name = name_, r.setting = std::move(setting), r.quantity = std::move(quantity);
@@ -50,7 +54,8 @@ void Book::compare(CaseKind kind, std::string setting, std::string quantity, dou
 }
 
 void Book::converge(std::string setting, std::string quantity, const std::vector<double>& h,
-                    const std::vector<double>& values, double reference, double least_order, const Work& work) {
+                    const std::vector<double>& values, double reference, double least_order, const Work& work,
+                    bool may_lock) {
     CaseResult& r = add(CaseKind::continuum, std::move(setting), std::move(quantity), work);
     r.value = values.back(), r.reference = reference, r.tolerance = least_order;
     r.error = std::abs(r.value - reference) / std::abs(reference);
@@ -62,13 +67,16 @@ void Book::converge(std::string setting, std::string quantity, const std::vector
         r.order =
             observed_order(h[n - 2], std::abs(values[n - 2] - reference), h[n - 1], std::abs(r.value - reference));
     }
-    r.status = falls && r.order >= least_order && work.unconverged == 0 ? CaseStatus::pass : CaseStatus::fail;
+    const bool nearer = falls && work.unconverged == 0;
+    r.status = nearer && r.order >= least_order ? CaseStatus::pass
+               : nearer && may_lock             ? CaseStatus::locks
+                                                : CaseStatus::fail;
     if (work.unconverged)
         r.note = std::to_string(work.unconverged) + " steps did not converge";
     else if (!falls)
         r.note = "a coarser mesh is nearer";
-    else if (r.status == CaseStatus::fail)
-        r.note = "the order is below 1: the element locks";
+    else if (r.status != CaseStatus::pass)
+        r.note = "the order is below " + number(least_order, 2) + ": the element locks";
 }
 
 void Book::slope(std::string setting, std::string quantity, double error, double order, double least_order,
@@ -159,10 +167,12 @@ nlohmann::ordered_json accuracy_json(const std::vector<CaseResult>& results) {
 }
 
 std::string accuracy_summary(const std::vector<CaseResult>& results) {
-    int count[3] = {0, 0, 0};
-    for (const CaseResult& r : results) ++count[static_cast<int>(r.status)];
-    return std::to_string(count[0]) + " passed, " + std::to_string(count[1]) + " failed, " + std::to_string(count[2]) +
-           " not yet modelled";
+    const auto count = [&](CaseStatus status) {
+        return std::to_string(
+            std::count_if(results.begin(), results.end(), [&](const CaseResult& r) { return r.status == status; }));
+    };
+    return count(CaseStatus::pass) + " passed, " + count(CaseStatus::fail) + " failed, " + count(CaseStatus::locks) +
+           " lock, " + count(CaseStatus::not_modelled) + " not yet modelled";
 }
 
 std::string_view name_of(CaseKind kind) {
@@ -171,7 +181,7 @@ std::string_view name_of(CaseKind kind) {
 }
 
 std::string_view name_of(CaseStatus status) {
-    constexpr std::string_view names[] = {"pass", "FAIL", "not yet modelled"};
+    constexpr std::string_view names[] = {"pass", "FAIL", "locks", "not yet modelled"};
     return names[static_cast<int>(status)];
 }
 

@@ -41,7 +41,7 @@ void judge_study(Book& book, const MeshStudy& study, const std::vector<LevelValu
         // On the coarse meshes of a quick run linear tets still lock, and the order says nothing.
         if (std::isfinite(quantity.continuum) && levels.size() == study.levels.size())
             book.converge(study.setting + ", to " + levels.back().level.name(), quantity.name, h, values,
-                          quantity.continuum, least_order, work);
+                          quantity.continuum, least_order, work, study.may_lock);
     }
 }
 

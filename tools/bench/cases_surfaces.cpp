@@ -108,8 +108,9 @@ void thick_sphere(Book& book, const RunOptions& options) {
                 h.push_back(1.0 / n), at_inner.push_back(u[0] / c.share), at_outer.push_back(u[1] / c.share);
             }
             const std::string setting = c.title + ", " + std::string(element.word);
-            book.converge(setting, "u(A) [m]", h, at_inner, c.u_inner, least_order(element), work);
-            book.converge(setting, "u(B) [m]", h, at_outer, c.u_outer, least_order(element), work);
+            const bool may_lock = in_locking_range(element.kind, c.values.layers[0].poissons_ratio);
+            book.converge(setting, "u(A) [m]", h, at_inner, c.u_inner, least_order(element), work, may_lock);
+            book.converge(setting, "u(B) [m]", h, at_outer, c.u_outer, least_order(element), work, may_lock);
         }
 }
 

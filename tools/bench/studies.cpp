@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/studies.h"
 
+#include "tools/bench/accuracy.h"
 #include "tools/bench/models.h"
 #include "tools/bench/reference.h"
 
@@ -219,6 +220,7 @@ MeshStudy cook_study(const std::string& nu, ElementKind element) {
         const Vec3 u = cook_corner(m, law, element, material(cook_modulus, ratio), stop, work);
         return std::vector<double>{u.x(), u.y()};
     };
+    s.may_lock = in_locking_range(element, std::stod(nu));
     return s;
 }
 

@@ -30,6 +30,7 @@ struct MeshStudy {
     std::vector<MeshLevel> levels; ///< coarse to fine
     /// The quantities on one mesh.
     std::function<std::vector<double>(const MeshLevel&, const std::stop_token&, Work&)> run;
+    bool may_lock = false; ///< see in_locking_range
 };
 
 struct LevelValues {

@@ -1,6 +1,7 @@
-// `sinew bench elements`: linear against quadratic tets on a scene.
+// `sinew bench elements`: linear against quadratic tets, on a scene or on bodies whose answer is known.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/elements.h"
+#include "tools/bench/turned_bodies.h"
 
 #include "engine/format/graph_file.h"
 #include "nodes/register_all.h"
@@ -13,9 +14,25 @@
 
 namespace sinew::cli {
 
+namespace {
+
+ExitCode known_bodies(const Invocation& in) {
+    if (in.arguments.has("--steps")) throw UsageError("--steps are frames of a graph, and none is given.");
+    const auto folder = output_folder(in);
+    const std::vector<bench::TurnedRow> rows = bench::run_turned_bodies(run_options(in));
+    print_result(in, "elements", bench::turned_table(rows), bench::turned_json(rows),
+                 "bodies askew in zTet's lattice, against another code's converged values");
+    if (folder)
+        for (const bench::NamedPlot& p : bench::turned_plots(rows))
+            write_file(*folder / (p.name + ".svg"), bench::draw(p.plot));
+    return done;
+}
+
+} // namespace
+
 ExitCode bench_elements(const Invocation& in) {
     const auto file = in.arguments.operand(1);
-    if (!file) throw UsageError("elements needs a graph file.");
+    if (!file) return known_bodies(in);
     if (in.arguments.operand(2)) throw UsageError("elements takes one graph file.");
     const auto graph = engine::load_graph(nodes::make_registry(), *file).graph;
     const std::string tissue = in.arguments.value("--only").value_or("");

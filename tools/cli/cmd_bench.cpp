@@ -87,19 +87,19 @@ Command bench_command() {
           "features cost; hard: collapsed, scrambled, overstretched, torn about and spoilt bodies under every law, "
           "element and integrator, exit code 3 if an answer is wrong; scene: the frames of graphs under each linear "
           "solver and under the yardstick "
-          "Plain, with their own tets or others; elements: the motion of a graph with linear and quadratic tets of "
-          "several sizes, against time; "
+          "Plain, with their own tets or others; elements: linear and quadratic tets of several sizes, error "
+          "against time, on the motion of a graph, or without one on bodies whose answer is known; "
           "report: all of them but meshing as a page with pictures"},
          {"FILES",
           "meshing: mesh files, or folders whose mesh files are taken; scene: graph files, or folders whose graph "
           "files "
-          "are taken; elements: a graph file; report: graph files, a scene each",
+          "are taken; elements: a graph file or none; report: graph files, a scene each",
           false, true}},
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
          {"--only", "LETTERS",
           "accuracy, convergence, work-precision, levers, scaling, idle-cost, hard: only what has these letters in its "
-          "name; elements: the one tissue that takes part"},
+          "name; elements: the one tissue that takes part, without a graph as the others"},
          {"--output", "PATH",
           "convergence, work-precision, scaling, elements: a folder to write plots to, of work-precision CSV and JSON "
           "too; "
@@ -137,6 +137,7 @@ Command bench_command() {
         "frames\n"
         "sinew bench scene graphs/scenes --steps 8 --solvers Direct,Iterative,Auto --sizes 1,0.5 --elements linear\n"
         "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
+        "sinew bench elements --only cantilever                        # the same against a known answer\n"
         "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
         run_bench};
 }

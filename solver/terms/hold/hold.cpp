@@ -92,7 +92,7 @@ Holds::Holds(const Scene& scene)
         if (twice > 0) {
             Error e("FE251", "two holds take hold of the same " + std::to_string(twice) + " vertices of its tets",
                     "make one hold of the two, or leave more than a tet between what they hold");
-            e.body = body;
+            e.body = body, e.part = static_cast<int>(k);
             throw e;
         }
         const auto d = static_cast<std::size_t>(numbering.deformable_of(body));
@@ -110,7 +110,7 @@ Changes Holds::take(const StepInputs& inputs, const State&) {
             if (std::abs(length - 1) <= 1e-9) continue;
             Error e("FE304", "the rotation of a hold is a quaternion of length " + std::to_string(length),
                     "it must be of length 1");
-            e.body = scene_.numbering().deformables[held.deformable].body;
+            e.body = scene_.numbering().deformables[held.deformable].body, e.part = static_cast<int>(hold.part);
             throw e;
         }
     return {};

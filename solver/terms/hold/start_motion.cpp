@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstring>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -67,8 +67,8 @@ void remember_start(const Scene& scene, const StepInputs& inputs, const std::vec
             for (const Vec3& p : surfaces[at(followed_bone(scene, parts[k]))])
                 numbers.insert(numbers.end(), p.data(), p.data() + 3);
     }
-    const std::span<std::byte> bytes = memory.bytes.rewrite(numbers.size() * sizeof(double));
-    std::memcpy(bytes.data(), numbers.data(), bytes.size());
+    const auto from = std::as_bytes(std::span(numbers));
+    std::copy(from.begin(), from.end(), memory.bytes.rewrite(from.size()).begin());
 }
 
 void follow_bone(const Scene& scene, std::size_t part, const TermMemory& memory, const std::vector<Points>& bones,
@@ -88,7 +88,7 @@ void follow_bone(const Scene& scene, std::size_t part, const TermMemory& memory,
                       "start frame would take it (a hold follows bones to within %.3g m)",
                       fit.farthest, rigid_tolerance * size);
         Error e("FE250", text, "hold with a bone that moves rigidly, or tie with a zAttachment");
-        e.body = bone;
+        e.body = bone, e.part = static_cast<int>(part);
         throw e;
     }
     HoldValues v = get_fields<HoldValues>(values);
