@@ -280,5 +280,14 @@ TEST_CASE("bench elements compares elements and sizes with the finest quadratic 
     }
     CHECK(well_formed(read_text(folder / "elements.svg")));
     CHECK(run_program({"bench", "elements", "--steps", "4"}).code == 2);
+    CHECK(run_program({"bench", "elements", "--sizes", "1,2"}).code == 2);
+    CHECK(run_program({"bench", "elements", graph, "--sizes", "1,0"}).code == 2);
+    const Said chosen = run_program({"bench", "elements", graph, "--quick", "--json", "--sizes", "2,3"});
+    REQUIRE(chosen.code == 0);
+    const auto coarse = nlohmann::json::parse(chosen.out).at("rows");
+    REQUIRE(coarse.size() == 4);
+    CHECK(coarse[0]["scale"] == 2); // the smaller one is the yardstick
+    CHECK(coarse[0]["rms_mm"].is_null());
+    CHECK(coarse[1]["scale"] == 3);
     CHECK(run_program({"bench", "elements", graph, "--only", "nobody"}).code == 2);
 }

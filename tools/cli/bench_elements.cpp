@@ -9,6 +9,7 @@
 #include "tools/cli/bench_common.h"
 #include "tools/cli/open_graph.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -17,7 +18,9 @@ namespace sinew::cli {
 namespace {
 
 ExitCode known_bodies(const Invocation& in) {
-    if (in.arguments.has("--steps")) throw UsageError("--steps are frames of a graph, and none is given.");
+    for (const char* of_graphs : {"--steps", "--sizes"})
+        if (in.arguments.has(of_graphs))
+            throw UsageError(std::string(of_graphs) + " is for a graph, and none is given.");
     const auto folder = output_folder(in);
     const std::vector<bench::TurnedRow> rows = bench::run_turned_bodies(run_options(in));
     print_result(in, "elements", bench::turned_table(rows), bench::turned_json(rows),
@@ -42,8 +45,11 @@ ExitCode bench_elements(const Invocation& in) {
     const auto folder = output_folder(in);
     const int first = start_frame(*graph, upstream_of(*graph, {default_plug(*graph).node}));
     const int frames = in.arguments.whole_number("--steps", quick ? 2 : 12, 2);
-    const std::vector<double> scales =
-        quick ? std::vector<double>{2, 1.5} : std::vector<double>{2, 1.4, 1, 0.7, 0.5, 0.35};
+    std::vector<double> scales = in.arguments.numbers(
+        "--sizes", quick ? std::vector<double>{2, 1.5} : std::vector<double>{2, 1.4, 1, 0.7, 0.5, 0.35});
+    std::sort(scales.rbegin(), scales.rend());
+    for (const double scale : scales)
+        if (!(scale >= 0.01) || !(scale <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
     const bench::ElementBench r =
         bench::run_elements(graph, default_plug(*graph).node, tissue, first, first + frames, scales, run_options(in));
     print_result(in, "elements", bench::elements_table(r), bench::elements_json(r),

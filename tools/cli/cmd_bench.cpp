@@ -30,7 +30,7 @@ constexpr Benchmark benchmarks[] = {
     {"idle-cost", bench_idle_cost, "--quick --only"},
     {"hard", bench_hard, "--quick --only"},
     {"scene", bench_scene, "--quick --steps --solvers --elements --sizes", true},
-    {"elements", bench_elements, "--quick --steps --only --output", true},
+    {"elements", bench_elements, "--quick --steps --only --sizes --output", true},
     {"report", bench_report, "--quick --steps --output", true},
 };
 
@@ -117,7 +117,9 @@ Command bench_command() {
          {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
          {"--solvers", "LIST", "scene: of Plain, Direct, Iterative, Auto, the yardstick first; default: all"},
          {"--elements", "LIST", "scene: linear, quadratic; default: as in the graph"},
-         {"--sizes", "LIST", "scene: factors of all tet sizes; default: 1"},
+         {"--sizes", "LIST",
+          "scene, elements: factors of all tet sizes; default: 1; elements: default: 2,1.4,1,0.7,0.5,0.35, the "
+          "smallest with quadratic tets the yardstick"},
          {"--threads", "N", "default: all cores", false, 'j'}},
         "sinew bench cantilever --n 24 --E 1e5 --threads 2             # time of a step, its parts, a digest of the "
         "result\n"
