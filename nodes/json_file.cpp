@@ -20,6 +20,8 @@ std::string read_text(const std::string& path) {
         throw Error("IO401", "there is no file '" + path + "'", "Relative paths count from the graph file's folder.");
     if (std::filesystem::is_directory(path, ignored))
         throw Error("IO402", "'" + path + "' is a folder", "Name a file in it.");
+    if (!std::filesystem::is_regular_file(path, ignored))
+        throw Error("IO402", "'" + path + "' is a pipe or a device, not a file", "Name a file.");
     std::ifstream in(path, std::ios::binary);
     std::ostringstream text;
     text << in.rdbuf();

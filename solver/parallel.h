@@ -2,6 +2,8 @@
 // over pieces are taken afterwards, in order, by one thread.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/hand_over.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -17,8 +19,11 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
         for (std::size_t i = 0; i < count; ++i) body(i);
         return;
     }
+    const HandOver hand_over;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
+        hand_over.begin_piece();
         for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
+        hand_over.end_piece();
     });
 }
 

@@ -13,6 +13,7 @@ std::variant<Digest, FileFault> FileDigests::of(const std::string& path) {
     const auto status = fs::status(path, ec);
     if (!fs::exists(status)) return FileFault{"IO401", "there is no file " + path};
     if (fs::is_directory(status)) return FileFault{"IO402", path + " is a folder"};
+    if (!fs::is_regular_file(status)) return FileFault{"IO402", path + " is a pipe or a device, not a file"};
     const FileFault unreadable{"IO402", path + " cannot be read"};
     const std::uintmax_t size = fs::file_size(path, ec);
     if (ec) return unreadable;

@@ -324,6 +324,8 @@ Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& p
     const auto status = std::filesystem::status(path, ec);
     if (!std::filesystem::exists(status)) throw unreadable("IO401", "there is no such graph file");
     if (std::filesystem::is_directory(status)) throw unreadable("IO402", "this is a folder, not a graph file");
+    if (!std::filesystem::is_regular_file(status))
+        throw unreadable("IO402", "this is a pipe or a device, not a graph file");
     std::ifstream in(path, std::ios::binary);
     std::ostringstream out;
     out << in.rdbuf();

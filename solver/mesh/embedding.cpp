@@ -8,9 +8,7 @@
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/tet_boundary.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -126,10 +124,8 @@ Embedding embed(const TetMesh& mesh, const Points& points) {
     for (std::size_t i = 0; i < points.size(); ++i)
         if (!points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
     const TetLocator locator(mesh); // refuses a mesh without tets
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 64), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-            result.tet[i] = locator.locate(points[i], result.barycentric[i]);
-    });
+    parallel_for(points.size(), 64,
+                 [&](std::size_t i) { result.tet[i] = locator.locate(points[i], result.barycentric[i]); });
     return result;
 }
 
@@ -166,9 +162,7 @@ void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Po
         for (std::size_t i = 0; i < e.size(); ++i) one(i);
         return;
     }
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, e.size(), worth_a_thread), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i < range.end(); ++i) one(i);
-    });
+    parallel_for(e.size(), worth_a_thread, one);
 }
 
 } // namespace sinew::solver

@@ -27,6 +27,8 @@ std::string read_bytes(const std::string& path) {
     const fs::file_status status = fs::status(path, failure);
     if (!fs::exists(status)) throw Error("IO401", path + " does not exist");
     if (fs::is_directory(status)) throw Error("IO402", path + " is a directory");
+    // A pipe that nobody writes to would be waited for without end.
+    if (!fs::is_regular_file(status)) throw Error("IO402", path + " is a pipe or a device, not a file");
     std::ifstream in(path, std::ios::binary);
     if (!in) throw Error("IO402", path + " cannot be opened: " + std::strerror(errno));
     std::string bytes;

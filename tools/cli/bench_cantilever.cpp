@@ -3,6 +3,7 @@
 #include "tools/bench/cantilever.h"
 #include "tools/bench/models.h"
 #include "tools/cli/bench_common.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 
 #include <cmath>
@@ -73,7 +74,7 @@ ExitCode bench_cantilever(const Invocation& in) {
             told.tell("cantilever, n " + std::to_string(options.n) + ", E " + bench::number(e));
             bench::CantileverResult r;
             tbb::task_arena(threads).execute([&] { r = bench::run_cantilever(options, in.stop); });
-            if (as_json) in.out << json_of(options, r, law, threads).dump() << std::endl;
+            if (as_json) in.out << json_text(json_of(options, r, law, threads)) << std::endl;
             runs.emplace_back(options, std::move(r));
         }
     if (!as_json)

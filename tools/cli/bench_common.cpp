@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/bench_common.h"
 
+#include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 #include "tools/cli/writable_folder.h"
 
@@ -46,7 +47,7 @@ void print_result(const Invocation& in, const std::string& name, const bench::Ta
         line["summary"] = summary;
         line["rows"] = rows;
         if (extra) line.update(*extra);
-        in.out << line.dump() << std::endl;
+        in.out << json_text(line) << std::endl;
     } else {
         if (!table.rows.empty()) in.out << bench::as_text(table);
         in.out << summary << std::endl;

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/meshing.h"
 #include "tools/cli/bench_common.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 
 #include <nlohmann/json.hpp>
@@ -34,7 +35,7 @@ ExitCode bench_meshing(const Invocation& in) {
                 line["threads"] = threads;
                 line["machine"] = machine_name();
                 line["version"] = SINEW_VERSION;
-                in.out << line.dump() << std::endl;
+                in.out << json_text(line) << std::endl;
             }
     return done;
 }

@@ -5,6 +5,7 @@
 #include "tools/bench/work_precision.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/bench_common.h"
+#include "tools/cli/json_text.h"
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -45,7 +46,7 @@ ExitCode bench_work_precision(const Invocation& in) {
                                const std::vector<bench::NamedPlot>& plots) {
             if (rows.empty()) return;
             write_file(*folder / (name + ".csv"), bench::as_csv(rows));
-            write_file(*folder / (name + ".json"), rows.dump(1) + "\n");
+            write_file(*folder / (name + ".json"), json_text(rows, 1) + "\n");
             for (const bench::NamedPlot& p : plots) write_file(*folder / (p.name + ".svg"), bench::draw(p.plot));
         };
         write("work_precision", bench::work_precision_json(points), bench::work_precision_plots(points));

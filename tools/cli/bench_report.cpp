@@ -3,6 +3,7 @@
 #include "tools/bench/report.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/bench_common.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 #include "tools/cli/writable_folder.h"
 
@@ -42,7 +43,7 @@ ExitCode bench_report(const Invocation& in) {
         line["idle_cost"] = bench::idle_cost_json(report.idle_cost);
         for (const bench::SceneBench& s : report.scenes) line["scenes"].push_back(bench::scene_json(s));
         for (const bench::SceneBench& s : report.rigs) line["rigs"].push_back(bench::scene_json(s));
-        in.out << line.dump() << std::endl;
+        in.out << json_text(line) << std::endl;
     } else {
         in.out << "wrote " << page.string() << ": " << bench::accuracy_summary(report.accuracy) << std::endl;
     }

@@ -3,6 +3,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/doubts.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/mesh_report.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
@@ -71,7 +72,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     if (json) {
         nlohmann::ordered_json line = {{"event", "checked"}, {"graph", open.graph->file()}, {"nodes", counts.nodes}};
         if (!fast) line["bodies"] = counts.bodies, line["tets"] = counts.tets;
-        in.out << line.dump() << "\n";
+        in.out << json_text(line) << "\n";
     } else {
         in.out << open.graph->file() << ": right, " << counts.nodes << " nodes";
         if (!fast) in.out << ", " << counts.bodies << " bodies, " << counts.tets << " tets";

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -47,7 +48,7 @@ ExitCode evaluate(const Invocation& in) {
                                              {"type", value.type_name()},
                                              {"digest", value ? value.digest().hex() : ""},
                                              {"value", description}};
-        in.out << line.dump() << "\n";
+        in.out << json_text(line) << "\n";
     } else {
         in.out << plug.text() << " (" << value.type_name() << ")" << (description.is_object() ? "\n" : " = ")
                << as_text(description);

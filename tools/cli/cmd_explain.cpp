@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 
@@ -47,7 +48,7 @@ ExitCode explain(const Invocation& in) {
     for (const auto& [first, last] : evaluator.valid_frames(request, timing.start, timing.end))
         description["valid_frames"].push_back(std::to_string(first) + "-" + std::to_string(last));
     if (json)
-        in.out << description.dump() << "\n";
+        in.out << json_text(description) << "\n";
     else
         in.out << as_text(description);
     return done;

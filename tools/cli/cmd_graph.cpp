@@ -4,6 +4,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/viewer/graph_layout.h"
@@ -15,7 +16,7 @@ namespace sinew::cli {
 
 namespace {
 
-std::string quoted(const std::string& text) { return nlohmann::json(text).dump(); }
+std::string quoted(const std::string& text) { return json_text(nlohmann::json(text)); }
 
 std::string_view fill_of(const std::string& type) {
     if (type == "zSolver") return "#ffe9b8";

@@ -4,6 +4,7 @@
 #include "nodes/register_all.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/node_facts.h"
 #include "tools/cli/print.h"
 
@@ -100,7 +101,7 @@ ExitCode list_nodes(const Invocation& in) {
         const engine::NodeType* type = registry->find(*name);
         if (!type) throw UsageError("there is no node type '" + *name + "'." + did_you_mean(*name, names));
         if (in.arguments.has("--json"))
-            in.out << type_json(*type).dump(1) << "\n";
+            in.out << json_text(type_json(*type), 1) << "\n";
         else
             print_type(*type, in.out);
         return done;
@@ -108,7 +109,7 @@ ExitCode list_nodes(const Invocation& in) {
     if (in.arguments.has("--json")) {
         Json all = Json::array();
         for (const std::string& name : names) all.push_back(type_json(*registry->find(name)));
-        in.out << all.dump(1) << "\n";
+        in.out << json_text(all, 1) << "\n";
         return done;
     }
     std::size_t width = 0;

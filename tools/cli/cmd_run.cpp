@@ -3,6 +3,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
@@ -189,7 +190,7 @@ class Run {
         if (json_) {
             const nlohmann::ordered_json line = {
                 {"event", "value"}, {"frame", frame}, {"plug", plug.text()}, {"value", description}};
-            in_.out << line.dump() << "\n";
+            in_.out << json_text(line) << "\n";
         } else {
             progress_.clear();
             in_.out << "frame " << frame << ": " << plug.text() << (description.is_structured() ? "\n" : " = ")
@@ -236,7 +237,7 @@ class Run {
     void print_page() {
         if (!page_.empty() && !json_) in_.out << "open " << file_url(page_) << "\n";
         if (!page_.empty() && json_ && report_.error)
-            in_.out << nlohmann::ordered_json({{"event", "page"}, {"page", page_.string()}}).dump() << "\n";
+            in_.out << json_text(nlohmann::ordered_json({{"event", "page"}, {"page", page_.string()}})) << "\n";
         in_.out.flush();
     }
 
@@ -251,7 +252,7 @@ class Run {
                                            {"written", nlohmann::ordered_json::array()}};
             for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
             if (!page_.empty()) line["page"] = page_.string();
-            in_.out << line.dump() << "\n";
+            in_.out << json_text(line) << "\n";
             return;
         }
         if (in_.arguments.has("--quiet")) return print_page();

@@ -3,6 +3,7 @@
 
 #include "engine/diagnostics.h"
 #include "solver/mesh/surface_mesh.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/rigid_motion.h"
 #include "tools/render/shading_mesh.h"
 
@@ -254,7 +255,7 @@ class Writer {
 
     /// Header, JSON chunk padded with spaces, binary chunk padded with zeros.
     std::string container() const {
-        std::string text = document_.dump();
+        std::string text = json_text(document_);
         text.append((4 - text.size() % 4) % 4, ' ');
         std::string out;
         const auto put = [&out](std::uint32_t v) { out.append(reinterpret_cast<const char*>(&v), 4); };

@@ -6,7 +6,10 @@
 
 #include "tools/cli/exit_code.h"
 
+#include <cerrno>
+#include <ctime>
 #include <stdexcept>
+#include <string_view>
 #include <unistd.h>
 
 namespace sinew::cli {
@@ -17,6 +20,9 @@ namespace {
 std::atomic<sem_t*> wake_waiter{nullptr};
 std::atomic<bool> has_asked{false};
 static_assert(std::atomic<sem_t*>::is_always_lock_free && std::atomic<bool>::is_always_lock_free);
+
+/// What may pass between a first interrupt and its effect without a word [s].
+constexpr int patience_seconds = 2;
 
 void on_signal(int) {
     if (has_asked.exchange(true)) _exit(cancelled); // files that are being written have no name yet
@@ -32,7 +38,18 @@ Interrupts::Interrupts() {
     waiter_ = std::thread([this] {
         while (sem_wait(&wake_) != 0) {
         } // EINTR
-        if (!over_) stop_.request_stop();
+        if (over_) return;
+        stop_.request_stop();
+        // Where nothing looks at the token for a while (a large factor, a library's call) people shall know what to do.
+        timespec until{};
+        clock_gettime(CLOCK_REALTIME, &until);
+        until.tv_sec += patience_seconds;
+        while (sem_timedwait(&wake_, &until) != 0 && errno == EINTR) {
+        }
+        constexpr std::string_view text = "sinew: stopping as soon as what is being computed allows; "
+                                          "interrupt once more to end at once\n";
+        if (!over_ && write(STDERR_FILENO, text.data(), text.size()) < 0) {
+        } // nobody reads
     });
     struct sigaction action {};
     action.sa_handler = on_signal;

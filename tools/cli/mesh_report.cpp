@@ -9,6 +9,7 @@
 #include "solver/mesh/mesh_files.h"
 #include "solver/mesh/tet_quality.h"
 #include "solver/meshing/self_intersections.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 
 #include <algorithm>
@@ -188,6 +189,8 @@ namespace {
 
 /// No file, or text that begins as JSON does.
 bool may_be_graph(const std::string& path) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(path, unknown)) return true; // what reads graphs says what it is
     std::ifstream in(path, std::ios::binary);
     char first = '{';
     in >> first;
@@ -258,7 +261,7 @@ std::vector<engine::Diagnostic> features_off(const engine::Graph& graph, const s
 
 void print_meshes(const std::vector<MeshReport>& reports, bool as_json_lines, std::ostream& out) {
     if (as_json_lines) {
-        for (const MeshReport& r : reports) out << as_json(r).dump() << "\n";
+        for (const MeshReport& r : reports) out << json_text(as_json(r)) << "\n";
         return;
     }
     std::size_t wide = 4;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/print.h"
 
+#include "tools/cli/json_text.h"
+
 #include "nodes/marks.h"
 #include "nodes/values.h"
 
@@ -134,7 +136,7 @@ std::string line_of(const Json& list) {
             out += " … (" + std::to_string(list.size()) + " in all)";
             break;
         }
-        out += (i ? " " : "") + (list[i].is_string() ? list[i].get<std::string>() : list[i].dump());
+        out += (i ? " " : "") + (list[i].is_string() ? list[i].get<std::string>() : json_text(list[i]));
     }
     return out;
 }
@@ -142,7 +144,7 @@ std::string line_of(const Json& list) {
 void append_text(const Json& d, const std::string& indent, std::string& out) {
     const bool flat = !d.is_structured() || (d.is_array() && (d.empty() || !d.front().is_structured()));
     if (flat) {
-        out += (d.is_array() ? line_of(d) : d.is_string() ? d.get<std::string>() : d.dump()) + "\n";
+        out += (d.is_array() ? line_of(d) : d.is_string() ? d.get<std::string>() : json_text(d)) + "\n";
         return;
     }
     std::size_t number = 0;
@@ -260,7 +262,7 @@ void print_diagnostics(std::span<const engine::Diagnostic> diagnostics, bool as_
         }
         Json line = {{"event", "diagnostic"}};
         line.update(Json::parse(engine::to_json(d)));
-        out << line.dump() << "\n";
+        out << json_text(line) << "\n";
     }
     (as_json ? out : err).flush();
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/progress.h"
 
+#include "tools/cli/json_text.h"
 #include "tools/cli/print.h"
 
 #include <algorithm>
@@ -68,7 +69,7 @@ void Progress::end_frame(const FrameReport& f, const std::string& digest) {
             {"event", "frame"}, {"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
         if (f.step) line.update(describe_step(*f.step));
         line["digest"] = digest;
-        out_ << line.dump() << "\n" << std::flush;
+        out_ << json_text(line) << "\n" << std::flush;
     } else if (style_ == ProgressStyle::lines) {
         char text[64];
         std::snprintf(text, sizeof text, "frame %4d  %7.0f ms  ", f.frame, 1000 * f.wall_s);
@@ -108,7 +109,7 @@ void Progress::tell_preroll(int frame) {
     if (style_ == ProgressStyle::json) {
         const nlohmann::ordered_json line = {
             {"event", "preroll"}, {"frame", frame}, {"to", current_}, {"left_s", left}};
-        out_ << line.dump() << "\n" << std::flush;
+        out_ << json_text(line) << "\n" << std::flush;
     } else {
         err_ << text << "\n" << std::flush;
     }
@@ -164,7 +165,7 @@ void Progress::tell_working(Clock::time_point now) {
         if (style_ == ProgressStyle::json) {
             const nlohmann::ordered_json line = {
                 {"event", "computing"}, {"node", w.node}, {"type", w.type}, {"frame", w.frame}};
-            out_ << line.dump() << "\n" << std::flush;
+            out_ << json_text(line) << "\n" << std::flush;
         } else {
             err_ << text << "\n" << std::flush;
         }

@@ -2,6 +2,7 @@
 #include "tools/cli/report.h"
 
 #include "solver/linear/blas_kernel.h"
+#include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 #include "tools/cli/print.h"
 
@@ -155,7 +156,7 @@ std::string report_json(const RunReport& r) {
         out["size"] = {{"bodies", r.size->bodies},           {"tets", r.size->tets},
                        {"triangles", r.size->triangles},     {"dofs", r.size->dofs},
                        {"attachments", r.size->attachments}, {"terms", r.size->terms}};
-    return out.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    return json_text(out, 1) + "\n";
 }
 
 std::string summary(const RunReport& r) {

@@ -3,6 +3,7 @@
 
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/body_files.h"
+#include "tools/cli/json_text.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -74,7 +75,7 @@ void mark_unfinished(const fs::path& folder, const UnfinishedRun& run) {
                       {"code", run.error->code},
                       {"node", run.error->node},
                       {"message", run.error->message}};
-    write_file(mark_of(folder, run), j.dump(1, ' ', false, json::error_handler_t::replace) + "\n");
+    write_file(mark_of(folder, run), json_text(j, 1) + "\n");
 }
 
 void mark_finished(const fs::path& folder, const UnfinishedRun& run) {
