@@ -141,6 +141,8 @@ void HardTrial::step() {
     newton += state.record.newton_iterations, halvings += state.record.halvings;
     unconverged += !state.record.converged;
     judge(before);
+    in_a_row_ = state.record.converged ? 0 : in_a_row_ + 1;
+    if (in_a_row_ == most_in_a_row) throw GivenUp{"FE301"};
 }
 
 void HardTrial::judge(const State& before) {

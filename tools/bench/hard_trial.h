@@ -23,7 +23,7 @@ struct HardSetting {
 enum class Outcome {
     recovered, ///< ends where it must, and every step that was called converged was
     elsewhere, ///< ends in another stable equilibrium, of a body that has several
-    stopped,   ///< an error with a code, or the last step is called not converged
+    stopped,   ///< an error with a code, or the last step or many in a row are called not converged
     wrong      ///< anything else: a number that is none, a claim that is not true, the wrong place without a word
 };
 const char* name_of(Outcome outcome);
@@ -31,6 +31,11 @@ const char* name_of(Outcome outcome);
 /// What a judge throws: the solver said something that is not so.
 struct WrongAnswer {
     std::string why;
+};
+
+/// What ends a trial whose steps no longer converge: the solver has said so often enough.
+struct GivenUp {
+    std::string code;
 };
 
 /// A scene under one setting. A case makes it, does something to it, lets it run, and says where it must end.
@@ -65,8 +70,9 @@ class HardTrial {
     void leave_alone();
     /// Steps, as many as the scheme needs to come to rest: without inertia, or in `seconds` with it.
     void run(int static_steps, double seconds);
-    /// One judged step.
+    /// One judged step. Throws GivenUp at the `most_in_a_row`th that does not converge.
     void step();
+    static constexpr int most_in_a_row = 12;
 
     /// Greatest distance of a vertex of the first body from where `to` takes its rest position [m].
     double distance_from(const Map& to) const;
@@ -94,6 +100,7 @@ class HardTrial {
     double volume_of(const solver::Tet& tet) const;                                        ///< at rest [m^3]
     double kinetic_energy() const; ///< of the first body, at most what it is [J]
     double most_energy_ = INFINITY;
+    int in_a_row_ = 0;     ///< steps that have not converged, up to now
     double moved_ = 0;     ///< the longest way of a vertex in the last step [m]
     bool definite_ = true; ///< at the last step whose equations could be made again
     std::vector<std::array<int, 2>> edges_;
