@@ -29,16 +29,18 @@ std::string read_text(const std::string& path) {
     return std::move(text).str();
 }
 
+std::string fault_of(const Json::exception& e) {
+    const std::string says = e.what();
+    const std::size_t after = says.find("] ");
+    return after == says.npos ? says : says.substr(after + 2);
+}
+
 Json read_json(const std::string& path) {
     const std::string text = read_text(path);
     try {
         return Json::parse(text);
     } catch (const Json::exception& e) {
-        // The library's own name of the error stands in brackets before what it says.
-        const std::string says = e.what();
-        const std::size_t after = says.find("] ");
-        throw Error("IO403", "'" + path + "' is not JSON: " + (after == says.npos ? says : says.substr(after + 2)),
-                    "Correct the file at that place.");
+        throw Error("IO403", "'" + path + "' is not JSON: " + fault_of(e), "Correct the file at that place.");
     }
 }
 

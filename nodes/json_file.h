@@ -11,6 +11,8 @@ namespace sinew::nodes {
 
 /// Throws solver::Error IO401 (missing), IO402 (unreadable), IO403 (not JSON, with line and column).
 nlohmann::json read_json(const std::string& path);
+/// What the library says is wrong, without its own name of the error.
+std::string fault_of(const nlohmann::json::exception& e);
 /// The part of `json` that an RFC 6901 pointer names; empty = all. Throws solver::Error IO403.
 const nlohmann::json& part_of(const nlohmann::json& json, const std::string& pointer, const std::string& path);
 /// A list of finite numbers; lists of lists are flattened. Throws solver::Error IO403 naming `what`.

@@ -2,6 +2,7 @@
 #include "nodes/read_glb.h"
 
 #include "nodes/glb_file.h"
+#include "nodes/json_file.h"
 #include "solver/error.h"
 #include "solver/mesh/corner_welder.h"
 
@@ -140,7 +141,7 @@ solver::SurfaceMesh read_glb(std::string_view bytes, const std::string& file) {
     } catch (const Error& e) {
         throw Error(e.code, file + ": " + e.what(), e.hint);
     } catch (const Json::exception& e) {
-        throw Error("IO403", file + ": its description cannot be used: " + e.what());
+        throw Error("IO403", file + ": its description cannot be used: " + fault_of(e));
     }
     check_usable(mesh);
     return mesh;

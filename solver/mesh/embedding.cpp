@@ -157,12 +157,7 @@ void apply(const Embedding& e, const std::vector<Tet>& tets, const double* x, Po
         const auto vertex = [&](std::size_t k) { return Eigen::Map<const Vec3>(x + 3 * at(t[k])); };
         out[i] = b[0] * vertex(0) + b[1] * vertex(1) + b[2] * vertex(2) + b[3] * vertex(3);
     };
-    constexpr std::size_t worth_a_thread = 4096;
-    if (e.size() < 2 * worth_a_thread) {
-        for (std::size_t i = 0; i < e.size(); ++i) one(i);
-        return;
-    }
-    parallel_for(e.size(), worth_a_thread, one);
+    parallel_for(e.size(), 4096, one);
 }
 
 } // namespace sinew::solver

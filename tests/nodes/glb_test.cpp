@@ -134,6 +134,7 @@ TEST_CASE("GLB: what cannot be read is named", "[nodes]") {
     CHECK(with("/accessors/1/type", "VEC2") == "IO403 a.glb: accessor 1 is not of type SCALAR");
     CHECK(with("/accessors/0/count", 5) == "FE203 a.glb: a triangle uses vertex 5 of 5");
     CHECK(with("/accessors/0/count", "six").starts_with("IO403 a.glb: its description cannot be used"));
+    CHECK(with("/accessors/0/count", "six").find("json.exception") == std::string::npos);
     CHECK(with("/nodes/0/mesh", 7).starts_with("IO403 a.glb: its description cannot be used"));
     const auto refusal = [](const std::string& bytes) {
         try {

@@ -145,6 +145,17 @@ TEST_CASE("outcomes are told apart", "[tools]") {
               },
               &why) == Outcome::stopped);
     CHECK(why == "FE301");
+    const bench::HardCase never{"made up", "", "", [](bench::HardTrial& t) {
+                                    t.in.max_newton_iterations = 1, t.in.max_halvings = 0;
+                                    hang(t);
+                                    t.in.gravity *= 1e3;
+                                    for (int i = 0; i < 100; ++i) t.step();
+                                }};
+    const bench::HardResult given_up = bench::run_case(never, {}, {});
+    CHECK(given_up.outcome == Outcome::stopped);
+    CHECK(given_up.why == "FE301");
+    CHECK(given_up.unconverged >= bench::HardTrial::most_in_a_row);
+    CHECK(given_up.steps < 100);
     CHECK(outcome_of([](bench::HardTrial&) { throw Error("FE302", "flew apart", ""); }, &why) == Outcome::stopped);
     CHECK(why == "FE302");
     CHECK(outcome_of([](bench::HardTrial&) { throw std::out_of_range("oops"); }, &why) == Outcome::wrong);

@@ -45,5 +45,6 @@ TEST_CASE("a file whose name is no UTF-8 is checked, run and told of in JSON", "
     const Said ran = run_program({"run", name, "--frames", "1", "--out", out, "--json", "--report", out + "/r.json"});
     INFO(ran.err);
     CHECK(ran.code == 0);
+    CHECK(ran.lines().back().at("event") == "done");
     CHECK(json::parse(read_text(out + "/r.json")).at("frames").size() == 1);
 }

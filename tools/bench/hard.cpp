@@ -31,8 +31,6 @@ HardResult run_case(const HardCase& c, const HardSetting& setting, const std::st
         out.outcome = trial.outcome, out.why = trial.why;
     } catch (const WrongAnswer& e) {
         out.outcome = Outcome::wrong, out.why = e.why;
-    } catch (const GivenUp& e) {
-        out.outcome = Outcome::stopped, out.why = e.code;
     } catch (const solver::Error& e) {
         out.outcome = Outcome::stopped, out.why = e.code;
     } catch (const solver::Stopped&) {

@@ -142,7 +142,7 @@ void HardTrial::step() {
     unconverged += !state.record.converged;
     judge(before);
     in_a_row_ = state.record.converged ? 0 : in_a_row_ + 1;
-    if (in_a_row_ == most_in_a_row) throw GivenUp{"FE301"};
+    if (in_a_row_ == most_in_a_row) throw Error("FE301", "steps no longer converge");
 }
 
 void HardTrial::judge(const State& before) {

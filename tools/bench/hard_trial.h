@@ -33,11 +33,6 @@ struct WrongAnswer {
     std::string why;
 };
 
-/// What ends a trial whose steps no longer converge: the solver has said so often enough.
-struct GivenUp {
-    std::string code;
-};
-
 /// A scene under one setting. A case makes it, does something to it, lets it run, and says where it must end.
 class HardTrial {
   public:
@@ -70,7 +65,7 @@ class HardTrial {
     void leave_alone();
     /// Steps, as many as the scheme needs to come to rest: without inertia, or in `seconds` with it.
     void run(int static_steps, double seconds);
-    /// One judged step. Throws GivenUp at the `most_in_a_row`th that does not converge.
+    /// One judged step. Throws solver::Error FE301 at the `most_in_a_row`th that does not converge.
     void step();
     static constexpr int most_in_a_row = 12;
 

@@ -39,10 +39,11 @@ struct TurnedCase {
     std::vector<double> linear_sizes, quadratic_sizes; ///< of tets, falling [m]
 };
 
-Mat3 askew() {
+const Mat3& askew() {
     using Eigen::AngleAxisd;
     constexpr double angle = std::numbers::pi / 6;
-    return (AngleAxisd(angle, Vec3::UnitY()) * AngleAxisd(angle, Vec3::UnitX())).toRotationMatrix();
+    static const Mat3 turn = (AngleAxisd(angle, Vec3::UnitY()) * AngleAxisd(angle, Vec3::UnitX())).toRotationMatrix();
+    return turn;
 }
 
 SurfaceMesh surface_of(const TurnedCase& c) {

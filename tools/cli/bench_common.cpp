@@ -20,6 +20,13 @@ bench::RunOptions run_options(const Invocation& in) {
     return o;
 }
 
+std::vector<double> tet_scales(const Invocation& in, const std::vector<double>& usual) {
+    std::vector<double> scales = in.arguments.numbers("--sizes", usual);
+    for (const double s : scales)
+        if (!(s >= 0.01) || !(s <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
+    return scales;
+}
+
 std::optional<std::filesystem::path> output_folder(const Invocation& in) {
     const auto name = in.arguments.value("--output");
     if (!name) return {};

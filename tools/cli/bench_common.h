@@ -16,6 +16,8 @@ namespace sinew::cli {
 
 /// --quick, --only and the request to stop; what is being measured goes to `err`.
 bench::RunOptions run_options(const Invocation& in);
+/// --sizes, factors of all tet sizes. Throws UsageError for one outside of 0.01 to 100.
+std::vector<double> tet_scales(const Invocation& in, const std::vector<double>& usual);
 /// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws
 /// Failure IO405.
 std::optional<std::filesystem::path> output_folder(const Invocation& in);

@@ -45,11 +45,9 @@ ExitCode bench_elements(const Invocation& in) {
     const auto folder = output_folder(in);
     const int first = start_frame(*graph, upstream_of(*graph, {default_plug(*graph).node}));
     const int frames = in.arguments.whole_number("--steps", quick ? 2 : 12, 2);
-    std::vector<double> scales = in.arguments.numbers(
-        "--sizes", quick ? std::vector<double>{2, 1.5} : std::vector<double>{2, 1.4, 1, 0.7, 0.5, 0.35});
+    std::vector<double> scales =
+        tet_scales(in, quick ? std::vector<double>{2, 1.5} : std::vector<double>{2, 1.4, 1, 0.7, 0.5, 0.35});
     std::sort(scales.rbegin(), scales.rend());
-    for (const double scale : scales)
-        if (!(scale >= 0.01) || !(scale <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
     const bench::ElementBench r =
         bench::run_elements(graph, default_plug(*graph).node, tissue, first, first + frames, scales, run_options(in));
     print_result(in, "elements", bench::elements_table(r), bench::elements_json(r),

@@ -85,9 +85,7 @@ ExitCode bench_scene(const Invocation& in) {
     if (files.empty()) throw UsageError("scene needs graph files, or folders with graph files in them.");
     const std::vector<std::string> solvers = words(in, "--solvers", all_solvers(), all_solvers());
     const std::vector<std::string> elements = words(in, "--elements", {"linear", "quadratic"}, {""});
-    const std::vector<double> sizes = in.arguments.numbers("--sizes", {1});
-    for (const double s : sizes)
-        if (!(s >= 0.01) || !(s <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
+    const std::vector<double> sizes = tet_scales(in, {1});
     std::vector<bench::SceneBench> results;
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const std::string& file : files)

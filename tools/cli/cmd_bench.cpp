@@ -140,7 +140,7 @@ Command bench_command() {
         "sinew bench scene graphs/scenes --steps 8 --solvers Direct,Iterative,Auto --sizes 1,0.5 --elements linear\n"
         "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
         "sinew bench elements --only cantilever                        # the same against a known answer\n"
-        "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # this takes a quarter of an hour",
+        "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # more than half an hour",
         run_bench};
 }
 
