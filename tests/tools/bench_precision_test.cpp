@@ -3,7 +3,10 @@
 #include "tests/tools/bench_support.h"
 #include "tests/tools/program.h"
 #include "tools/bench/bar_release.h"
-#include "tools/bench/report.h"
+#include "tools/bench/convergence.h"
+#include "tools/bench/idle_cost.h"
+#include "tools/bench/scaling.h"
+#include "tools/bench/work_precision.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -223,7 +226,7 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     const Said said = run_program({"bench", "report", "--quick", "-o", page.string()});
     REQUIRE(said.code == 0);
     const std::string text = read_text(page);
-    for (const char* part : {"# Benchmarks", "Machine: ", " on 20", "## Accuracy", "## Convergence", "## Hard cases",
+    for (const char* part : {"# Benchmarks", "*Measured on 20", "## Accuracy", "## Convergence", "## Hard cases",
                              "## Work and precision", "### Nearly incompressible bodies", "## What each lever gives",
                              "## Cantilever", "## Scaling", "## Idle cost", "Not yet modelled"})
         CHECK(text.find(part) != std::string::npos);
@@ -236,6 +239,26 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     }
     CHECK(pictures == 11);
     CHECK(run_program({"bench", "report"}).code == 2);
+
+    // A section measured anew takes the place of the old one; the others stay letter by letter.
+    const auto section = [](const std::string& all, const std::string& title) {
+        const std::size_t at = all.find("\n## " + title), next = all.find("\n## ", at + 1);
+        return all.substr(at, next == std::string::npos ? next : next - at);
+    };
+    std::string marked = text;
+    const std::size_t cantilever = marked.find("## Cantilever");
+    marked.replace(marked.find("`sinew bench cantilever`", cantilever), 24, "an old measurement     ");
+    write_text(page, marked);
+    REQUIRE(run_program({"bench", "report", "--quick", "--only", "cantilever", "-o", page.string()}).code == 0);
+    const std::string anew = read_text(page);
+    CHECK(anew.find("an old measurement") == std::string::npos);
+    CHECK(section(anew, "Cantilever").find("| 192 |") != std::string::npos);
+    CHECK(section(anew, "What each lever gives") == section(text, "What each lever gives"));
+    CHECK(section(anew, "Idle cost") == section(text, "Idle cost"));
+    CHECK(anew.find("## Cantilever") < anew.find("## Scaling"));
+    CHECK(anew.find("## Cantilever", anew.find("## Cantilever") + 1) == std::string::npos);
+    CHECK(run_program({"bench", "report", "--only", "cantilevr", "-o", page.string()}).code == 2);
+    CHECK(run_program({"bench", "report", "--only", "rigs", "-o", page.string()}).code == 2);
     CHECK(run_program({"bench", "report", "-o", (folder / "page.txt").string()}).code == 2);
 }
 

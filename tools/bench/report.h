@@ -1,45 +1,48 @@
-// The benchmark page: every benchmark's tables and pictures with the machine and the day they were made on.
+// The benchmark page: a section a benchmark, each with its tables, its pictures, the machine and the day. A section
+// can be measured anew while the others stay.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "tools/bench/accuracy.h"
-#include "tools/bench/cantilever.h"
-#include "tools/bench/convergence.h"
-#include "tools/bench/hard.h"
-#include "tools/bench/idle_cost.h"
-#include "tools/bench/levers.h"
-#include "tools/bench/locking.h"
-#include "tools/bench/scaling.h"
+#include "tools/bench/run_options.h"
 #include "tools/bench/scene.h"
-#include "tools/bench/work_precision.h"
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace sinew::bench {
-
-struct Report {
-    std::string date, machine, version;
-    double load_before = 0, load_after = 0; ///< processes that ran or waited, means over a minute
-    int threads = 1;
-    bool quick = false;
-    std::vector<CaseResult> accuracy;
-    std::vector<ConvergenceRow> convergence;
-    std::vector<WorkPoint> work_precision;
-    std::vector<LockingPoint> locking;
-    std::vector<CantileverRun> cantilever;
-    std::vector<Lever> levers;
-    ScalingResult scaling;
-    IdleCost idle_cost;
-    std::vector<HardResult> hard;
-    std::vector<SceneBench> scenes, rigs; ///< as they are; with other tets
-};
 
 struct Picture {
     std::string file; ///< "bench_scaling.svg"
     std::string svg;
 };
 
-/// Runs every benchmark but scenes and rigs; those, date, machine, version and loads are the caller's to fill in.
-Report run_all(const RunOptions& options);
-std::vector<Picture> report_pictures(const Report& report);
-/// Markdown; `images` is the folder of the pictures as seen from the page.
-std::string report_page(const Report& report, const std::string& images);
+struct Section {
+    std::string title; ///< "Hard cases"
+    std::string text;  ///< Markdown without the title; pictures are in the folder images beside the page
+    std::vector<Picture> pictures;
+    nlohmann::ordered_json results; ///< members of the line that --json prints
+};
+
+/// Names of the sections, in the order of the page: accuracy, convergence, hard, work-precision, levers, cantilever,
+/// scene, rigs, scaling, idle-cost.
+const std::vector<std::string>& section_names();
+/// Where a section of this title stands among them.
+std::size_t place_of(std::string_view title);
+/// Measures one of those but scene and rigs, which need graphs. Throws solver::Stopped.
+Section measure_section(const std::string& name, const RunOptions& options);
+Section scene_section(const SceneBench& scene);
+Section rigs_section(const std::vector<SceneBench>& rigs);
+
+/// When and where a section was measured.
+struct Provenance {
+    std::string date, machine, version;
+    double load_before = 0, load_after = 0; ///< processes that ran or waited, means over a minute
+    int threads = 1;
+    bool quick = false;
+};
+
+/// The page with this section at its place, instead of what stood there under its title. An empty page gets its head.
+std::string with_section(const std::string& page, const Section& section, const Provenance& measured);
 
 } // namespace sinew::bench

@@ -5,6 +5,7 @@
 #include "tools/cli/machine.h"
 #include "tools/cli/writable_folder.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <thread>
@@ -25,6 +26,18 @@ std::vector<double> tet_scales(const Invocation& in, const std::vector<double>& 
     for (const double s : scales)
         if (!(s >= 0.01) || !(s <= 100)) throw UsageError("--sizes needs factors from 0.01 to 100.");
     return scales;
+}
+
+std::vector<std::string> words(const Invocation& in, std::string_view flag, const std::vector<std::string>& known,
+                               std::vector<std::string> otherwise) {
+    const auto text = in.arguments.value(flag);
+    if (!text) return otherwise;
+    std::vector<std::string> out = split(*text, ',');
+    for (const std::string& word : out)
+        if (std::find(known.begin(), known.end(), word) == known.end())
+            throw UsageError(std::string(flag) + ": there is no '" + word + "'." + did_you_mean(word, known));
+    if (out.empty()) throw UsageError(std::string(flag) + " needs a list.");
+    return out;
 }
 
 std::optional<std::filesystem::path> output_folder(const Invocation& in) {

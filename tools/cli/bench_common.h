@@ -18,6 +18,9 @@ namespace sinew::cli {
 bench::RunOptions run_options(const Invocation& in);
 /// --sizes, factors of all tet sizes. Throws UsageError for one outside of 0.01 to 100.
 std::vector<double> tet_scales(const Invocation& in, const std::vector<double>& usual);
+/// The words of the list that a flag gives, each one of `known`; `otherwise` without the flag. Throws UsageError.
+std::vector<std::string> words(const Invocation& in, std::string_view flag, const std::vector<std::string>& known,
+                               std::vector<std::string> otherwise);
 /// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws
 /// Failure IO405.
 std::optional<std::filesystem::path> output_folder(const Invocation& in);

@@ -29,19 +29,6 @@ std::vector<std::string> all_solvers() {
 
 int turns(const Invocation& in) { return in.arguments.has("--quick") ? 1 : 5; }
 
-/// The words of a list, each one of `known`.
-std::vector<std::string> words(const Invocation& in, std::string_view flag, const std::vector<std::string>& known,
-                               std::vector<std::string> otherwise) {
-    const auto text = in.arguments.value(flag);
-    if (!text) return otherwise;
-    std::vector<std::string> out = split(*text, ',');
-    for (const std::string& word : out)
-        if (std::find(known.begin(), known.end(), word) == known.end())
-            throw UsageError(std::string(flag) + ": there is no '" + word + "'." + did_you_mean(word, known));
-    if (out.empty()) throw UsageError(std::string(flag) + " needs a list.");
-    return out;
-}
-
 /// The files, and the graph files of folders by name.
 std::vector<std::string> graph_files(const std::vector<std::string>& paths) {
     std::vector<std::string> out;
