@@ -97,7 +97,7 @@ export class BodyView {
         this.gather(body.positionsAt(frame), position.array);
         writeNormals(position.array, body.triangles, normal.array);
         position.needsUpdate = normal.needsUpdate = true;
-        geometry.boundingSphere = geometry.boundingBox = null;
+        for (const g of [geometry, this.edges.geometry]) g.boundingSphere = g.boundingBox = null;
     }
 
     /** Raw values of a quantity at the body's vertices, or null if this body has none. */

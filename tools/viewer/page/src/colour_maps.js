@@ -54,11 +54,12 @@ export function cssGradient(scale, direction = "to right") {
     return `linear-gradient(${direction}, ${stops.join(", ")})`;
 }
 
-/** What can be shown as a colour: title, unit, factor from raw to shown, colours, usual range (shown units). */
+/** What can be shown as a colour: title, unit, factor from raw to shown, colours, range where the run gives none (shown
+    units). `finest`: the range is that of the run, but no finer than this, so that rounding errors are not painted. */
 export const quantities = {
-    volume: { title: "Volume change", unit: "%", factor: 100, scale: "balance", range: [-20, 20], middle: 0 },
-    stretch: { title: "Largest stretch", unit: "%", factor: 100, scale: "amount", range: [0, 50] },
-    area: { title: "Surface area change", unit: "%", factor: 100, scale: "balance", range: [-40, 40], middle: 0 },
+    volume: { title: "Volume change", unit: "%", factor: 100, scale: "balance", range: [-20, 20], middle: 0, finest: 0.5 },
+    stretch: { title: "Largest stretch", unit: "%", factor: 100, scale: "amount", range: [0, 50], finest: 0.5 },
+    area: { title: "Surface area change", unit: "%", factor: 100, scale: "balance", range: [-40, 40], middle: 0, finest: 0.5 },
     weights: { title: "Painted weight", unit: "", factor: 1, scale: "paint", range: [0, 1] },
     excitation: { title: "Fibre excitation", unit: "%", factor: 100, scale: "heat", range: [0, 100] },
     distance: { title: "Attachments", unit: "mm", factor: 1000, scale: "distance", range: [0, 5] },

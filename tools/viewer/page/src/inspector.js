@@ -6,7 +6,7 @@ import { count, h, iconButton, show } from "./dom.js";
 const percent = (x) => (Number.isFinite(x) ? `${x >= 0 ? "+" : "−"}${Math.abs(100 * x).toFixed(2)} %` : "–");
 
 export function inspector(scene, store, selection, world) {
-    const host = h("div", { class: "inspector", hidden: true });
+    const host = h("div", { class: "inspector folded", hidden: true }); // folded: in narrow windows its head alone
     let live = []; // what changes with the frame
 
     function row(name, value) {
@@ -66,6 +66,7 @@ export function inspector(scene, store, selection, world) {
         const own = bodies.length === 1 && (!node || bodies[0].node === node.name) ? bodies[0] : null;
         const title = node?.name ?? own?.name ?? "";
         const children = [h("header", {}, h("div", {}, h("strong", {}, title), h("span", { class: "soft" }, node?.type ?? own?.kind ?? "")),
+            h("span", { class: "space" }), iconButton("down", "More or less of it", () => host.classList.toggle("folded"), { class: "icon-button fold" }),
             iconButton("close", "Select nothing", () => selection.clear()))];
         if (own) children.push(bodyPart(own));
         if (node) children.push(attachmentPart(node.name), nodePart(node));

@@ -49,7 +49,7 @@ export function shortcuts(app) {
         [["p"], "Lower panel open or closed", () => store.set({ panelOpen: !store.state.panelOpen })],
         [["m"], "Lower panel large or usual", () => app.growPanel()],
         [["t"], "Light or dark", () => store.set({ theme: store.state.theme === "dark" ? "light" : "dark" })],
-        [["Escape"], "Select nothing", () => app.selection.clear()],
+        [["Escape"], "Select nothing", () => (store.state.drawerOpen ? store.set({ drawerOpen: false }) : app.selection.clear())],
         [["?"], "This list", () => app.help.toggle()],
     ];
 }

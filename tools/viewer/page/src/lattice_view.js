@@ -90,6 +90,7 @@ export class LatticeView {
             }
         });
         position.needsUpdate = color.needsUpdate = true;
+        this.mesh.geometry.boundingSphere = null; // for searching it
     }
 
     fieldValues(state) {

@@ -24,21 +24,30 @@ export function legend(scene, store, world) {
         else update();
     };
     const about = (quantity) => (isMarks(quantity) ? aboutQuantity(scene, quantity) : quantities[quantity]);
-    /** A range that holds what is shown now: round, and even about the middle where there is one. */
-    function fitted(quantity) {
-        const { factor, middle } = about(quantity);
+    /** A range that holds what is shown now, or over the whole run: round, and even about the middle where there is one. */
+    function fitted(quantity, ofRun = false) {
+        const { factor, middle, finest = 0 } = about(quantity);
         let measured = null;
         if (quantity === "distance") measured = [0, Math.max(0, ...world.allAttachments().map((a) => a.measure(store.state.frame)))];
         else if (isMarks(quantity)) measured = rangeOfMarks([scene.frames[store.state.frame]], quantity);
-        else measured = world.measuredRange(quantity);
+        else measured = ofRun ? world.measuredRangeOfRun(quantity) : world.measuredRange(quantity);
         if (!measured) return null;
-        const round = (x) => Number(Math.max(1e-6, Math.abs(x)).toPrecision(2));
+        const least = ofRun ? finest : 1e-6, round = (x) => Number(Math.max(least, Math.abs(x)).toPrecision(2));
         let [low, high] = measured.map((x) => x * factor);
         if (middle !== undefined) {
             const far = round(Math.max(Math.abs(low), Math.abs(high)));
             return [middle - far, middle + far];
         }
-        return [low < 0 ? -round(low) : 0, round(high)];
+        return [low < 0 && -low > 0.01 * high ? -round(low) : 0, round(Math.max(0, high))];
+    }
+    /** What is shown for the first time gets the range of the run. */
+    function open() {
+        const ranges = { ...store.state.ranges };
+        for (const quantity of shownQuantities(scene, store.state)) {
+            if (ranges[quantity] || quantities[quantity]?.finest === undefined) continue;
+            ranges[quantity] = fitted(quantity, true) ?? rangeOf(store.state, quantity);
+            store.set({ ranges });
+        }
     }
     function card(quantity) {
         const { title, unit, scale } = about(quantity);
@@ -61,12 +70,15 @@ export function legend(scene, store, world) {
             h("div", { class: "legend-title" }, h("span", {}, title, unit ? h("span", { class: "unit" }, ` ${unit}`) : null),
                 quantity === "distance" ? endsKey(scene) : null, fit),
             h("div", { class: "legend-ends" }, field(low, "least"),
-                h("div", { class: "legend-bar", style: `background:${cssGradient(scale)}`, title: `middle: ${show((low + high) / 2)} ${unit}` }), field(high, "most")));
+                h("div", { class: "legend-bar", style: `background:${cssGradient(scale)}`, title: `middle: ${show((low + high) / 2)} ${unit}` },
+                    h("i", { class: "legend-tick", hidden: true })), field(high, "most")));
     }
     function update() {
         host.replaceChildren(...shownQuantities(scene, store.state).map(card));
     }
+    store.on(["colourBy", "overlays"], open);
     store.on(["colourBy", "overlays", "ranges", "map"], update);
+    open();
     update();
     return host;
 }

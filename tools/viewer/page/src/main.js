@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Puts the page together.
 import "./style.css";
+import { keepAddress } from "./address.js";
 import { makeApi } from "./api.js";
 import { count, h, icon, iconButton } from "./dom.js";
 import { graphPanel } from "./graph_panel.js";
@@ -8,9 +9,10 @@ import { inspector } from "./inspector.js";
 import { helpSheet, listenToKeys } from "./keys.js";
 import { legend } from "./legend.js";
 import { Player } from "./player.js";
+import { probe } from "./probe.js";
 import { loadScene } from "./scene_data.js";
 import { Selection } from "./selection.js";
-import { sidePanel } from "./side_panel.js";
+import { drawer, sidePanel } from "./side_panel.js";
 import { initialState, Store } from "./store.js";
 import { timelinePanel } from "./timeline.js";
 import { transport } from "./transport.js";
@@ -60,7 +62,7 @@ function topBar(scene, store, world, app) {
         h("button", { type: "button", onclick: () => world.look(name) }, label));
     const save = iconButton("camera", "Save a picture", () =>
         h("a", { href: world.stage.picture(), download: `${scene.title}.${scene.frames[store.state.frame]?.frame ?? 0}.png` }).click());
-    return h("header", { class: "top" }, h("span", { class: "brand" }, "Sinew"), h("span", { class: "title", title: `${scene.source}\n${scene.generator}` }, scene.title),
+    return h("header", { class: "top" }, world.stage ? app.drawer.button : null, h("span", { class: "brand" }, "Sinew"), h("span", { class: "title", title: `${scene.source}\n${scene.generator}` }, scene.title),
         h("span", { class: "facts" }, facts), h("span", { class: "space" }),
         world.stage ? h("div", { class: "choice views" }, views) : null, world.stage ? iconButton("focus", "Frame the selection (F)", () => world.frameSelection()) : null,
         world.stage ? save : null, theme, iconButton("help", "Keyboard and mouse (?)", () => app.help.toggle()));
@@ -125,15 +127,20 @@ function banner(notes, store) {
     return element;
 }
 
-/** Keeps the inspector off the transport and the tabs: in the view, or in the lower panel where that is the larger. */
-function keepInside(inspector, view, lower) {
+/** Keeps the inspector off the transport and the tabs: in the view, or in the lower panel where that is the larger. In a
+    narrow window it lies along the lower edge of the view. */
+function keepInside(inspector, view, lower, store) {
+    const { style } = inspector;
     const place = () => {
-        const at = view.clientHeight >= 220 || lower.clientHeight < view.clientHeight ? view : lower;
-        inspector.style.top = `${at.getBoundingClientRect().top - inspector.offsetParent.getBoundingClientRect().top + 10}px`;
-        inspector.style.maxHeight = `${at.clientHeight - 20}px`;
+        const frame = inspector.offsetParent.getBoundingClientRect(), isNarrow = innerWidth <= 700;
+        const at = isNarrow || view.clientHeight >= 220 || lower.clientHeight < view.clientHeight ? view : lower, box = at.getBoundingClientRect();
+        style.top = isNarrow ? "auto" : `${box.top - frame.top + 10}px`;
+        style.bottom = isNarrow ? `${frame.bottom - box.bottom + 8}px` : "auto";
+        style.maxHeight = `${isNarrow ? Math.max(120, 0.6 * at.clientHeight) : at.clientHeight - 20}px`;
     };
     const observer = new ResizeObserver(() => inspector.offsetParent && place());
     for (const element of [view, lower, inspector]) observer.observe(element);
+    store.on(["selectedNode", "selectedBodies"], () => inspector.offsetParent && place());
 }
 
 /** What lies over the canvas at its sides, for framing: the legend on the left or below, the inspector on the right. */
@@ -141,10 +148,15 @@ function coveredBy(view, legend, inspector) {
     return () => {
         const w = view.clientWidth, h = view.clientHeight, a = legend.getBoundingClientRect(), over = { left: 0, right: 0, top: 0, bottom: 0 };
         if (legend.childElementCount) {
-            if (a.width / w < a.height / h) over.left = a.width + 14;
+            if (a.width > 0.7 * w) over.top = a.height + 14;
+            else if (a.width / w < a.height / h) over.left = a.width + 14;
             else over.bottom = a.height + 14;
         }
-        if (!inspector.hidden && inspector.getBoundingClientRect().top < view.getBoundingClientRect().bottom) over.right = inspector.getBoundingClientRect().width + 14;
+        const i = inspector.getBoundingClientRect();
+        if (!inspector.hidden && i.top < view.getBoundingClientRect().bottom) {
+            if (i.width > 0.7 * w) over.bottom = i.height + 14; // then the legend is above
+            else over.right = i.width + 14;
+        }
         if (over.left + over.right > 0.5 * w) over.left = 0; // a small window: the legend is only in its corner
         return over;
     };
@@ -180,21 +192,23 @@ async function start() {
     const work = h("div", { class: "work" }, view, transport(scene, store, player), panel.element);
     if (hasView) {
         const colours = legend(scene, store, world), about = inspector(scene, store, selection, world);
-        view.append(colours, banner(scene.notes, store) ?? "");
+        view.append(colours, banner(scene.notes, store) ?? "", probe(scene, store, world, colours));
         work.append(about);
-        keepInside(about, view, panel.element.querySelector(".panel-body"));
+        keepInside(about, view, panel.element.querySelector(".panel-body"), store);
         world.stage.covered = coveredBy(view, colours, about);
     } else view.append(message(...why, ...scene.notes.map((n) => n.text)));
+    app.drawer = drawer(store);
     root.replaceChildren(topBar(scene, store, world, app),
-        h("div", { class: "middle" }, ...(hasView ? [sidePanel(scene, store, selection, world)] : []), work), app.help.element);
+        h("div", { class: "middle" }, ...(hasView ? [sidePanel(scene, store, selection, world)] : []), work), app.drawer.scrim, app.help.element);
     panel.update();
     if (hasView) {
         clicks(app);
         world.stage.resize();
-        world.stage.look("corner");
+        world.stage.lookHome();
         world.stage.draw();
     }
     listenToKeys(app);
+    keepAddress(app);
     return app;
 }
 

@@ -145,6 +145,20 @@ function overlaySection(scene, store) {
 }
 
 export function sidePanel(scene, store, selection, world) {
-    return h("aside", { class: "side" }, overlaySection(scene, store), colourSection(scene, store), surfaceSection(scene, store),
+    const side = h("aside", { class: "side", id: "side" }, overlaySection(scene, store), colourSection(scene, store), surfaceSection(scene, store),
         bodyList(scene, store, selection, world));
+    store.on(["drawerOpen"], ({ drawerOpen }) => side.classList.toggle("open", drawerOpen));
+    return side;
+}
+
+/** In small windows the side panel is a drawer: what opens it, and what closes it beside it. */
+export function drawer(store) {
+    const button = iconButton("menu", "Bodies, overlays and colours", () => store.set({ drawerOpen: !store.state.drawerOpen }),
+        { class: "icon-button drawer-button", "aria-controls": "side", "aria-expanded": "false" });
+    const scrim = h("div", { class: "scrim", hidden: true, onclick: () => store.set({ drawerOpen: false }) });
+    store.on(["drawerOpen"], ({ drawerOpen }) => {
+        scrim.hidden = !drawerOpen;
+        button.setAttribute("aria-expanded", drawerOpen);
+    });
+    return { button, scrim };
 }

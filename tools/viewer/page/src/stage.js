@@ -129,6 +129,14 @@ export class Stage {
         const d = this.data.up === "z" ? new Vector3(x, -z, y) : new Vector3(x, y, z);
         this.frame(points, d.normalize());
     }
+    /** The view of a fresh page. */
+    lookHome() {
+        this.look("corner");
+        this.homeDirection = this.framed[1];
+    }
+    get isHome() {
+        return this.framed !== null && this.framed !== undefined && this.framed[0] === this.samples && this.framed[1] === this.homeDirection;
+    }
 
     /** Points of all bodies at a handful of frames: enough to see where the motion goes. Frames that went wrong would
         make all others small; they count only if there are no others. */
@@ -149,7 +157,7 @@ export class Stage {
     /** The camera nearest to `points` that sees them all, from where it looks now unless `direction` says otherwise. */
     frame(points, direction = null) {
         if (points.length === 0) return;
-        const d = (direction ?? this.camera.position.clone().sub(this.controls.target)).clone().normalize();
+        const d = direction ?? this.camera.position.clone().sub(this.controls.target).normalize();
         this.framed = [points, d];
         const right = new Vector3().crossVectors(this.camera.up, d).normalize();
         const up = new Vector3().crossVectors(d, right);
@@ -182,6 +190,24 @@ export class Stage {
         this.controls.update();
         this.clip();
         this.invalidate();
+    }
+
+    /** Eye and target in scene units, 6 numbers: all that a view is made of. */
+    viewNumbers() {
+        return [...this.camera.position.toArray(), ...this.controls.target.toArray()];
+    }
+    /** Looks as `viewNumbers` said; false if these are no view. */
+    setView(numbers) {
+        const [x, y, z, ...target] = numbers;
+        if (numbers.length !== 6 || !numbers.every((n) => Number.isFinite(n) && Math.abs(n) < 1e9 * this.size)) return false;
+        if (Math.hypot(x - target[0], y - target[1], z - target[2]) < 1e-6 * this.size) return false;
+        this.framed = null;
+        this.camera.position.set(x, y, z);
+        this.controls.target.set(...target);
+        this.controls.update();
+        this.clip();
+        this.invalidate();
+        return true;
     }
 
     invalidate() {

@@ -53,7 +53,7 @@ export function initialState(scene) {
         frame: 0,
         playing: false,
         speed: 1,
-        loop: true,
+        loop: !matchMedia("(prefers-reduced-motion: reduce)").matches, // who wants little motion is shown it once
         theme: "light",
         surface: "shaded", // "shaded", "edges" or "wire"
         smooth: true,
@@ -70,7 +70,9 @@ export function initialState(scene) {
         opacity: 1, // of tissues and cloth
         opacityIsAutomatic: true,
         panel: "timeline",
-        panelOpen: true,
+        panelOpen: innerHeight >= 480, // a phone that lies has no room for it
+        drawerOpen: false, // small windows: the side panel
+        graphNear: true, // the graph panel shows a selected node with its neighbours alone
     };
 }
 

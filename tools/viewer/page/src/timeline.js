@@ -3,9 +3,10 @@
 import { h, show } from "./dom.js";
 import { frameSummary, phases, timelineRows } from "./timeline_rows.js";
 
-const left = 186, right = 86, top = 20, gap = 6, widest = 96; // pixels; a slot of one frame is never wider than that
+const top = 20, gap = 6, widest = 96; // pixels; a slot of one frame is never wider than that
+const narrow = 560; // narrower than that, titles and values lie over their rows instead of beside them
 
-const fault = "#c026a8";
+const fault = "#c026a8", font = "11px Inter, 'Segoe UI', Arial, sans-serif";
 
 export function timelinePanel(scene, store, player) {
     const rows = timelineRows(scene);
@@ -21,14 +22,26 @@ export function timelinePanel(scene, store, player) {
         element.replaceChildren(h("p", { class: "empty" }, "There are no frames to show."));
         return { element, opened() {} };
     }
+    const still = document.createElement("canvas"); // everything but the play head
     const numbers = scene.frames.map((f) => f.frame);
     const firstFrame = numbers[0], lastFrame = numbers[numbers.length - 1];
     const span = lastFrame - firstFrame + 1; // by frame number, so that missing frames leave gaps
-    let width = 0, height = 0;
+    let width = 0, height = 0, left = 0, right = 0, above = 0;
+    const largestText = (row) => `${row.kind === "log" ? "≤ " : ""}${show(row.most)} ${row.unit}`.trim();
 
+    /** Room for titles and values: beside the rows as wide as they are, or above each row. */
+    function layOut() {
+        const g = still.getContext("2d");
+        g.font = font;
+        const widestOf = (texts) => texts.reduce((m, t) => Math.max(m, g.measureText(t).width), 0);
+        const isNarrow = width < narrow;
+        above = isNarrow ? 15 : 0;
+        left = isNarrow ? 10 : Math.ceil(Math.min(0.4 * width, 10 + widestOf(rows.map((r) => r.title)) + 12 + widestOf(rows.map(largestText)) + 8));
+        right = isNarrow ? 10 : 86;
+    }
     /** Rows share the room there is, within reason; then they scroll. */
     function fitHeights(room) {
-        const fixed = top + rows.length * gap + 4, usual = rows.reduce((sum, r) => sum + r.usual, 0);
+        const fixed = top + rows.length * (gap + above) + 4, usual = rows.reduce((sum, r) => sum + r.usual, 0);
         const factor = Math.min(1.6, Math.max(0.42, (room - fixed) / usual));
         for (const row of rows) row.height = Math.floor(row.usual * factor);
         height = fixed + rows.reduce((sum, r) => sum + r.height, 0);
@@ -128,7 +141,6 @@ export function timelinePanel(scene, store, player) {
         g.textAlign = "left";
     }
 
-    const still = document.createElement("canvas"); // everything but the play head
     function drawStill() {
         const ratio = window.devicePixelRatio || 1;
         for (const s of [still, canvas]) (s.width = Math.round(width * ratio)), (s.height = Math.round(height * ratio));
@@ -136,18 +148,20 @@ export function timelinePanel(scene, store, player) {
         const g = still.getContext("2d"), c = colours();
         g.setTransform(ratio, 0, 0, ratio, 0, 0);
         g.clearRect(0, 0, width, height);
-        g.font = "11px Inter, 'Segoe UI', Arial, sans-serif";
+        g.font = font;
         drawMarks(g, c);
         let y = top;
         for (const row of rows) {
             g.fillStyle = c.text;
             g.fillText(row.title, 10, y + 11);
+            const titleEnds = 10 + g.measureText(row.title).width + 12;
             g.fillStyle = c.soft;
-            g.textAlign = "right"; // at the height where the row's largest value ends
-            g.fillText(`${row.kind === "log" ? "≤ " : ""}${show(row.most)} ${row.unit}`.trim(), left - 8, y + 9);
+            g.textAlign = above ? "left" : "right"; // at the height where the row's largest value ends
+            g.fillText(largestText(row), above ? titleEnds : left - 8, y + (above ? 11 : 9));
             g.textAlign = "left";
+            y += above;
             g.fillStyle = c.line;
-            g.fillRect(left - 5, y, 3, 1);
+            if (!above) g.fillRect(left - 5, y, 3, 1);
             drawRow(g, row, y, c);
             row.y = y;
             y += row.height + gap;
@@ -166,12 +180,16 @@ export function timelinePanel(scene, store, player) {
         g.fillRect(x, top - 6, w, height - top + 6);
         g.globalAlpha = 1;
         g.fillRect(middle - 0.75, top - 6, 1.5, height - top + 6);
-        g.font = "11px Inter, 'Segoe UI', Arial, sans-serif";
-        for (const row of rows) g.fillText(`${show(row.values[frame])} ${row.unit}`, width - right + 10, row.y + row.height / 2 + 4);
+        g.font = font;
+        g.textAlign = above ? "right" : "left";
+        for (const row of rows)
+            g.fillText(`${show(row.values[frame])} ${row.unit}`.trim(), above ? width - 10 : width - right + 10, above ? row.y - 4 : row.y + row.height / 2 + 4);
+        g.textAlign = "left";
     }
     function resize() {
         if (scroller.clientWidth === 0) return;
         width = scroller.clientWidth;
+        layOut();
         fitHeights(scroller.clientHeight);
         scroller.classList.toggle("more", height > scroller.clientHeight + 2);
         drawStill();
@@ -189,7 +207,7 @@ export function timelinePanel(scene, store, player) {
         return best;
     }
     canvas.addEventListener("pointerdown", (e) => {
-        canvas.setPointerCapture(e.pointerId);
+        if (e.pointerType !== "touch") canvas.setPointerCapture(e.pointerId); // a finger may scroll the rows
         store.set({ playing: false });
         player.goTo(frameAt(e.clientX));
     });
@@ -199,7 +217,7 @@ export function timelinePanel(scene, store, player) {
         tip.hidden = false;
         tip.replaceChildren(...frameSummary(scene, index).map((line) => h("div", {}, line)));
         const r = scroller.getBoundingClientRect();
-        tip.style.left = `${Math.min(e.clientX - r.left + 14, r.width - 300)}px`;
+        tip.style.left = `${Math.max(4, Math.min(e.clientX - r.left + 14, r.width - 300))}px`;
         tip.style.top = `${Math.max(0, e.clientY - r.top - 20) + scroller.scrollTop}px`;
     });
     canvas.addEventListener("pointerleave", () => (tip.hidden = true));

@@ -24,8 +24,8 @@ export function transport(scene, store, player) {
         speeds.map((s) => h("option", { value: String(s) }, s < 1 ? `1/${1 / s} ×` : `${s} ×`)));
     const loop = iconButton("loop", "Repeat (R)", () => store.set({ loop: !store.state.loop }));
     const element = h("div", { class: "transport" },
-        iconButton("first", "First frame (Home)", () => player.goTo(0)), iconButton("back", "One frame back (←)", () => player.step(-1)), play,
-        iconButton("next", "One frame on (→)", () => player.step(1)), iconButton("last", "Last frame (End)", () => player.goTo(last)),
+        iconButton("first", "First frame (Home)", () => player.goTo(0), { class: "icon-button ends" }), iconButton("back", "One frame back (←)", () => player.step(-1)), play,
+        iconButton("next", "One frame on (→)", () => player.step(1)), iconButton("last", "Last frame (End)", () => player.goTo(last), { class: "icon-button ends" }),
         number, range, slider, clock, speed, loop);
     let shown = null;
     function update() {

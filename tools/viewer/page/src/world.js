@@ -4,6 +4,7 @@ import { Triangle, Vector3 } from "three";
 import { AttachmentView } from "./attachment_view.js";
 import { cutPlane } from "./body_material.js";
 import { BodyView } from "./body_view.js";
+import { quantities } from "./colour_maps.js";
 import { FibreView } from "./fibre_view.js";
 import { LatticeView } from "./lattice_view.js";
 import { MarksView } from "./marks_view.js";
@@ -104,11 +105,44 @@ export class World {
 
     /** The body under a point of the page, or -1. */
     pickBody(x, y) {
+        return this.pickSurface(x, y)?.object.userData.body ?? -1;
+    }
+    pickSurface(x, y) {
         const { state } = this.store;
         if (this.dirty) this.refresh();
         const meshes = this.bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
-        const hit = this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state));
-        return hit ? hit.object.userData.body : -1;
+        return this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state)) ?? null;
+    }
+
+    /** What is seen under a point of the page: {body, quantity, value, tet, vertex, excitation}, or null where nothing is.
+        Filled tets are seen through the flesh, so they come first. */
+    probe(x, y) {
+        const hit = this.probeTets(x, y) ?? this.probeSurface(x, y);
+        if (!hit) return null;
+        const { overlays, frame } = this.store.state, all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
+        return { ...hit, excitation: all.length ? Math.max(...all) : null };
+    }
+    probeTets(x, y) {
+        const { state } = this.store;
+        if (!state.overlays.lattice || !state.filledLattice) return null;
+        if (this.dirty) this.refresh();
+        const layers = [...this.lattices.values()].filter((l) => l.group.visible);
+        const hit = this.stage.pick(x, y, layers.map((l) => l.mesh))[0];
+        if (!hit) return null;
+        const layer = layers.find((l) => l.mesh === hit.object), tet = layer.open[hit.faceIndex][0], field = layer.fieldValues(state);
+        return { body: layer.view.body, quantity: field ? state.colourBy : null, value: field ? field[tet] : NaN, tet, vertex: -1 };
+    }
+    probeSurface(x, y) {
+        const { state } = this.store, hit = this.pickSurface(x, y);
+        if (!hit) return null;
+        const view = this.bodies[hit.object.userData.body], { body } = view;
+        const corners = hit.face ? [hit.face.a, hit.face.b, hit.face.c] : [view.edges.geometry.index.array[hit.index]];
+        const weights = hit.face ? hit.barycoord.toArray() : [1], nearest = corners[weights.indexOf(Math.max(...weights))];
+        const vertexOf = (corner) => (body.shading ? body.shading[corner] : corner);
+        const out = { body, quantity: quantities[state.colourBy] ? state.colourBy : null, value: NaN, tet: -1, vertex: vertexOf(nearest) };
+        const values = out.quantity && view.valuesOf(out.quantity, state.map, state.frame);
+        if (values) out.value = corners.reduce((sum, corner, i) => sum + weights[i] * values[vertexOf(corner)], 0);
+        return out;
     }
 
     /** Whether the cut plane has taken away the flesh at a hit; the cut goes through the shape at rest. */
@@ -138,16 +172,35 @@ export class World {
         this.stage.look(name, points.length ? points : undefined);
     }
 
-    /** Least and largest shown value of a quantity at this frame, leaving out the outermost 1 % on each side. */
-    measuredRange(quantity) {
+    /** Least and largest shown value of a quantity at a frame, leaving out the outermost 1 % on each side. */
+    measuredRange(quantity, frame = this.store.state.frame) {
         const { state } = this.store, all = [];
         for (const view of this.bodies) {
-            if (!isShown(state, view.body.index) || !view.body.isThere(state.frame)) continue;
-            const values = view.valuesOf(quantity, state.map, state.frame);
+            if (!isShown(state, view.body.index) || !view.body.isThere(frame)) continue;
+            const values = view.valuesOf(quantity, state.map, frame);
             if (values) for (const v of values) if (Number.isFinite(v)) all.push(v);
         }
+        this.dirty = true; // what is drawn reads the same arrays
         if (all.length === 0) return null;
         all.sort((a, b) => a - b);
         return [all[Math.floor(0.01 * (all.length - 1))], all[Math.ceil(0.99 * (all.length - 1))]];
     }
+
+    /** The same over frames spread through the run, so that frames compare. As many as take no noticeable time. */
+    measuredRangeOfRun(quantity) {
+        const vertices = this.scene.bodies.reduce((n, b) => n + b.vertices, 0);
+        const most = Math.max(2, Math.min(9, Math.floor(1e6 / Math.max(1, vertices))));
+        const ranges = spread(goodFrames(this.scene), most).map((f) => this.measuredRange(quantity, f)).filter(Boolean);
+        return ranges.length ? [Math.min(...ranges.map((r) => r[0])), Math.max(...ranges.map((r) => r[1]))] : null;
+    }
 }
+
+/** Frames that may be believed, or all if none may. */
+function goodFrames({ frames }) {
+    const all = [...frames.keys()], good = all.filter((f) => !frames[f].faults);
+    return good.length ? good : all;
+}
+
+/** Up to `most` of a list, evenly, the last among them. */
+const spread = (list, most) =>
+    list.length <= most ? list : Array.from({ length: most }, (_, i) => list[Math.round((i * (list.length - 1)) / (most - 1))]);

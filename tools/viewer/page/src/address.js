@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is seen, in the page's address: #frame=64&camera=…&colour=stretch&show=fibres&select=biceps. A copied address
+// opens the page as it was. What is as in a fresh page is left out.
+import { hasData, initialState, overlayNames, setOverlay } from "./store.js";
+
+const number = (x) => String(Number(x.toPrecision(6)));
+
+/** The address's fragment without #. `camera`: eye and target, 6 numbers in scene units, or null. */
+export function writeAddress(scene, state, camera, fresh = initialState(scene)) {
+    const out = [];
+    const frame = scene.frames[state.frame]?.frame;
+    if (frame !== undefined && state.frame !== fresh.frame) out.push(["frame", frame]);
+    if (camera) out.push(["camera", camera.map(number).join(",")]);
+    if (state.colourBy !== fresh.colourBy) out.push(["colour", state.colourBy]);
+    const shown = overlayNames.filter((name) => state.overlays[name]), usual = overlayNames.filter((name) => fresh.overlays[name]);
+    if (shown.join() !== usual.join()) out.push(["show", shown.join(",")]);
+    if (state.selectedNode) out.push(["node", state.selectedNode]);
+    else if (state.selectedBodies.length === 1) out.push(["body", scene.bodies[state.selectedBodies[0]].name]);
+    return out.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&");
+}
+
+/** Makes the page show what a fragment says; what it does not name is as in a fresh page. Gives what could not be followed,
+    for people. */
+export function followAddress(text, { scene, store, selection, world }) {
+    const words = new URLSearchParams(text.replace(/^#/, "")), fresh = initialState(scene), problems = [];
+    const frame = words.get("frame");
+    let index = fresh.frame;
+    if (frame !== null) {
+        index = scene.frames.findIndex((f) => f.frame === Number(frame));
+        if (index < 0 || frame.trim() === "") (index = fresh.frame), problems.push(`There is no frame ${frame}.`);
+    }
+    const colour = words.get("colour") ?? fresh.colourBy;
+    const isColour = ["material", "volume", "stretch", "area", "weights"].includes(colour) && hasData(scene, colour);
+    if (!isColour) problems.push(`There is nothing to colour by ${colour}.`);
+    store.set({ frame: index, playing: false, colourBy: isColour ? colour : fresh.colourBy });
+    const shown = words.has("show") ? words.get("show").split(",").filter(Boolean) : overlayNames.filter((name) => fresh.overlays[name]);
+    for (const name of shown) if (!overlayNames.includes(name) || !hasData(scene, name)) problems.push(`There are no ${name} to show.`);
+    for (const name of overlayNames) if (store.state.overlays[name] !== shown.includes(name)) setOverlay(store, scene, name, shown.includes(name));
+    const node = words.get("node"), body = scene.bodies.findIndex((b) => b.name === words.get("body"));
+    if (node !== null && selection.nodes.has(node)) selection.selectNode(node);
+    else if (body >= 0) selection.selectBody(body);
+    else if (node !== null || words.has("body")) problems.push(`There is no ${node ?? words.get("body")}.`);
+    else selection.clear();
+    if (!world.stage) return problems;
+    const camera = words.get("camera")?.split(",").map(Number);
+    if (camera && world.stage.setView(camera)) return problems;
+    if (camera) problems.push("The camera in the address is none.");
+    world.stage.lookHome();
+    return problems;
+}
+
+/** Keeps the address up to date, and follows it when somebody changes it. Not while it plays: some browsers take only so
+    many changes a minute. */
+export function keepAddress(app) {
+    const { scene, store, world, say } = app, { stage } = world;
+    const fresh = initialState(scene);
+    let timer = 0, own = location.hash.replace(/^#/, "");
+    const write = () => {
+        own = writeAddress(scene, store.state, stage && !stage.isHome ? stage.viewNumbers() : null, fresh);
+        try {
+            history.replaceState(null, "", own ? `#${own}` : location.pathname + location.search);
+        } catch {
+            // Some browsers refuse it for pages from disk; then the address stays as it is.
+        }
+    };
+    const soon = () => {
+        clearTimeout(timer);
+        if (!store.state.playing) timer = setTimeout(write, 200);
+    };
+    const follow = () => {
+        const [problem] = followAddress(location.hash, app);
+        if (problem) say(problem);
+    };
+    if (own) follow();
+    store.on(["frame", "playing", "colourBy", "overlays", "selectedBodies", "selectedNode"], soon);
+    stage?.controls.addEventListener("change", soon);
+    window.addEventListener("hashchange", () => location.hash.replace(/^#/, "") !== own && follow());
+}
