@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/appearance.h"
 #include "nodes/matrices.h"
 
 namespace sinew::nodes {
@@ -28,6 +29,8 @@ const Input<Matrix4> matrix{
     .limits = within_reach,
     .doc = "Moves the mesh; connect transform.outMatrix.",
 };
+const Input<std::string> appearance = appearance_input(Matter::bone);
+const Input<Vec3> colour = colour_input({0.93, 0.885, 0.79});
 const Output<Body> out_body{
     .name = "outBody",
     .doc = "The bone at this frame, for zSolver.bodies and zAttachment.",
@@ -69,7 +72,7 @@ void add_z_bone(Registry& registry) {
     NodeType type;
     type.name = "zBone";
     type.doc = "A rigid or deforming body that moves as given; tissues are attached to it.";
-    type.inputs = {describe(enable), describe(mesh), describe(matrix)};
+    type.inputs = {describe(enable), describe(mesh), describe(matrix), describe(appearance), describe(colour)};
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

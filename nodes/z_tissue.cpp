@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/appearance.h"
 #include "nodes/carriers.h"
 #include "nodes/options.h"
 #include "nodes/surface_forces.h"
@@ -109,6 +110,8 @@ const Wire<Mesh> collision_shape{
         "change it simulates nothing again.",
     .required = false,
 };
+const Input<std::string> appearance = appearance_input(Matter::muscle);
+const Input<Vec3> colour = colour_input({0.68, 0.235, 0.2});
 const Output<Body> out_body{
     .name = "outBody",
     .doc = "The tissue, for zSolver.bodies, zAttachment and zEmbedder.",
@@ -242,7 +245,9 @@ void add_z_tissue(Registry& registry) {
                    describe(initial_angular_velocity),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),
-                   describe(collision_shape)};
+                   describe(collision_shape),
+                   describe(appearance),
+                   describe(colour)};
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

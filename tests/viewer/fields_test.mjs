@@ -5,7 +5,7 @@ import { readFileSync } from "node:fs";
 import { test } from "node:test";
 import { colourAt, quantities, tableOf, writeColour } from "../../tools/viewer/page/src/colour_maps.js";
 import { LatticeFields } from "../../tools/viewer/page/src/fields.js";
-import { InsideTest } from "../../tools/viewer/page/src/inside.js";
+import { InsideTest } from "./inside.mjs";
 import { Player } from "../../tools/viewer/page/src/player.js";
 import { Store } from "../../tools/viewer/page/src/store.js";
 

@@ -91,6 +91,18 @@ TEST_CASE("an SVG names every node and every wire") {
     CHECK(d.wires.size() == 27);
 }
 
+TEST_CASE("an SVG file has plain colours, for what knows no CSS variables; the page's drawing has the page's") {
+    const GraphDrawing d = layout_graph(*test::muscle_graph());
+    const std::string file = to_svg(d), page = to_svg(d, SvgFor::page);
+    CHECK(file.find("var(") == std::string::npos);
+    CHECK(file.find("--") == std::string::npos);
+    CHECK(file.find(".box{fill:#ffffff;stroke:#c9d0d8") != std::string::npos);
+    CHECK(file.find(".f-solver .band{fill:#e0a300}") != std::string::npos);
+    CHECK(page.find(".box{fill:var(--g-box,#ffffff);") != std::string::npos);
+    // Nothing but the style differs.
+    CHECK(file.substr(file.find("</style>")) == page.substr(page.find("</style>")));
+}
+
 TEST_CASE("what feeds a muscle stands beside it, also in a graph of a hundred nodes") {
     const auto graph =
         engine::load_graph(nodes::make_registry(), std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/arm.json").graph;

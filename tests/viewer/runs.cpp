@@ -44,7 +44,7 @@ viewer::ViewScene made_scene(std::size_t vertices, std::size_t frames) {
     scene.title = "made";
     viewer::ViewBody ball;
     ball.name = "ball", ball.kind = render::BodyKind::tissue;
-    ball.look = render::look_of(ball.kind, ball.name, 0);
+    ball.look = render::look_of(ball.kind, {}, 0);
     for (std::size_t v = 0; v < vertices; ++v) {
         const double a = 2.399963 * static_cast<double>(v),
                      z = 1 - 2 * (static_cast<double>(v) + 0.5) / static_cast<double>(vertices);

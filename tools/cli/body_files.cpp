@@ -15,15 +15,22 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::string_view mark = "# sinew: "; // "# sinew: bone, y up, 100 units a metre"
+constexpr std::string_view look_mark =
+    "# sinew looks: "; // "# sinew looks: tendon, #d8ccb7"; only where the graph says so
 
 std::string header(const BodyLabel& label, const SceneAxes& axes) {
     std::ostringstream out;
     out << mark << render::word_of(label.kind) << ", " << axes.up << " up, " << axes.units_per_metre
         << " units a metre\n";
+    if (const auto& [matter, colour] = label.appearance; matter || colour) {
+        out << look_mark << nodes::word_of(render::matter_of(label.kind, label.appearance));
+        if (colour) out << ", " << render::hex_of(*colour);
+        out << "\n";
+    }
     return out.str();
 }
 
-/// Reads the first line of a file back; leaves both as they are where it says nothing.
+/// Reads the first lines of a file back; leaves both as they are where they say nothing.
 void read_header(const fs::path& file, BodyLabel& label, char& up) {
     std::ifstream in(file);
     std::string line;
@@ -31,6 +38,11 @@ void read_header(const fs::path& file, BodyLabel& label, char& up) {
     const auto parts = split(std::string_view(line).substr(mark.size()), ',');
     label.kind = render::kind_of(parts[0]);
     if (parts.size() > 1 && parts[1] == " z up") up = 'z';
+    if (!std::getline(in, line) || !line.starts_with(look_mark)) return;
+    const auto looks = split(std::string_view(line).substr(look_mark.size()), ',');
+    label.appearance.matter = render::matter_of(looks[0]);
+    if (looks.size() > 1 && !looks[1].empty())
+        label.appearance.colour = render::colour_of(std::string_view(looks[1]).substr(1));
 }
 
 /// "biceps.0001.obj" -> (biceps, 1).

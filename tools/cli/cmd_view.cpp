@@ -51,8 +51,9 @@ fs::path page_in(const fs::path& folder) {
     return viewer::holds_evaluated_page(usual) ? folder / "view_files.html" : usual;
 }
 
-viewer::ViewScene scene_of_graph(const Invocation& in) {
-    const OpenGraph open = open_graph(in.arguments);
+/// `settings`: with --set.
+viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, bool settings) {
+    const OpenGraph open = settings ? open_graph(in.arguments, file.string()) : open_graph(file.string());
     print_diagnostics(open.notes, false, in.out, in.err);
     const std::vector<std::string> shown = viewer::shown_nodes(*open.graph);
     if (shown.empty())
@@ -87,6 +88,11 @@ viewer::ViewScene scene_of_graph(const Invocation& in) {
     return scene;
 }
 
+viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool settings) {
+    return fs::is_directory(source) ? viewer::collect_folder(source, wanted_frames(in.arguments))
+                                    : scene_of_graph(in, source, settings);
+}
+
 std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
     std::size_t vertices = 0, tets = 0;
     for (const viewer::ViewBody& b : scene.bodies) {
@@ -111,9 +117,13 @@ ExitCode view(const Invocation& in) {
     if (const auto page = in.arguments.value("--output")) check_writable_file(*page, "--output");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
-    const viewer::ViewScene scene =
-        is_folder ? viewer::collect_folder(source, wanted_frames(in.arguments)) : scene_of_graph(in);
-    const viewer::Page page = viewer::write_page(scene, options);
+    const viewer::ViewScene scene = scene_of(in, source, true);
+    std::optional<viewer::ViewScene> other;
+    if (const auto against = in.arguments.value("--against"); against && !in.stop.stop_requested()) {
+        other = scene_of(in, *against, false);
+        if (other->title == scene.title) other->title += " (against)";
+    }
+    const viewer::Page page = viewer::write_page(scene, options, other);
     const std::string otherwise = is_folder ? page_in(source).string() : scene.title + ".html";
     const fs::path file = in.arguments.value("--output").value_or(otherwise);
     write_file(file, page.html);
@@ -145,13 +155,16 @@ Command view_command() {
          {"--frames", "A-B", "frames, for example 12, 1-24 or 1,64,128; default: all"},
          {"--surfaces", "", "graphs: leave out tets, fibres and attachments; a smaller page"},
          {"--most-mb", "N", "above this size of positions, before compression, frames are thinned out; default: 256"},
-         {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
+         {"--against", "SOURCE",
+          "a second run, a graph or a folder, to compare with: side by side or as the difference"},
+         {"--set", "NODE.ATTR=JSON", "graphs: give an input another value; not in --against", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
          cache_flag,
          no_cache_flag,
          {"--quiet", "", "print warnings and errors only", false, 'q'}},
         "sinew view graphs/scenes/arm.json -o out/arm.html\n"
-        "sinew view out/arm",
+        "sinew view out/arm\n"
+        "sinew view graphs/scenes/arm.json --set solver.substeps=2 --against graphs/scenes/arm.json -o out/steps.html",
         view};
 }
 

@@ -152,7 +152,7 @@ class Writer {
     }
 
     int add_material(const AnimatedBody& body, int index) {
-        const render::Look look = render::look_of(body.kind, body.name, index);
+        const render::Look look = render::look_of(body.kind, body.appearance, index);
         json material = {{"name", body.name},
                          {"pbrMetallicRoughness",
                           {{"baseColorFactor", {look.colour[0], look.colour[1], look.colour[2], 1.0}},
@@ -204,9 +204,10 @@ class Writer {
         mesh["primitives"] = {primitive};
         document_["meshes"].push_back(mesh);
 
-        json node = {{"name", body.name},
-                     {"mesh", document_["meshes"].size() - 1},
-                     {"extras", {{"kind", render::word_of(body.kind)}}}};
+        json extras = {{"kind", render::word_of(body.kind)}};
+        if (body.appearance.matter) extras["appearance"] = nodes::word_of(*body.appearance.matter);
+        if (body.appearance.colour) extras["colour"] = render::hex_of(*body.appearance.colour);
+        json node = {{"name", body.name}, {"mesh", document_["meshes"].size() - 1}, {"extras", std::move(extras)}};
         if (rigid) {
             const Vec3 at = rigid->pivot / in_.units_per_metre;
             node["translation"] = {at[0], at[1], at[2]};

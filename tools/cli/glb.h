@@ -16,6 +16,7 @@ struct AnimatedBody {
     render::BodyKind kind = render::BodyKind::plain;
     std::vector<solver::Triangle> triangles;
     std::vector<std::shared_ptr<const solver::Points>> poses; ///< one a frame, scene units, all of one length
+    render::Appearance appearance = {};
 };
 
 struct Animation {

@@ -66,6 +66,32 @@ render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
     return n->type_name == "zCloth" ? render::BodyKind::cloth : render::BodyKind::plain;
 }
 
+/// What a body node writes of its look. A mesh that rides on a body through zEmbedder is none itself.
+render::Appearance appearance_of_node(const Graph& graph, const std::string& node) {
+    render::Appearance out;
+    const Node* n = graph.find(node);
+    if (!n || !n->type || !n->type->find_input("appearance")) return out;
+    const auto written = [&](std::string_view attribute) {
+        const auto it = n->inputs.find(attribute);
+        if (it == n->inputs.end()) return engine::Value();
+        if (!std::holds_alternative<engine::Value>(it->second))
+            throw UsageError(n->type_name + " " + node + "." + std::string(attribute) +
+                             " is connected; how a body looks must be written in the graph itself.");
+        return std::get<engine::Value>(it->second);
+    };
+    if (const engine::Value v = written("appearance"); v.is<std::string>())
+        out.matter = render::matter_of(v.as<std::string>());
+    if (const engine::Value v = written("colour"); v.is<engine::Vec3>()) {
+        const engine::Vec3& c = v.as<engine::Vec3>();
+        out.colour = Eigen::Vector3d(c[0], c[1], c[2]).cast<float>();
+    }
+    return out;
+}
+
+BodyLabel label_of(const Graph& graph, std::string name, const std::string& node) {
+    return {std::move(name), kind_of_node(graph, node), appearance_of_node(graph, node)};
+}
+
 } // namespace
 
 std::string file_name(const std::string& node) {
@@ -86,6 +112,11 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
         std::erase_if(loaded.notes, [](const engine::Diagnostic& d) { return d.code == "DG031"; });
         for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));
     }
+    return {std::move(loaded.graph), std::move(loaded.notes)};
+}
+
+OpenGraph open_graph(const std::string& file) {
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file);
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }
 
@@ -195,14 +226,14 @@ std::vector<BodyLabel> body_labels(const Graph& graph, const Plug& plug, std::si
     if (node && is_collision && count == 1)
         if (const auto body = node->inputs.find("body"); body != node->inputs.end())
             for (const Plug& source : sources(body->second))
-                labels.push_back({file_name(source.node) + "_collision", kind_of_node(graph, source.node)});
+                labels.push_back(label_of(graph, file_name(source.node) + "_collision", source.node));
     if (!is_collision)
         for (const std::string& name : nodes::mesh_names(graph, plug, count))
-            labels.push_back({file_name(name), kind_of_node(graph, name)});
+            labels.push_back(label_of(graph, file_name(name), name));
     if (labels.empty())
         for (std::size_t i = 0; i < count; ++i)
-            labels.push_back({file_name(plug.node) + (count > 1 ? "_" + std::to_string(i + 1) : ""),
-                              kind_of_node(graph, plug.node)});
+            labels.push_back(
+                label_of(graph, file_name(plug.node) + (count > 1 ? "_" + std::to_string(i + 1) : ""), plug.node));
     std::set<std::string> taken;
     for (BodyLabel& label : labels) {
         const std::string base = label.name;

@@ -22,6 +22,8 @@ struct OpenGraph {
 OpenGraph open_graph(const Arguments& arguments);
 /// The same for another file than the first operand.
 OpenGraph open_graph(const Arguments& arguments, const std::string& file);
+/// Of `file` as it is.
+OpenGraph open_graph(const std::string& file);
 
 /// For commands that evaluate.
 inline constexpr Flag cache_flag{
@@ -61,12 +63,13 @@ SceneAxes scene_axes(const engine::Graph& graph, const std::vector<std::string>&
 struct BodyLabel {
     std::string name; ///< unique, and fit for a file name
     render::BodyKind kind = render::BodyKind::plain;
+    render::Appearance appearance = {};
 };
 
 /// The node's name with everything that a file name had better not hold replaced by '_'.
 std::string file_name(const std::string& node);
 
-/// Names and kinds for the `count` meshes that `plug` gives: the nodes connected to the list that the node
+/// Names, kinds and looks for the `count` meshes that `plug` gives: the nodes connected to the list that the node
 /// works on (zSolver.bodies, zEmbedder.meshes), or the node's own name.
 std::vector<BodyLabel> body_labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count);
 

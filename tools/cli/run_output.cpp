@@ -58,7 +58,8 @@ void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::ve
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         const auto [it, is_new] = animated_.emplace(labels[i].name, animation_.bodies.size());
         if (is_new) {
-            animation_.bodies.push_back({labels[i].name, labels[i].kind, meshes[i].topology->triangles, {}});
+            animation_.bodies.push_back(
+                {labels[i].name, labels[i].kind, meshes[i].topology->triangles, {}, labels[i].appearance});
             topologies_.push_back(meshes[i].topology);
         } else if (topologies_[it->second]->digest != meshes[i].topology->digest) {
             engine::Diagnostic d;

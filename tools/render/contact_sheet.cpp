@@ -46,8 +46,8 @@ double scene_aspect(const std::vector<const Points*>& points, const View& view) 
 
 Image labelled_picture(const Shot& shot, const Camera& camera, int width, int height, int smoothing) {
     Image picture = draw_picture(shot.surfaces, camera, width, height, smoothing, shot.segments);
-    const int scale = std::max(1, height / 160), border = 5 * scale;
-    draw_text(picture, border, height - border - text_height(scale), shot.label, label_colour, scale);
+    const double size = std::max(9.0, height / 36.0), border = 0.8 * size;
+    draw_text(picture, border, height - border - size, shot.label, label_colour, size);
     return picture;
 }
 

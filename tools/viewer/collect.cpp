@@ -5,6 +5,7 @@
 #include "nodes/simulation_state.h"
 #include "tools/cli/open_graph.h"
 #include "tools/viewer/faults.h"
+#include "tools/viewer/flesh.h"
 #include "tools/viewer/overlays.h"
 #include "tools/viewer/read_report.h"
 #include "tools/viewer/recorder.h"
@@ -72,6 +73,7 @@ class Collector {
         }
         for (BodyRecorder& recorder : recorders_) {
             scene_.bodies.push_back(recorder.finish(scene_.notes));
+            keep_to_flesh(scene_.bodies.back());
         }
         find_faults(scene_);
         return std::move(scene_);
@@ -120,7 +122,7 @@ class Collector {
             // Nodes keep their names; files have others where a file cannot be called so.
             const bool is_node = source.is_solver && meshes.size() == source.given.size();
             recorders_.emplace_back(unique_name(is_node ? source.given[i] : labels[i].name), source.nodes[i],
-                                    labels[i].kind, static_cast<int>(recorders_.size()));
+                                    labels[i].kind, static_cast<int>(recorders_.size()), labels[i].appearance);
             recorders_.back().set_rest(meshes[i].surface());
         }
         if (source.is_solver) begin_solver(source, frame);

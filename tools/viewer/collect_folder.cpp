@@ -172,7 +172,8 @@ struct Reference {
 BodyRecorder record(const cli::BodySequence& sequence, const std::vector<int>& frames, int index,
                     const Reference& reference, ViewScene& scene, std::map<std::size_t, std::pair<int, int>>& counts) {
     const std::string node = node_of(sequence.label.name, scene.graph);
-    BodyRecorder recorder(node.empty() ? sequence.label.name : node, node, sequence.label.kind, index);
+    BodyRecorder recorder(node.empty() ? sequence.label.name : node, node, sequence.label.kind, index,
+                          sequence.label.appearance);
     std::string first_error;
     if (reference.rest) {
         recorder.set_rest(*reference.rest);

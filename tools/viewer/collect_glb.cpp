@@ -175,8 +175,10 @@ std::vector<ViewBody> GlbRun::bodies(const std::vector<int>& chosen, std::vector
             const Tracks tracks = in.tracks_of(n);
             const auto still = nodes[n].value("translation", std::vector<float>{0, 0, 0});
             const json extras = nodes[n].value("extras", json::object());
+            const render::Appearance appearance{render::matter_of(extras.value("appearance", "")),
+                                                render::colour_of(extras.value("colour", ""))};
             BodyRecorder recorder(nodes[n].value("name", "body"), extras.value("node", ""),
-                                  render::kind_of(extras.value("kind", "")), static_cast<int>(out.size()));
+                                  render::kind_of(extras.value("kind", "")), static_cast<int>(out.size()), appearance);
             const auto pose_at = [&](int frame) {
                 const auto f =
                     static_cast<std::size_t>(std::find(in.order.begin(), in.order.end(), frame) - in.order.begin());

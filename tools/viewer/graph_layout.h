@@ -38,8 +38,10 @@ struct GraphDrawing {
 /// node stands just left of what uses it, and rows so that few wires cross.
 GraphDrawing layout_graph(const engine::Graph& graph);
 
-/// One <svg> element. Boxes are <g class="node" data-node="NAME">, wires <path data-from data-to>. Colours
-/// can be overridden by the CSS variables --g-….
-std::string to_svg(const GraphDrawing& drawing);
+/// Whom a drawing is for: a file of its own, or the page, whose CSS variables --g-… and --c-… give the colours.
+enum class SvgFor { file, page };
+
+/// One <svg> element. Boxes are <g class="node" data-node="NAME">, wires <path data-from data-to>.
+std::string to_svg(const GraphDrawing& drawing, SvgFor place = SvgFor::file);
 
 } // namespace sinew::viewer

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <sstream>
+#include <stdexcept>
+#include <string_view>
 
 namespace sinew::viewer {
 
@@ -27,24 +29,41 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
-/// Two sets of colours in one file: what the reader's system prefers, unless the page says otherwise.
-constexpr const char* style = R"(<style>
-.sinew-graph{--c-solver:#e0a300;--c-body:#c8553d;--c-matter:#8a63c9;--c-attachment:#2c8fb5;--c-geometry:#5c6f82;--c-paint:#3f9166;--c-value:#b0713a;--c-unknown:#999;font-family:Inter,"Segoe UI","Helvetica Neue",Arial,sans-serif}
-.sinew-graph .box{fill:var(--g-box,#fff);stroke:var(--g-line,#c9d0d8);stroke-width:1}
-.sinew-graph .name{font-size:12.5px;font-weight:600;fill:var(--g-text,#1d2630)}
-.sinew-graph .type{font-size:10px;fill:var(--g-soft,#6a7683)}
-.sinew-graph .attr{font-size:10.5px;fill:var(--g-soft,#6a7683)}
-.sinew-graph .val{font-size:10.5px;fill:var(--g-text,#1d2630);text-anchor:end}
-.sinew-graph .out{font-size:10.5px;fill:var(--g-soft,#6a7683);text-anchor:end}
-.sinew-graph .port{fill:var(--g-box,#fff);stroke:var(--g-wire,#93a0ad);stroke-width:1.4}
-.sinew-graph .wire{fill:none;stroke:var(--g-wire,#93a0ad);stroke-width:1.4;opacity:.7}
-)";
+/// Colours by name. The page gives its own; a file has these, written out, because not all that shows SVG knows CSS
+/// variables.
+struct Colour {
+    std::string_view variable, value;
+};
+constexpr Colour colours[] = {{"--g-box", "#ffffff"},      {"--g-line", "#c9d0d8"},   {"--g-text", "#1d2630"},
+                              {"--g-soft", "#6a7683"},     {"--g-wire", "#93a0ad"},   {"--c-solver", "#e0a300"},
+                              {"--c-body", "#c8553d"},     {"--c-matter", "#8a63c9"}, {"--c-attachment", "#2c8fb5"},
+                              {"--c-geometry", "#5c6f82"}, {"--c-paint", "#3f9166"},  {"--c-value", "#b0713a"},
+                              {"--c-unknown", "#999999"}};
 
-std::string family_rules() {
-    std::string out;
+std::string colour(std::string_view variable, SvgFor place) {
+    for (const Colour& c : colours)
+        if (c.variable == variable)
+            return place == SvgFor::page ? "var(" + std::string(variable) + "," + std::string(c.value) + ")"
+                                         : std::string(c.value);
+    throw std::logic_error("no colour " + std::string(variable));
+}
+
+std::string style(SvgFor place) {
+    const auto of = [&](std::string_view variable) { return colour(variable, place); };
+    const auto rule = [](const std::string& selector, const std::string& declarations) {
+        return ".sinew-graph " + selector + "{" + declarations + "}\n";
+    };
+    std::string out = "<style>\n.sinew-graph{font-family:Inter,\"Segoe UI\",\"Helvetica Neue\",Arial,sans-serif}\n";
+    out += rule(".box", "fill:" + of("--g-box") + ";stroke:" + of("--g-line") + ";stroke-width:1");
+    out += rule(".name", "font-size:12.5px;font-weight:600;fill:" + of("--g-text"));
+    out += rule(".type", "font-size:10px;fill:" + of("--g-soft"));
+    out += rule(".attr", "font-size:10.5px;fill:" + of("--g-soft"));
+    out += rule(".val", "font-size:10.5px;fill:" + of("--g-text") + ";text-anchor:end");
+    out += rule(".out", "font-size:10.5px;fill:" + of("--g-soft") + ";text-anchor:end");
+    out += rule(".port", "fill:" + of("--g-box") + ";stroke:" + of("--g-wire") + ";stroke-width:1.4");
+    out += rule(".wire", "fill:none;stroke:" + of("--g-wire") + ";stroke-width:1.4;opacity:.7");
     for (const char* family : {"solver", "body", "matter", "attachment", "geometry", "paint", "value", "unknown"})
-        out += ".sinew-graph .f-" + std::string(family) + " .band,.sinew-graph .f-" + family + " .dot{fill:var(--c-" +
-               family + ")}\n";
+        out += rule(".f-" + std::string(family) + " .band", "fill:" + of("--c-" + std::string(family)));
     return out + "</style>\n";
 }
 
@@ -91,11 +110,11 @@ void draw_box(std::ostream& out, const GraphBox& box) {
 
 } // namespace
 
-std::string to_svg(const GraphDrawing& d) {
+std::string to_svg(const GraphDrawing& d, SvgFor place) {
     std::ostringstream out;
     out << "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"sinew-graph\" width=\"" << d.width << "\" height=\""
         << d.height << "\" viewBox=\"0 0 " << d.width << " " << d.height << "\">\n"
-        << style << family_rules() << "<g class=\"wires\">\n";
+        << style(place) << "<g class=\"wires\">\n";
     for (const GraphWire& wire : d.wires) draw_wire(out, d, wire);
     out << "</g>\n<g class=\"nodes\">\n";
     for (const GraphBox& box : d.boxes) draw_box(out, box);

@@ -63,6 +63,27 @@ void fit(ViewScene& scene, const PageOptions& options) {
                                      " is shown. Choose fewer frames with --frames, or raise --most-mb."});
 }
 
+/// Notes of the run that is compared with, and of what the two do not have in common.
+void add_notes_of(const ViewScene& other, ViewScene& scene) {
+    for (const ViewNote& n : other.notes) scene.notes.push_back({n.is_warning, "In " + other.title + ": " + n.text});
+    std::size_t alike = 0, frames = 0;
+    for (const ViewBody& a : scene.bodies)
+        for (const ViewBody& b : other.bodies) {
+            if (a.name != b.name) continue;
+            alike += a.vertex_count() == b.vertex_count();
+            if (a.vertex_count() != b.vertex_count())
+                scene.notes.push_back({true, a.name + " has " + std::to_string(a.vertex_count()) +
+                                                 " vertices here and " + std::to_string(b.vertex_count()) + " in " +
+                                                 other.title + ": there is no difference to show."});
+        }
+    for (const ViewFrame& f : scene.frames)
+        frames += std::any_of(other.frames.begin(), other.frames.end(),
+                              [&](const ViewFrame& g) { return g.frame == f.frame; });
+    if (alike == 0 || frames == 0)
+        scene.notes.push_back({true, other.title + " has no " + (alike == 0 ? "body" : "frame") +
+                                         " in common with this run: there is no difference to show."});
+}
+
 std::string html_escaped(const std::string& text) {
     std::string out;
     for (const char c : text) out += c == '<' ? "&lt;" : c == '&' ? "&amp;" : std::string(1, c);
@@ -75,13 +96,19 @@ constexpr const char* policy = "default-src 'none'; script-src 'unsafe-inline'; 
 
 } // namespace
 
-Page write_page(ViewScene scene, const PageOptions& options) {
+Page write_page(ViewScene scene, const PageOptions& options, std::optional<ViewScene> other) {
     fit(scene, options);
+    if (other) {
+        fit(*other, options);
+        add_notes_of(*other, scene);
+        other->graph = {};
+    }
     Page page;
     page.notes = scene.notes;
-    page.motion_bytes = 2 * numbers_per_frame(scene) * scene.frames.size();
+    for (const ViewScene* s : {&scene, other ? &*other : nullptr})
+        if (s) page.motion_bytes += 2 * numbers_per_frame(*s) * s->frames.size();
     page.asset_bytes = page_script().size() + page_style().size();
-    const PageData data = page_data(scene);
+    const PageData data = page_data(scene, other ? &*other : nullptr);
     std::string& html = page.html;
     html = "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
            "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"

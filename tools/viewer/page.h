@@ -5,6 +5,7 @@
 #include "tools/viewer/view_data.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace sinew::viewer {
@@ -25,7 +26,8 @@ struct Page {
 /// True for a page in `file` that was made from a graph: it may hold more than the meshes beside it.
 bool holds_evaluated_page(const std::filesystem::path& file);
 
-Page write_page(ViewScene scene, const PageOptions& options = {});
+/// `other`: a second run, which the page shows beside the first and as the difference between the two.
+Page write_page(ViewScene scene, const PageOptions& options = {}, std::optional<ViewScene> other = {});
 
 /// "3.4 MB".
 std::string size_text(std::size_t bytes);

@@ -91,12 +91,7 @@ class Writer {
 };
 
 std::string hex_colour(const Eigen::Vector3f& linear) {
-    char out[8];
-    const auto byte = [&](int c) {
-        return static_cast<int>(std::lround(255 * std::clamp(render::to_srgb(linear[c]), 0.0f, 1.0f)));
-    };
-    std::snprintf(out, sizeof out, "#%02x%02x%02x", byte(0), byte(1), byte(2));
-    return out;
+    return render::hex_of({render::to_srgb(linear[0]), render::to_srgb(linear[1]), render::to_srgb(linear[2])});
 }
 
 Json motion_json(Writer& w, const ViewBody& body) {
@@ -119,11 +114,22 @@ Json motion_json(Writer& w, const ViewBody& body) {
     return out;
 }
 
+Json skin_json(Writer& w, const std::vector<ViewSkinPoint>& skin) {
+    std::vector<std::array<int, 4>> places;
+    std::vector<float> weights;
+    for (const ViewSkinPoint& s : skin) {
+        places.push_back({s.vertex, s.host[0], s.host[1], s.host[2]});
+        weights.insert(weights.end(), s.weights.begin(), s.weights.end());
+    }
+    return {{"places", w.tuples(places)}, {"weights", w.floats(weights)}};
+}
+
 Json lattice_json(Writer& w, const ViewLattice& lattice) {
     Json out = {{"count", lattice.tets.size()},
                 {"vertices", lattice.rest.size() / 3},
                 {"tets", w.tuples(lattice.tets)},
-                {"rest", w.floats(lattice.rest)}};
+                {"rest", w.floats(lattice.rest)},
+                {"skin", skin_json(w, lattice.skin)}};
     out.update(w.motion(lattice.frames, lattice.rest.size()));
     return out;
 }
@@ -133,7 +139,8 @@ Json fibres_json(Writer& w, const ViewFibres& f) {
             {"count", f.tets.size()},
             {"tets", w.indices({f.tets.begin(), f.tets.end()}, 1)},
             {"directions", w.floats(f.directions)},
-            {"weights", w.shares(f.weights)},
+            {"centre", w.floats(f.centre)},
+            {"reach", w.floats(f.reach)},
             {"excitation", w.floats(f.excitation)}};
 }
 
@@ -141,6 +148,7 @@ Json body_json(Writer& w, const ViewBody& body) {
     Json out = {{"name", body.name},
                 {"node", body.node},
                 {"kind", render::word_of(body.kind)},
+                {"matter", nodes::word_of(body.matter)},
                 {"colour", hex_colour(body.look.colour)},
                 {"stripes", body.look.stripes},
                 {"gloss", body.look.gloss},
@@ -263,7 +271,7 @@ Json graph_json(Writer& w, const GraphDrawing& graph) {
             {"height", graph.height},
             {"nodes", nodes},
             {"wires", wires},
-            {"svg", w.text(to_svg(graph))}};
+            {"svg", w.text(to_svg(graph, SvgFor::page))}};
 }
 
 /// '<' could end the script element that holds the text.
@@ -278,28 +286,34 @@ std::string without_less_than(const std::string& json) {
     return out;
 }
 
+Json scene_json(Writer& w, const ViewScene& scene) {
+    Json out = {{"title", scene.title},
+                {"source", scene.source},
+                {"fps", scene.fps},
+                {"unitsPerMetre", scene.units_per_metre},
+                {"up", std::string(1, scene.up)},
+                {"bounds", bounds(scene)},
+                {"frames", Json::array()},
+                {"measures", measures_json(scene)},
+                {"bodies", Json::array()},
+                {"attachments", Json::array()},
+                {"notes", Json::array()}};
+    for (const ViewFrame& f : scene.frames) out["frames"].push_back(frame_json(w, f));
+    for (const ViewBody& b : scene.bodies) out["bodies"].push_back(body_json(w, b));
+    for (const ViewAttachment& a : scene.attachments) out["attachments"].push_back(attachment_json(w, a));
+    for (const ViewNote& n : scene.notes) out["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});
+    out["graph"] = graph_json(w, scene.graph);
+    return out;
+}
+
 } // namespace
 
-PageData page_data(const ViewScene& scene) {
+PageData page_data(const ViewScene& scene, const ViewScene* other) {
     Writer w;
-    Json header = {{"format", 1},
-                   {"generator", "sinew " SINEW_VERSION},
-                   {"title", scene.title},
-                   {"source", scene.source},
-                   {"fps", scene.fps},
-                   {"unitsPerMetre", scene.units_per_metre},
-                   {"up", std::string(1, scene.up)},
-                   {"bounds", bounds(scene)},
-                   {"frames", Json::array()},
-                   {"measures", measures_json(scene)},
-                   {"bodies", Json::array()},
-                   {"attachments", Json::array()},
-                   {"notes", Json::array()}};
-    for (const ViewFrame& f : scene.frames) header["frames"].push_back(frame_json(w, f));
-    for (const ViewBody& b : scene.bodies) header["bodies"].push_back(body_json(w, b));
-    for (const ViewAttachment& a : scene.attachments) header["attachments"].push_back(attachment_json(w, a));
-    for (const ViewNote& n : scene.notes) header["notes"].push_back({{"warning", n.is_warning}, {"text", n.text}});
-    header["graph"] = graph_json(w, scene.graph);
+    Json header = scene_json(w, scene);
+    header["format"] = 1;
+    header["generator"] = "sinew " SINEW_VERSION;
+    header["other"] = other ? scene_json(w, *other) : Json();
     header["blocks"] = Json::array();
     for (const Block& b : w.data.blocks) header["blocks"].push_back({b.element, b.length, b.order, b.stride});
     w.data.header = without_less_than(header.dump(-1, ' ', false, Json::error_handler_t::replace));

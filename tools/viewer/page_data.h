@@ -14,6 +14,7 @@ struct PageData {
     std::vector<Block> blocks;
 };
 
-PageData page_data(const ViewScene& scene);
+/// `other`: a second run to compare with, under "other" in the header; may be null.
+PageData page_data(const ViewScene& scene, const ViewScene* other = nullptr);
 
 } // namespace sinew::viewer

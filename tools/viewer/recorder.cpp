@@ -44,9 +44,11 @@ bool is_finite(const Points& points) {
 
 } // namespace
 
-BodyRecorder::BodyRecorder(std::string name, std::string node, render::BodyKind kind, int index) {
+BodyRecorder::BodyRecorder(std::string name, std::string node, render::BodyKind kind, int index,
+                           const render::Appearance& appearance) {
     body_.name = std::move(name), body_.node = std::move(node), body_.kind = kind;
-    body_.look = render::look_of(kind, body_.name, index);
+    body_.look = render::look_of(kind, appearance, index);
+    body_.matter = render::matter_of(kind, appearance);
     body_.motion = RigidMotion{};
 }
 

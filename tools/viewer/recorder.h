@@ -14,7 +14,8 @@ namespace sinew::viewer {
 class BodyRecorder {
   public:
     /// `index`: position among all bodies, for the colour.
-    BodyRecorder(std::string name, std::string node, render::BodyKind kind, int index);
+    BodyRecorder(std::string name, std::string node, render::BodyKind kind, int index,
+                 const render::Appearance& appearance = {});
 
     /// The shape as modelled. Without it the first frame is taken.
     void set_rest(const solver::SurfaceMesh& rest);

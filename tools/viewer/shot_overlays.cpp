@@ -3,13 +3,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/viewer/shot_overlays.h"
 
-#include "solver/mesh/closest_point.h"
+#include "tools/viewer/flesh.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
 #include <span>
 
 namespace sinew::viewer {
@@ -51,10 +50,10 @@ Vec3 at(const ViewBody& body, std::size_t frame, int vertex) {
 }
 
 /// Edges of the faces that only one tet has.
-void add_lattice(const ViewLattice& lattice, std::size_t frame, std::vector<Segment>& out) {
+void add_lattice(const ViewBody& body, std::size_t frame, std::vector<Segment>& out) {
     constexpr int faces[4][3] = {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}};
     std::map<std::array<int, 3>, int> seen;
-    for (const solver::Tet& tet : lattice.tets)
+    for (const solver::Tet& tet : body.lattice->tets)
         for (const auto& f : faces) {
             std::array<int, 3> key{};
             for (std::size_t k = 0; k < 3; ++k) key[k] = tet[static_cast<std::size_t>(f[k])];
@@ -65,59 +64,33 @@ void add_lattice(const ViewLattice& lattice, std::size_t frame, std::vector<Segm
     for (const auto& [face, count] : seen)
         if (count == 1) edges.insert({{face[0], face[1]}, {face[1], face[2]}, {face[0], face[2]}});
     const Eigen::Vector3f grey = colour_at(std::array{lattice_grey, lattice_grey}, 0);
-    for (const auto& [a, b] : edges)
-        out.push_back({at(lattice.frames[frame], a), at(lattice.frames[frame], b), grey, 0.8f});
+    const Coordinates places = drawn_lattice(body, frame);
+    for (const auto& [a, b] : edges) out.push_back({at(places, a), at(places, b), grey, 0.8f});
 }
 
-struct TetShape {
-    Mat3 gradient;
-    Vec3 middle, middle_at_rest;
-    double volume;
-};
-
-TetShape shape_of(const ViewLattice& lattice, std::size_t frame, const solver::Tet& tet) {
+/// How a tet has turned and stretched.
+Mat3 gradient_of(const ViewLattice& lattice, std::size_t frame, const solver::Tet& tet) {
     Mat3 now, rest;
     const Coordinates& p = lattice.frames[frame];
     for (int k = 0; k < 3; ++k) {
         now.col(k) = at(p, tet[static_cast<std::size_t>(k) + 1]) - at(p, tet[0]);
         rest.col(k) = at(lattice.rest, tet[static_cast<std::size_t>(k) + 1]) - at(lattice.rest, tet[0]);
     }
-    Vec3 middle = Vec3::Zero(), middle_at_rest = Vec3::Zero();
-    for (const int v : tet) middle += at(p, v) / 4, middle_at_rest += at(lattice.rest, v) / 4;
-    return {now * rest.inverse(), middle, middle_at_rest, std::abs(rest.determinant()) / 6};
-}
-
-/// A lattice is coarser than the surface: sticks of tets whose middle lies outside would float beside the
-/// flesh.
-std::vector<std::size_t> fibres_inside(const ViewBody& body, const ViewFibres& fibres) {
-    std::vector<std::size_t> all, inside;
-    std::vector<solver::Triangle> triangles = body.triangles;
-    for (solver::Triangle& t : triangles)
-        for (int& v : t)
-            if (!body.shading.empty()) v = body.shading[static_cast<std::size_t>(v)];
-    solver::Points rest;
-    for (std::size_t v = 0; v < body.vertex_count(); ++v) rest.push_back(at(body.rest, static_cast<int>(v)));
-    std::optional<solver::SurfaceTree> surface; // an open surface has no inside
-    if (!body.volume.empty()) surface.emplace(rest, triangles);
-    for (std::size_t i = 0; i < fibres.tets.size(); ++i) {
-        all.push_back(i);
-        Vec3 middle = Vec3::Zero();
-        for (const int v : body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])])
-            middle += at(body.lattice->rest, v) / 4;
-        if (surface && surface->inside(middle)) inside.push_back(i);
-    }
-    return 4 * inside.size() < all.size() ? all : inside;
+    return now * rest.inverse();
 }
 
 void add_fibres(const ViewBody& body, std::size_t frame, std::vector<Segment>& out) {
     for (const ViewFibres& fibres : body.fibres) {
         const Eigen::Vector3f colour = colour_at(heat, static_cast<double>(fibres.excitation.at(frame)));
-        for (const std::size_t i : fibres_inside(body, fibres)) {
-            const TetShape tet =
-                shape_of(*body.lattice, frame, body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])]);
-            const double half = 0.42 * std::cbrt(tet.volume) * (0.4 + 0.6 * static_cast<double>(fibres.weights[i]));
-            const Vec3 d = half * (tet.gradient * at(fibres.directions, static_cast<int>(i)));
-            out.push_back({tet.middle - d, tet.middle + d, colour, 1.7f});
+        for (std::size_t i = 0; i < fibres.tets.size(); ++i) {
+            const solver::Tet& tet = body.lattice->tets[static_cast<std::size_t>(fibres.tets[i])];
+            Vec3 middle = Vec3::Zero();
+            for (std::size_t k = 0; k < 4; ++k)
+                middle += static_cast<double>(fibres.centre[4 * i + k]) * at(body.lattice->frames[frame], tet[k]);
+            const Vec3 d = gradient_of(*body.lattice, frame, tet) * at(fibres.directions, static_cast<int>(i));
+            const auto [back, forth] =
+                std::pair(static_cast<double>(fibres.reach[2 * i]), static_cast<double>(fibres.reach[2 * i + 1]));
+            out.push_back({middle - back * d, middle + forth * d, colour, 1.7f});
         }
     }
 }
@@ -214,7 +187,7 @@ std::vector<Segment> overlay_segments(const ViewScene& scene, std::size_t frame,
     std::vector<Segment> out;
     for (const ViewBody& body : scene.bodies) {
         if (!body.lattice || !body.is_there(frame)) continue;
-        if (names.contains("lattice")) add_lattice(*body.lattice, frame, out);
+        if (names.contains("lattice")) add_lattice(body, frame, out);
         if (names.contains("fibers")) add_fibres(body, frame, out);
     }
     if (names.contains("attachments")) add_attachments(scene, frame, out);

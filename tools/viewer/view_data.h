@@ -41,12 +41,20 @@ struct ViewEmbedding {
     std::vector<float> weights; ///< 4 a vertex, sum 1
 };
 
+/// A tet vertex beside the flesh, and the point of the surface next to it at rest: where it is drawn.
+struct ViewSkinPoint {
+    int vertex = -1;
+    std::array<int, 3> host{-1, -1, -1}; ///< body vertices
+    std::array<float, 3> weights{};
+};
+
 /// The tets that carry a tissue.
 struct ViewLattice {
     std::vector<solver::Tet> tets;
     Coordinates rest;
     std::vector<Coordinates> frames; ///< tet vertices; empty where missing
     ViewEmbedding surface;           ///< empty: the surface has its own motion
+    std::vector<ViewSkinPoint> skin; ///< from keep_to_flesh (flesh.h)
 };
 
 /// Fibre segments of one fibre field.
@@ -55,6 +63,8 @@ struct ViewFibres {
     std::vector<int> tets;
     Coordinates directions;        ///< unit, at rest
     std::vector<float> weights;    ///< 0…1
+    std::vector<float> centre;     ///< 4 a fibre: weights of its tet's vertices where its line has its middle
+    std::vector<float> reach;      ///< 2 a fibre: how far its line goes back and forth at rest, scene units
     std::vector<float> excitation; ///< per frame, 0…1, envelope included
 };
 
@@ -67,6 +77,7 @@ struct ViewMap {
 struct ViewBody {
     std::string name, node; ///< `node` is empty where no graph is known
     render::BodyKind kind = render::BodyKind::plain;
+    nodes::Matter matter = nodes::Matter::plain; ///< what it looks to be made of
     render::Look look;
     Coordinates rest;                        ///< as modelled
     std::vector<solver::Triangle> triangles; ///< of shading vertices

@@ -11,6 +11,7 @@ export function writeAddress(scene, state, camera, fresh = initialState(scene)) 
     const frame = scene.frames[state.frame]?.frame;
     if (frame !== undefined && state.frame !== fresh.frame) out.push(["frame", frame]);
     if (camera) out.push(["camera", camera.map(number).join(",")]);
+    if (state.compare !== fresh.compare) out.push(["compare", state.compare]);
     if (state.colourBy !== fresh.colourBy) out.push(["colour", state.colourBy]);
     const shown = overlayNames.filter((name) => state.overlays[name]), usual = overlayNames.filter((name) => fresh.overlays[name]);
     if (shown.join() !== usual.join()) out.push(["show", shown.join(",")]);
@@ -30,9 +31,11 @@ export function followAddress(text, { scene, store, selection, world }) {
         if (index < 0 || frame.trim() === "") (index = fresh.frame), problems.push(`There is no frame ${frame}.`);
     }
     const colour = words.get("colour") ?? fresh.colourBy;
-    const isColour = ["material", "volume", "stretch", "area", "weights"].includes(colour) && hasData(scene, colour);
+    const isColour = ["material", "difference", "volume", "stretch", "area", "weights"].includes(colour) && hasData(scene, colour);
     if (!isColour) problems.push(`There is nothing to colour by ${colour}.`);
-    store.set({ frame: index, playing: false, colourBy: isColour ? colour : fresh.colourBy });
+    const compare = words.get("compare") ?? fresh.compare, isCompared = compare === "one" || (compare === "side" && Boolean(scene.other));
+    if (!isCompared) problems.push("There is no second run.");
+    store.set({ frame: index, playing: false, compare: isCompared ? compare : fresh.compare, colourBy: isColour ? colour : fresh.colourBy });
     const shown = words.has("show") ? words.get("show").split(",").filter(Boolean) : overlayNames.filter((name) => fresh.overlays[name]);
     for (const name of shown) if (!overlayNames.includes(name) || !hasData(scene, name)) problems.push(`There are no ${name} to show.`);
     for (const name of overlayNames) if (store.state.overlays[name] !== shown.includes(name)) setOverlay(store, scene, name, shown.includes(name));
@@ -72,7 +75,7 @@ export function keepAddress(app) {
         if (problem) say(problem);
     };
     if (own) follow();
-    store.on(["frame", "playing", "colourBy", "overlays", "selectedBodies", "selectedNode"], soon);
+    store.on(["frame", "playing", "compare", "colourBy", "overlays", "selectedBodies", "selectedNode"], soon);
     stage?.controls.addEventListener("change", soon);
     window.addEventListener("hashchange", () => location.hash.replace(/^#/, "") !== own && follow());
 }

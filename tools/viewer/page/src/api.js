@@ -66,8 +66,14 @@ export function makeApi(app, loadMs) {
             if (overlay === "attachments") return Array.from(world.allAttachments()[which].dots.geometry.attributes.color.array);
             return Array.from(world.fibres.get(bodyIndex(which)).fields[0].colours.array);
         },
+        /** Positions as they lie in the buffers: of a body's tet vertices, or of its first fibres' ends. */
+        drawnTets: (body) => (api.draw(), Array.from(world.lattices.get(bodyIndex(body)).lines.geometry.attributes.position.array)),
+        drawnFibres: (body) => (api.draw(), Array.from(world.fibres.get(bodyIndex(body)).fields[0].positions.array)),
         bodyAt: (x, y) => scene.bodies[world.pickBody(x, y)]?.name ?? null,
-        project: (point) => world.stage?.project(point) ?? null,
+        project: (point, side = 0) => world.stage?.project(point, side) ?? null,
+        /** Of the second run, where there is one. */
+        otherDrawn: () => (api.draw(), world.other.group.visible ? world.other.bodies.filter((v) => v.group.visible).map((v) => v.body.name) : []),
+        measuredRange: (quantity) => world.measuredRange(quantity),
         look: (name) => (world.look(name), api.draw()),
         colourAt: (scale, t) => colourAt(scale, t),
         draw: () => world.stage?.draw(),

@@ -4,7 +4,7 @@ import {
     Color, DoubleSide, MeshBasicMaterial, MeshStandardMaterial, NotEqualStencilFunc, ReplaceStencilOp, ShaderMaterial, Vector4,
 } from "three";
 
-const roughness = { bone: 0.62, tissue: 0.46, cloth: 0.9, plain: 0.6 };
+const roughness = { bone: 0.62, tissue: 0.46, cloth: 0.9, plain: 0.6 }, roughnessOf = { fat: 0.55, skin: 0.62, cartilage: 0.35, organ: 0.32 };
 
 /** Shared by all tissues: the plane n·rest < w keeps. Off: w is beyond everything. */
 export const cutPlane = { value: new Vector4(0, 0, 0, 1) };
@@ -46,7 +46,7 @@ diffuseColor.rgb = mix(diffuseColor.rgb, vMap, uMap);
 export function bodyMaterial(body, grain) {
     const material = new MeshStandardMaterial({
         color: new Color(body.colour),
-        roughness: roughness[body.kind] ?? 0.6,
+        roughness: roughnessOf[body.matter] ?? roughness[body.kind] ?? 0.6,
         metalness: 0,
         polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, // edges lie on top
         side: DoubleSide,

@@ -5,6 +5,7 @@ import {
 } from "three";
 import { bodyMaterial, outlineMask, outlineMaterial } from "./body_material.js";
 import { rangeOf, quantities, tableOf, writeColour } from "./colour_maps.js";
+import { writeDifference } from "./difference.js";
 import { LatticeFields, SurfaceArea } from "./fields.js";
 import { grainMatrix } from "./grain.js";
 import { isShown } from "./store.js";
@@ -28,8 +29,9 @@ function writeNormals(p, triangles, out) {
 }
 
 export class BodyView {
-    constructor(body) {
+    constructor(body, scene) {
         this.body = body;
+        this.scene = scene;
         this.group = new Group();
         const count = body.shading ? body.shading.length : body.vertices;
         const geometry = new BufferGeometry();
@@ -52,6 +54,7 @@ export class BodyView {
             object.frustumCulled = false;
             object.matrixAutoUpdate = false;
             object.userData.body = body.index;
+            object.userData.isBone = body.kind === "bone";
             this.group.add(object);
         }
         if (body.isRigid) writeNormals(geometry.attributes.position.array, body.triangles, geometry.attributes.normal.array);
@@ -103,8 +106,9 @@ export class BodyView {
     /** Raw values of a quantity at the body's vertices, or null if this body has none. */
     valuesOf(quantity, map, frame) {
         const { body } = this;
-        if (body.isRigid && quantity !== "weights") return null;
+        if (body.isRigid && quantity !== "weights" && quantity !== "difference") return null;
         const values = (this.values ??= new Float32Array(body.vertices));
+        if (quantity === "difference") return writeDifference(body, this.scene, frame, values) ? values : null;
         if (quantity === "area") {
             (this.area ??= new SurfaceArea(body)).write(frame, values);
             return values;

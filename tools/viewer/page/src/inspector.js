@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is selected: the body's size and state at this frame, the node's type, values and connections.
 import { cssGradient } from "./colour_maps.js";
+import { twinOf, writeDifference } from "./difference.js";
 import { count, h, iconButton, show } from "./dom.js";
 
 const percent = (x) => (Number.isFinite(x) ? `${x >= 0 ? "+" : "−"}${Math.abs(100 * x).toFixed(2)} %` : "–");
@@ -24,6 +25,15 @@ export function inspector(scene, store, selection, world) {
             const cell = h("span", {});
             live.push((frame) => (cell.textContent = percent(body.volume[frame] - 1)));
             rows.push(row("Volume", cell));
+        }
+        if (twinOf(body, scene)) {
+            const cell = h("span", {}), apart = new Float32Array(body.vertices);
+            live.push((frame) => {
+                const is = writeDifference(body, scene, frame, apart);
+                const most = apart.reduce((m, x) => Math.max(m, x), 0), mean = apart.reduce((s, x) => s + x, 0) / apart.length;
+                cell.textContent = is ? `${show(1000 * mean)} mm, at most ${show(1000 * most)} mm` : "not there";
+            });
+            rows.push(row("Difference", cell));
         }
         const bars = body.fibres.map((f) => {
             const fill = h("i", {}), text = h("b", {});
@@ -65,7 +75,7 @@ export function inspector(scene, store, selection, world) {
         if (host.hidden) return host.replaceChildren();
         const own = bodies.length === 1 && (!node || bodies[0].node === node.name) ? bodies[0] : null;
         const title = node?.name ?? own?.name ?? "";
-        const children = [h("header", {}, h("div", {}, h("strong", {}, title), h("span", { class: "soft" }, node?.type ?? own?.kind ?? "")),
+        const children = [h("header", {}, h("div", {}, h("strong", {}, title), h("span", { class: "soft" }, [node?.type ?? own?.kind, own?.matter].filter((w, i, all) => w && all.indexOf(w) === i).join(", "))),
             h("span", { class: "space" }), iconButton("down", "More or less of it", () => host.classList.toggle("folded"), { class: "icon-button fold" }),
             iconButton("close", "Select nothing", () => selection.clear()))];
         if (own) children.push(bodyPart(own));

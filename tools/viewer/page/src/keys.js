@@ -3,7 +3,8 @@
 import { h, iconButton } from "./dom.js";
 import { hasData, setOverlay } from "./store.js";
 
-const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", marks: "marks", volume: "tets, so no change of volume" };
+const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", marks: "marks", volume: "tets, so no change of volume",
+    difference: "bodies that both runs have" };
 
 /** [keys, what they do, action]. `app` is what main.js has put together. */
 export function shortcuts(app) {
@@ -35,6 +36,11 @@ export function shortcuts(app) {
         [["g"], "Ground grid", () => flip("grid")],
         [["v"], "Volume change as colours", () => hasData(scene, "volume")
             ? store.set({ colourBy: store.state.colourBy === "volume" ? "material" : "volume" }) : none("volume")],
+        ...(scene.other ? [
+            [["d"], `Difference from ${scene.other.title} as colours`, () => hasData(scene, "difference")
+                ? store.set({ colourBy: store.state.colourBy === "difference" ? "material" : "difference" }) : none("difference")],
+            [["y"], "Side by side, or this run alone", () => store.set({ compare: store.state.compare === "side" ? "one" : "side" })],
+        ] : []),
         [["h"], "Hide the selected bodies", () => {
             const visible = store.state.visible.slice();
             for (const i of store.state.selectedBodies) visible[i] = false;

@@ -67,7 +67,8 @@ export class LatticeView {
 
     update(state, plane) {
         this.setCut(plane);
-        const p = this.lattice.positionsAt(state.frame);
+        const p = state.wholeTets ? this.lattice.positionsAt(state.frame)
+            : this.lattice.drawnAt(state.frame, this.view.body.positionsAt(state.frame));
         const linePositions = this.lines.geometry.attributes.position;
         linePositions.array.set(p);
         linePositions.needsUpdate = true;

@@ -143,6 +143,22 @@ function keepInside(inspector, view, lower, store) {
     store.on(["selectedNode", "selectedBodies"], () => inspector.offsetParent && place());
 }
 
+/** Side by side: which run is which. */
+function sideTitles(scene, store) {
+    if (!scene.other) return "";
+    const element = h("div", { class: "side-titles" }, ...[scene, scene.other].map((s) => h("div", {}, h("span", { title: s.source }, s.title))));
+    const missing = h("p", { class: "soft", hidden: true }, "has no such frame");
+    element.lastChild.append(missing);
+    const update = () => {
+        element.hidden = store.state.compare !== "side";
+        const number = scene.frames[store.state.frame]?.frame;
+        missing.hidden = scene.other.frames.some((f) => f.frame === number);
+    };
+    store.on(["compare", "frame"], update);
+    update();
+    return element;
+}
+
 /** What lies over the canvas at its sides, for framing: the legend on the left or below, the inspector on the right. */
 function coveredBy(view, legend, inspector) {
     return () => {
@@ -192,7 +208,7 @@ async function start() {
     const work = h("div", { class: "work" }, view, transport(scene, store, player), panel.element);
     if (hasView) {
         const colours = legend(scene, store, world), about = inspector(scene, store, selection, world);
-        view.append(colours, banner(scene.notes, store) ?? "", probe(scene, store, world, colours));
+        view.append(colours, sideTitles(scene, store), banner(scene.notes, store) ?? "", probe(scene, store, world, colours));
         work.append(about);
         keepInside(about, view, panel.element.querySelector(".panel-body"), store);
         world.stage.covered = coveredBy(view, colours, about);

@@ -41,7 +41,20 @@ class LatticeData {
         const out = new LatticeData(about);
         out.tets = await blocks.get(about.tets);
         out.rest = await blocks.get(about.rest);
+        [out.skin, out.skinWeights] = [await blocks.get(about.skin.places), await blocks.get(about.skin.weights)];
         out.motion = await GridMotion.load(about, 3 * about.vertices, blocks);
+        return out;
+    }
+    /** Where the vertices are drawn: those beside the flesh on its skin, which `surface` are the positions of. */
+    drawnAt(frame, surface) {
+        const { skin, skinWeights } = this, out = (this.drawn ??= new Float32Array(this.positions.length));
+        out.set(this.positionsAt(frame));
+        for (let i = 0; i < skin.length / 4; ++i)
+            for (let c = 0; c < 3; ++c) {
+                let x = 0;
+                for (let k = 0; k < 3; ++k) x += skinWeights[3 * i + k] * surface[3 * skin[4 * i + 1 + k] + c];
+                out[3 * skin[4 * i] + c] = x;
+            }
         return out;
     }
     positionsAt(frame) {
@@ -53,7 +66,7 @@ class LatticeData {
 
 export class BodyData {
     constructor(about, index) {
-        Object.assign(this, { index, name: about.name, node: about.node, kind: about.kind, colour: about.colour });
+        Object.assign(this, { index, name: about.name, node: about.node, kind: about.kind, matter: about.matter, colour: about.colour });
         this.stripes = about.stripes;
         this.gloss = about.gloss;
         this.vertices = about.vertices;
@@ -82,7 +95,8 @@ export class BodyData {
                 count: f.count,
                 tets: await blocks.get(f.tets),
                 directions: await blocks.get(f.directions),
-                weights: await blocks.get(f.weights),
+                centre: await blocks.get(f.centre),
+                reach: await blocks.get(f.reach),
                 excitation: await blocks.get(f.excitation),
             })),
         );
@@ -142,14 +156,10 @@ export class BodyData {
     }
 }
 
-/** Reads the whole run out of the document. `onProgress(share)` is told how far it is. */
-export async function loadScene(onProgress = () => {}) {
-    const header = JSON.parse(document.getElementById("sinew-scene").textContent);
-    const blocks = new BlockStore(header.blocks);
+async function loadRun(header, blocks, onBody) {
     const scene = {
         title: header.title,
         source: header.source,
-        generator: header.generator,
         fps: header.fps,
         unitsPerMetre: header.unitsPerMetre,
         up: header.up,
@@ -160,10 +170,11 @@ export async function loadScene(onProgress = () => {}) {
         graph: header.graph,
         bodies: [],
         attachments: [],
+        other: null, // a run to compare with
     };
     for (const about of header.bodies) {
         scene.bodies.push(await BodyData.load(about, scene.bodies.length, blocks));
-        onProgress(scene.bodies.length / header.bodies.length);
+        onBody();
     }
     for (const a of header.attachments) {
         const [from, to] = await Promise.all([a.from, a.to].map(async ({ hosts, weights }) =>
@@ -172,5 +183,20 @@ export async function loadScene(onProgress = () => {}) {
     }
     for (const frame of scene.frames) for (const group of frame.marks ?? []) group.numbers = await blocks.get(group.numbers);
     if (scene.graph) scene.graph.svg = new TextDecoder().decode(await blocks.get(scene.graph.svg));
+    return scene;
+}
+
+/** Reads all out of the document. `onProgress(share)` is told how far it is. */
+export async function loadScene(onProgress = () => {}) {
+    const header = JSON.parse(document.getElementById("sinew-scene").textContent);
+    const blocks = new BlockStore(header.blocks), all = header.bodies.length + (header.other?.bodies.length ?? 0);
+    let loaded = 0;
+    const onBody = () => onProgress(++loaded / all);
+    const scene = await loadRun(header, blocks, onBody);
+    scene.generator = header.generator;
+    if (header.other) {
+        scene.other = await loadRun(header.other, blocks, onBody);
+        scene.other.other = scene; // each is the other's other: colours of the difference are on both sides
+    }
     return scene;
 }

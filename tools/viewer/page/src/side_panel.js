@@ -23,7 +23,7 @@ function bodyList(scene, store, selection, world) {
         const row = h("li", { class: "body-row", "data-body": b.name, onclick: () => selection.selectBody(i),
             ondblclick: () => (selection.selectBody(i), world.frameSelection()) },
             h("span", { class: "swatch", style: `background:${b.colour}` }),
-            h("span", { class: "name", title: `${b.name} (${b.kind})` }, b.name), solo, eye);
+            h("span", { class: "name", title: `${b.name} (${b.matter})` }, b.name), solo, eye);
         return { row, eye, solo };
     });
     function update() {
@@ -41,12 +41,12 @@ function bodyList(scene, store, selection, world) {
     }
     store.on(["visible", "solo", "selectedBodies", ...(scene.bodies.some((b) => b.present) ? ["frame"] : [])], update);
     update();
-    const kinds = [...new Set(scene.bodies.map((b) => b.kind))];
-    const chips = kinds.length < 2 ? null : h("div", { class: "chips" }, kinds.map((kind) =>
-        h("button", { type: "button", class: "chip", title: `Show or hide all of kind ${kind}`, onclick: () => {
-            const all = scene.bodies.every((b, i) => b.kind !== kind || store.state.visible[i]);
-            store.set({ solo: -1, visible: store.state.visible.map((v, i) => (scene.bodies[i].kind === kind ? !all : v)) });
-        } }, kind)),
+    const matters = [...new Set(scene.bodies.map((b) => b.matter))];
+    const chips = matters.length < 2 ? null : h("div", { class: "chips" }, matters.map((matter) =>
+        h("button", { type: "button", class: "chip", title: `Show or hide all that is ${matter}`, onclick: () => {
+            const all = scene.bodies.every((b, i) => b.matter !== matter || store.state.visible[i]);
+            store.set({ solo: -1, visible: store.state.visible.map((v, i) => (scene.bodies[i].matter === matter ? !all : v)) });
+        } }, matter)),
         h("button", { type: "button", class: "chip", onclick: () => store.set({ visible: store.state.visible.map(() => true), solo: -1 }) }, "all"));
     return section("Bodies", chips, h("ul", { class: "bodies" }, rows.map((r) => r.row)));
 }
@@ -90,7 +90,7 @@ function mapEntries(scene) {
 
 function colourSection(scene, store) {
     const maps = mapEntries(scene);
-    const options = [["material", "Material"], ["volume", "Volume change"], ["stretch", "Largest stretch"],
+    const options = [["material", "Material"], ["difference", `Difference from ${scene.other?.title}`], ["volume", "Volume change"], ["stretch", "Largest stretch"],
         ["area", "Surface area change"], ["weights", "Painted weights"]].filter(([name]) => hasData(scene, name));
     const select = h("select", { "aria-label": "Colour by", onchange: () => store.set({ colourBy: select.value }) },
         options.map(([value, label]) => h("option", { value }, label)));
@@ -121,31 +121,44 @@ function overlaySection(scene, store) {
         return [name, t];
     });
     const filled = toggle("Filled", (on) => store.set({ filledLattice: on }));
+    const whole = toggle("Beyond the flesh", (on) => store.set({ wholeTets: on }));
     const cut = toggle("Cut plane", (on) => store.set({ cut: { ...store.state.cut, on } }), "C");
     const flip = toggle("Other side", (on) => store.set({ cut: { ...store.state.cut, flip: on } }));
     const slider = h("input", { type: "range", min: "0", max: "1", step: "0.005", "aria-label": "Place of the cut",
         oninput: () => store.set({ cut: { ...store.state.cut, at: Number(slider.value) } }) });
     const axes = choice([[0, "X"], [1, "Y"], [2, "Z"]], () => store.state.cut.axis, (axis) => store.set({ cut: { ...store.state.cut, axis } }), store, "cut");
     const more = h("div", { class: "nested" }, axes, slider, flip.element);
-    const fill = h("div", { class: "nested" }, filled.element);
+    const fill = h("div", { class: "nested" }, filled.element, whole.element);
     const update = () => {
         const { overlays, cut: c, filledLattice } = store.state;
         for (const [name, t] of toggles) t.input.checked = overlays[name];
         filled.input.checked = filledLattice;
+        whole.input.checked = store.state.wholeTets;
         cut.input.checked = c.on;
         flip.input.checked = c.flip;
         slider.value = c.at;
         more.hidden = !c.on;
         fill.hidden = !overlays.lattice;
     };
-    store.on(["overlays", "cut", "filledLattice"], update);
+    store.on(["overlays", "cut", "filledLattice", "wholeTets"], update);
     update();
     const rows = toggles.map(([name, t]) => (name === "lattice" ? [t.element, fill] : t.element));
     return section("Overlays", ...rows.flat(), cut.element, more);
 }
 
+function compareSection(scene, store) {
+    if (!scene.other) return null;
+    const sides = choice([["one", "This run"], ["side", "Side by side"]], () => store.state.compare, (compare) => store.set({ compare }), store, "compare");
+    const difference = toggle("Difference", (on) => store.set({ colourBy: on ? "difference" : "material" }), "D");
+    const update = () => (difference.input.checked = store.state.colourBy === "difference");
+    difference.input.disabled = !hasData(scene, "difference");
+    store.on(["colourBy"], update);
+    update();
+    return section(`Against ${scene.other.title}`, sides, difference.element);
+}
+
 export function sidePanel(scene, store, selection, world) {
-    const side = h("aside", { class: "side", id: "side" }, overlaySection(scene, store), colourSection(scene, store), surfaceSection(scene, store),
+    const side = h("aside", { class: "side", id: "side" }, compareSection(scene, store), overlaySection(scene, store), colourSection(scene, store), surfaceSection(scene, store),
         bodyList(scene, store, selection, world));
     store.on(["drawerOpen"], ({ drawerOpen }) => side.classList.toggle("open", drawerOpen));
     return side;

@@ -50,6 +50,8 @@ export class Stage {
         this.addLights();
         this.addGrid(low, high);
         this.beforeDraw = [];
+        /** Two groups to draw side by side, or null. */
+        this.sides = () => null;
         new ResizeObserver(() => this.resize()).observe(host);
         this.resize();
     }
@@ -113,11 +115,21 @@ export class Stage {
         this.invalidate();
     }
 
+    parts() {
+        return this.sides() ? 2 : 1;
+    }
+    /** 0 or 1: which side a point of the page lies on. */
+    sideAt(x) {
+        const r = this.canvas.getBoundingClientRect();
+        return this.parts() === 2 && x - r.left > r.width / 2 ? 1 : 0;
+    }
+
     resize() {
         const width = Math.max(1, this.host.clientWidth), height = Math.max(1, this.host.clientHeight);
         this.renderer.setSize(width, height, false);
-        this.camera.aspect = width / height;
+        this.camera.aspect = width / this.parts() / height;
         this.camera.updateProjectionMatrix();
+        this.controls.zoomToCursor = this.parts() === 1;
         // What was framed stays framed, until the user turns or zooms.
         if (this.framed) this.frame(...this.framed);
         this.invalidate();
@@ -163,7 +175,8 @@ export class Stage {
         const up = new Vector3().crossVectors(d, right);
         // Slopes of the four planes that hold what is free of the canvas, with a margin.
         const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
-        const { clientWidth: w, clientHeight: h } = this.host, over = this.covered(), margin = 0.035;
+        const { clientHeight: h } = this.host, w = this.host.clientWidth / this.parts(), margin = 0.035;
+        const over = this.parts() === 1 ? this.covered() : { ...this.covered(), left: 0, right: 0 };
         const free = (before, after, size) => {
             const from = before / Math.max(1, size), to = 1 - after / Math.max(1, size);
             return to - from > 0.45 ? [2 * (from + margin) - 1, 2 * (to - margin) - 1] : [2 * margin - 1, 1 - 2 * margin];
@@ -218,22 +231,34 @@ export class Stage {
     draw() {
         this.requested = false;
         for (const call of this.beforeDraw) call();
-        this.renderer.render(this.scene, this.camera);
+        const sides = this.sides(), { renderer } = this;
+        if (!sides) return renderer.render(this.scene, this.camera);
+        const wide = this.host.clientWidth / 2, tall = this.host.clientHeight, shown = sides.map((group) => group.visible);
+        renderer.setScissorTest(true);
+        sides.forEach((_, i) => {
+            sides.forEach((group, k) => (group.visible = shown[k] && k === i));
+            renderer.setViewport(i * wide, 0, wide, tall);
+            renderer.setScissor(i * wide, 0, wide, tall);
+            renderer.render(this.scene, this.camera);
+        });
+        sides.forEach((group, k) => (group.visible = shown[k]));
+        renderer.setScissorTest(false);
+        renderer.setViewport(0, 0, 2 * wide, tall);
     }
 
     /** What of `meshes` lies under a point of the page, the nearest first. */
     pick(x, y, meshes) {
-        const r = this.canvas.getBoundingClientRect();
-        const at = new Vector2(((x - r.left) / r.width) * 2 - 1, 1 - ((y - r.top) / r.height) * 2);
+        const r = this.canvas.getBoundingClientRect(), wide = r.width / this.parts();
+        const at = new Vector2(((x - r.left - this.sideAt(x) * wide) / wide) * 2 - 1, 1 - ((y - r.top) / r.height) * 2);
         const ray = new Raycaster();
         ray.setFromCamera(at, this.camera);
         return ray.intersectObjects(meshes, false);
     }
-    /** Where a point of the scene is on the page, in CSS pixels. */
-    project(point) {
+    /** Where a point of the scene is on the page, in CSS pixels; side by side on one of the two. */
+    project(point, side = 0) {
         const p = new Vector3(...point).project(this.camera);
-        const r = this.canvas.getBoundingClientRect();
-        return [r.left + ((p.x + 1) / 2) * r.width, r.top + ((1 - p.y) / 2) * r.height];
+        const r = this.canvas.getBoundingClientRect(), wide = r.width / this.parts();
+        return [r.left + side * wide + ((p.x + 1) / 2) * wide, r.top + ((1 - p.y) / 2) * r.height];
     }
     picture() {
         this.draw();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the user has chosen. Everything that shows something listens here; nothing else knows of the others.
 
+import { twinOf } from "./difference.js";
 import { usualMarkRanges } from "./marks.js";
 
 export class Store {
@@ -42,6 +43,7 @@ export function hasData(scene, name) {
         case "marks": return scene.frames.some((f) => f.marks?.length > 0);
         case "volume": case "stretch": return scene.bodies.some((b) => b.lattice && b.hostTet);
         case "area": return scene.bodies.some((b) => !b.isRigid);
+        case "difference": return Boolean(scene.other) && scene.bodies.some((b) => twinOf(b, scene));
         case "weights": return scene.bodies.some((b) => b.maps.length > 0);
         default: return true;
     }
@@ -63,8 +65,10 @@ export function initialState(scene) {
         selectedNode: null,
         overlays: { lattice: false, fibres: false, attachments: false, marks: false, grid: true },
         filledLattice: true,
+        wholeTets: false, // also where they reach beyond the flesh
         cut: { on: false, axis: 0, at: 0.5, flip: false },
-        colourBy: "material", // "volume", "stretch", "area", "weights"
+        compare: scene.other ? "side" : "one", // or side by side; the difference is a colour
+        colourBy: "material", // "difference", "volume", "stretch", "area", "weights"
         map: "",
         ranges: usualRanges(scene), // by quantity: [least, most]
         opacity: 1, // of tissues and cloth

@@ -15,6 +15,7 @@ export function timelinePanel(scene, store, player) {
     const key = h("div", { class: "timeline-key" }, phases.map(([name, colour]) =>
         h("span", {}, h("i", { style: `background:${colour}` }), name)), h("span", {}, h("i", { class: "reused" }), "reused"),
         h("span", {}, h("i", { style: "background:#d23b3b" }), "not converged"),
+        scene.other ? h("span", {}, h("i", { class: "other" }), scene.other.title) : null,
         scene.frames.some((f) => f.faults) ? h("span", { class: "faulty" }, h("i", { style: `background:${fault}` }), "wrong: flies apart or is no number") : null);
     const scroller = h("div", { class: "timeline-scroll" }, canvas, tip);
     const element = h("div", { class: "timeline" }, scroller, key);
@@ -79,6 +80,8 @@ export function timelinePanel(scene, store, player) {
                 const part = Math.min(tall, (v / (most || 1)) * tall);
                 g.fillRect(xOf(i), y + tall - part, bar, part);
             });
+            g.fillStyle = c.soft;
+            row.others?.forEach((v, i) => Number.isFinite(v) && g.fillRect(xOf(i), y + tall - Math.min(tall, (v / (most || 1)) * tall) - 0.5, bar, 1));
         } else drawLine(g, row, y, c);
     }
 
@@ -95,17 +98,27 @@ export function timelinePanel(scene, store, player) {
             g.fillStyle = c.line;
             g.fillRect(left, at(0), width - left - right, 1);
         }
-        g.strokeStyle = row.colour;
-        g.lineWidth = 1.5;
-        g.beginPath();
-        const joins = (i) => i > 0 && numbers[i] === numbers[i - 1] + 1 && Number.isFinite(raw[i]) && Number.isFinite(raw[i - 1]);
-        raw.forEach((v, i) => {
-            if (!Number.isFinite(v)) return;
-            const x = xOf(i) + slot() / 2;
-            if (joins(i)) g.lineTo(x, at(v));
-            else g.moveTo(x, at(v));
-        });
-        g.stroke();
+        const joinsIn = (list) => (i) => i > 0 && numbers[i] === numbers[i - 1] + 1 && Number.isFinite(list[i]) && Number.isFinite(list[i - 1]);
+        const stroke = (list, colour, wide) => {
+            const joins = joinsIn(list);
+            g.strokeStyle = colour;
+            g.lineWidth = wide;
+            g.beginPath();
+            list.forEach((v, i) => {
+                if (!Number.isFinite(v)) return;
+                const x = xOf(i) + slot() / 2;
+                if (joins(i)) g.lineTo(x, at(v));
+                else g.moveTo(x, at(v));
+            });
+            g.stroke();
+        };
+        if (row.others) {
+            g.setLineDash([4, 3]);
+            stroke(kind === "log" ? row.others.map((v) => (v > 0 ? Math.log10(v) : NaN)) : row.others, c.soft, 1);
+            g.setLineDash([]);
+        }
+        const joins = joinsIn(raw);
+        stroke(raw, row.colour, 1.5);
         g.fillStyle = row.colour;
         raw.forEach((v, i) => {
             if (!Number.isFinite(v) || joins(i) || (i + 1 < raw.length && joins(i + 1))) return;

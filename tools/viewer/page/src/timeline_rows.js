@@ -39,7 +39,22 @@ function measureRows(scene) {
     });
 }
 
+/** The rows of the first run; `others` are the values of the run it is compared with, at the same frames. */
 export function timelineRows(scene) {
+    const rows = rowsOf(scene);
+    if (!scene.other) return rows;
+    const there = new Map(rowsOf(scene.other).map((r) => [r.key, r])), at = new Map(scene.other.frames.map((f, i) => [f.frame, i]));
+    for (const row of rows) {
+        const other = there.get(row.key);
+        if (!other || row.kind === "stack") continue;
+        row.others = scene.frames.map((f) => (at.has(f.frame) ? other.values[at.get(f.frame)] : NaN));
+        row.scaled = [...row.scaled, ...row.others.filter((_, i) => !scene.other.frames[at.get(scene.frames[i].frame)]?.faults)];
+        row.most = largest(row.scaled);
+    }
+    return rows;
+}
+
+function rowsOf(scene) {
     const { frames } = scene;
     const of = (key) => frames.map((f) => (f[key] === undefined || f[key] === null ? NaN : Number(f[key])));
     const stacks = frames.map(phaseTimes);

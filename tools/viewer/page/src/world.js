@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // All bodies and overlays in one stage, brought up to date when the state changes.
 import { Triangle, Vector3 } from "three";
-import { AttachmentView } from "./attachment_view.js";
 import { cutPlane } from "./body_material.js";
-import { BodyView } from "./body_view.js";
 import { quantities } from "./colour_maps.js";
-import { FibreView } from "./fibre_view.js";
-import { LatticeView } from "./lattice_view.js";
-import { MarksView } from "./marks_view.js";
+import { RunView, stateOfOther } from "./run_view.js";
 import { samplePoints, Stage } from "./stage.js";
 import { isShown } from "./store.js";
 
@@ -16,22 +12,42 @@ export class World {
         this.scene = scene;
         this.store = store;
         this.stage = new Stage(host, scene);
-        this.bodies = scene.bodies.map((b) => new BodyView(b));
-        this.lattices = new Map();
-        this.fibres = new Map();
-        this.attachments = [];
-        this.marks = new MarksView(scene);
-        for (const view of this.bodies) this.stage.world.add(view.group);
-        this.stage.world.add(this.marks.group);
+        this.run = new RunView(scene);
+        this.stage.world.add(this.run.group);
+        this.other = scene.other ? new RunView(scene.other) : null;
+        if (this.other) {
+            this.other.group.scale.setScalar(scene.unitsPerMetre / scene.other.unitsPerMetre);
+            this.stage.world.add(this.other.group);
+            this.stage.sides = () => (this.isSideBySide() ? [this.run.group, this.other.group] : null);
+        }
         this.restBox = this.findRestBox();
         store.on([], (_, changed) => {
             if (changed.has("theme")) this.stage.setTheme(store.state.theme);
             this.dirty = true;
+            if (changed.has("compare")) this.stage.resize();
             this.stage.invalidate();
         });
         this.stage.beforeDraw.push(() => this.refresh());
         this.stage.setTheme(store.state.theme);
         this.dirty = true;
+    }
+    get bodies() {
+        return this.run.bodies;
+    }
+    get lattices() {
+        return this.run.lattices;
+    }
+    get fibres() {
+        return this.run.fibres;
+    }
+    get marks() {
+        return this.run.marks;
+    }
+    allAttachments() {
+        return this.run.allAttachments();
+    }
+    isSideBySide() {
+        return Boolean(this.other) && this.store.state.compare === "side";
     }
 
     /** Of everything soft, as modelled: what the cut plane moves through. */
@@ -60,57 +76,32 @@ export class World {
     refresh() {
         if (!this.dirty) return;
         this.dirty = false;
-        const { state } = this.store, { overlays } = state;
-        const plane = this.plane();
+        const { state } = this.store, plane = this.plane();
         if (plane) cutPlane.value.set(...plane);
-        this.stage.grid.visible = overlays.grid;
-        for (const view of this.bodies) view.update(state);
-        this.showLayer(this.lattices, overlays.lattice, (v) => v.body.lattice, (v) => new LatticeView(v), plane);
-        this.showLayer(this.fibres, overlays.fibres, (v) => v.body.fibres.length > 0, (v) => new FibreView(v));
-        this.showAttachments(overlays.attachments);
-        this.marks.group.visible = false;
-        if (overlays.marks) this.marks.update(state);
+        this.stage.grid.visible = state.overlays.grid;
+        this.run.refresh(state, plane);
+        if (!this.other) return;
+        const there = this.isSideBySide() ? stateOfOther(state, this.scene, this.scene.other) : null;
+        this.other.group.visible = Boolean(there);
+        if (there) this.other.refresh(there, plane);
     }
 
-    /** Made when first shown: a layer that is off costs nothing. */
-    showLayer(layer, on, has, make, plane = null) {
-        const { state } = this.store;
-        for (const view of this.bodies) {
-            const index = view.body.index;
-            const wanted = on && has(view) && isShown(state, index) && view.body.isThere(state.frame);
-            if (wanted && !layer.has(index)) {
-                layer.set(index, make(view));
-                this.stage.world.add(layer.get(index).group);
-            }
-            const shown = layer.get(index);
-            if (!shown) continue;
-            shown.group.visible = Boolean(wanted);
-            if (wanted) shown.update(state, plane);
-        }
+    /** The run whose side a point of the page lies on. */
+    runAt(x) {
+        return this.isSideBySide() && this.stage.sideAt(x) === 1 ? this.other : this.run;
     }
-
-    allAttachments() {
-        if (this.attachments.length === 0)
-            this.attachments = this.scene.attachments.map((a) => new AttachmentView(a, this.scene));
-        return this.attachments;
-    }
-    showAttachments(on) {
-        if (!on && this.attachments.length === 0) return;
-        for (const view of this.allAttachments()) {
-            if (!view.group.parent) this.stage.world.add(view.group);
-            view.group.visible = on;
-            if (on) view.update(this.store.state);
-        }
-    }
-
-    /** The body under a point of the page, or -1. */
+    /** The body of the first run under a point of the page, or that of the same name as the other's; or -1. */
     pickBody(x, y) {
-        return this.pickSurface(x, y)?.object.userData.body ?? -1;
+        const hit = this.pickSurface(x, y), run = this.runAt(x);
+        if (!hit) return -1;
+        const index = hit.object.userData.body;
+        return run === this.run ? index : this.scene.bodies.findIndex((b) => b.name === run.scene.bodies[index].name);
     }
     pickSurface(x, y) {
         const { state } = this.store;
         if (this.dirty) this.refresh();
-        const meshes = this.bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
+        const { bodies } = this.runAt(x);
+        const meshes = bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
         return this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state)) ?? null;
     }
 
@@ -119,23 +110,27 @@ export class World {
     probe(x, y) {
         const hit = this.probeTets(x, y) ?? this.probeSurface(x, y);
         if (!hit) return null;
-        const { overlays, frame } = this.store.state, all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
+        const { overlays } = this.store.state, { frame } = this.stateAt(x), all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
         return { ...hit, excitation: all.length ? Math.max(...all) : null };
     }
-    probeTets(x, y) {
+    stateAt(x) {
         const { state } = this.store;
+        return this.runAt(x) === this.run ? state : stateOfOther(state, this.scene, this.scene.other) ?? state;
+    }
+    probeTets(x, y) {
+        const state = this.stateAt(x);
         if (!state.overlays.lattice || !state.filledLattice) return null;
         if (this.dirty) this.refresh();
-        const layers = [...this.lattices.values()].filter((l) => l.group.visible);
+        const layers = [...this.runAt(x).lattices.values()].filter((l) => l.group.visible);
         const hit = this.stage.pick(x, y, layers.map((l) => l.mesh))[0];
         if (!hit) return null;
         const layer = layers.find((l) => l.mesh === hit.object), tet = layer.open[hit.faceIndex][0], field = layer.fieldValues(state);
         return { body: layer.view.body, quantity: field ? state.colourBy : null, value: field ? field[tet] : NaN, tet, vertex: -1 };
     }
     probeSurface(x, y) {
-        const { state } = this.store, hit = this.pickSurface(x, y);
+        const state = this.stateAt(x), hit = this.pickSurface(x, y);
         if (!hit) return null;
-        const view = this.bodies[hit.object.userData.body], { body } = view;
+        const view = this.runAt(x).bodies[hit.object.userData.body], { body } = view;
         const corners = hit.face ? [hit.face.a, hit.face.b, hit.face.c] : [view.edges.geometry.index.array[hit.index]];
         const weights = hit.face ? hit.barycoord.toArray() : [1], nearest = corners[weights.indexOf(Math.max(...weights))];
         const vertexOf = (corner) => (body.shading ? body.shading[corner] : corner);
@@ -148,7 +143,7 @@ export class World {
     /** Whether the cut plane has taken away the flesh at a hit; the cut goes through the shape at rest. */
     isCutAway(hit, state) {
         const plane = this.plane(), { object, face, barycoord } = hit;
-        if (!plane || this.scene.bodies[object.userData.body].kind === "bone" || !object.isMesh || state.surface === "wire") return false;
+        if (!plane || object.userData.isBone || !object.isMesh || state.surface === "wire") return false;
         const { rest } = object.geometry.attributes, at = new Vector3();
         Triangle.getInterpolatedAttribute(rest, face.a, face.b, face.c, barycoord, at);
         return at.x * plane[0] + at.y * plane[1] + at.z * plane[2] > plane[3];

@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/viewer/flesh.h"
+
+#include "solver/mesh/closest_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::viewer {
+
+using solver::Vec3;
+using Weights = std::array<double, 4>;
+
+namespace {
+
+constexpr Weights middle_weights{0.25, 0.25, 0.25, 0.25};
+
+Vec3 point(const Coordinates& c, int v) {
+    const auto i = 3 * static_cast<std::size_t>(v);
+    return {static_cast<double>(c[i]), static_cast<double>(c[i + 1]), static_cast<double>(c[i + 2])};
+}
+
+/// Points spread through a tet, none of them on its faces.
+std::vector<Weights> make_samples() {
+    constexpr int n = 5;
+    std::vector<Weights> out;
+    for (int a = 0; a <= n; ++a)
+        for (int b = 0; a + b <= n; ++b)
+            for (int c = 0; a + b + c <= n; ++c) {
+                const int parts[4] = {a, b, c, n - a - b - c};
+                Weights& w = out.emplace_back();
+                for (std::size_t k = 0; k < 4; ++k) w[k] = (parts[k] + 0.25) / (n + 1);
+            }
+    return out;
+}
+
+class Flesh {
+  public:
+    Flesh(const ViewBody& body, std::vector<solver::Triangle> triangles)
+        : body_(body)
+        , triangles_(std::move(triangles))
+        , surface_(points_of(body), triangles_) {}
+
+    bool holds(const Vec3& p) const { return surface_.inside(p); }
+    bool holds(const Vec3& p, double nearly) const { return holds(p) || surface_.closest(p, nearly).triangle >= 0; }
+
+    /// The vertices beside the flesh, on its skin.
+    std::vector<ViewSkinPoint> skin() const {
+        std::vector<ViewSkinPoint> out;
+        const Coordinates& rest = body_.lattice->rest;
+        for (int v = 0; v < static_cast<int>(rest.size() / 3); ++v) {
+            if (holds(point(rest, v))) continue;
+            const solver::ClosestPoint near = surface_.closest(point(rest, v));
+            if (near.triangle < 0) continue;
+            ViewSkinPoint& s = out.emplace_back();
+            s.vertex = v;
+            for (std::size_t k = 0; k < 3; ++k) {
+                s.host[k] = triangles_[static_cast<std::size_t>(near.triangle)][k];
+                s.weights[k] = static_cast<float>(near.barycentric[static_cast<int>(k)]);
+            }
+        }
+        return out;
+    }
+
+    /// The middle of what a tet holds of the flesh, as weights of its vertices; false if it holds nothing.
+    bool middle(const std::array<Vec3, 4>& tet, Weights& found) const {
+        found = middle_weights;
+        if (holds(at(tet, found))) return true;
+        static const std::vector<Weights> samples = make_samples();
+        std::vector<const Weights*> inside;
+        Vec3 mean = Vec3::Zero();
+        for (const Weights& w : samples)
+            if (const Vec3 p = at(tet, w); holds(p)) inside.push_back(&w), mean += p;
+        if (inside.empty()) return on_skin(tet, found);
+        mean /= static_cast<double>(inside.size());
+        found = **std::min_element(inside.begin(), inside.end(), [&](const Weights* a, const Weights* b) {
+            return (at(tet, *a) - mean).squaredNorm() < (at(tet, *b) - mean).squaredNorm();
+        });
+        return true;
+    }
+
+    /// How far one may go from `start` along `step` without leaving the flesh, up to all of it: a share of `step`.
+    double way(const Vec3& start, const Vec3& step, double nearly) const {
+        constexpr int parts = 6;
+        for (int k = 1; k <= parts; ++k)
+            if (!holds(start + step * (static_cast<double>(k) / parts), nearly))
+                return static_cast<double>(k - 1) / parts;
+        return 1;
+    }
+
+    static Vec3 at(const std::array<Vec3, 4>& tet, const Weights& w) {
+        return w[0] * tet[0] + w[1] * tet[1] + w[2] * tet[2] + w[3] * tet[3];
+    }
+
+  private:
+    const ViewBody& body_;
+    std::vector<solver::Triangle> triangles_;
+    solver::SurfaceTree surface_;
+
+    static solver::Points points_of(const ViewBody& body) {
+        solver::Points out;
+        for (int v = 0; v < static_cast<int>(body.vertex_count()); ++v) out.push_back(point(body.rest, v));
+        return out;
+    }
+
+    /// Flesh thinner than the samples lie apart: the place of the skin next to the tet's middle, if it lies in the tet.
+    bool on_skin(const std::array<Vec3, 4>& tet, Weights& found) const {
+        const solver::ClosestPoint near = surface_.closest(at(tet, middle_weights));
+        solver::Mat3 edges;
+        for (int k = 0; k < 3; ++k) edges.col(k) = tet[static_cast<std::size_t>(k) + 1] - tet[0];
+        if (near.triangle < 0 || edges.determinant() == 0) return false;
+        const Vec3 w = edges.inverse() * (near.point - tet[0]);
+        found = {1 - w.sum(), w[0], w[1], w[2]};
+        return std::all_of(found.begin(), found.end(), [](double x) { return x >= 0; });
+    }
+};
+
+/// Half the length of a fibre's line at rest: less than half a tet, less where few fibres are painted.
+double half_length(double volume, float weight) {
+    return 0.42 * std::cbrt(volume) * (0.4 + 0.6 * static_cast<double>(weight));
+}
+
+/// `flesh` is null for open surfaces.
+ViewFibres kept(const ViewLattice& lattice, const ViewFibres& all, const Flesh* flesh) {
+    ViewFibres out;
+    out.node = all.node, out.excitation = all.excitation;
+    for (std::size_t i = 0; i < all.tets.size(); ++i) {
+        std::array<Vec3, 4> tet;
+        for (std::size_t k = 0; k < 4; ++k)
+            tet[k] = point(lattice.rest, lattice.tets[static_cast<std::size_t>(all.tets[i])][k]);
+        Weights centre = middle_weights;
+        if (flesh && !flesh->middle(tet, centre)) continue;
+        const double volume = std::abs((tet[1] - tet[0]).cross(tet[2] - tet[0]).dot(tet[3] - tet[0])) / 6;
+        const double half = half_length(volume, all.weights[i]), nearly = 0.02 * std::cbrt(volume);
+        const Vec3 start = Flesh::at(tet, centre), step = half * point(all.directions, static_cast<int>(i));
+        out.tets.push_back(all.tets[i]);
+        out.weights.push_back(all.weights[i]);
+        for (std::size_t c = 0; c < 3; ++c) out.directions.push_back(all.directions[3 * i + c]);
+        for (const double w : centre) out.centre.push_back(static_cast<float>(w));
+        for (const double sign : {-1.0, 1.0})
+            out.reach.push_back(static_cast<float>(half * (flesh ? flesh->way(start, sign * step, nearly) : 1)));
+    }
+    return out;
+}
+
+} // namespace
+
+void keep_to_flesh(ViewBody& body) {
+    if (!body.lattice) return;
+    std::vector<solver::Triangle> triangles = body.triangles;
+    for (solver::Triangle& t : triangles)
+        for (int& v : t)
+            if (!body.shading.empty()) v = body.shading[static_cast<std::size_t>(v)];
+    std::optional<Flesh> flesh;
+    if (!body.volume.empty()) flesh.emplace(body, std::move(triangles));
+    if (flesh) body.lattice->skin = flesh->skin();
+    for (ViewFibres& fibres : body.fibres) fibres = kept(*body.lattice, fibres, flesh ? &*flesh : nullptr);
+}
+
+Coordinates drawn_lattice(const ViewBody& body, std::size_t frame) {
+    Coordinates out = body.lattice->frames[frame];
+    for (const ViewSkinPoint& s : body.lattice->skin) {
+        std::array<float, 3> p{};
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto corner = vertex_position(body, frame, static_cast<std::size_t>(s.host[k]));
+            for (std::size_t c = 0; c < 3; ++c) p[c] += s.weights[k] * corner[c];
+        }
+        std::copy(p.begin(), p.end(), out.begin() + 3 * s.vertex);
+    }
+    return out;
+}
+
+} // namespace sinew::viewer
