@@ -45,6 +45,7 @@ test("the difference is the distance of vertices, in millimetres, at the same fr
     const [least, most] = await range(2);
     assert.ok(Math.abs(least) < 0.002 && Math.abs(most - 3) < 0.002, `${least} to ${most}: the lid stays, the box does not`);
     await page.evaluate(() => sinew.selectBody("box"));
+    await page.locator(".inspector .fold").click(); // its head alone leaves the second run in sight
     assert.match(await page.locator(".inspector").innerText(), /Difference\s+3 mm, at most 3 mm/);
     // Under the pointer, on both sides.
     for (const side of [0, 1]) {
@@ -101,6 +102,18 @@ test("side by side each run is on its own side, seen by one camera, and a click 
     assert.deepEqual(page.problems, []);
 });
 
+test("in an upright window the two are one above the other", async () => {
+    const { page } = await compared({ "box.1.obj": cube(1) }, { "box.1.obj": cube(1) });
+    await page.setViewportSize({ width: 390, height: 844 });
+    await page.waitForTimeout(300);
+    const box = await page.locator(".canvas").boundingBox(), at = await page.evaluate(() => [0, 1].map((s) => sinew.project([0.5, 0.5, 1], s)));
+    assert.ok(Math.abs(at[0][0] - at[1][0]) < 1);
+    assert.ok(Math.abs(at[1][1] - at[0][1] - box.height / 2) < 1);
+    for (const [x, y] of at) assert.equal(await page.evaluate((p) => sinew.bodyAt(...p), [x, y]), "box");
+    const [first, second] = await page.locator(".side-titles span").evaluateAll((list) => list.map((e) => e.getBoundingClientRect().top));
+    assert.ok(second > first + 0.3 * box.height);
+});
+
 test("what the runs do not have in common is said, and other frames are missing on one side alone", async () => {
     const { page, err } = await compared({ "box.1.obj": cube(1), "box.2.obj": cube(2), "lid.1.obj": cube(1, 3), "lid.2.obj": cube(1.2, 3) },
         { "box.2.obj": cube(2), "lid.2.obj": cube(1, 3, 2) });
@@ -119,13 +132,14 @@ test("what the runs do not have in common is said, and other frames are missing 
 
 test("a graph with other values against the graph itself", async () => {
     const graph = "graphs/learn/02_muscle_pulls.json", file = path.join(folder, "graph.html");
-    const said = await sinew("view", graph, "--frames", "1-8", "--set", "fibre.strength=400000", "--against", graph, "-o", file, "--quiet");
+    const said = await sinew("view", graph, "--frames", "1-18", "--set", "fibre.strength=30000", "--against", graph, "-o", file, "--quiet");
     assert.equal(said.code, 0, said.err);
     const page = await openPage(file);
     await page.evaluate(() => sinew.set({ colourBy: "difference" }));
     const most = async (frame) => (await page.evaluate((f) => (sinew.setFrame(f), sinew.measuredRange("difference")), frame))[1];
     assert.ok((await most(1)) < 1e-5, "the same at the start");
-    assert.ok((await most(8)) > 1e-4, `${await most(8)} m apart later`);
+    assert.ok((await most(18)) > 1e-4, `${await most(18)} m apart later`);
+    assert.deepEqual(await page.locator(".side-titles span").allInnerTexts(), ["02_muscle_pulls, fibre.strength=30000", "02_muscle_pulls"]);
     for (const overlay of ["lattice", "fibres", "attachments"]) await page.evaluate((o) => sinew.toggle(o, true), overlay);
     assert.deepEqual(page.problems, []);
     assert.match((await sinew("view", graph, "--against", path.join(folder, "nowhere"))).err, /nowhere/);

@@ -93,6 +93,15 @@ viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool se
                                     : scene_of_graph(in, source, settings);
 }
 
+/// Two runs of one graph, or folders of one name, are named after what makes them differ.
+void tell_apart(const Invocation& in, viewer::ViewScene& scene, viewer::ViewScene& other) {
+    if (scene.title != other.title) return;
+    for (const std::string& setting : in.arguments.values("--set")) scene.title += ", " + setting;
+    if (scene.title != other.title) return;
+    if (scene.source != other.source) scene.title = scene.source, other.title = other.source;
+    if (scene.title == other.title) other.title += " again";
+}
+
 std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
     std::size_t vertices = 0, tets = 0;
     for (const viewer::ViewBody& b : scene.bodies) {
@@ -117,11 +126,11 @@ ExitCode view(const Invocation& in) {
     if (const auto page = in.arguments.value("--output")) check_writable_file(*page, "--output");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
-    const viewer::ViewScene scene = scene_of(in, source, true);
+    viewer::ViewScene scene = scene_of(in, source, true);
     std::optional<viewer::ViewScene> other;
     if (const auto against = in.arguments.value("--against"); against && !in.stop.stop_requested()) {
         other = scene_of(in, *against, false);
-        if (other->title == scene.title) other->title += " (against)";
+        tell_apart(in, scene, *other);
     }
     const viewer::Page page = viewer::write_page(scene, options, other);
     const std::string otherwise = is_folder ? page_in(source).string() : scene.title + ".html";

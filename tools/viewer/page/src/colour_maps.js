@@ -60,7 +60,7 @@ export const quantities = {
     volume: { title: "Volume change", unit: "%", factor: 100, scale: "balance", range: [-20, 20], middle: 0, finest: 0.5 },
     stretch: { title: "Largest stretch", unit: "%", factor: 100, scale: "amount", range: [0, 50], finest: 0.5 },
     area: { title: "Surface area change", unit: "%", factor: 100, scale: "balance", range: [-40, 40], middle: 0, finest: 0.5 },
-    difference: { title: "Difference", unit: "mm", factor: 1000, scale: "amount", range: [0, 1], finest: 0.001 },
+    difference: { title: "Difference", unit: "mm", factor: 1000, scale: "paint", range: [0, 1], finest: 0.001 },
     weights: { title: "Painted weight", unit: "", factor: 1, scale: "paint", range: [0, 1] },
     excitation: { title: "Fibre excitation", unit: "%", factor: 100, scale: "heat", range: [0, 100] },
     distance: { title: "Attachments", unit: "mm", factor: 1000, scale: "distance", range: [0, 5] },

@@ -151,6 +151,7 @@ function sideTitles(scene, store) {
     element.lastChild.append(missing);
     const update = () => {
         element.hidden = store.state.compare !== "side";
+        document.documentElement.classList.toggle("side-by-side", !element.hidden);
         const number = scene.frames[store.state.frame]?.frame;
         missing.hidden = scene.other.frames.some((f) => f.frame === number);
     };

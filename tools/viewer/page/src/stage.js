@@ -115,21 +115,26 @@ export class Stage {
         this.invalidate();
     }
 
-    parts() {
-        return this.sides() ? 2 : 1;
+    /** Size in CSS pixels of what one run is drawn into, and where the second begins: beside the first, or below it where the
+        window is upright. */
+    part() {
+        const { clientWidth: w, clientHeight: h } = this.host;
+        if (!this.sides()) return { wide: w, tall: h, dx: 0, dy: 0 };
+        return h >= w ? { wide: w, tall: h / 2, dx: 0, dy: h / 2 } : { wide: w / 2, tall: h, dx: w / 2, dy: 0 };
     }
-    /** 0 or 1: which side a point of the page lies on. */
-    sideAt(x) {
-        const r = this.canvas.getBoundingClientRect();
-        return this.parts() === 2 && x - r.left > r.width / 2 ? 1 : 0;
+    /** 0 or 1: in which of the two a point of the page lies. */
+    sideAt(x, y) {
+        const r = this.canvas.getBoundingClientRect(), { dx, dy } = this.part();
+        return (dx && x - r.left > dx) || (dy && y - r.top > dy) ? 1 : 0;
     }
 
     resize() {
         const width = Math.max(1, this.host.clientWidth), height = Math.max(1, this.host.clientHeight);
         this.renderer.setSize(width, height, false);
-        this.camera.aspect = width / this.parts() / height;
+        const { wide, tall } = this.part();
+        this.camera.aspect = Math.max(1, wide) / Math.max(1, tall);
         this.camera.updateProjectionMatrix();
-        this.controls.zoomToCursor = this.parts() === 1;
+        this.controls.zoomToCursor = !this.sides();
         // What was framed stays framed, until the user turns or zooms.
         if (this.framed) this.frame(...this.framed);
         this.invalidate();
@@ -175,8 +180,8 @@ export class Stage {
         const up = new Vector3().crossVectors(d, right);
         // Slopes of the four planes that hold what is free of the canvas, with a margin.
         const tall = Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
-        const { clientHeight: h } = this.host, w = this.host.clientWidth / this.parts(), margin = 0.035;
-        const over = this.parts() === 1 ? this.covered() : { ...this.covered(), left: 0, right: 0 };
+        const { wide: w, tall: h } = this.part(), margin = 0.035;
+        const over = this.sides() ? { left: 0, right: 0, top: 36, bottom: 0 } : this.covered(); // 36: the titles
         const free = (before, after, size) => {
             const from = before / Math.max(1, size), to = 1 - after / Math.max(1, size);
             return to - from > 0.45 ? [2 * (from + margin) - 1, 2 * (to - margin) - 1] : [2 * margin - 1, 1 - 2 * margin];
@@ -233,23 +238,23 @@ export class Stage {
         for (const call of this.beforeDraw) call();
         const sides = this.sides(), { renderer } = this;
         if (!sides) return renderer.render(this.scene, this.camera);
-        const wide = this.host.clientWidth / 2, tall = this.host.clientHeight, shown = sides.map((group) => group.visible);
+        const { clientWidth: w, clientHeight: h } = this.host, { wide, tall, dx, dy } = this.part(), shown = sides.map((group) => group.visible);
         renderer.setScissorTest(true);
         sides.forEach((_, i) => {
             sides.forEach((group, k) => (group.visible = shown[k] && k === i));
-            renderer.setViewport(i * wide, 0, wide, tall);
-            renderer.setScissor(i * wide, 0, wide, tall);
+            renderer.setViewport(i * dx, h - tall - i * dy, wide, tall); // from below
+            renderer.setScissor(i * dx, h - tall - i * dy, wide, tall);
             renderer.render(this.scene, this.camera);
         });
         sides.forEach((group, k) => (group.visible = shown[k]));
         renderer.setScissorTest(false);
-        renderer.setViewport(0, 0, 2 * wide, tall);
+        renderer.setViewport(0, 0, w, h);
     }
 
     /** What of `meshes` lies under a point of the page, the nearest first. */
     pick(x, y, meshes) {
-        const r = this.canvas.getBoundingClientRect(), wide = r.width / this.parts();
-        const at = new Vector2(((x - r.left - this.sideAt(x) * wide) / wide) * 2 - 1, 1 - ((y - r.top) / r.height) * 2);
+        const r = this.canvas.getBoundingClientRect(), { wide, tall, dx, dy } = this.part(), side = this.sideAt(x, y);
+        const at = new Vector2(((x - r.left - side * dx) / wide) * 2 - 1, 1 - ((y - r.top - side * dy) / tall) * 2);
         const ray = new Raycaster();
         ray.setFromCamera(at, this.camera);
         return ray.intersectObjects(meshes, false);
@@ -257,8 +262,8 @@ export class Stage {
     /** Where a point of the scene is on the page, in CSS pixels; side by side on one of the two. */
     project(point, side = 0) {
         const p = new Vector3(...point).project(this.camera);
-        const r = this.canvas.getBoundingClientRect(), wide = r.width / this.parts();
-        return [r.left + side * wide + ((p.x + 1) / 2) * wide, r.top + ((1 - p.y) / 2) * r.height];
+        const r = this.canvas.getBoundingClientRect(), { wide, tall, dx, dy } = this.part();
+        return [r.left + side * dx + ((p.x + 1) / 2) * wide, r.top + side * dy + ((1 - p.y) / 2) * tall];
     }
     picture() {
         this.draw();

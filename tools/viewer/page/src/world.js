@@ -87,12 +87,12 @@ export class World {
     }
 
     /** The run whose side a point of the page lies on. */
-    runAt(x) {
-        return this.isSideBySide() && this.stage.sideAt(x) === 1 ? this.other : this.run;
+    runAt(x, y) {
+        return this.isSideBySide() && this.stage.sideAt(x, y) === 1 ? this.other : this.run;
     }
     /** The body of the first run under a point of the page, or that of the same name as the other's; or -1. */
     pickBody(x, y) {
-        const hit = this.pickSurface(x, y), run = this.runAt(x);
+        const hit = this.pickSurface(x, y), run = this.runAt(x, y);
         if (!hit) return -1;
         const index = hit.object.userData.body;
         return run === this.run ? index : this.scene.bodies.findIndex((b) => b.name === run.scene.bodies[index].name);
@@ -100,7 +100,7 @@ export class World {
     pickSurface(x, y) {
         const { state } = this.store;
         if (this.dirty) this.refresh();
-        const { bodies } = this.runAt(x);
+        const { bodies } = this.runAt(x, y);
         const meshes = bodies.filter((v) => v.group.visible).map((v) => (v.mesh.visible ? v.mesh : v.edges));
         return this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state)) ?? null;
     }
@@ -110,27 +110,27 @@ export class World {
     probe(x, y) {
         const hit = this.probeTets(x, y) ?? this.probeSurface(x, y);
         if (!hit) return null;
-        const { overlays } = this.store.state, { frame } = this.stateAt(x), all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
+        const { overlays } = this.store.state, { frame } = this.stateAt(x, y), all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
         return { ...hit, excitation: all.length ? Math.max(...all) : null };
     }
-    stateAt(x) {
+    stateAt(x, y) {
         const { state } = this.store;
-        return this.runAt(x) === this.run ? state : stateOfOther(state, this.scene, this.scene.other) ?? state;
+        return this.runAt(x, y) === this.run ? state : stateOfOther(state, this.scene, this.scene.other) ?? state;
     }
     probeTets(x, y) {
-        const state = this.stateAt(x);
+        const state = this.stateAt(x, y);
         if (!state.overlays.lattice || !state.filledLattice) return null;
         if (this.dirty) this.refresh();
-        const layers = [...this.runAt(x).lattices.values()].filter((l) => l.group.visible);
+        const layers = [...this.runAt(x, y).lattices.values()].filter((l) => l.group.visible);
         const hit = this.stage.pick(x, y, layers.map((l) => l.mesh))[0];
         if (!hit) return null;
         const layer = layers.find((l) => l.mesh === hit.object), tet = layer.open[hit.faceIndex][0], field = layer.fieldValues(state);
         return { body: layer.view.body, quantity: field ? state.colourBy : null, value: field ? field[tet] : NaN, tet, vertex: -1 };
     }
     probeSurface(x, y) {
-        const state = this.stateAt(x), hit = this.pickSurface(x, y);
+        const state = this.stateAt(x, y), hit = this.pickSurface(x, y);
         if (!hit) return null;
-        const view = this.runAt(x).bodies[hit.object.userData.body], { body } = view;
+        const view = this.runAt(x, y).bodies[hit.object.userData.body], { body } = view;
         const corners = hit.face ? [hit.face.a, hit.face.b, hit.face.c] : [view.edges.geometry.index.array[hit.index]];
         const weights = hit.face ? hit.barycoord.toArray() : [1], nearest = corners[weights.indexOf(Math.max(...weights))];
         const vertexOf = (corner) => (body.shading ? body.shading[corner] : corner);
