@@ -331,6 +331,18 @@ test("switches, eyes and solo on the page do what they say", async () => {
     assert.equal(await share(), full);
 });
 
+test("bodies look as the graph says, and are chosen by it", async () => {
+    const looks = await page.evaluate(() => Object.fromEntries(sinew.scene.bodies.map((b) => [b.name, [b.matter, b.colour]])));
+    assert.deepEqual([looks.biceps[0], looks.tricepsTendon[0], looks.humerus[0]], ["muscle", "tendon", "bone"]);
+    const [red, green] = [1, 3].map((i) => parseInt(looks.tricepsTendon[1].slice(i, i + 2), 16));
+    assert.ok(red > 200 && green > 180, `pale: ${looks.tricepsTendon[1]}`);
+    const chip = page.locator(".chip", { hasText: "tendon" });
+    await chip.click();
+    assert.deepEqual(await page.evaluate(() => sinew.scene.bodies.map((b) => b.name).filter((n) => !sinew.drawn().includes(n))), ["tricepsTendon"]);
+    await chip.click();
+    assert.equal((await page.evaluate(() => sinew.drawn())).length, 12);
+});
+
 test("a click on a body selects its node, and a click on a node selects its bodies", async () => {
     await page.evaluate(() => (sinew.setFrame(1), sinew.look("corner"), sinew.set({ panel: "graph" })));
     const [x, y] = await page.evaluate(() => {

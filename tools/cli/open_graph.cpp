@@ -71,13 +71,11 @@ render::Appearance appearance_of_node(const Graph& graph, const std::string& nod
     render::Appearance out;
     const Node* n = graph.find(node);
     if (!n || !n->type || !n->type->find_input("appearance")) return out;
+    // Literals: neither can be keyed, and no output gives a text or a colour that could be connected.
     const auto written = [&](std::string_view attribute) {
         const auto it = n->inputs.find(attribute);
-        if (it == n->inputs.end()) return engine::Value();
-        if (!std::holds_alternative<engine::Value>(it->second))
-            throw UsageError(n->type_name + " " + node + "." + std::string(attribute) +
-                             " is connected; how a body looks must be written in the graph itself.");
-        return std::get<engine::Value>(it->second);
+        const auto* value = it == n->inputs.end() ? nullptr : std::get_if<engine::Value>(&it->second);
+        return value ? *value : engine::Value();
     };
     if (const engine::Value v = written("appearance"); v.is<std::string>())
         out.matter = render::matter_of(v.as<std::string>());

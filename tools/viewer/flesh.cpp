@@ -2,6 +2,7 @@
 #include "tools/viewer/flesh.h"
 
 #include "solver/mesh/closest_point.h"
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ Vec3 point(const Coordinates& c, int v) {
 
 /// Points spread through a tet, none of them on its faces.
 std::vector<Weights> make_samples() {
-    constexpr int n = 5;
+    constexpr int n = 4;
     std::vector<Weights> out;
     for (int a = 0; a <= n; ++a)
         for (int b = 0; a + b <= n; ++b)
@@ -42,22 +43,30 @@ class Flesh {
         , surface_(points_of(body), triangles_) {}
 
     bool holds(const Vec3& p) const { return surface_.inside(p); }
-    bool holds(const Vec3& p, double nearly) const { return holds(p) || surface_.closest(p, nearly).triangle >= 0; }
+    /// Points that lie together, faster than one by one.
+    std::vector<bool> hold(const solver::Points& points) const {
+        const std::vector<double> windings = surface_.winding_numbers(points);
+        std::vector<bool> out;
+        for (const double w : windings) out.push_back(w > 0.5);
+        return out;
+    }
 
     /// The vertices beside the flesh, on its skin.
     std::vector<ViewSkinPoint> skin() const {
-        std::vector<ViewSkinPoint> out;
         const Coordinates& rest = body_.lattice->rest;
-        for (int v = 0; v < static_cast<int>(rest.size() / 3); ++v) {
-            if (holds(point(rest, v))) continue;
-            const solver::ClosestPoint near = surface_.closest(point(rest, v));
-            if (near.triangle < 0) continue;
+        std::vector<solver::ClosestPoint> near(rest.size() / 3); // triangle -1: in the flesh
+        solver::parallel_for(near.size(), 64, [&](std::size_t v) {
+            const Vec3 p = point(rest, static_cast<int>(v));
+            if (!holds(p)) near[v] = surface_.closest(p);
+        });
+        std::vector<ViewSkinPoint> out;
+        for (std::size_t v = 0; v < near.size(); ++v) {
+            if (near[v].triangle < 0) continue;
             ViewSkinPoint& s = out.emplace_back();
-            s.vertex = v;
-            for (std::size_t k = 0; k < 3; ++k) {
-                s.host[k] = triangles_[static_cast<std::size_t>(near.triangle)][k];
-                s.weights[k] = static_cast<float>(near.barycentric[static_cast<int>(k)]);
-            }
+            s.vertex = static_cast<int>(v);
+            s.host = triangles_[static_cast<std::size_t>(near[v].triangle)];
+            for (std::size_t k = 0; k < 3; ++k)
+                s.weights[k] = static_cast<float>(near[v].barycentric[static_cast<int>(k)]);
         }
         return out;
     }
@@ -67,10 +76,13 @@ class Flesh {
         found = middle_weights;
         if (holds(at(tet, found))) return true;
         static const std::vector<Weights> samples = make_samples();
+        solver::Points places;
+        for (const Weights& w : samples) places.push_back(at(tet, w));
+        const std::vector<bool> held = hold(places);
         std::vector<const Weights*> inside;
         Vec3 mean = Vec3::Zero();
-        for (const Weights& w : samples)
-            if (const Vec3 p = at(tet, w); holds(p)) inside.push_back(&w), mean += p;
+        for (std::size_t i = 0; i < samples.size(); ++i)
+            if (held[i]) inside.push_back(&samples[i]), mean += places[i];
         if (inside.empty()) return on_skin(tet, found);
         mean /= static_cast<double>(inside.size());
         found = **std::min_element(inside.begin(), inside.end(), [&](const Weights* a, const Weights* b) {
@@ -79,13 +91,25 @@ class Flesh {
         return true;
     }
 
-    /// How far one may go from `start` along `step` without leaving the flesh, up to all of it: a share of `step`.
-    double way(const Vec3& start, const Vec3& step, double nearly) const {
-        constexpr int parts = 6;
-        for (int k = 1; k <= parts; ++k)
-            if (!holds(start + step * (static_cast<double>(k) / parts), nearly))
-                return static_cast<double>(k - 1) / parts;
-        return 1;
+    /// How far one may go from `start` by -`step` and by `step` without leaving the flesh by more than `nearly`:
+    /// shares.
+    std::array<double, 2> ways(const Vec3& start, const Vec3& step, double nearly) const {
+        if (surface_.closest(start, step.norm()).triangle < 0) return {1, 1}; // the skin is farther away than that
+        constexpr std::size_t parts = 6;
+        solver::Points places;
+        for (const double sign : {-1.0, 1.0})
+            for (std::size_t k = 1; k <= parts; ++k)
+                places.push_back(start + step * (sign * static_cast<double>(k) / parts));
+        const std::vector<bool> held = hold(places);
+        std::array<double, 2> out{1, 1};
+        for (std::size_t side = 0; side < 2; ++side)
+            for (std::size_t k = 0; k < parts; ++k) {
+                const std::size_t i = side * parts + k;
+                if (held[i] || surface_.closest(places[i], nearly).triangle >= 0) continue;
+                out[side] = static_cast<double>(k) / parts;
+                break;
+            }
+        return out;
     }
 
     static Vec3 at(const std::array<Vec3, 4>& tet, const Weights& w) {
@@ -120,25 +144,41 @@ double half_length(double volume, float weight) {
     return 0.42 * std::cbrt(volume) * (0.4 + 0.6 * static_cast<double>(weight));
 }
 
+/// Where a fibre's line lies in its tet, and how long it is.
+struct Line {
+    bool is_there = true;
+    Weights centre = middle_weights;
+    std::array<double, 2> reach{};
+};
+
 /// `flesh` is null for open surfaces.
+Line line_of(const ViewLattice& lattice, const ViewFibres& fibres, std::size_t i, const Flesh* flesh) {
+    Line out;
+    std::array<Vec3, 4> tet;
+    for (std::size_t k = 0; k < 4; ++k)
+        tet[k] = point(lattice.rest, lattice.tets[static_cast<std::size_t>(fibres.tets[i])][k]);
+    out.is_there = !flesh || flesh->middle(tet, out.centre);
+    if (!out.is_there) return out;
+    const double volume = std::abs((tet[1] - tet[0]).cross(tet[2] - tet[0]).dot(tet[3] - tet[0])) / 6;
+    const double half = half_length(volume, fibres.weights[i]), nearly = 0.02 * std::cbrt(volume);
+    const Vec3 step = half * point(fibres.directions, static_cast<int>(i));
+    out.reach = flesh ? flesh->ways(Flesh::at(tet, out.centre), step, nearly) : std::array<double, 2>{1, 1};
+    for (double& way : out.reach) way *= half;
+    return out;
+}
+
 ViewFibres kept(const ViewLattice& lattice, const ViewFibres& all, const Flesh* flesh) {
+    std::vector<Line> lines(all.tets.size());
+    solver::parallel_for(lines.size(), 64, [&](std::size_t i) { lines[i] = line_of(lattice, all, i, flesh); });
     ViewFibres out;
     out.node = all.node, out.excitation = all.excitation;
-    for (std::size_t i = 0; i < all.tets.size(); ++i) {
-        std::array<Vec3, 4> tet;
-        for (std::size_t k = 0; k < 4; ++k)
-            tet[k] = point(lattice.rest, lattice.tets[static_cast<std::size_t>(all.tets[i])][k]);
-        Weights centre = middle_weights;
-        if (flesh && !flesh->middle(tet, centre)) continue;
-        const double volume = std::abs((tet[1] - tet[0]).cross(tet[2] - tet[0]).dot(tet[3] - tet[0])) / 6;
-        const double half = half_length(volume, all.weights[i]), nearly = 0.02 * std::cbrt(volume);
-        const Vec3 start = Flesh::at(tet, centre), step = half * point(all.directions, static_cast<int>(i));
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+        if (!lines[i].is_there) continue;
         out.tets.push_back(all.tets[i]);
         out.weights.push_back(all.weights[i]);
         for (std::size_t c = 0; c < 3; ++c) out.directions.push_back(all.directions[3 * i + c]);
-        for (const double w : centre) out.centre.push_back(static_cast<float>(w));
-        for (const double sign : {-1.0, 1.0})
-            out.reach.push_back(static_cast<float>(half * (flesh ? flesh->way(start, sign * step, nearly) : 1)));
+        for (const double w : lines[i].centre) out.centre.push_back(static_cast<float>(w));
+        for (const double r : lines[i].reach) out.reach.push_back(static_cast<float>(r));
     }
     return out;
 }
