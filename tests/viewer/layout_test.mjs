@@ -74,6 +74,24 @@ for (const [name, device] of [["phone", phone], ["tablet", tablet], ["phone that
         assert.deepEqual(page.problems, []);
     });
 
+test("a tap tells the value under the finger", async () => {
+    const page = await openPage(file, phone);
+    const at = await page.evaluate(() => {
+        sinew.setFrame(3);
+        sinew.set({ colourBy: "stretch" });
+        const n = sinew.scene.bodies.find((b) => b.name === "biceps").vertices;
+        for (let v = 0; v < n; v += 3) {
+            const p = sinew.project(sinew.vertexPosition("biceps", v));
+            if ([-5, 0, 5].every((d) => sinew.bodyAt(p[0] + d, p[1] + d) === "biceps")) return p;
+        }
+        return null;
+    });
+    await page.touchscreen.tap(...at);
+    await page.locator(".probe").waitFor();
+    assert.match(await page.locator(".probe").innerText(), /^biceps\nLargest stretch [\d.]+ %\nvertex \d+$/);
+    assert.equal(await page.evaluate(() => sinew.state.selectedNode), "biceps");
+});
+
 test("two fingers zoom the graph", async () => {
     const page = await openPage(file, phone);
     await page.evaluate(() => sinew.set({ panel: "graph" }));

@@ -121,7 +121,7 @@ Json skin_json(Writer& w, const std::vector<ViewSkinPoint>& skin) {
         places.push_back({s.vertex, s.host[0], s.host[1], s.host[2]});
         weights.insert(weights.end(), s.weights.begin(), s.weights.end());
     }
-    return {{"places", w.tuples(places)}, {"weights", w.floats(weights)}};
+    return {{"places", w.tuples(places)}, {"weights", w.shares(weights)}};
 }
 
 Json lattice_json(Writer& w, const ViewLattice& lattice) {
@@ -135,12 +135,16 @@ Json lattice_json(Writer& w, const ViewLattice& lattice) {
 }
 
 Json fibres_json(Writer& w, const ViewFibres& f) {
+    const float longest = f.reach.empty() ? 0 : *std::max_element(f.reach.begin(), f.reach.end());
+    std::vector<float> reach;
+    for (const float r : f.reach) reach.push_back(longest > 0 ? r / longest : 0);
     return {{"node", f.node},
             {"count", f.tets.size()},
             {"tets", w.indices({f.tets.begin(), f.tets.end()}, 1)},
             {"directions", w.floats(f.directions)},
-            {"centre", w.floats(f.centre)},
-            {"reach", w.floats(f.reach)},
+            {"centre", w.shares(f.centre)},
+            {"longest", longest},
+            {"reach", w.shares(reach)},
             {"excitation", w.floats(f.excitation)}};
 }
 

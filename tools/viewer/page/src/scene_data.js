@@ -30,6 +30,17 @@ class GridMotion {
     }
 }
 
+/** Bytes, `group` of them together, as weights whose sum is 1. */
+function sharesOf(bytes, group) {
+    const out = new Float32Array(bytes.length);
+    for (let i = 0; i < bytes.length; i += group) {
+        let sum = 0;
+        for (let k = 0; k < group; ++k) sum += bytes[i + k];
+        for (let k = 0; k < group; ++k) out[i + k] = bytes[i + k] / (sum || 1);
+    }
+    return out;
+}
+
 class LatticeData {
     constructor(about) {
         this.count = about.count;
@@ -41,7 +52,7 @@ class LatticeData {
         const out = new LatticeData(about);
         out.tets = await blocks.get(about.tets);
         out.rest = await blocks.get(about.rest);
-        [out.skin, out.skinWeights] = [await blocks.get(about.skin.places), await blocks.get(about.skin.weights)];
+        [out.skin, out.skinWeights] = [await blocks.get(about.skin.places), sharesOf(await blocks.get(about.skin.weights), 3)];
         out.motion = await GridMotion.load(about, 3 * about.vertices, blocks);
         return out;
     }
@@ -95,8 +106,8 @@ export class BodyData {
                 count: f.count,
                 tets: await blocks.get(f.tets),
                 directions: await blocks.get(f.directions),
-                centre: await blocks.get(f.centre),
-                reach: await blocks.get(f.reach),
+                centre: sharesOf(await blocks.get(f.centre), 4),
+                reach: Float32Array.from(await blocks.get(f.reach), (r) => (f.longest * r) / 255),
                 excitation: await blocks.get(f.excitation),
             })),
         );
