@@ -65,6 +65,21 @@ TEST_CASE("a colour of one's own is taken as it is written, and leaves grain and
     CHECK_THROWS_AS(block_with(R"("appearance": "muskle",)"), engine::Failure);
 }
 
+TEST_CASE("another look computes nothing again") {
+    const auto graph = test::muscle_graph();
+    engine::Evaluator evaluator({}, 1);
+    const engine::Plug plug{"solver", "outMeshes"};
+    REQUIRE(evaluator.pull({graph, plug, 2.0}));
+    const auto ready = [&](const char* node, const char* attribute, const char* value) {
+        const auto edited = engine::Edit(graph).set_json({node, attribute}, value).commit().graph;
+        return evaluator.explain({edited, plug, 2.0}).readiness == engine::Readiness::ready;
+    };
+    CHECK(ready("block", "appearance", R"("fat")"));
+    CHECK(ready("block", "colour", "[0.1, 0.2, 0.3]"));
+    CHECK(ready("lower", "appearance", R"("cartilage")"));
+    CHECK_FALSE(ready("block", "compressionResistance", "1000"));
+}
+
 TEST_CASE("looks come back from OBJ and GLB files") {
     const test::TemporaryFolder folder;
     render::Appearance tendon{nodes::Matter::tendon, {}}, blue{{}, Eigen::Vector3f(0, 51.0f / 255, 1)};

@@ -3,7 +3,7 @@
 import { quantities } from "./colour_maps.js";
 import { h, show } from "./dom.js";
 
-const rest = 60; // milliseconds of stillness before the scene is searched
+const least = 60; // milliseconds of stillness before the scene is searched; more where a search takes long
 
 /** Shares to a hundredth of a percent: what positions on the page's grid can tell. */
 const inWords = (value, unit) => `${show(unit === "%" ? Math.round(100 * value) / 100 : value)} ${unit}`.trim();
@@ -22,7 +22,7 @@ export function probeLines({ body, quantity, value, tet, vertex, excitation }) {
 
 export function probe(scene, store, world, legend) {
     const tip = h("div", { class: "probe", hidden: true }), { canvas } = world.stage;
-    let timer = 0, at = null;
+    let timer = 0, at = null, rest = least;
     function tick(quantity, value) {
         for (const card of legend.querySelectorAll(".legend-card")) {
             const mark = card.querySelector(".legend-tick"), isIt = card.dataset.quantity === quantity && Number.isFinite(value);
@@ -38,7 +38,8 @@ export function probe(scene, store, world, legend) {
         if (!tip.hidden) (tip.hidden = true), tick(null);
     }
     function search() {
-        const hit = at && !store.state.playing ? world.probe(...at) : null;
+        const begin = performance.now(), hit = at && !store.state.playing ? world.probe(...at) : null;
+        rest = Math.min(600, Math.max(least, 3 * (performance.now() - begin)));
         tip.hidden = !hit;
         if (!hit) return tick(null);
         tip.replaceChildren(...probeLines(hit).map((line) => h("div", {}, line)));

@@ -177,14 +177,14 @@ export class World {
         }
         this.dirty = true; // what is drawn reads the same arrays
         if (all.length === 0) return null;
-        all.sort((a, b) => a - b);
-        return [all[Math.floor(0.01 * (all.length - 1))], all[Math.ceil(0.99 * (all.length - 1))]];
+        const sorted = Float64Array.from(all).sort();
+        return [sorted[Math.floor(0.01 * (all.length - 1))], sorted[Math.ceil(0.99 * (all.length - 1))]];
     }
 
     /** The same over frames spread through the run, so that frames compare. As many as take no noticeable time. */
     measuredRangeOfRun(quantity) {
         const vertices = this.scene.bodies.reduce((n, b) => n + b.vertices, 0);
-        const most = Math.max(2, Math.min(9, Math.floor(1e6 / Math.max(1, vertices))));
+        const most = Math.max(2, Math.min(9, Math.floor(6e5 / Math.max(1, vertices))));
         const ranges = spread(goodFrames(this.scene), most).map((f) => this.measuredRange(quantity, f)).filter(Boolean);
         return ranges.length ? [Math.min(...ranges.map((r) => r[0])), Math.max(...ranges.map((r) => r[1]))] : null;
     }
