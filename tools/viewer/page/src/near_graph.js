@@ -18,9 +18,9 @@ const svgElement = (tag, attributes) => {
 function block(boxes, columns, fromRight) {
     if (boxes.length === 0) return { width: 0, height: 0, at: [] };
     const rows = Math.ceil(boxes.length / columns), wide = Math.max(...boxes.map((b) => b[2]));
-    const at = boxes.map((_, i) => {
-        const c = Math.floor(i / rows);
-        return [(fromRight ? columns - 1 - c : c) * (wide + gapX), (i % rows) * (head + gapY)];
+    const at = boxes.map(([, , w], i) => {
+        const c = Math.floor(i / rows), x = (fromRight ? columns - 1 - c : c) * (wide + gapX);
+        return [fromRight ? x + wide - w : x, (i % rows) * (head + gapY)]; // at the edge that wires go to
     });
     return { width: columns * (wide + gapX) - gapX, height: rows * (head + gapY) - gapY, at };
 }
