@@ -276,7 +276,7 @@ TEST_CASE("a frame that fails keeps the frames before it, with report and animat
 TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-made", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();
-    graph["timing"]["end"] = 100000;
+    graph["timing"]["end"] = 30000;
     const std::string out = (folder / "out").string();
     for (const int signal : {SIGINT, SIGTERM}) {
         fs::remove_all(out);

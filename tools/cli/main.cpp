@@ -6,6 +6,8 @@
 #include "tools/cli/interrupts.h"
 #include "tools/cli/print.h"
 
+#include <cerrno>
+#include <cstring>
 #include <iostream>
 #include <new>
 #include <stdexcept>
@@ -84,7 +86,11 @@ int main(int count, char** words) {
     solver::choose_blas_kernel();
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
-    // A full disk behind a redirection must not pass for success.
+    // A full disk behind a redirection must not pass for success, nor in silence.
+    errno = 0;
     std::cout.flush();
-    return code == done && !std::cout ? internal_error : code;
+    if (std::cout) return code;
+    std::cerr << "sinew: the output could not be written" << (errno ? std::string(": ") + std::strerror(errno) : "")
+              << "\n";
+    return code == done ? internal_error : code;
 }
