@@ -26,13 +26,13 @@ void ValueStore::put(const Digest& key, EntryPtr entry) {
     const std::size_t size = entry->bytes();
     if (size > budget_ || at_.contains(key)) return;
     while (bytes_ + size > budget_) drop_last();
-    order_.push_front({key, std::move(entry), size});
+    order_.push_front({key, std::move(entry)});
     at_[key] = order_.begin();
     bytes_ += size;
 }
 
 void ValueStore::drop_last() {
-    bytes_ -= order_.back().bytes;
+    bytes_ -= order_.back().entry->bytes();
     at_.erase(order_.back().key);
     order_.pop_back();
 }
@@ -53,9 +53,8 @@ const StoredState* StateStore::find(const Digest& key) {
 void StateStore::put(const Digest& key, const Digest& root, int offset, StoredState state,
                      const std::optional<Digest>& before, std::span<const Digest> at_work) {
     if (states_.contains(key)) return;
-    const std::size_t size = state.state.bytes() + sizeof(Row);
-    bytes_ += size;
-    states_[key] = Row{std::move(state), root, offset, ++clock_, size};
+    bytes_ += state.state.bytes() + sizeof(Row);
+    states_[key] = Row{std::move(state), root, offset, ++clock_};
     std::unordered_set<Digest, DigestHash> kept(at_work.begin(), at_work.end());
     kept.insert(key);
     // With `every` above 1 only each k-th frame stays; the newest goes when the next one has come.
@@ -68,7 +67,7 @@ void StateStore::put(const Digest& key, const Digest& root, int offset, StoredSt
 
 void StateStore::erase(const Digest& key) {
     const auto it = states_.find(key);
-    bytes_ -= it->second.bytes;
+    bytes_ -= it->second.stored.state.bytes() + sizeof(Row);
     states_.erase(it);
 }
 

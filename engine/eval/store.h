@@ -54,7 +54,6 @@ class ValueStore {
     struct Row {
         Digest key;
         EntryPtr entry;
-        std::size_t bytes; ///< when it came; what it shares with others may come to be its own
     };
     void drop_last();
     Digest original(const Digest& key);
@@ -91,7 +90,6 @@ class StateStore {
         Digest root;
         int offset = 0;
         std::uint64_t used = 0; ///< clock of the last use
-        std::size_t bytes = 0;  ///< when it came
     };
     void erase(const Digest& key);
     bool thin(const std::unordered_set<Digest, DigestHash>& kept);

@@ -1,7 +1,6 @@
 // Budgets of memory: where the default comes from, that they hold at every moment, and that nothing is simulated twice
 // however small they are.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/eval/store.h"
 #include "engine/memory_limit.h"
 #include "tests/support/engine_toys.h"
 #include "tests/tools/temporary_folder.h"
@@ -132,46 +131,5 @@ TEST_CASE("states of simulations of an older graph give way") {
         g = Edit(g).set_json({"sim", "startFrame"}, std::to_string(i)).commit().graph; // another chain
         number(e, g, {"sim", "out"}, i + 1);
         CHECK(e.stored_bytes() <= 3000);
-    }
-}
-
-namespace {
-
-/// Counts what it shares as its own once nobody else has it, as deformed copies of a mesh do.
-struct Sharer {
-    std::shared_ptr<int> part;
-};
-
-} // namespace
-
-template <>
-struct sinew::engine::ValueTraits<Sharer> {
-    static constexpr std::string_view name = "sharer";
-    static void hash(Hasher& h, const Sharer& s) { h.add(static_cast<std::uint64_t>(*s.part)); }
-    static std::size_t bytes(const Sharer& s) { return s.part.use_count() == 1 ? 100'000 : 100; }
-};
-
-TEST_CASE("an entry leaves the budget by the size that it came with") {
-    auto part = std::make_shared<int>(7);
-    const auto entry = [&](int) {
-        auto out = std::make_shared<Entry>();
-        out->outputs.push_back(Value::of(Sharer{part}));
-        return out;
-    };
-    const Digest one = Hasher().add("one").finish(), two = Hasher().add("two").finish(),
-                 three = Hasher().add("three").finish();
-    ValueStore values(1000);
-    StateStore states(1000, 1);
-    values.put(one, entry(1));
-    states.put(one, one, 0, {entry(1)->outputs[0], {}}, {}, {});
-    part = std::make_shared<int>(8); // nobody else holds the first one now
-    for (const Digest& key : {two, three}) {
-        for (int i = 0; i < 20; ++i) values.put(Hasher().add(key).add(std::int64_t{i}).finish(), entry(2));
-        for (int i = 0; i < 20; ++i)
-            states.put(Hasher().add(key).add(std::int64_t{i}).finish(), two, i, {entry(2)->outputs[0], {}}, {}, {});
-        CHECK(values.bytes() <= 1000);
-        CHECK(states.bytes() <= 1000);
-        CHECK(values.bytes() > 300);
-        CHECK(states.bytes() > 300);
     }
 }

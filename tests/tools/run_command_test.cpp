@@ -161,6 +161,10 @@ TEST_CASE("a shot from frame 1001 is not simulated from frame 1", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();
     graph["timing"] = {{"fps", 24}, {"start", 1001}, {"end", 1003}};
+    for (const char* input : {"translate", "rotate"}) {
+        json& keys = graph["nodes"]["upperMove"]["inputs"][input]["keys"];
+        keys[0][0] = 998, keys[1][0] = 1003;
+    }
     const Said said = run_program({"run", write_graph(folder, graph), "--json"});
     CHECK(said.code == 0);
     CHECK(said.err.empty());

@@ -11,6 +11,7 @@
 #include <iostream>
 #include <new>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace {
 
@@ -87,10 +88,11 @@ int main(int count, char** words) {
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
     // A full disk behind a redirection must not pass for success, nor in silence.
-    errno = 0;
     std::cout.flush();
     if (std::cout) return code;
-    std::cerr << "sinew: the output could not be written" << (errno ? std::string(": ") + std::strerror(errno) : "")
+    // The stream does not keep the reason; the next byte meets it again.
+    const bool is_known = write(STDOUT_FILENO, "\n", 1) < 0;
+    std::cerr << "sinew: the output could not be written" << (is_known ? std::string(": ") + std::strerror(errno) : "")
               << "\n";
     return code == done ? internal_error : code;
 }
