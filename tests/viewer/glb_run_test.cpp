@@ -69,6 +69,32 @@ TEST_CASE("a run comes back from its GLB: frames, units, bodies and places") {
     CHECK(highest(1, 1, 1) == Approx(0.6).epsilon(1e-5));
 }
 
+TEST_CASE("a file of a million frames is read in one go, not a million times") {
+    const test::TemporaryFolder folder;
+    test::Animation one = animation();
+    one.frames = {3};
+    for (test::AnimatedBody& body : one.bodies) body.poses.resize(1);
+    std::string text = test::encode_glb(one), frames = "\"frames\":[3";
+    const std::size_t at = text.find("\"frames\":[3]");
+    for (int f = 4; f < 1'000'000; ++f) frames += "," + std::to_string(f);
+    while (frames.size() % 4 != 12 % 4) frames += ' '; // chunks are whole words
+    text.replace(at, 12, frames);
+    for (const std::size_t place : {std::size_t{8}, std::size_t{12}}) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, text.data() + place, 4);
+        length += static_cast<std::uint32_t>(frames.size() - 12);
+        std::memcpy(text.data() + place, &length, 4);
+    }
+    test::write_text(folder / "run.glb", text);
+    const GlbRun run(folder / "run.glb");
+    CHECK(run.frames().numbers.size() == 999'997);
+    std::vector<ViewNote> notes;
+    const std::vector<int> all(run.frames().numbers.begin(), run.frames().numbers.end());
+    const std::vector<ViewBody> bodies = run.bodies(all, notes);
+    REQUIRE(bodies.size() == 2);
+    CHECK(std::get<RigidMotion>(bodies[0].motion).poses.size() == all.size());
+}
+
 TEST_CASE("files that are no GLB, cut off or not of Sinew are refused with a reason") {
     const test::TemporaryFolder folder;
     const auto file = folder / "run.glb";
