@@ -77,7 +77,8 @@ TEST_CASE("a file of a million frames is read in one go, not a million times") {
     std::string text = test::encode_glb(one), frames = "\"frames\":[3";
     const std::size_t at = text.find("\"frames\":[3]");
     for (int f = 4; f < 1'000'000; ++f) frames += "," + std::to_string(f);
-    while (frames.size() % 4 != 12 % 4) frames += ' '; // chunks are whole words
+    frames += "]";
+    while (frames.size() % 4 != 0) frames += ' '; // as before: chunks are whole words
     text.replace(at, 12, frames);
     for (const std::size_t place : {std::size_t{8}, std::size_t{12}}) {
         std::uint32_t length = 0;
