@@ -4,12 +4,17 @@
 #include "engine/diagnostics.h"
 
 #include <cerrno>
+#include <charconv>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fcntl.h>
+#include <optional>
 #include <string>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <vector>
 
 namespace sinew::engine {
 
@@ -25,19 +30,37 @@ namespace {
     throw Failure(d);
 }
 
+[[noreturn]] void fail(const fs::path& path) { fail(path, std::strerror(errno)); }
+
+void write_all(int descriptor, std::string_view bytes, const fs::path& path) {
+    while (!bytes.empty()) {
+        const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) fail(path);
+        bytes.remove_prefix(static_cast<std::size_t>(count));
+    }
+}
+
+fs::path folder_of(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
+/// ".NAME.", before the process that writes NAME.
+std::string temporary_prefix(const fs::path& target) { return "." + target.filename().string() + "."; }
+
+constexpr std::string_view temporary_ending = ".tmp";
+
 /// A file that is not yet in place. Closed, and removed where it has a name, unless it was moved into place.
 class NewFile {
   public:
     explicit NewFile(const fs::path& target)
         : target_(target) {
-        const fs::path folder = target.parent_path().empty() ? fs::path(".") : target.parent_path();
+        const fs::path folder = folder_of(target);
         // Unique among threads and processes, so that two writers of one file cannot mix their bytes.
-        named_ = folder / ("." + target.filename().string() + "." + std::to_string(getpid()) + "-" +
-                           std::to_string(gettid()) + ".tmp");
+        named_ = folder / (temporary_prefix(target) + std::to_string(getpid()) + "-" + std::to_string(gettid()) +
+                           std::string(temporary_ending));
         descriptor_ = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
         if (descriptor_ >= 0) return;
         descriptor_ = open(named_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0666);
-        if (descriptor_ < 0) fail(target_, std::strerror(errno));
+        if (descriptor_ < 0) fail(target_);
         has_name_ = true;
     }
     ~NewFile() {
@@ -46,30 +69,22 @@ class NewFile {
     }
     NewFile(const NewFile&) = delete;
 
-    void write(std::string_view bytes) {
-        while (!bytes.empty()) {
-            const ssize_t count = ::write(descriptor_, bytes.data(), bytes.size());
-            if (count < 0 && errno == EINTR) continue;
-            if (count < 0) fail(target_, std::strerror(errno));
-            bytes.remove_prefix(static_cast<std::size_t>(count));
-        }
-        // The bytes must be on the disk before the name is, or a power cut could leave a name without them.
-        if (fsync(descriptor_) != 0 && errno != EINVAL) fail(target_, std::strerror(errno));
-    }
+    void write(std::string_view bytes) { write_all(descriptor_, bytes, target_); }
 
     void move_into_place() {
+        // The bytes must be on the disk before the name is, or a power cut could leave a name without them.
+        if (fsync(descriptor_) != 0 && errno != EINVAL) fail(target_);
         if (!has_name_) {
             const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
             if (linkat(AT_FDCWD, self.c_str(), AT_FDCWD, target_.c_str(), AT_SYMLINK_FOLLOW) == 0) return;
             // A link cannot replace a file. The complete file gets a name of its own first, then takes the
             // older one's place.
-            if (errno != EEXIST) fail(target_, std::strerror(errno));
+            if (errno != EEXIST) fail(target_);
             unlink(named_.c_str());
-            if (linkat(AT_FDCWD, self.c_str(), AT_FDCWD, named_.c_str(), AT_SYMLINK_FOLLOW) != 0)
-                fail(target_, std::strerror(errno));
+            if (linkat(AT_FDCWD, self.c_str(), AT_FDCWD, named_.c_str(), AT_SYMLINK_FOLLOW) != 0) fail(target_);
             has_name_ = true;
         }
-        if (rename(named_.c_str(), target_.c_str()) != 0) fail(target_, std::strerror(errno));
+        if (rename(named_.c_str(), target_.c_str()) != 0) fail(target_);
         has_name_ = false;
     }
 
@@ -79,30 +94,39 @@ class NewFile {
     bool has_name_ = false;
 };
 
-} // namespace
-
-namespace {
-
 /// Devices and pipes (/dev/null, /dev/stdout, a FIFO) are written to, never replaced by a file.
-void write_through(const fs::path& path, std::string_view bytes) {
-    const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (descriptor < 0) fail(path, std::strerror(errno));
-    while (!bytes.empty()) {
-        const ssize_t count = ::write(descriptor, bytes.data(), bytes.size());
-        if (count < 0 && errno == EINTR) continue;
-        if (count < 0) {
-            const int reason = errno;
-            close(descriptor);
-            fail(path, std::strerror(reason));
-        }
-        bytes.remove_prefix(static_cast<std::size_t>(count));
+class Device {
+  public:
+    explicit Device(const fs::path& path)
+        : path_(path)
+        , descriptor_(open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
+        if (descriptor_ < 0) fail(path_);
     }
-    close(descriptor);
-}
+    ~Device() { close(descriptor_); }
+    Device(const Device&) = delete;
+    void write(std::string_view bytes) { write_all(descriptor_, bytes, path_); }
+
+  private:
+    fs::path path_;
+    int descriptor_;
+};
+
+constexpr std::size_t most_buffered = std::size_t{1} << 20;
 
 } // namespace
 
-void write_file(const fs::path& path_or_link, std::string_view bytes) {
+struct AtomicFile::Impl {
+    std::optional<NewFile> file;
+    std::optional<Device> device;
+    std::string buffer;
+    void flush() {
+        file ? file->write(buffer) : device->write(buffer);
+        buffer.clear();
+    }
+};
+
+AtomicFile::AtomicFile(const fs::path& path_or_link)
+    : impl_(std::make_unique<Impl>()) {
     std::error_code error;
     // A symbolic link stays; the file that it names is replaced.
     fs::path path = path_or_link;
@@ -112,13 +136,52 @@ void write_file(const fs::path& path_or_link, std::string_view bytes) {
         if (error) fail(path_or_link, error.message());
     }
     const fs::file_status there = fs::status(path, error);
-    if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there)) return write_through(path, bytes);
+    if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there)) {
+        impl_->device.emplace(path);
+        return;
+    }
     error.clear();
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
     if (error) fail(path, error.message());
-    NewFile file(path);
+    impl_->file.emplace(path);
+}
+
+AtomicFile::~AtomicFile() = default;
+
+void AtomicFile::write(std::string_view bytes) {
+    if (impl_->buffer.size() + bytes.size() > most_buffered) impl_->flush();
+    if (bytes.size() < most_buffered)
+        impl_->buffer += bytes;
+    else
+        impl_->file ? impl_->file->write(bytes) : impl_->device->write(bytes);
+}
+
+void AtomicFile::commit() {
+    impl_->flush();
+    if (impl_->file) impl_->file->move_into_place();
+}
+
+void write_file(const fs::path& path, std::string_view bytes) {
+    AtomicFile file(path);
     file.write(bytes);
-    file.move_into_place();
+    file.commit();
+}
+
+void remove_abandoned(const fs::path& path) {
+    std::error_code error;
+    const std::string prefix = temporary_prefix(path);
+    std::vector<fs::path> abandoned;
+    for (const auto& entry : fs::directory_iterator(folder_of(path), error)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(prefix) || !name.ends_with(temporary_ending)) continue;
+        pid_t process = 0;
+        const auto [end, fault] = std::from_chars(name.data() + prefix.size(), name.data() + name.size(), process);
+        if (fault != std::errc{} || *end != '-' || process <= 0) continue;
+        if (kill(process, 0) == 0 || errno == EPERM) continue;
+        const auto age = fs::file_time_type::clock::now() - entry.last_write_time(error);
+        if (!error && age > std::chrono::hours(1)) abandoned.push_back(entry.path());
+    }
+    for (const fs::path& file : abandoned) fs::remove(file, error);
 }
 
 } // namespace sinew::engine

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <string_view>
 
 namespace sinew::engine {
@@ -11,5 +12,26 @@ namespace sinew::engine {
 /// Puts `bytes` at `path`, over an older file if there is one; makes missing folders. Throws Failure
 /// IO405 (with the system's reason), and then the older file is untouched.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
+
+/// The same for content that comes piece by piece. Devices and pipes take the pieces as they come.
+class AtomicFile {
+  public:
+    /// Makes missing folders. Throws Failure IO405.
+    explicit AtomicFile(const std::filesystem::path& path);
+    ~AtomicFile(); ///< without `commit` nothing is left
+    AtomicFile(const AtomicFile&) = delete;
+    void write(std::string_view bytes);
+    /// The file is on the disk, then in its place.
+    void commit();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Removes what a program that was killed has left of `path` on a file system that has no files without names:
+/// temporary files of processes that are gone and that nobody has written to for an hour (other machines may share the
+/// folder).
+void remove_abandoned(const std::filesystem::path& path);
 
 } // namespace sinew::engine

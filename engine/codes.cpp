@@ -118,6 +118,7 @@ constexpr CodeInfo table[] = {
     {"FE263", "flesh softer than any", "Write the unit that is meant: \"12 kPa\" instead of 12."},
     {"FE264", "attachment of a whole body", "Paint where the source holds on."},
     {"FE265", "scale that mirrors", "Mirror the mesh where it is modelled, and turn its faces."},
+    {"FE266", "motion that does not reach over the run", "Run the frames that it has, or key what it is to do."},
     // ---- FE3xx: the solve ----
     {"FE301", "step did not converge", "Raise maxNewtonIterations or substeps, or soften the contrast."},
     {"FE302", "step failed", "Raise substeps; look for bones that jump between frames."},

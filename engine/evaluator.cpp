@@ -6,6 +6,7 @@
 #include "engine/eval/explain.h"
 #include "engine/eval/session.h"
 #include "engine/eval/state_file.h"
+#include "engine/memory_limit.h"
 
 #include <cmath>
 
@@ -129,13 +130,32 @@ void Evaluator::load_state(const Request& request, std::span<const std::byte> by
     StoredState stored;
     stored.state = p.type->simulation->load(found.payload);
     const std::lock_guard lock(impl_->core.mutex);
-    const int offset = static_cast<int>(program.site(target.node, request.frame).frame) - p.start_frame;
-    impl_->core.states.put(key, p.chain.front(), offset, std::move(stored));
+    const int at = static_cast<int>(program.site(target.node, request.frame).frame);
+    impl_->core.keep_state(program, target.node, at, key, {}, std::move(stored));
+}
+
+std::size_t StorePolicy::default_bytes() {
+    static const std::size_t bytes = memory_limit() / 4;
+    return bytes;
+}
+
+StorePolicy StorePolicy::within(std::size_t bytes) {
+    return {.value_bytes = bytes / 3, .state_bytes = bytes - bytes / 3};
 }
 
 std::size_t Evaluator::stored_bytes() const {
     const std::lock_guard lock(impl_->core.mutex);
-    return impl_->core.values.bytes() + impl_->core.states.bytes();
+    return impl_->core.stored_bytes();
+}
+
+std::size_t Evaluator::most_stored_bytes() const {
+    const std::lock_guard lock(impl_->core.mutex);
+    return impl_->core.most_stored_bytes;
+}
+
+std::size_t Evaluator::made_again() const {
+    const std::lock_guard lock(impl_->core.mutex);
+    return impl_->core.made_again;
 }
 
 int Evaluator::threads() const { return impl_->core.arena.max_concurrency(); }

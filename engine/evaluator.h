@@ -12,16 +12,22 @@
 
 namespace sinew::engine {
 
-/// Where results are kept. The byte budgets of memory are hard limits, not hints.
+/// Where results are kept. The byte budgets of memory are hard limits, not hints, but for one thing: the newest state
+/// of each simulation stays whatever its size, or no frame could follow it.
 struct StorePolicy {
-    std::size_t value_bytes = std::size_t{2} << 30;
-    std::size_t state_bytes = std::size_t{4} << 30;
+    std::size_t value_bytes = within(default_bytes()).value_bytes; ///< outputs of nodes
+    std::size_t state_bytes = within(default_bytes()).state_bytes; ///< states of simulations
     std::size_t scratch_entries = 1024; ///< kept scratch objects: some per node (tracks, rest data), one solver each
     int state_every = 1;                ///< keep the state of each k-th frame, and the newest
     /// Outputs of nodes that ask for it (NodeType::kept_when) are kept in files here, and found again by later
     /// processes. Made when first written to. Empty: nothing is kept on disk. What cannot be read or written is warned
     /// about (IO406, IO407) and computed.
     std::string disk_folder = {};
+
+    /// What the two budgets are together unless they are set: a quarter of memory_limit() when it is first asked for.
+    static std::size_t default_bytes();
+    /// A third of `bytes` for values and the rest for states, which take longer to make again.
+    static StorePolicy within(std::size_t bytes);
 };
 
 /// Events for hosts, progress bars and tests. Called from worker threads, one call at a time.
@@ -91,7 +97,11 @@ class Evaluator {
     std::vector<std::byte> save_state(const Request& request);
     /// Puts a saved state into the store as the state of that node at that frame.
     void load_state(const Request& request, std::span<const std::byte> bytes);
+    /// What the stores hold now, and the most that they have held at once.
     std::size_t stored_bytes() const;
+    std::size_t most_stored_bytes() const;
+    /// Results that were computed again because the budget had not had room for them.
+    std::size_t made_again() const;
     int threads() const;
 
   private:

@@ -81,6 +81,7 @@ void carry_chains(Program& from, Program& to, int node) {
     if (!is_wanted) return;
     const double until = same_until(*from.graph(), *to.graph());
     if (!(until > -always) || !same_files(from, to, node)) return;
+    to.carry_reached(from);
     for (const int at : cone) {
         Place& p = to.place(at);
         const Place& before = from.place(at); // same names in the same order, so the same numbers

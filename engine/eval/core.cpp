@@ -67,11 +67,25 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
 
 void Core::keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type,
                 const EntryPtr& entry) {
-    for (std::size_t i = 0; i < type.outputs.size(); ++i)
-        contents.put(plug_key(key, type.outputs[i].name), entry->outputs[i].digest());
+    bool is_known = !type.outputs.empty();
+    for (std::size_t i = 0; i < type.outputs.size(); ++i) {
+        const Digest plug = plug_key(key, type.outputs[i].name);
+        is_known = is_known && contents.find(plug);
+        contents.put(plug, entry->outputs[i].digest());
+    }
     if (by_content && values.find(*by_content) == entry) return values.alias(key, *by_content);
+    if (is_known) ++made_again; // its row outlived it
     values.put(key, entry);
     if (by_content) values.alias(*by_content, key);
+    most_stored_bytes = std::max(most_stored_bytes, stored_bytes());
+}
+
+void Core::keep_state(Program& program, int simulation, int frame, const Digest& key,
+                      const std::optional<Digest>& key_before, StoredState state) {
+    Place& p = program.place(simulation);
+    p.reached = key;
+    states.put(key, p.chain.front(), frame - p.start_frame, std::move(state), key_before, program.reached());
+    most_stored_bytes = std::max(most_stored_bytes, stored_bytes());
 }
 
 FlightPtr Core::claim(const Digest& key, const Graph* graph) {

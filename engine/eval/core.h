@@ -41,8 +41,9 @@ struct Core {
     StateStore states;
     DigestTable contents;
     ScratchPool scratch;
-    const std::optional<DiskStore> disk;       ///< has no need of the mutex
-    std::atomic<bool> disk_has_failed = false; ///< cannot be written to: told once, then only read
+    std::size_t most_stored_bytes = 0, made_again = 0; ///< see Evaluator
+    const std::optional<DiskStore> disk;               ///< has no need of the mutex
+    std::atomic<bool> disk_has_failed = false;         ///< cannot be written to: told once, then only read
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
     FileDigests files;
@@ -55,6 +56,12 @@ struct Core {
     /// Needs the mutex. Stores the entry under the key, and under the key by content if there is one, and a row for
     /// each output.
     void keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type, const EntryPtr& entry);
+    /// Needs the mutex. The state of a simulation of `program` at `frame`, under its key; `key_before` is that of the
+    /// frame before. The states that the program's simulations were last brought to stay, whatever the budget.
+    void keep_state(Program& program, int simulation, int frame, const Digest& key,
+                    const std::optional<Digest>& key_before, StoredState state);
+    /// Needs the mutex.
+    std::size_t stored_bytes() const { return values.bytes() + states.bytes(); }
     /// Needs the mutex.
     FlightPtr claim(const Digest& key, const Graph* graph);
     /// Takes the mutex. Ends a flight; an entry is kept.

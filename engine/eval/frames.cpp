@@ -61,10 +61,14 @@ class Claim {
 void FrameGoal::find_nearest_state() {
     searched_ = true;
     for (have_ = frame_; have_ >= place().start_frame; --have_)
-        if (const StoredState* s = session_.core.states.find(session_.keys.frame_key(simulation_, have_))) {
-            state_ = *s;
-            return;
-        }
+        if (const StoredState* s = session_.core.states.find(session_.keys.frame_key(simulation_, have_)))
+            return take(*s, have_);
+}
+
+void FrameGoal::take(const StoredState& state, int frame) {
+    state_ = state;
+    have_ = frame;
+    session_.program->place(simulation_).reached = session_.keys.frame_key(simulation_, frame);
 }
 
 bool FrameGoal::finish(const Digest& key, EntryPtr entry) {
@@ -94,8 +98,7 @@ bool FrameGoal::step() {
     const int next = have_ == frame_ ? frame_ : have_ + 1;
     if (next > have_) // another pull may have come by
         if (const StoredState* there = s.core.states.find(s.keys.frame_key(simulation_, next))) {
-            state_ = *there;
-            have_ = next;
+            take(*there, next);
             return false;
         }
     return make(lock, next);
@@ -128,7 +131,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
         s.push_values(std::move(missing), this);
         return false;
     }
-    const Digest key = s.keys.frame_key(simulation_, next), root = s.keys.frame_key(simulation_, p.start_frame);
+    const Digest key = s.keys.frame_key(simulation_, next);
     if (const auto flight = s.core.flights.find(key); flight != s.core.flights.end()) {
         const FlightPtr theirs = flight->second; // one thread steps; the others wait, holding nothing
         if (!s.core.landed.wait(lock, s.stop, [&] { return theirs->done; })) throw Cancelled();
@@ -151,7 +154,8 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
                 sources.push_back(std::make_unique<NodeReads>(context, std::move(values), t));
             StoredState made = advanced(sources, times, context, next);
             const std::lock_guard again(s.core.mutex);
-            s.core.states.put(key, root, next - p.start_frame, made);
+            s.core.keep_state(*s.program, simulation_, next, key,
+                              first ? std::nullopt : std::optional(s.keys.frame_key(simulation_, next - 1)), made);
             state_ = std::move(made);
             have_ = next;
         }

@@ -261,6 +261,18 @@ Program::Cone Program::make_cone(int node) {
     return out;
 }
 
+std::vector<Digest> Program::reached() const {
+    std::vector<Digest> out;
+    for (const Place& p : places_)
+        if (p.reached) out.push_back(*p.reached);
+    return out;
+}
+
+void Program::carry_reached(const Program& from) {
+    for (std::size_t i = 0; i < places_.size(); ++i)
+        if (!places_[i].reached) places_[i].reached = from.places_[i].reached;
+}
+
 std::vector<std::string> Program::file_paths(int node) {
     std::vector<std::string> out;
     for (const auto& [at, slot] : known_cone(node).files)

@@ -40,7 +40,8 @@ struct Place {
     int substeps_slot = -1, stages_slot = -1;
     bool after_simulation = false; ///< depends on a simulation other than itself
     std::optional<Digest> static_key;
-    std::vector<Digest> chain; ///< simulations: S(start), S(start + 1), …
+    std::vector<Digest> chain;     ///< simulations: S(start), S(start + 1), …
+    std::optional<Digest> reached; ///< simulations: the key of the state that they were last brought to
     std::vector<Diagnostic> problems;
     bool is_simulation() const { return type && type->simulation; }
     /// The node asks for its outputs to be kept on disk.
@@ -87,6 +88,11 @@ class Program {
     /// Everything that the graph says and that enters a node's key: each input upstream with its content, by name. For
     /// people and `explain`; keys hold no names.
     std::vector<std::pair<std::string, Digest>> recipe(int node, double frame);
+
+    /// The states that its simulations were last brought to.
+    std::vector<Digest> reached() const;
+    /// Takes those of a program with the same nodes, for simulations that have not been run in this one.
+    void carry_reached(const Program& from);
 
     /// Keys whose warnings have reached the observer.
     std::unordered_set<Digest, DigestHash> delivered;

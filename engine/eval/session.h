@@ -117,6 +117,7 @@ class FrameGoal : public Goal {
   private:
     const Place& place() const { return session_.program->place(simulation_); }
     void find_nearest_state();
+    void take(const StoredState& state, int frame);
     bool finish(const Digest& key, EntryPtr entry);
     bool make(std::unique_lock<std::mutex>& lock, int next);
     StoredState advanced(std::vector<std::unique_ptr<NodeReads>>& sources, const std::vector<SubstepTimes>& times,

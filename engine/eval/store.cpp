@@ -50,15 +50,19 @@ const StoredState* StateStore::find(const Digest& key) {
     return &it->second.stored;
 }
 
-void StateStore::put(const Digest& key, const Digest& root, int offset, StoredState state) {
+void StateStore::put(const Digest& key, const Digest& root, int offset, StoredState state,
+                     const std::optional<Digest>& before, std::span<const Digest> at_work) {
     if (states_.contains(key)) return;
-    // With `every` above 1 only each k-th frame stays; the newest goes when the next one has come.
-    const auto last = states_.find(newest_);
-    if (last != states_.end() && last->second.offset % every_ != 0) erase(newest_);
     bytes_ += state.state.bytes() + sizeof(Row);
     states_[key] = Row{std::move(state), root, offset, ++clock_};
-    newest_ = key;
-    while (bytes_ > budget_ && states_.size() > 1) thin();
+    std::unordered_set<Digest, DigestHash> kept(at_work.begin(), at_work.end());
+    kept.insert(key);
+    // With `every` above 1 only each k-th frame stays; the newest goes when the next one has come.
+    if (before && !kept.contains(*before))
+        if (const auto it = states_.find(*before); it != states_.end() && it->second.offset % every_ != 0)
+            erase(*before);
+    while (bytes_ > budget_ && thin(kept)) {
+    }
 }
 
 void StateStore::erase(const Digest& key) {
@@ -69,7 +73,7 @@ void StateStore::erase(const Digest& key) {
 
 // Drops the state whose loss costs least: the steps that a visit would then need (the gap between its
 // neighbours), divided by how long ago it was used. Keeping that quotient even spaces old states ever wider.
-void StateStore::thin() {
+bool StateStore::thin(const std::unordered_set<Digest, DigestHash>& kept) {
     struct Candidate {
         Digest root;
         int offset;
@@ -82,16 +86,17 @@ void StateStore::thin() {
         return std::tie(a.root, a.offset, a.used, a.key) < std::tie(b.root, b.offset, b.used, b.key);
     });
     double best = std::numeric_limits<double>::infinity();
-    Digest victim = newest_;
+    std::optional<Digest> victim;
     for (std::size_t i = 0; i < all.size(); ++i) {
-        if (all[i].key == newest_) continue;
+        if (kept.contains(all[i].key)) continue;
         const bool first = i == 0 || all[i - 1].root != all[i].root;
         const bool last = i + 1 == all.size() || all[i + 1].root != all[i].root;
         const int before = first ? -1 : all[i - 1].offset, after = last ? all[i].offset + 1 : all[i + 1].offset;
         const double cost = static_cast<double>(after - before) / static_cast<double>(clock_ - all[i].used + 1);
         if (cost < best) best = cost, victim = all[i].key;
     }
-    erase(victim);
+    if (victim) erase(*victim);
+    return victim.has_value();
 }
 
 std::optional<Digest> DigestTable::find(const Digest& key) {

@@ -9,7 +9,9 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 namespace sinew::engine {
@@ -67,7 +69,8 @@ struct StoredState {
 };
 
 /// States of simulations. All are kept while they fit; then they are thinned, older ones to wider spacing, so
-/// that a jump back costs at most about as many steps as it goes back. The newest state is never dropped.
+/// that a jump back costs at most about as many steps as it goes back. What is at work is not dropped: simulations of
+/// one graph take turns, and each goes on from its own state.
 class StateStore {
   public:
     StateStore(std::size_t budget, int every)
@@ -76,7 +79,9 @@ class StateStore {
     const StoredState* find(const Digest& key);
     bool contains(const Digest& key) const { return states_.contains(key); }
     /// `root`: the start of the chain that the state belongs to; `offset`: frames from the start.
-    void put(const Digest& key, const Digest& root, int offset, StoredState state);
+    /// `before`: the state that it came from. `at_work`: states that stay, besides this one.
+    void put(const Digest& key, const Digest& root, int offset, StoredState state, const std::optional<Digest>& before,
+             std::span<const Digest> at_work);
     std::size_t bytes() const { return bytes_; }
 
   private:
@@ -87,11 +92,10 @@ class StateStore {
         std::uint64_t used = 0; ///< clock of the last use
     };
     void erase(const Digest& key);
-    void thin();
+    bool thin(const std::unordered_set<Digest, DigestHash>& kept);
     std::size_t budget_, bytes_ = 0;
     int every_;
     std::uint64_t clock_ = 0;
-    Digest newest_;
     std::unordered_map<Digest, Row, DigestHash> states_;
 };
 

@@ -3,6 +3,7 @@
 #include "solver/mesh/triangulate.h"
 
 #include <cmath>
+#include <utility>
 
 namespace sinew::solver {
 namespace {
@@ -51,19 +52,6 @@ bool is_convex(const std::vector<Vec2>& flat) {
     return true;
 }
 
-bool is_ear(const std::vector<Vec2>& flat, const std::vector<std::size_t>& ring, std::size_t at) {
-    const std::size_t n = ring.size(), before = ring[(at + n - 1) % n], here = ring[at], after = ring[(at + 1) % n];
-    const Vec2 &a = flat[before], &b = flat[here], &c = flat[after];
-    if (turn(a, b, c) <= 0) return false;
-    for (std::size_t other : ring) {
-        const Vec2& p = flat[other];
-        // Corners at the same place as the ear's own (bridges to holes) do not block it.
-        if (p == a || p == b || p == c) continue;
-        if (turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0) return false;
-    }
-    return true;
-}
-
 /// Smallest angle sine of the ear, so that good triangles are cut first.
 double ear_quality(const std::vector<Vec2>& flat, std::size_t a, std::size_t b, std::size_t c) {
     const double ab = (flat[b] - flat[a]).squaredNorm(), bc = (flat[c] - flat[b]).squaredNorm(),
@@ -71,6 +59,93 @@ double ear_quality(const std::vector<Vec2>& flat, std::size_t a, std::size_t b, 
     const double sum = ab + bc + ca;
     return sum > 0 ? turn(flat[a], flat[b], flat[c]) / sum : 0;
 }
+
+/// Cuts ears off, the one of the best shape first. What is known of a corner stays true until a neighbour goes or,
+/// where another corner lies in its ear, that one goes; so each is looked at a few times and not at every cut.
+class EarClipping {
+  public:
+    explicit EarClipping(const std::vector<Vec2>& flat)
+        : flat_(flat)
+        , left_(flat.size())
+        , known_(flat.size())
+        , waiting_(flat.size()) {
+        const std::size_t n = flat.size();
+        for (std::size_t i = 0; i < n; ++i)
+            ring_.push_back(i), before_.push_back((i + n - 1) % n), after_.push_back((i + 1) % n);
+        for (std::size_t i = 0; i < n; ++i) look_at(i);
+    }
+
+    /// Calls take(a, b, c) for each triangle.
+    template <class Take>
+    void operator()(Take take) {
+        while (left_ > 3) {
+            const std::size_t ear = best();
+            take(before_[ear], ear, after_[ear]);
+            cut(ear);
+        }
+        const std::size_t first = first_left();
+        take(first, after_[first], after_[after_[first]]);
+    }
+
+  private:
+    struct Known {
+        bool is_gone = false, is_ear = false;
+        double quality = -1;
+    };
+
+    /// A corner that lies in the ear; `none` if none does and it turns left; the corner itself if it turns right.
+    static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    std::size_t blocker(std::size_t at) const {
+        const Vec2 &a = flat_[before_[at]], &b = flat_[at], &c = flat_[after_[at]];
+        if (turn(a, b, c) <= 0) return at;
+        for (const std::size_t other : ring_) {
+            const Vec2& p = flat_[other];
+            if (known_[other].is_gone || !(turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0)) continue;
+            // Corners at the same place as the ear's own (bridges to holes) do not block it.
+            if (p != a && p != b && p != c) return other;
+        }
+        return none;
+    }
+
+    void look_at(std::size_t at) {
+        const std::size_t by = blocker(at);
+        known_[at].is_ear = by == none;
+        if (by == none) known_[at].quality = ear_quality(flat_, before_[at], at, after_[at]);
+        if (by != none && by != at) waiting_[by].push_back(at);
+    }
+
+    std::size_t first_left() const {
+        std::size_t i = 0;
+        while (known_[i].is_gone) ++i;
+        return i;
+    }
+
+    std::size_t best() const {
+        std::size_t best = none;
+        double best_quality = -1;
+        for (const std::size_t i : ring_)
+            if (!known_[i].is_gone && known_[i].is_ear && known_[i].quality > best_quality)
+                best_quality = known_[i].quality, best = i;
+        // A simple polygon always has an ear; one that crosses itself or is folded onto a line may not.
+        return best == none ? after_[first_left()] : best;
+    }
+
+    void cut(std::size_t ear) {
+        known_[ear].is_gone = true;
+        after_[before_[ear]] = after_[ear], before_[after_[ear]] = before_[ear];
+        if (--left_ < ring_.size() / 2) std::erase_if(ring_, [&](std::size_t i) { return known_[i].is_gone; });
+        look_at(before_[ear]);
+        look_at(after_[ear]);
+        for (const std::size_t i : std::exchange(waiting_[ear], {}))
+            if (!known_[i].is_gone && !known_[i].is_ear) look_at(i);
+    }
+
+    const std::vector<Vec2>& flat_;
+    std::size_t left_;
+    std::vector<std::size_t> ring_, before_, after_; ///< the ring holds some that are gone, too
+    std::vector<Known> known_;
+    std::vector<std::vector<std::size_t>> waiting_; ///< for this corner to go
+};
 
 } // namespace
 
@@ -86,23 +161,8 @@ void triangulate_polygon(const Points& points, std::span<const int> corners, std
     const std::vector<Vec2> flat = flatten(points, corners, normal);
     if (is_convex(flat)) return fan();
 
-    std::vector<std::size_t> ring(n);
-    for (std::size_t i = 0; i < n; ++i) ring[i] = i;
-    while (ring.size() > 3) {
-        const std::size_t m = ring.size();
-        std::size_t best = m;
-        double best_quality = -1;
-        for (std::size_t i = 0; i < m; ++i) {
-            if (!is_ear(flat, ring, i)) continue;
-            const double quality = ear_quality(flat, ring[(i + m - 1) % m], ring[i], ring[(i + 1) % m]);
-            if (quality > best_quality) best_quality = quality, best = i;
-        }
-        // A simple polygon always has an ear; one that crosses itself or is folded onto a line may not.
-        if (best == m) best = 1;
-        out.push_back({corners[ring[(best + m - 1) % m]], corners[ring[best]], corners[ring[(best + 1) % m]]});
-        ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(best));
-    }
-    out.push_back({corners[ring[0]], corners[ring[1]], corners[ring[2]]});
+    EarClipping clipping(flat);
+    clipping([&](std::size_t a, std::size_t b, std::size_t c) { out.push_back({corners[a], corners[b], corners[c]}); });
 }
 
 } // namespace sinew::solver

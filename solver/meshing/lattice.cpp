@@ -3,6 +3,7 @@
 #include "solver/meshing/lattice.h"
 
 #include "solver/error.h"
+#include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/refined_cells.h"
 
@@ -175,6 +176,15 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
         throw Error("FE210",
                     "the lattice would have about " + std::to_string(static_cast<long long>(cubes.prod())) +
                         " cubes, more than can be numbered",
+                    "raise the tet size");
+    // Tets fill the solid and the whole of a surface's tets besides, so there are at least this many, 12 to a cube.
+    // Where parts overlap the volume counts twice, but not beyond the box.
+    const double volume = std::min(std::abs(enclosed_volume(solid.points, solid.triangles)), size.prod());
+    if (options.fill != Fill::surface_only && 12 * volume > static_cast<double>(most_tets) * side * side * side)
+        throw Error("FE210",
+                    "the lattice would have about " +
+                        std::to_string(std::llround(12 * volume / (side * side * side) / 1e6)) +
+                        " million tets; the limit is " + std::to_string(most_tets / 1'000'000) + " million",
                     "raise the tet size");
     if (side > most_lengths * size.maxCoeff() * std::exp2(paint.highest()))
         refuse_huge(solid, paint, side, options, control);

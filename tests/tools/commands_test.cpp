@@ -309,8 +309,7 @@ TEST_CASE("bench says what each benchmark does, with an example, and refuses fla
          std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
                                                {"cantilever", "--only", "E"},
                                                {"meshing", "--quick", "a.obj"},
-                                               {"scaling", "--law", "StVK"},
-                                               {"report", "--only", "scaling", "-o", "page.md"}}) {
+                                               {"scaling", "--law", "StVK"}}) {
         std::vector<std::string> all{"bench"};
         all.insert(all.end(), words.begin(), words.end());
         const Said said = run_program(all);

@@ -1,21 +1,24 @@
 // Animated GLB files: valid by an independent reader, and every frame comes back where it was.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/diagnostics.h"
+#include "engine/digest.h"
 #include "solver/mesh/primitives.h"
 #include "solver/mesh/surface_mesh.h"
+#include "tests/tools/glb_animation.h"
 #include "tests/tools/glb_checker.h"
-#include "tools/cli/glb.h"
 #include "tools/cli/rigid_motion.h"
 
 #include <Eigen/Geometry>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <optional>
 
 using namespace sinew;
-using cli::AnimatedBody;
-using cli::Animation;
 using solver::Points;
 using solver::Vec3;
+using test::AnimatedBody;
+using test::Animation;
 
 namespace {
 
@@ -76,7 +79,7 @@ double distance_to(const Points& points, const Vec3& p) {
 } // namespace
 
 TEST_CASE("a GLB file keeps the rules of glTF 2.0", "[tools]") {
-    const test::Glb glb(cli::encode_glb(sample()));
+    const test::Glb glb(test::encode_glb(sample()));
     CHECK(glb.problems() == std::vector<std::string>{});
     CHECK(glb.document.at("meshes").size() == 3);
     CHECK(glb.document.at("materials").size() == 3);
@@ -89,7 +92,7 @@ TEST_CASE("a GLB file keeps the rules of glTF 2.0", "[tools]") {
 
 TEST_CASE("a rigid body becomes an animated node, a deforming one gets a target a frame, a still one nothing",
           "[tools]") {
-    const test::Glb glb(cli::encode_glb(sample()));
+    const test::Glb glb(test::encode_glb(sample()));
     const auto& animation = glb.document.at("animations").at(0);
     CHECK(channel_of(animation, 0, "translation"));
     CHECK(channel_of(animation, 0, "rotation"));
@@ -103,7 +106,7 @@ TEST_CASE("a rigid body becomes an animated node, a deforming one gets a target 
 
 TEST_CASE("a rigid body's vertices come back in metres at every frame", "[tools]") {
     const Animation a = sample();
-    const test::Glb glb(cli::encode_glb(a));
+    const test::Glb glb(test::encode_glb(a));
     const auto& animation = glb.document.at("animations").at(0);
     const auto base =
         glb.floats(glb.document.at("meshes").at(0).at("primitives").at(0).at("attributes").at("POSITION"));
@@ -119,7 +122,7 @@ TEST_CASE("a rigid body's vertices come back in metres at every frame", "[tools]
 
 TEST_CASE("base plus target is the frame's shape, and weights pick one target a frame", "[tools]") {
     const Animation a = sample();
-    const test::Glb glb(cli::encode_glb(a));
+    const test::Glb glb(test::encode_glb(a));
     const auto& primitive = glb.document.at("meshes").at(1).at("primitives").at(0);
     const auto base = glb.floats(primitive.at("attributes").at("POSITION"));
     REQUIRE(base.size() / 3 == a.bodies[1].poses[0]->size());
@@ -134,7 +137,7 @@ TEST_CASE("base plus target is the frame's shape, and weights pick one target a 
 }
 
 TEST_CASE("times are those of the frames", "[tools]") {
-    const test::Glb glb(cli::encode_glb(sample()));
+    const test::Glb glb(test::encode_glb(sample()));
     const auto& samplers = glb.document.at("animations").at(0).at("samplers");
     CHECK(glb.floats(samplers.at(0).at("input")) == std::vector<float>{0.0f, 1 / 24.0f, 3 / 24.0f});
 }
@@ -143,16 +146,21 @@ TEST_CASE("one frame gives a still file, no body an empty scene, z up a turned o
     Animation one = sample();
     one.frames.resize(1);
     for (AnimatedBody& body : one.bodies) body.poses.resize(1);
-    const test::Glb still(cli::encode_glb(one));
+    const test::Glb still(test::encode_glb(one));
     CHECK(still.problems() == std::vector<std::string>{});
     CHECK_FALSE(still.document.contains("animations"));
 
-    const test::Glb empty(cli::encode_glb({}));
+    // Without triangles there is nothing to show, but the frames are told.
+    Animation points = one;
+    for (AnimatedBody& body : points.bodies) body.triangles.clear();
+    const test::Glb empty(test::encode_glb(points));
     CHECK(empty.problems() == std::vector<std::string>{});
     CHECK(empty.binary.empty());
+    CHECK(empty.document.at("scenes").at(0).at("extras").at("sinew").at("frames") == nlohmann::json({1}));
+    CHECK(test::encode_glb({}).empty());
 
     one.up = 'z';
-    const test::Glb upright(cli::encode_glb(one));
+    const test::Glb upright(test::encode_glb(one));
     CHECK(upright.problems() == std::vector<std::string>{});
     const auto& root =
         upright.document.at("nodes").at(upright.document.at("scenes").at(0).at("nodes").at(0).get<std::size_t>());
@@ -162,25 +170,140 @@ TEST_CASE("one frame gives a still file, no body an empty scene, z up a turned o
 }
 
 TEST_CASE("the same run gives the same bytes", "[tools]") {
-    CHECK(cli::encode_glb(sample()) == cli::encode_glb(sample()));
+    CHECK(test::encode_glb(sample()) == test::encode_glb(sample()));
 }
 
 TEST_CASE("a rigid motion is found to rounding, and a change of shape is not taken for one", "[tools]") {
     const Points rest = solver::make_sphere(3, 10, 7).points;
-    const auto motion = cli::find_rigid_motion(
-        {share(rest), share(turned(rest, 3.0, Vec3(1, -4, 2))), share(turned(rest, 6.0, Vec3(0, 0, 0)))});
-    REQUIRE(motion);
-    CHECK(motion->moves);
-    for (std::size_t f = 1; f < 3; ++f) {
-        const Points now = turned(rest, 3.0 * static_cast<double>(f), f == 1 ? Vec3(1, -4, 2) : Vec3(0, 0, 0));
+    cli::RigidFit fit(rest);
+    REQUIRE(fit.add(rest));
+    Eigen::Quaterniond before = Eigen::Quaterniond::Identity();
+    for (int f = 1; f < 3; ++f) {
+        const Points now = turned(rest, 3.0 * f, f == 1 ? Vec3(1, -4, 2) : Vec3(0, 0, 0));
+        const auto pose = fit.add(now);
+        REQUIRE(pose);
         for (std::size_t v = 0; v < rest.size(); ++v)
-            CHECK(
-                (motion->poses[f].translation + motion->poses[f].rotation * (rest[v] - motion->pivot) - now[v]).norm() <
-                1e-12);
-        CHECK(motion->poses[f].rotation.dot(motion->poses[f - 1].rotation) >= 0);
+            CHECK((pose->translation + pose->rotation * (rest[v] - fit.pivot()) - now[v]).norm() < 1e-12);
+        CHECK(pose->rotation.dot(before) >= 0);
+        before = pose->rotation;
     }
-    CHECK_FALSE(cli::find_rigid_motion({share(rest), share(squashed(rest, 1e-3))}));
+    CHECK_FALSE(fit.add(squashed(rest, 1e-3)));
     Points mirrored;
     for (const Vec3& p : squashed(rest, 0.3)) mirrored.emplace_back(-p[0], p[1], p[2]);
-    CHECK_FALSE(cli::find_rigid_motion({share(squashed(rest, 0.3)), share(mirrored)}));
+    CHECK_FALSE(cli::RigidFit(squashed(rest, 0.3)).add(mirrored));
+}
+
+namespace {
+
+/// A plane that bends and one that stays, of numbers that binary fractions hold: no rounding, so any machine and any
+/// order of summation gives the same bytes.
+Animation dyadic() {
+    Animation a;
+    a.frames = {1, 2, 5};
+    a.fps = 8, a.units_per_metre = 2;
+    const std::vector<solver::Triangle> square{{0, 1, 2}, {0, 2, 3}};
+    a.bodies.push_back({"bends", render::BodyKind::tissue, square, {}});
+    a.bodies.push_back({"stays", render::BodyKind::bone, square, {}});
+    for (const double z : {0.0, 0.0, 0.75}) {
+        const Points still{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+        Points bent = still;
+        for (Vec3& p : bent) p *= 1 + z; // normals stay
+        a.bodies[0].poses.push_back(share(bent));
+        a.bodies[1].poses.push_back(share(still));
+    }
+    return a;
+}
+
+} // namespace
+
+TEST_CASE("a GLB holds what it held when poses were kept in memory", "[tools]") {
+    test::Glb glb(test::encode_glb(dyadic()));
+    glb.document.at("asset").erase("generator"); // the version
+    glb.document.erase("materials");             // colours come from powers, which mathematical libraries round
+    // Of commit c2d7364.
+    CHECK(engine::Hasher().add(glb.document.dump()).add(glb.binary).finish().hex() ==
+          "4a92ffcc4e6d9fc983db2a2904d7c62e");
+}
+
+TEST_CASE("a body that deforms late, and one that stands still for long, come back at every frame", "[tools]") {
+    Animation a = sample();
+    const Points rest = *a.bodies[2].poses[0];
+    a.frames.clear();
+    for (AnimatedBody& body : a.bodies) body.poses.clear();
+    const solver::SurfaceMesh cube = solver::make_cube(10, 20, 30, 1, 1, 1);
+    for (int f = 0; f < 12; ++f) {
+        a.frames.push_back(3 * f);
+        a.bodies[0].poses.push_back(share(turned(cube.points, 0.2 * f, Vec3(f, 0, 0))));
+        a.bodies[1].poses.push_back(share(f < 8 ? turned(rest, 0.1 * f, Vec3(0, f, 0)) : squashed(rest, 0.01 * f)));
+        a.bodies[2].poses.push_back(share(f < 4 ? rest : f < 9 ? squashed(rest, 0.1) : rest));
+    }
+    const test::Glb glb(test::encode_glb(a));
+    CHECK(glb.problems() == std::vector<std::string>{});
+    for (const std::size_t b : {std::size_t{1}, std::size_t{2}}) {
+        const auto& primitive = glb.document.at("meshes").at(b).at("primitives").at(0);
+        const auto base = glb.floats(primitive.at("attributes").at("POSITION"));
+        REQUIRE(primitive.at("targets").size() == 11);
+        for (std::size_t f = 1; f < 12; ++f) {
+            const auto delta = glb.floats(primitive.at("targets").at(f - 1).at("POSITION"));
+            for (std::size_t v = 0; v < base.size() / 3; ++v)
+                CHECK((vertex(base, v) + vertex(delta, v) - (*a.bodies[b].poses[f])[v] / 100).norm() < 1e-7);
+        }
+    }
+}
+
+TEST_CASE("a frame that not all bodies have stays out, and what they did in it does not count", "[tools]") {
+    const test::TemporaryFolder folder;
+    Animation a = sample();
+    const auto write = [&](const char* name, bool with_half_a_frame) {
+        cli::GlbFile glb(folder / name, {a.fps, a.units_per_metre, a.up});
+        for (std::size_t b = 0; b < 3; ++b)
+            glb.add_body(a.bodies[b].name, a.bodies[b].kind, a.bodies[b].triangles, a.bodies[b].poses[0]);
+        for (std::size_t f = 0; f < 3; ++f)
+            for (std::size_t b = 0; b < 3; ++b) glb.add_pose(b, a.frames[f], a.bodies[b].poses[f]);
+        if (with_half_a_frame) { // the bone has another shape in it
+            glb.add_pose(0, 9, share(squashed(*a.bodies[0].poses[0], 0.5)));
+            glb.add_pose(1, 9, a.bodies[1].poses[0]);
+        }
+        CHECK(glb.finish());
+        return test::read_text(folder / name);
+    };
+    CHECK(write("half.glb", true) == write("whole.glb", false));
+}
+
+TEST_CASE("poses wait on disk in a file without a name, and nothing is left of them", "[tools]") {
+    const test::TemporaryFolder folder;
+    const auto entries = [&] {
+        return std::distance(std::filesystem::directory_iterator(folder.path()), std::filesystem::directory_iterator());
+    };
+    const Animation a = sample();
+    cli::GlbFile glb(folder / "run.glb", {});
+    glb.add_body("muscle", render::BodyKind::tissue, a.bodies[1].triangles, a.bodies[1].poses[0]);
+    for (std::size_t f = 0; f < 3; ++f) glb.add_pose(0, a.frames[f], a.bodies[1].poses[f]);
+    CHECK(a.bodies[1].poses[1].use_count() == 1); // the writer holds the first and the last pose only
+    CHECK(entries() == 0);
+    CHECK(glb.finish());
+    CHECK(entries() == 1);
+}
+
+TEST_CASE("sizes of a GLB are known before it is written", "[tools]") {
+    const Animation a = sample();
+    std::vector<cli::GlbCost> costs;
+    for (const AnimatedBody& body : a.bodies) costs.push_back(cli::glb_cost(body.kind, *body.poses[0], body.triangles));
+    CHECK(costs[0].shading_vertices == 24); // a cube's corners, once a face
+    CHECK_FALSE(costs[0].deforms);
+    CHECK(costs[1].deforms);
+    const auto file = static_cast<double>(test::encode_glb(a).size());
+    CHECK(cli::glb_size(costs, 3) < file);
+    CHECK(cli::glb_size(costs, 3) > 0.5 * file); // small bodies: most of the rest is the document
+    // A million vertices, 24 bytes each and frame: 178 frames are 4.27 GB, the limit is 4.29.
+    const std::vector<cli::GlbCost> large{{1'000'000, 1'000'000, true}};
+    CHECK_NOTHROW(cli::check_glb_size(large, 178));
+    try {
+        cli::check_glb_size(large, 1000);
+        FAIL("is refused");
+    } catch (const engine::Failure& failure) {
+        CHECK(failure.diagnostics().front().code == "IO405");
+        CHECK(failure.diagnostics().front().hint.find("at most 178 frames fit") == 0);
+    }
+    CHECK_NOTHROW(cli::check_glb_size({{1'000'000, 1'000'000, false}}, 100'000));
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/glb_animation.h"
 #include "tests/viewer/runs.h"
-#include "tools/cli/glb.h"
 #include "tools/viewer/collect_glb.h"
 
 #include <catch2/catch.hpp>
@@ -19,12 +19,12 @@ solver::Points cube(double x, double squash) {
 }
 
 /// A cube that travels and turns not at all, and one that is squashed.
-cli::Animation animation() {
+test::Animation animation() {
     const std::vector<solver::Triangle> sides{{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
                                               {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
-    cli::Animation out;
+    test::Animation out;
     out.fps = 30, out.units_per_metre = 10, out.up = 'z', out.frames = {3, 4, 7};
-    cli::AnimatedBody bone{"mover", render::BodyKind::bone, sides, {}},
+    test::AnimatedBody bone{"mover", render::BodyKind::bone, sides, {}},
         flesh{"soft", render::BodyKind::tissue, sides, {}};
     for (int f = 0; f < 3; ++f) {
         bone.poses.push_back(std::make_shared<solver::Points>(cube(2.5 * f, 1)));
@@ -39,7 +39,7 @@ cli::Animation animation() {
 TEST_CASE("a run comes back from its GLB: frames, units, bodies and places") {
     const test::TemporaryFolder folder;
     const auto file = folder / "run.glb";
-    test::write_text(file, cli::encode_glb(animation()));
+    test::write_text(file, test::encode_glb(animation()));
     CHECK(find_glb(folder.path()) == file);
     const GlbRun run(file);
     CHECK(run.frames().numbers == std::set<int>{3, 4, 7});
@@ -69,10 +69,37 @@ TEST_CASE("a run comes back from its GLB: frames, units, bodies and places") {
     CHECK(highest(1, 1, 1) == Approx(0.6).epsilon(1e-5));
 }
 
+TEST_CASE("a file of a million frames is read in one go, not a million times") {
+    const test::TemporaryFolder folder;
+    test::Animation one = animation();
+    one.frames = {3};
+    for (test::AnimatedBody& body : one.bodies) body.poses.resize(1);
+    std::string text = test::encode_glb(one), frames = "\"frames\":[3";
+    const std::size_t at = text.find("\"frames\":[3]");
+    for (int f = 4; f < 1'000'000; ++f) frames += "," + std::to_string(f);
+    frames += "]";
+    while (frames.size() % 4 != 0) frames += ' '; // as before: chunks are whole words
+    text.replace(at, 12, frames);
+    for (const std::size_t place : {std::size_t{8}, std::size_t{12}}) {
+        std::uint32_t length = 0;
+        std::memcpy(&length, text.data() + place, 4);
+        length += static_cast<std::uint32_t>(frames.size() - 12);
+        std::memcpy(text.data() + place, &length, 4);
+    }
+    test::write_text(folder / "run.glb", text);
+    const GlbRun run(folder / "run.glb");
+    CHECK(run.frames().numbers.size() == 999'997);
+    std::vector<ViewNote> notes;
+    const std::vector<int> all(run.frames().numbers.begin(), run.frames().numbers.end());
+    const std::vector<ViewBody> bodies = run.bodies(all, notes);
+    REQUIRE(bodies.size() == 2);
+    CHECK(std::get<RigidMotion>(bodies[0].motion).poses.size() == all.size());
+}
+
 TEST_CASE("files that are no GLB, cut off or not of Sinew are refused with a reason") {
     const test::TemporaryFolder folder;
     const auto file = folder / "run.glb";
-    const std::string whole = cli::encode_glb(animation());
+    const std::string whole = test::encode_glb(animation());
     const auto reason = [&](const std::string& bytes) {
         test::write_text(file, bytes);
         try {

@@ -4,8 +4,12 @@
 #include "engine/diagnostics.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
+#include <unordered_set>
 
 namespace sinew::cli {
 
@@ -134,9 +138,36 @@ std::optional<double> to_number(std::string_view text) {
     return value && std::isfinite(*value) ? value : std::nullopt;
 }
 
+std::optional<double> to_bytes(std::string_view text) {
+    constexpr std::array<std::pair<std::string_view, double>, 9> units{{{"b", 1},
+                                                                        {"kb", 1e3},
+                                                                        {"mb", 1e6},
+                                                                        {"gb", 1e9},
+                                                                        {"tb", 1e12},
+                                                                        {"kib", 0x1p10},
+                                                                        {"mib", 0x1p20},
+                                                                        {"gib", 0x1p30},
+                                                                        {"tib", 0x1p40}}};
+    const std::size_t end = text.find_last_of("0123456789.");
+    if (end == std::string_view::npos) return {};
+    const auto number = to_number(text.substr(0, end + 1));
+    std::string unit(text.substr(std::min(text.size(), text.find_first_not_of(' ', end + 1))));
+    for (char& c : unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    for (const auto& [name, bytes] : units)
+        if (unit == name && number && *number >= 0) return *number * bytes;
+    return {};
+}
+
+std::string rounded_bytes(double bytes) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3g GB", bytes / 1e9);
+    return text;
+}
+
 std::vector<int> parse_frames(std::string_view text) {
     constexpr int most = 1'000'000; // a typing error, not a film
     std::vector<int> out;
+    std::unordered_set<int> seen;
     for (const std::string& part : split(text, ',')) {
         // The dash of a range is not the sign of its first frame.
         const std::size_t dash = part.find('-', 1);
@@ -147,7 +178,7 @@ std::vector<int> parse_frames(std::string_view text) {
         if (static_cast<long long>(*last) - *first >= most)
             throw UsageError("'" + part + "' is more than a million frames.");
         for (int frame = *first; frame <= *last; ++frame)
-            if (std::find(out.begin(), out.end(), frame) == out.end()) out.push_back(frame);
+            if (seen.insert(frame).second) out.push_back(frame);
     }
     return out;
 }

@@ -46,6 +46,11 @@ std::vector<std::string> split(std::string_view text, char separator);
 /// The whole of `text` as a number, or nothing.
 std::optional<int> to_int(std::string_view text);
 std::optional<double> to_number(std::string_view text);
+/// Bytes of "500MB", "2 GB", "1.5GiB", "4096 B", in letters of any case; nothing for what is no size, is negative or
+/// has no unit.
+std::optional<double> to_bytes(std::string_view text);
+/// "23.5 GB"
+std::string rounded_bytes(double bytes);
 /// "1", "1-24", "1,64,128" or "1-4,8": frames in this order, without repeats. Throws UsageError.
 std::vector<int> parse_frames(std::string_view text);
 /// " Did you mean 'x'?" or "".

@@ -5,6 +5,7 @@
 #include "tools/cli/doubts.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/mesh_report.h"
+#include "tools/cli/motion_range.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -60,6 +61,13 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     }
     if (!fast && !has_error(found)) // a tissue falls, say, because what holds it is wrong
         for (auto& doubt : find_doubts(open.graph, evaluator, in.stop, failures)) found.push_back(std::move(doubt));
+    if (!fast) {
+        const std::vector<std::string> all = open.graph->node_names();
+        const engine::Timing& timing = open.graph->timing();
+        const int first = std::min(timing.start, start_frame(*open.graph, all));
+        for (auto& doubt : find_motion_that_ends(*open.graph, all, first, timing.end))
+            found.push_back(std::move(doubt));
+    }
     // Nothing that needs such a node can run, and the rest may run without it; but nobody writes one on purpose.
     for (engine::Diagnostic& d : found)
         if (d.code == "DG010") d.severity = engine::Severity::error;
@@ -110,6 +118,7 @@ Command check_command() {
              {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--threads", "N", "default: all cores", false, 'j'},
+             memory_flag,
              cache_flag,
              no_cache_flag,
              {"--json", "", "one JSON object a line instead of text"}},

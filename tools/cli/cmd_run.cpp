@@ -4,12 +4,14 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
 #include "tools/cli/run_output.h"
 #include "tools/cli/unfinished.h"
 #include "tools/cli/writable_folder.h"
+#include "tools/viewer/collect.h"
 #include "tools/viewer/run_page.h"
 
 #include <chrono>
@@ -88,9 +90,10 @@ class Run {
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
-                  scene_axes(*plan_.graph, plan_.needed)) {
+                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size()) {
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
+        report_.memory_bytes = memory_budget(in.arguments);
         if (!plan_.solvers.empty()) {
             report_.bodies = connected(*plan_.graph, plan_.solvers.front(), "bodies");
             report_.attachments = connected(*plan_.graph, plan_.solvers.front(), "attachments");
@@ -105,6 +108,8 @@ class Run {
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
             if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop); has_error(problems))
                 throw engine::Failure(std::move(problems));
+            warn_of_motion();
+            if (!plan_.out.empty()) expect_sizes();
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
             begin_output();
             report_.setup_s = seconds_since(start);
@@ -138,10 +143,29 @@ class Run {
                 report_.error,       false};
     }
 
+    void warn_of_motion() {
+        if (plan_.frames.empty()) return;
+        const int first = std::min(plan_.frames.front(), start_frame(*plan_.graph, plan_.needed));
+        for (const engine::Diagnostic& d :
+             find_motion_that_ends(*plan_.graph, plan_.needed, first, plan_.frames.back()))
+            progress_.warning(d);
+    }
+
+    /// Of what comes, from what there is before the first step: it has just been computed.
+    void expect_sizes() {
+        const double frame = start_frame(*plan_.graph, plan_.needed);
+        for (const engine::Plug& plug : plan_.plugs)
+            output_.expect(*plan_.graph, plug, evaluator_.pull({plan_.graph, plug, frame, in_.stop}));
+    }
+
     /// From here on there is something to close, and a run that is killed leaves its mark.
     void begin_output() {
         has_begun_ = true;
         if (!plan_.out.empty()) mark_unfinished(plan_.out, mark());
+        if (!in_.arguments.has("--open")) return;
+        viewer::Evaluation e;
+        e.graph = plan_.graph, e.evaluator = &evaluator_, e.stop = in_.stop;
+        page_scene_ = std::make_unique<viewer::GraphCollector>(std::move(e));
     }
 
     RunError describe(const std::exception_ptr& what) const {
@@ -178,6 +202,7 @@ class Run {
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
         if (!plan_.out.empty())
             for (std::size_t i = 0; i < values.size(); ++i) output_.add(*plan_.graph, plan_.plugs[i], frame, values[i]);
+        if (page_scene_) page_scene_->add(frame); // now, while all is there: a long run does not fit into memory
         report_.frames.push_back(f);
         progress_.end_frame(f, digest.finish().hex());
         for (std::size_t i = 0; i < values.size(); ++i) print_value(frame, plan_.plugs[i], values[i]);
@@ -201,12 +226,14 @@ class Run {
 
     void close() {
         if (!plan_.out.empty()) output_.finish();
-        if (in_.arguments.has("--open") && !in_.stop.stop_requested())
-            page_ = viewer::write_run_page(plan_.out, plan_.graph, evaluator_, report_, in_.stop);
+        if (page_scene_ && !in_.stop.stop_requested())
+            page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_);
     }
 
     void write_report() {
         report_.frames_simulated = progress_.steps();
+        report_.kept_bytes = evaluator_.most_stored_bytes();
+        report_.made_again = evaluator_.made_again();
         if (const auto file = in_.arguments.value("--report")) write_file(*file, report_json(report_));
     }
 
@@ -261,6 +288,9 @@ class Run {
         if (const std::size_t older = plan_.out.empty() ? 0 : output_.older_files())
             in_.err << "note: " << plan_.out.string() << " also holds " << older
                     << " mesh files from before this run; they were left as they are\n";
+        if (report_.made_again > 0)
+            in_.err << "note: " << report_.made_again
+                    << " results were computed again, because --memory left no room to keep them\n";
         if (plan_.out.empty()) in_.out << "nothing was written; --out DIR keeps the meshes\n";
         if (const auto file = in_.arguments.value("--report")) in_.out << "wrote " << *file << "\n";
         print_page();
@@ -273,8 +303,9 @@ class Run {
     engine::Evaluator evaluator_;
     RunOutput output_;
     RunReport report_;
-    fs::path page_; ///< written for --open
-    int frame_ = 0; ///< the one at work
+    std::unique_ptr<viewer::GraphCollector> page_scene_; ///< for --open
+    fs::path page_;                                      ///< written for --open
+    int frame_ = 0;                                      ///< the one at work
     bool has_begun_ = false;
 };
 
@@ -296,6 +327,7 @@ Command run_command() {
              {"--out", "DIR", "where to write; without it nothing is written", false, 'o'},
              {"--format", "glb,obj,ply", "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
+             memory_flag,
              cache_flag,
              no_cache_flag,
              {"--report", "FILE", "write times, convergence and sizes of every frame as JSON"},

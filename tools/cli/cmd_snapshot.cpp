@@ -281,6 +281,7 @@ Command snapshot_command() {
          {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         memory_flag,
          cache_flag,
          no_cache_flag},
         "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"

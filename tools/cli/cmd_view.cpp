@@ -118,8 +118,10 @@ std::string summary(const viewer::ViewScene& scene, const viewer::Page& page) {
 ExitCode view(const Invocation& in) {
     const fs::path source = in.arguments.operand(0).value();
     const bool is_folder = fs::is_directory(source);
-    if (is_folder && (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads")))
-        throw UsageError("--set, --surfaces and --threads are for graphs; '" + source.string() + "' is a folder.");
+    if (is_folder && (in.arguments.has("--set") || in.arguments.has("--surfaces") || in.arguments.has("--threads") ||
+                      in.arguments.has("--memory")))
+        throw UsageError("--set, --surfaces, --threads and --memory are for graphs; '" + source.string() +
+                         "' is a folder.");
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
@@ -168,6 +170,7 @@ Command view_command() {
           "a second run, a graph or a folder, to compare with: side by side or as the difference"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value; not in --against", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         memory_flag,
          cache_flag,
          no_cache_flag,
          {"--quiet", "", "print warnings and errors only", false, 'q'}},

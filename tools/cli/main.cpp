@@ -6,9 +6,12 @@
 #include "tools/cli/interrupts.h"
 #include "tools/cli/print.h"
 
+#include <cerrno>
+#include <cstring>
 #include <iostream>
 #include <new>
 #include <stdexcept>
+#include <unistd.h>
 
 namespace {
 
@@ -84,7 +87,12 @@ int main(int count, char** words) {
     solver::choose_blas_kernel();
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
-    // A full disk behind a redirection must not pass for success.
+    // A full disk behind a redirection must not pass for success, nor in silence.
     std::cout.flush();
-    return code == done && !std::cout ? internal_error : code;
+    if (std::cout) return code;
+    // The stream does not keep the reason; the next byte meets it again.
+    const bool is_known = write(STDOUT_FILENO, "\n", 1) < 0;
+    std::cerr << "sinew: the output could not be written" << (is_known ? std::string(": ") + std::strerror(errno) : "")
+              << "\n";
+    return code == done ? internal_error : code;
 }

@@ -4,6 +4,7 @@
 #include "engine/check.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
+#include "engine/memory_limit.h"
 #include "engine/text.h"
 #include "nodes/mesh_names.h"
 #include "nodes/register_all.h"
@@ -164,12 +165,24 @@ std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::
     return out;
 }
 
+std::size_t memory_budget(const Arguments& arguments) {
+    const auto text = arguments.value("--memory");
+    if (!text) return engine::StorePolicy::default_bytes();
+    const auto bytes = to_bytes(*text);
+    if (!bytes)
+        throw UsageError("--memory needs a size with its unit, for example 500MB or \"2 GB\", not '" + *text + "'.");
+    const auto most = static_cast<double>(engine::memory_limit());
+    if (*bytes > most) throw UsageError("--memory " + *text + " is more than there is: " + rounded_bytes(most) + ".");
+    if (*bytes < 1e6) throw UsageError("--memory needs at least 1 MB, not '" + *text + "'.");
+    return static_cast<std::size_t>(*bytes);
+}
+
 engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph) {
     if (arguments.has("--cache") && arguments.has("--no-cache"))
         throw UsageError("--cache and --no-cache contradict each other.");
     if (arguments.value("--cache") == "")
         throw UsageError("--cache needs the name of a folder, not ''; --no-cache keeps nothing on disk.");
-    engine::StorePolicy policy;
+    engine::StorePolicy policy = engine::StorePolicy::within(memory_budget(arguments));
     if (arguments.has("--no-cache")) return policy;
     const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());

@@ -30,8 +30,15 @@ inline constexpr Flag cache_flag{
     "--cache", "DIR", "where nodes with cacheTetMesh keep their tets; default: beside the graph, NAME.sinew-cache"};
 inline constexpr Flag no_cache_flag{"--no-cache", "", "neither read nor keep anything on disk"};
 
-/// Where results are kept: in the folder of --cache, else beside the graph file in NAME.sinew-cache, which is made when
-/// a node first asks for it. Throws UsageError if both flags are given.
+inline constexpr Flag memory_flag{"--memory", "SIZE",
+                                  "most memory for results that are kept, for example 500MB or \"2 GB\"; default: a "
+                                  "quarter of the machine's. What is at work comes on top"};
+
+/// Bytes of --memory. Throws UsageError for what is no size, below 1 MB or more than the machine has.
+std::size_t memory_budget(const Arguments& arguments);
+
+/// Where results are kept, and how many of them (--memory): in the folder of --cache, else beside the graph file in
+/// NAME.sinew-cache, which is made when a node first asks for it. Throws UsageError if both flags are given.
 engine::StorePolicy store_policy(const Arguments& arguments, const engine::Graph& graph);
 
 /// "node.output" of this graph. Throws UsageError with the nearest name.

@@ -136,11 +136,10 @@ std::string report_json(const RunReport& r) {
                 {"threads", r.threads},
                 {"graph", r.graph}};
     const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
-    out["totals"] = {{"wall_s", r.wall_s},
-                     {"setup_s", r.setup_s},
-                     {"frames_simulated", r.frames_simulated},
-                     {"frames_reused", reused},
-                     {"peak_bytes", peak_bytes()}};
+    out["totals"] = {
+        {"wall_s", r.wall_s},         {"setup_s", r.setup_s},           {"frames_simulated", r.frames_simulated},
+        {"frames_reused", reused},    {"memory_bytes", r.memory_bytes}, {"kept_bytes", r.kept_bytes},
+        {"made_again", r.made_again}, {"peak_bytes", peak_bytes()}};
     out["computed"] = Json::object();
     for (const auto& [type, cost] : r.computed)
         out["computed"][type] = {{"count", cost.count}, {"wall_s", cost.seconds}};

@@ -36,6 +36,8 @@ struct RunReport {
     int threads = 0, frames_simulated = 0;
     double wall_s = 0;
     double setup_s = 0; ///< of wall_s: meshes, tets and everything else before the first frame
+    std::size_t memory_bytes = 0, kept_bytes = 0; ///< the budget for results, and the most that it held at once
+    std::size_t made_again = 0;                   ///< results that it had no room for
     std::vector<FrameReport> frames;
     std::map<std::string, NodeCost> computed; ///< by node type
     std::optional<RunError> error;

@@ -7,44 +7,41 @@
 namespace sinew::cli {
 
 using solver::Points;
-using solver::Vec3;
 
 namespace {
 
-Eigen::Matrix3Xd as_columns(const Points& points) {
-    Eigen::Matrix3Xd out(3, static_cast<Eigen::Index>(points.size()));
-    for (std::size_t i = 0; i < points.size(); ++i) out.col(static_cast<Eigen::Index>(i)) = points[i];
-    return out;
+Eigen::Map<const Eigen::Matrix3Xd> as_columns(const Points& points) {
+    static_assert(sizeof(solver::Vec3) == 3 * sizeof(double));
+    return {points.front().data(), 3, static_cast<Eigen::Index>(points.size())};
 }
 
 } // namespace
 
-std::optional<RigidMotion> find_rigid_motion(const std::vector<std::shared_ptr<const Points>>& poses,
-                                             double tolerance) {
-    RigidMotion out;
-    if (poses.empty() || poses.front()->empty()) return out;
-    const Points& first = *poses.front();
-    const double allowed = tolerance * solver::bounding_box(first).size().norm();
-    Eigen::Matrix3Xd rest = as_columns(first);
-    out.pivot = rest.rowwise().mean();
-    rest.colwise() -= out.pivot;
-    for (const auto& pose : poses) {
-        RigidPose fit;
-        if (*pose == first) { // exact, so that a body at rest has no motion at all
-            fit.translation = out.pivot;
-        } else {
-            const Eigen::Matrix3Xd now = as_columns(*pose);
-            fit.translation = now.rowwise().mean();
-            fit.rotation = solver::best_rotation((now.colwise() - fit.translation) * rest.transpose());
-            const Eigen::Matrix3Xd off = (fit.rotation.toRotationMatrix() * rest).colwise() + fit.translation - now;
-            if (!(off.colwise().norm().maxCoeff() <= allowed)) return {};
-            out.moves = true;
-        }
-        // q and -q are one rotation; a viewer that blends two frames must not take the long way round.
-        if (!out.poses.empty() && out.poses.back().rotation.dot(fit.rotation) < 0) fit.rotation.coeffs() *= -1;
-        out.poses.push_back(fit);
+RigidFit::RigidFit(Points first, double tolerance)
+    : first_(std::move(first))
+    , rest_(as_columns(first_))
+    , allowed_(tolerance * solver::bounding_box(first_).size().norm()) {
+    // Aligned, because the order in which Eigen adds follows the alignment of what it adds into.
+    alignas(16) const solver::Vec3 mean = rest_.rowwise().mean();
+    pivot_ = mean;
+    rest_.colwise() -= pivot_;
+}
+
+std::optional<RigidPose> RigidFit::add(const Points& pose) {
+    RigidPose fit;
+    if (pose == first_) { // exact, so that a body at rest has no motion at all
+        fit.translation = pivot_;
+    } else {
+        const Eigen::Matrix3Xd now = as_columns(pose);
+        fit.translation = now.rowwise().mean();
+        fit.rotation = solver::best_rotation((now.colwise() - fit.translation) * rest_.transpose());
+        const Eigen::Matrix3Xd off = (fit.rotation.toRotationMatrix() * rest_).colwise() + fit.translation - now;
+        if (!(off.colwise().norm().maxCoeff() <= allowed_)) return {};
     }
-    return out;
+    // q and -q are one rotation; a viewer that blends two frames must not take the long way round.
+    if (last_.dot(fit.rotation) < 0) fit.rotation.coeffs() *= -1;
+    last_ = fit.rotation;
+    return fit;
 }
 
 } // namespace sinew::cli

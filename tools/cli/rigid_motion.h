@@ -4,9 +4,7 @@
 #include "solver/types.h"
 
 #include <Eigen/Geometry>
-#include <memory>
 #include <optional>
-#include <vector>
 
 namespace sinew::cli {
 
@@ -16,15 +14,23 @@ struct RigidPose {
     solver::Vec3 translation = solver::Vec3::Zero();
 };
 
-struct RigidMotion {
-    solver::Vec3 pivot = solver::Vec3::Zero(); ///< centre of the points in the first pose
-    std::vector<RigidPose> poses;              ///< one a frame; neighbouring rotations lie on one hemisphere
-    bool moves = false;
-};
+/// Fits poses to the first one as they come.
+class RigidFit {
+  public:
+    /// \param first      not empty
+    /// \param tolerance  of the diagonal of the first pose: the farthest that a point may be off
+    explicit RigidFit(solver::Points first, double tolerance = 2e-5);
+    /// The best fit, its rotation on one hemisphere with that of the last fit; nothing if a point is farther off.
+    std::optional<RigidPose> add(const solver::Points& pose);
+    /// Centre of the points in the first pose.
+    const solver::Vec3& pivot() const { return pivot_; }
 
-/// Best fit of every pose to the first one; nothing if a point is farther off
-/// than `tolerance` times the diagonal of the first pose.
-std::optional<RigidMotion> find_rigid_motion(const std::vector<std::shared_ptr<const solver::Points>>& poses,
-                                             double tolerance = 2e-5);
+  private:
+    solver::Points first_;
+    Eigen::Matrix3Xd rest_; ///< about the pivot
+    solver::Vec3 pivot_;
+    double allowed_;
+    Eigen::Quaterniond last_ = Eigen::Quaterniond::Identity();
+};
 
 } // namespace sinew::cli

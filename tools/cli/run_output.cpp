@@ -1,26 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/run_output.h"
 
-#include <chrono>
-
 #include "tools/cli/atomic_file.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace sinew::cli {
 
 namespace fs = std::filesystem;
 
-RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps, SceneAxes axes)
+RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps, SceneAxes axes,
+                     std::size_t frame_count)
     : folder_(std::move(folder))
     , formats_(std::move(formats))
-    , title_(std::move(title))
     , axes_(axes)
-    , started_(fs::file_time_type::clock::now() - std::chrono::seconds(1)) { // file systems round times
-    animation_.fps = fps;
-    animation_.units_per_metre = axes.units_per_metre;
-    animation_.up = axes.up;
-}
+    , frame_count_(frame_count)
+    , glb_path_(folder_ / (title + ".glb"))
+    , glb_(glb_path_, {fps, axes.units_per_metre, axes.up})
+    , started_(fs::file_time_type::clock::now() - std::chrono::seconds(1)) {} // file systems round times
 
 void RunOutput::note(const fs::path& path) {
     if (std::find(written_.begin(), written_.end(), path) == written_.end()) written_.push_back(path);
@@ -50,16 +48,24 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
                 for (std::size_t i = 0; i < meshes.size(); ++i)
                     write_body(folder_, format, labels[i], meshes[i], frame, axes_);
         });
-    if (formats_.contains("glb")) keep_for_glb(labels, meshes, frame);
+    if (formats_.contains("glb")) add_to_glb(labels, meshes, frame);
 }
 
-void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame) {
-    if (animation_.frames.empty() || animation_.frames.back() != frame) animation_.frames.push_back(frame);
+void RunOutput::expect(const engine::Graph& graph, const engine::Plug& plug, const engine::Value& value) {
+    if (!formats_.contains("glb")) return;
+    const std::vector<nodes::Mesh> meshes = meshes_in(value);
+    const std::vector<BodyLabel> labels = body_labels(graph, plug, meshes.size());
+    for (std::size_t i = 0; i < meshes.size(); ++i)
+        expected_.push_back(glb_cost(labels[i].kind, *meshes[i].points, meshes[i].topology->triangles));
+    check_glb_size(expected_, frame_count_);
+}
+
+void RunOutput::add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame) {
     for (std::size_t i = 0; i < meshes.size(); ++i) {
-        const auto [it, is_new] = animated_.emplace(labels[i].name, animation_.bodies.size());
+        const auto [it, is_new] = animated_.emplace(labels[i].name, topologies_.size());
         if (is_new) {
-            animation_.bodies.push_back(
-                {labels[i].name, labels[i].kind, meshes[i].topology->triangles, {}, labels[i].appearance});
+            glb_.add_body(labels[i].name, labels[i].kind, meshes[i].topology->triangles, meshes[i].points,
+                          labels[i].appearance);
             topologies_.push_back(meshes[i].topology);
         } else if (topologies_[it->second]->digest != meshes[i].topology->digest) {
             engine::Diagnostic d;
@@ -69,8 +75,14 @@ void RunOutput::keep_for_glb(const std::vector<BodyLabel>& labels, const std::ve
             d.hint = "write --format obj or ply";
             throw engine::Failure(d);
         }
-        animation_.bodies[it->second].poses.push_back(meshes[i].points);
+        glb_.add_pose(it->second, frame, meshes[i].points);
     }
+    // What was taken for rigid may turn out not to be, and that is told when it shows rather than at the end.
+    const std::vector<GlbCost> costs = glb_.costs();
+    const auto deforming =
+        static_cast<std::size_t>(std::count_if(costs.begin(), costs.end(), [](const GlbCost& c) { return c.deforms; }));
+    if (deforming > deforming_) check_glb_size(costs, frame_count_);
+    deforming_ = deforming;
 }
 
 std::size_t RunOutput::older_files() const {
@@ -84,16 +96,7 @@ std::size_t RunOutput::older_files() const {
 
 void RunOutput::finish() {
     if (pending_.valid()) pending_.get();
-    if (animation_.frames.empty()) return;
-    // A run that broke off between two pulls of one frame: that frame is not whole and stays out.
-    std::size_t whole = animation_.frames.size();
-    for (const AnimatedBody& body : animation_.bodies) whole = std::min(whole, body.poses.size());
-    animation_.frames.resize(whole);
-    for (AnimatedBody& body : animation_.bodies) body.poses.resize(whole);
-    if (whole == 0) return;
-    const fs::path file = folder_ / (title_ + ".glb");
-    write_file(file, encode_glb(animation_));
-    note(file);
+    if (glb_.finish()) note(glb_path_);
 }
 
 } // namespace sinew::cli

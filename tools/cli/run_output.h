@@ -1,5 +1,5 @@
 // Puts a run on disk while it goes: mesh sequences frame by frame, the GLB at the end with the frames there
-// are.
+// are, which wait on disk too.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/cli/body_files.h"
@@ -18,9 +18,13 @@ class RunOutput {
   public:
     /// \param formats of "obj", "ply", "glb"
     /// \param title names the GLB file
+    /// \param frame_count of the whole run
     RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
-              SceneAxes axes);
+              SceneAxes axes, std::size_t frame_count);
 
+    /// Before anything is written: what `plug` will give is like this `value`. Throws Failure IO405 if the GLB could
+    /// not hold all frames of it and of the plugs before.
+    void expect(const engine::Graph& graph, const engine::Plug& plug, const engine::Value& value);
     /// What `plug` gave at `frame`: meshes, or a file. Anything else is left alone. Sequences are written
     /// beside the next frame's work; what goes wrong there is thrown by the next call. Throws Failure (IO405,
     /// FE211).
@@ -34,16 +38,19 @@ class RunOutput {
     std::size_t older_files() const;
 
   private:
-    void keep_for_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame);
+    void add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame);
     void note(const std::filesystem::path& path);
 
     std::filesystem::path folder_;
     std::set<std::string> formats_;
-    std::string title_;
     SceneAxes axes_;
-    Animation animation_;
-    std::map<std::string, std::size_t> animated_;                        ///< body name -> index in animation_
-    std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of animation_.bodies
+    std::size_t frame_count_;
+    std::filesystem::path glb_path_;
+    GlbFile glb_;
+    std::vector<GlbCost> expected_;
+    std::size_t deforming_ = 0;                                          ///< bodies in the GLB
+    std::map<std::string, std::size_t> animated_;                        ///< body name -> index in glb_
+    std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of the bodies in glb_
     std::future<void> pending_;
     std::vector<std::filesystem::path> written_;
     std::filesystem::file_time_type started_;

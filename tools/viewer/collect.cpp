@@ -32,15 +32,15 @@ struct Source {
 
 class Collector {
   public:
-    explicit Collector(const Evaluation& e)
-        : e_(e) {
-        const engine::Graph& graph = *e.graph;
+    explicit Collector(Evaluation e)
+        : e_(std::move(e)) {
+        const engine::Graph& graph = *e_.graph;
         scene_.source = graph.file();
         scene_.is_evaluated = true;
         scene_.title = std::filesystem::path(graph.file()).stem().string();
         scene_.fps = graph.timing().fps;
         scene_.graph = layout_graph(graph);
-        std::vector<Plug> shown = e.shown;
+        std::vector<Plug> shown = e_.shown;
         if (shown.empty())
             for (const std::string& name : shown_nodes(graph)) shown.push_back({name, "outMeshes"});
         std::vector<std::string> nodes;
@@ -51,26 +51,28 @@ class Collector {
             const bool is_solver = plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
             sources_.push_back({std::move(plug), is_solver, {}, {}, {}, {}});
         }
-    }
-
-    ViewScene operator()() {
         if (sources_.empty())
             scene_.notes.push_back(
                 {true, "The graph has neither a zSolver nor a zEmbedder, so there are no bodies to show."});
-        for (const int frame : e_.frames) {
-            try {
-                add_frame(frame);
-            } catch (const engine::Failure& failure) {
-                if (scene_.frames.empty() || !e_.keeps_frames) throw;
-                const engine::Diagnostic& d = failure.diagnostics().front();
-                scene_.notes.push_back({true, ended_early({frame, d.code, d.node, d.message})});
-                break;
-            } catch (const engine::Cancelled& cancelled) {
-                if (scene_.frames.empty() || !e_.keeps_frames) throw;
-                scene_.notes.push_back({true, ended_early({frame, "", "", cancelled.what()})});
-                break;
-            }
+    }
+
+    void add(int frame) {
+        if (has_ended_) return;
+        try {
+            add_frame(frame);
+        } catch (const engine::Failure& failure) {
+            if (scene_.frames.empty() || !e_.keeps_frames) throw;
+            const engine::Diagnostic& d = failure.diagnostics().front();
+            end({frame, d.code, d.node, d.message});
+        } catch (const engine::Cancelled& cancelled) {
+            if (scene_.frames.empty() || !e_.keeps_frames) throw;
+            end({frame, "", "", cancelled.what()});
         }
+    }
+
+    bool has_ended() const { return has_ended_; }
+
+    ViewScene finish() {
         for (BodyRecorder& recorder : recorders_) {
             scene_.bodies.push_back(recorder.finish(scene_.notes));
             keep_to_flesh(scene_.bodies.back());
@@ -80,6 +82,11 @@ class Collector {
     }
 
   private:
+    void end(const cli::RunError& why) {
+        scene_.notes.push_back({true, ended_early(why)});
+        has_ended_ = true;
+    }
+
     Value pull(const Plug& plug, int frame) const {
         return e_.evaluator->pull({e_.graph, plug, static_cast<double>(frame), stop_});
     }
@@ -210,7 +217,8 @@ class Collector {
         return count == 1 ? wanted : wanted + "_" + std::to_string(count);
     }
 
-    const Evaluation& e_;
+    const Evaluation e_;
+    bool has_ended_ = false; ///< by a frame that failed
     std::stop_token stop_;
     ViewScene scene_;
     std::vector<Source> sources_;
@@ -229,6 +237,21 @@ std::vector<std::string> shown_nodes(const engine::Graph& graph) {
     return out;
 }
 
-ViewScene collect_graph(const Evaluation& evaluation) { return Collector(evaluation)(); }
+ViewScene collect_graph(const Evaluation& evaluation) {
+    Collector collector(evaluation);
+    for (const int frame : evaluation.frames)
+        if (!collector.has_ended()) collector.add(frame);
+    return collector.finish();
+}
+
+struct GraphCollector::Impl {
+    Collector collector;
+};
+
+GraphCollector::GraphCollector(Evaluation evaluation)
+    : impl_(std::make_unique<Impl>(Impl{Collector(std::move(evaluation))})) {}
+GraphCollector::~GraphCollector() = default;
+void GraphCollector::add(int frame) { impl_->collector.add(frame); }
+ViewScene GraphCollector::finish() { return impl_->collector.finish(); }
 
 } // namespace sinew::viewer

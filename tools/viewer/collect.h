@@ -33,6 +33,20 @@ std::vector<std::string> shown_nodes(const engine::Graph& graph);
 /// if not even the first frame works (any frame, without `keeps_frames`), and Cancelled.
 ViewScene collect_graph(const Evaluation& evaluation);
 
+/// The same frame by frame, while a run goes; `frames` is not read.
+class GraphCollector {
+  public:
+    explicit GraphCollector(Evaluation evaluation);
+    ~GraphCollector();
+    /// Frames rise. Nothing is added any more after a frame that failed.
+    void add(int frame);
+    ViewScene finish();
+
+  private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
 /// OBJ sequences in `folder`, its report and its graph if there are any. Never throws for what is missing or
 /// unreadable: notes say it, and what is there is shown.
 /// \param frames empty = all

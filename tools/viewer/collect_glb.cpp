@@ -12,6 +12,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <unordered_map>
 
 namespace sinew::viewer {
 
@@ -34,7 +35,8 @@ struct GlbRun::Content {
     nodes::GlbFile glb;
     const json& document;
     GlbFrames frames;
-    std::vector<int> order; ///< frame numbers as the file has them
+    std::vector<int> order;                        ///< frame numbers as the file has them
+    std::unordered_map<int, std::size_t> place_of; ///< of each number in `order`, the first
 
     explicit Content(std::string all)
         : bytes(std::move(all))
@@ -81,6 +83,7 @@ struct GlbRun::Content {
             fail("it does not say which frames it has; Sinew writes that since version " SINEW_VERSION);
         const json& about = scene["extras"]["sinew"];
         order = about.at("frames").get<std::vector<int>>();
+        for (std::size_t i = 0; i < order.size(); ++i) place_of.emplace(order[i], i);
         frames.numbers = {order.begin(), order.end()};
         frames.fps = about.at("fps").get<double>();
         frames.units_per_metre = about.at("units_per_metre").get<double>();
@@ -180,8 +183,8 @@ std::vector<ViewBody> GlbRun::bodies(const std::vector<int>& chosen, std::vector
             BodyRecorder recorder(nodes[n].value("name", "body"), extras.value("node", ""),
                                   render::kind_of(extras.value("kind", "")), static_cast<int>(out.size()), appearance);
             const auto pose_at = [&](int frame) {
-                const auto f =
-                    static_cast<std::size_t>(std::find(in.order.begin(), in.order.end(), frame) - in.order.begin());
+                const auto found = in.place_of.find(frame);
+                const std::size_t f = found == in.place_of.end() ? in.order.size() : found->second;
                 const auto& pose = f > 0 && f < poses.size() ? poses[f] : poses.front();
                 solver::Points points = welded(pose, poses.front(), to, count, scale);
                 Eigen::Quaterniond q = Eigen::Quaterniond::Identity();

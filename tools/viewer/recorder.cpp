@@ -35,8 +35,6 @@ std::vector<std::array<int, 2>> polygon_edges(const solver::SurfaceMesh& mesh) {
     return edges;
 }
 
-std::shared_ptr<const Points> borrowed(const Points& points) { return {std::shared_ptr<const Points>(), &points}; }
-
 bool is_finite(const Points& points) {
     return std::all_of(points.begin(), points.end(),
                        [](const solver::Vec3& p) { return p.allFinite() && p.cwiseAbs().maxCoeff() < most_drawable; });
@@ -87,17 +85,18 @@ void BodyRecorder::set_lattice(const solver::TetMesh& tets, const solver::Embedd
 
 bool BodyRecorder::try_rigid(const Points& points) {
     if (rest_.empty() || !is_finite(points)) return false;
-    const auto found = cli::find_rigid_motion({borrowed(rest_), borrowed(points)}, rigid_tolerance);
+    cli::RigidFit fit(rest_, rigid_tolerance);
+    const auto found = fit.add(points);
     if (!found) return false;
     auto& rigid = std::get<RigidMotion>(body_.motion);
     RigidPose pose;
-    const Eigen::Quaterniond& q = found->poses.back().rotation;
+    const Eigen::Quaterniond& q = found->rotation;
     pose.rotation = {static_cast<float>(q.x()), static_cast<float>(q.y()), static_cast<float>(q.z()),
                      static_cast<float>(q.w())};
-    // find_rigid_motion turns about its own centre; ours is rounded to single precision.
+    // The fit turns about its own centre; ours is rounded to single precision.
     const solver::Vec3 pivot(static_cast<double>(rigid.pivot[0]), static_cast<double>(rigid.pivot[1]),
                              static_cast<double>(rigid.pivot[2]));
-    const solver::Vec3 t = found->poses.back().translation + q * (pivot - found->pivot);
+    const solver::Vec3 t = found->translation + q * (pivot - fit.pivot());
     pose.translation = {static_cast<float>(t[0]), static_cast<float>(t[1]), static_cast<float>(t[2])};
     rigid.poses.push_back(pose);
     return true;

@@ -2,20 +2,14 @@
 #include "tools/viewer/run_page.h"
 
 #include "tools/cli/atomic_file.h"
-#include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
 #include "tools/viewer/read_report.h"
 
 namespace sinew::viewer {
 
-std::filesystem::path write_run_page(const std::filesystem::path& folder,
-                                     const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
-                                     const cli::RunReport& report, std::stop_token stop) {
-    Evaluation e;
-    e.graph = graph, e.evaluator = &evaluator, e.stop = std::move(stop);
-    for (const cli::FrameReport& f : report.frames) e.frames.push_back(f.frame);
-    ViewScene scene = collect_graph(e);
-    // Times are those of the run, not of looking up what it left.
+std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewScene scene,
+                                     const cli::RunReport& report) {
+    // Times are those of the run, not of looking up what it has just computed.
     if (report.error) scene.notes.insert(scene.notes.begin(), {true, ended_early(*report.error)});
     for (std::size_t i = 0; i < scene.frames.size(); ++i) {
         scene.frames[i].wall_s = report.frames[i].wall_s;

@@ -98,6 +98,26 @@ TEST_CASE("random star-shaped polygons are covered exactly by positive triangles
     }
 }
 
+TEST_CASE("a polygon of twenty thousand jagged corners is cut like a small one", "[mesh]") {
+    // Looking at every corner anew at every cut would be 8e12 looks.
+    const int n = 20000;
+    Points points;
+    std::vector<int> ring(at(n));
+    std::iota(ring.begin(), ring.end(), 0);
+    for (int i = 0; i < n; ++i) {
+        const double a = 2 * std::numbers::pi * i / n, r = 1 + 0.3 * std::sin(37.0 * i);
+        points.emplace_back(r * std::cos(a), r * std::sin(a), 0);
+    }
+    double twice_area = 0;
+    for (int i = 0; i < n; ++i) twice_area += points[at(i)].cross(points[at((i + 1) % n)]).z();
+    std::vector<Triangle> triangles;
+    triangulate_polygon(points, ring, triangles);
+    REQUIRE(triangles.size() == at(n - 2));
+    double least = 1e9;
+    REQUIRE(area_along(points, triangles, Vec3(0, 0, 1), &least) == Approx(0.5 * twice_area));
+    REQUIRE(least >= 0);
+}
+
 TEST_CASE("polygons that cross themselves or have no area still give n - 2 triangles", "[mesh]") {
     const Points bow{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 3, 0}, {0.4, -1, 0}};
     const Points line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}, {0.2, 0, 0}};

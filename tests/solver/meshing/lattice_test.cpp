@@ -392,6 +392,22 @@ TEST_CASE("a lattice that would be too fine is refused with its count", "[lattic
     }
 }
 
+TEST_CASE("a lattice of more tets than memory holds is refused at once whatever the maximum resolution", "[lattice]") {
+    const SurfaceMesh box = make_cube(1, 1, 1, 1, 1, 1);
+    LatticeOptions options;
+    options.max_resolution = 100000;
+    std::string message;
+    options.tet_size = 0.0083; // 12 tets a cube
+    REQUIRE(code_of(box, options, &message) == "FE210");
+    REQUIRE(message == "the lattice would have about 21 million tets; the limit is 20 million");
+    options.tet_size = 0.004;
+    REQUIRE(code_of(box, options, &message) == "FE210");
+    REQUIRE(message == "the lattice would have about 188 million tets; the limit is 20 million");
+    options.fill = Fill::surface_only; // a shell one tet thick
+    options.tet_size = 0.05;
+    REQUIRE(code_of(box, options) == "none");
+}
+
 TEST_CASE("a lattice of huge tets is refused at once with a size that would do", "[lattice]") {
     const SurfaceMesh box = make_cube(3, 1, 1, 1, 1, 1);
     const auto begin = std::chrono::steady_clock::now();

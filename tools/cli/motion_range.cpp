@@ -1,0 +1,185 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/motion_range.h"
+
+#include "engine/diagnostics.h"
+#include "engine/text.h"
+#include "nodes/motion_track.h"
+#include "solver/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <tuple>
+
+namespace sinew::cli {
+
+using engine::Curve;
+using engine::Diagnostic;
+using engine::Graph;
+using engine::Key;
+using engine::Node;
+
+namespace {
+
+/// Frames of the graph.
+struct Reach {
+    double first, last;
+};
+
+/// How far a motion gets, where it does not reach over the run.
+struct Gap {
+    bool begins_late, ends_early;
+    explicit operator bool() const { return begins_late || ends_early; }
+};
+
+class Search {
+  public:
+    Search(const Graph& graph, int first, int last)
+        : graph_(graph)
+        , first_(first)
+        , last_(last) {}
+
+    void keys(const std::string& name, const std::string& attribute, const engine::AttributeInfo& info,
+              const Curve& curve) {
+        const std::vector<Key>& keys = curve.keys;
+        const auto same = [](const Key& a, const Key& b) { return a.value == b.value; };
+        if (keys.size() < 2 || curve.interpolation == engine::Interpolation::step || info.is_stepped()) return;
+        if (std::all_of(keys.begin(), keys.end(), [&](const Key& k) { return same(k, keys.front()); })) return;
+        const Reach reach{keys.front().frame, keys.back().frame};
+        const engine::Timing& timing = graph_.timing();
+        const bool moves = info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>();
+        if (!moves && (missing(reach.first - timing.start) || missing(timing.end - reach.last))) return;
+        Gap gap = gap_of(reach);
+        gap.begins_late = gap.begins_late && !same(keys[0], keys[1]);
+        gap.ends_early = gap.ends_early && !same(keys[keys.size() - 2], keys.back());
+        if (!gap) return;
+        warn(name, attribute, moves ? "the keyed motion" : "the keyed value", reach, gap,
+             "key what it does up to frame " + frame_text(gap.ends_early ? last_ : first_) +
+                 ", the same value again where it is to hold, or run other frames");
+    }
+
+    /// One warning for all nodes that read a file in the same way.
+    void track(const std::string& name, const std::string& attribute, const std::string& path, Reach reach) {
+        const Gap gap = gap_of(reach);
+        if (!gap) return;
+        const auto [it, is_new] = tracks_.emplace(std::tuple(path, reach.first, reach.last), found_.size());
+        if (!is_new) {
+            ++followers_[it->second];
+            return;
+        }
+        warn(name, attribute, "the recorded motion", reach, gap,
+             "run the frames that it has, record more, or follow another motion");
+    }
+
+    std::vector<Diagnostic> finish() {
+        for (const auto& [at, count] : followers_)
+            found_[at].message +=
+                ", as " + std::to_string(count) + " more that follow" + (count == 1 ? "s" : "") + " this file";
+        return std::move(found_);
+    }
+
+  private:
+    /// Less than a frame is nothing that shows.
+    static bool missing(double frames) { return frames > 1 - 1e-6; }
+    Gap gap_of(const Reach& reach) const { return {missing(reach.first - first_), missing(last_ - reach.last)}; }
+    static std::string frame_text(double frame) { return engine::number_text(std::round(10 * frame) / 10); }
+
+    void warn(const std::string& name, const std::string& attribute, const std::string& what, const Reach& reach,
+              const Gap& gap, std::string hint) {
+        Diagnostic d;
+        d.severity = engine::Severity::warning;
+        d.code = "FE266";
+        d.node = name, d.attribute = attribute;
+        d.spot = graph_.spot(name, attribute);
+        if (!d.spot) d.spot = graph_.spot(name);
+        const std::string a = frame_text(reach.first), b = frame_text(reach.last), first = frame_text(first_),
+                          last = frame_text(last_);
+        if (gap.begins_late && gap.ends_early)
+            d.message = what + " lasts from frame " + a + " to " + b + ", the run from " + first + " to " + last +
+                        "; before and after it stands still";
+        else if (gap.ends_early)
+            d.message = what + " ends at frame " + b + ", the run at frame " + last + "; in between it stands still";
+        else
+            d.message = what + " begins at frame " + a + ", the run at frame " + first + "; in between it stands still";
+        d.hint = std::move(hint);
+        found_.push_back(std::move(d));
+    }
+
+    const Graph& graph_;
+    const double first_, last_;
+    std::vector<Diagnostic> found_;
+    std::map<std::tuple<std::string, double, double>, std::size_t> tracks_; ///< -> in found_
+    std::map<std::size_t, int> followers_;
+};
+
+/// The literal at an input or its default; empty if it is keyed or connected.
+template <class T>
+std::optional<T> literal(const Graph& graph, const Node& node, std::string_view attribute) {
+    const auto it = node.inputs.find(attribute);
+    engine::Value v;
+    if (it == node.inputs.end())
+        v = engine::default_value(*node.type->find_input(attribute), graph.timing());
+    else if (const auto* value = std::get_if<engine::Value>(&it->second))
+        v = *value;
+    if (v.is<T>()) return v.as<T>();
+    return {};
+}
+
+/// A node that follows a file: its inputs.
+struct Follower {
+    std::string_view type, file, name, offset, rate;
+};
+constexpr Follower followers[] = {{"transform", "track", "trackName", "trackOffset", "trackRate"},
+                                  {"trackChannel", "file", "channel", "offset", "rate"}};
+
+/// Where samples lie on the graph's frames; nothing where they are all alike.
+template <class Track, class Values>
+std::optional<Reach> reach_of(const Track& track, const Values& values, double offset, double rate) {
+    if (std::all_of(values.begin(), values.end(), [&](const auto& v) { return v == values.front(); })) return {};
+    // The inverse of track_frame.
+    const double a = (track.frames.front() - 1 - offset) / rate + 1, b = (track.frames.back() - 1 - offset) / rate + 1;
+    return Reach{std::min(a, b), std::max(a, b)};
+}
+
+void look_at_track(const Graph& graph, const std::string& name, const Node& node, const Follower& f, Search& search) {
+    const auto file = literal<engine::File>(graph, node, f.file);
+    const auto track = literal<std::string>(graph, node, f.name);
+    const auto offset = literal<double>(graph, node, f.offset), rate = literal<double>(graph, node, f.rate);
+    // A keyed offset places the motion by hand, and without a rate it stands still.
+    if (!file || file->path.empty() || !track || !offset || !rate || *rate == 0) return;
+    try {
+        std::optional<Reach> reach;
+        if (f.type == "transform") {
+            const nodes::MatrixTrack t = nodes::read_matrix_track(file->path, *track);
+            reach = reach_of(t, t.matrices, *offset, *rate);
+        } else {
+            const nodes::NumberTrack t = nodes::read_number_track(file->path, *track);
+            reach = reach_of(t, t.values, *offset, *rate);
+        }
+        if (reach) search.track(name, std::string(f.file), file->path, *reach);
+    } catch (const solver::Error&) {
+    } catch (const engine::Failure&) {
+    }
+}
+
+} // namespace
+
+std::vector<Diagnostic> find_motion_that_ends(const Graph& graph, const std::vector<std::string>& nodes, int first,
+                                              int last) {
+    Search search(graph, first, last);
+    for (const std::string& name : nodes) {
+        const Node* node = graph.find(name);
+        if (!node || !node->type) continue;
+        for (const auto& [attribute, binding] : node->inputs) {
+            const engine::AttributeInfo* info = node->type->find_input(attribute);
+            if (const auto* curve = std::get_if<Curve>(&binding); curve && info)
+                search.keys(name, attribute, *info, *curve);
+        }
+        for (const Follower& f : followers)
+            if (node->type->name == f.type) look_at_track(graph, name, *node, f, search);
+    }
+    return search.finish();
+}
+
+} // namespace sinew::cli
