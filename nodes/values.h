@@ -13,6 +13,7 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -125,7 +126,8 @@ struct Body {
     /// its bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact
     /// term that reads it must bring it into BodyRest::digest.
     std::shared_ptr<const CollisionSurface> collision = nullptr;
-    std::vector<Force> forces = {}; ///< that its own attributes ask for; they act on this body
+    std::vector<Force> forces = {};    ///< that its own attributes ask for; they act on this body
+    std::optional<Force> contact = {}; ///< what it brings to contact; acts where zSolver.collisionDetection is on
     bool is_bone() const { return values.index() == 1; }
 };
 

@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/carriers.h"
+#include "nodes/contact_inputs.h"
 #include "nodes/options.h"
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
@@ -220,7 +221,8 @@ void compute(const Reads& in, Writes& out) {
     add_surface_tension(in, *parts.mesh, parts.materials, in[surface_tension_envelope], forces);
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces)});
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces),
+                           read_contact(in, true, *parts.mesh, collision.get())});
 }
 
 } // namespace
@@ -243,6 +245,7 @@ void add_z_tissue(Registry& registry) {
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),
                    describe(collision_shape)};
+    for (AttributeInfo& a : contact_attributes(true)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

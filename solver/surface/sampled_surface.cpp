@@ -46,9 +46,9 @@ class Cutter {
         for (std::size_t t = 0; t < old.triangles.size(); ++t) cut(old.triangles[t], old.source[t], old.places[t]);
         if (s_.triangles.size() > most_triangles)
             throw Error("FE232",
-                        "cutting a surface to the size of the tets that carry it gives more than " +
+                        "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives more than " +
                             std::to_string(most_triangles) + " triangles",
-                        "paint a smaller part of it, or choose larger tets");
+                        "paint a smaller part of it, choose larger tets or a larger spacing");
         return true;
     }
 
@@ -135,6 +135,7 @@ class Cutter {
 
 bool SurfaceDensity::too_long(const Vec3& a, const Vec3& b) const {
     const double length = (b - a).norm();
+    if (longest_edge > 0 && length > longest_edge) return true;
     const bool may_be = std::any_of(carriers.begin(), carriers.end(),
                                     [&](const Carrier& c) { return length > longest_share * c.tets->least_width(); });
     if (!may_be) return false;

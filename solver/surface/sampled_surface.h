@@ -17,6 +17,7 @@ struct SurfaceDensity {
         ElementKind element;
     };
     std::vector<Carrier> carriers;
+    double longest_edge = 0; ///< no edge may be longer [m]; 0 = any may
 
     /// Whether an edge is longer than the stated share of the tets that it passes (three quarters of their width along
     /// it; judged at five points). Depends on the edge alone, so both triangles at it agree.

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/contact/touches.h"
+
+#include "solver/mesh/closest_point.h"
+#include "solver/parallel.h"
+#include "solver/terms/contact/contact.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+bool share_a_set(const ContactRest& a, const ContactRest& b) {
+    if (a.sets.empty() || b.sets.empty()) return true;
+    return std::any_of(a.sets.begin(), a.sets.end(),
+                       [&](int s) { return std::find(b.sets.begin(), b.sets.end(), s) != b.sets.end(); });
+}
+
+/// A switch is a number between two times of which one has it on: on from halfway.
+bool on(double value) { return value >= 0.5; }
+
+/// How far along the surface at rest a point and what it may touch of its own body must be from each other, in mean
+/// edges and in spacings of the points.
+constexpr double own_edges = 3;
+
+} // namespace
+
+CollisionBodies::CollisionBodies(const Scene& scene) {
+    const std::vector<Part>& parts = scene.description().parts;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (parts[k].type != &contact_type) continue;
+        const auto* rest = static_cast<const ContactRest*>(parts[k].rest.get());
+        bodies_.emplace_back(scene, parts[k].bodies.front(), *rest);
+        rests_.push_back(rest);
+        parts_.push_back(k);
+    }
+}
+
+std::vector<ContactPair> CollisionBodies::pairs(const std::vector<PartValues>& values) const {
+    std::vector<ContactValues> all;
+    for (const std::size_t part : parts_) all.push_back(get_fields<ContactValues>(values[part]));
+    std::vector<ContactPair> out;
+    for (std::size_t a = 0; a < bodies_.size(); ++a)
+        for (std::size_t b = 0; b < bodies_.size(); ++b) {
+            const ContactValues &one = all[a], &other = all[b];
+            const bool itself = a == b;
+            if (!bodies_[a].deforms() && !bodies_[b].deforms()) continue;
+            if (!on(one.collides) || !on(other.collides) || (itself && !on(one.collides_with_itself))) continue;
+            if (!rests_[b]->is_volume || (!itself && !share_a_set(*rests_[a], *rests_[b]))) continue;
+            if (one.stiffness <= 0 || other.stiffness <= 0) continue;
+            ContactPair pair;
+            pair.source = static_cast<int>(a), pair.target = static_cast<int>(b);
+            pair.stiffness = 2 * one.stiffness * other.stiffness / (one.stiffness + other.stiffness);
+            pair.friction = std::sqrt(one.friction * other.friction);
+            pair.damping = std::max(one.damping, other.damping);
+            pair.longest = std::max(one.longest, other.longest);
+            pair.slides = on(one.slides) && on(other.slides);
+            pair.both_ways = rests_[a]->is_volume;
+            out.push_back(pair);
+        }
+    return out;
+}
+
+void add_couplings(const CollisionBodies& bodies, const Touch& touch, int triangle, bool widely,
+                   std::vector<std::pair<int, int>>& out) {
+    const CollisionBody &source = bodies[touch.source], &target = bodies[touch.target];
+    if (!source.deforms() || !target.deforms()) return;
+    const Triangle& corners = target.triangles()[at(triangle)];
+    std::vector<int> vertices(corners.begin(), corners.end());
+    for (std::size_t c = 0; widely && c < 3; ++c)
+        for (const int around : target.fan(corners[c]))
+            vertices.insert(vertices.end(), target.triangles()[at(around)].begin(),
+                            target.triangles()[at(around)].end());
+    std::vector<int> carriers;
+    for (const int v : vertices)
+        for (const RideTerm& term : target.ride(v)) carriers.push_back(term.vertex);
+    std::sort(carriers.begin(), carriers.end());
+    carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
+    for (const RideTerm& term : source.ride(touch.point))
+        for (const int v : carriers)
+            if (v != term.vertex) out.emplace_back(std::min(v, term.vertex), std::max(v, term.vertex));
+}
+
+TouchSearch::TouchSearch(const CollisionBodies& bodies)
+    : bodies_(bodies)
+    , boxes_(bodies.count())
+    , fitted_(bodies.count())
+    , areas_(bodies.count()) {}
+
+void TouchSearch::begin(std::vector<const double*> carriers) {
+    carriers_ = std::move(carriers);
+    std::fill(fitted_.begin(), fitted_.end(), 0);
+}
+
+void TouchSearch::fit(int body) {
+    if (fitted_[at(body)]) return;
+    fitted_[at(body)] = 1;
+    boxes_[at(body)].fit(bodies_[body], carriers_[at(body)]);
+    bodies_[body].areas(carriers_[at(body)], areas_[at(body)]);
+}
+
+/// Where both bodies' points press into each other, each counts in part: the finer sampled one for more. The parts of
+/// two that meet sum to 1, so that the force per area is that of the pair's stiffness however they are sampled.
+double TouchSearch::area(const ContactPair& pair, int point, const ClosestFeature& feature) const {
+    const double own = areas_[at(pair.source)][at(point)];
+    const double facing = bodies_[pair.source].facing_area(point, feature.normal, own, carriers_[at(pair.source)]);
+    if (!pair.both_ways) return facing;
+    double others = 0;
+    for (const int v : bodies_[pair.target].triangles()[at(feature.triangle)])
+        others += areas_[at(pair.target)][at(v)] / 3;
+    return facing * others * others / (own * own + others * others);
+}
+
+void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
+                            std::vector<Touch>& out) const {
+    for (std::size_t k = 0; k < kept.size(); ++k) {
+        const KeptContact& c = kept[k];
+        if (c.source != pair.source || c.target != pair.target) continue;
+        Touch t{c.source, c.point, c.target, static_cast<int>(k), 0, {}};
+        t.feature = follow_feature(bodies_[c.target], carriers(c.target), c.triangle,
+                                   bodies_[c.source].place(c.point, carriers(c.source)));
+        if (pair.longest > 0 && t.feature.away.norm() > pair.longest) continue;
+        out.push_back(t);
+    }
+}
+
+void TouchSearch::find_near(const ContactPair& pair, double distance, std::vector<Touch>& out) {
+    const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
+    fit(pair.source), fit(pair.target);
+    std::vector<char> has(source.point_count(), 0);
+    for (const Touch& t : out)
+        if (t.source == pair.source && t.target == pair.target) has[at(t.point)] = 1;
+    const Vec3 low = boxes_[at(pair.target)].low() - Vec3::Constant(distance),
+               high = boxes_[at(pair.target)].high() + Vec3::Constant(distance);
+    const CollisionBoxes& own = boxes_[at(pair.source)];
+    if ((own.low().array() > high.array()).any() || (own.high().array() < low.array()).any()) {
+        for (Touch& t : out)
+            if (t.area == 0 && t.source == pair.source && t.target == pair.target)
+                t.area = area(pair, t.point, t.feature);
+        return;
+    }
+    std::vector<ClosestFeature> found(source.point_count());
+    const double apart = own_edges * std::max(source.mean_edge(), bodies_.rest(pair.source).spacing);
+    parallel_for(found.size(), 64, [&](std::size_t p) {
+        if (has[p]) return;
+        const Vec3 place = source.place(static_cast<int>(p), carriers(pair.source));
+        if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return;
+        if (pair.source != pair.target) {
+            found[p] = find_feature(target, carriers(pair.target), boxes_[at(pair.target)], place, distance);
+            return;
+        }
+        const Vec3& modelled = source.modelled(static_cast<int>(p));
+        const std::function<bool(int)> far_along = [&](int triangle) {
+            for (const int v : target.triangles()[at(triangle)])
+                if ((target.modelled(v) - modelled).squaredNorm() < apart * apart) return false;
+            return true;
+        };
+        found[p] = find_feature(target, carriers(pair.target), boxes_[at(pair.target)], place, distance, &far_along);
+    });
+    for (std::size_t p = 0; p < found.size(); ++p)
+        if (found[p].triangle >= 0 && !found[p].inside())
+            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 0, found[p]});
+    for (Touch& t : out)
+        if (t.area == 0 && t.source == pair.source && t.target == pair.target) t.area = area(pair, t.point, t.feature);
+}
+
+void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
+    const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
+    if (pair.source == pair.target) return;
+    fit(pair.source), fit(pair.target);
+    const CollisionBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
+    if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
+    Points places(target.vertex_count());
+    for (std::size_t v = 0; v < places.size(); ++v)
+        places[v] = target.place(static_cast<int>(v), carriers(pair.target));
+    const SurfaceTree tree(places, target.triangles());
+    std::vector<ClosestFeature> found(source.point_count());
+    parallel_for(found.size(), 64, [&](std::size_t p) {
+        const Vec3 place = source.place(static_cast<int>(p), carriers(pair.source));
+        if ((place.array() < boxes.low().array()).any() || (place.array() > boxes.high().array()).any()) return;
+        if (!tree.inside(place)) return;
+        found[p] = find_feature(target, carriers(pair.target), boxes, place, 1e300);
+    });
+    for (std::size_t p = 0; p < found.size(); ++p)
+        if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))
+            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 0, found[p]});
+}
+
+} // namespace sinew::solver
