@@ -10,13 +10,7 @@ namespace sinew::solver {
 
 namespace {
 
-struct Candidate {
-    int triangle;
-    Vec3 place, point;
-    double distance2;
-};
-
-Candidate nearest_of(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p) {
+NearestPlace nearest_of(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p) {
     const TrianglePoint q =
         closest_on_triangle(p, surface.corners(triangle, carriers), surface.triangles()[at(triangle)]);
     return {triangle, q.barycentric, q.point, (p - q.point).squaredNorm()};
@@ -58,18 +52,23 @@ Vec3 mean_normal(const CollisionBody& surface, const double* carriers, const Cor
     return sum;
 }
 
-ClosestFeature feature_at(const CollisionBody& surface, const double* carriers, const Candidate& at_point,
-                          const Vec3& p) {
-    ClosestFeature out{at_point.triangle, at_point.place, p - at_point.point, Vec3::Zero()};
-    const Corners on = corners_of(surface.triangles()[at(at_point.triangle)], at_point.place);
-    out.normal = on.count == 3 ? face_normal(surface, carriers, at_point.triangle) : mean_normal(surface, carriers, on);
-    return out;
-}
-
 /// A surface of a million triangles is crossed in far fewer steps.
 constexpr int most_walk_steps = 10'000;
 
 } // namespace
+
+void NearestPlace::offer(const CollisionBody& surface, const double* carriers, int t, const Vec3& p) {
+    const NearestPlace there = nearest_of(surface, carriers, t, p);
+    if (there.distance2 < distance2 || (there.distance2 == distance2 && (triangle < 0 || t < triangle))) *this = there;
+}
+
+ClosestFeature feature_of(const CollisionBody& surface, const double* carriers, const NearestPlace& nearest,
+                          const Vec3& p) {
+    ClosestFeature out{nearest.triangle, nearest.place, p - nearest.point, Vec3::Zero()};
+    const Corners on = corners_of(surface.triangles()[at(nearest.triangle)], nearest.place);
+    out.normal = on.count == 3 ? face_normal(surface, carriers, nearest.triangle) : mean_normal(surface, carriers, on);
+    return out;
+}
 
 Vec3 face_normal(const CollisionBody& surface, const double* carriers, int triangle) {
     const auto [a, b, c] = surface.corners(triangle, carriers);
@@ -79,19 +78,19 @@ Vec3 face_normal(const CollisionBody& surface, const double* carriers, int trian
 }
 
 ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p) {
-    Candidate best = nearest_of(surface, carriers, from_triangle, p);
+    NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
     for (int step = 0; step < most_walk_steps; ++step) {
         const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
         if (on.count == 3) break;
-        const Candidate here = best;
+        const NearestPlace here = best;
         for (const int t : surface.fan(on.vertex[0])) {
             if (t == here.triangle || (on.count == 2 && !has(surface.triangles()[at(t)], on.vertex[1]))) continue;
-            const Candidate there = nearest_of(surface, carriers, t, p);
+            const NearestPlace there = nearest_of(surface, carriers, t, p);
             if (there.distance2 < best.distance2) best = there;
         }
         if (best.triangle == here.triangle) break;
     }
-    return feature_at(surface, carriers, best, p);
+    return feature_of(surface, carriers, best, p);
 }
 
 ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
@@ -104,38 +103,6 @@ ClosestFeature follow_feature(const CollisionBody& surface, const double* carrie
         triangle =
             follow_feature(surface, carriers, triangle, from + (s / static_cast<double>(steps)) * (to - from)).triangle;
     return follow_feature(surface, carriers, triangle, to);
-}
-
-ClosestFeature find_feature(const CollisionBody& surface, const double* carriers, const CollisionBoxes& boxes,
-                            const Vec3& p, double max_distance, const std::function<bool(int)>* allowed) {
-    Candidate best{-1, Vec3::Zero(), Vec3::Zero(), max_distance * max_distance};
-    const std::vector<BvhNode>& nodes = boxes.nodes();
-    if (nodes.empty() || squared_distance(nodes.front(), p) > best.distance2) return {};
-    int stack[128];
-    int depth = 0;
-    stack[depth++] = 0;
-    while (depth > 0) {
-        const int n = stack[--depth];
-        const BvhNode& node = nodes[at(n)];
-        if (squared_distance(node, p) > best.distance2) continue;
-        if (node.count > 0) {
-            for (int i = node.first; i < node.first + node.count; ++i) {
-                const int t = surface.bvh().order[at(i)];
-                if (allowed && !(*allowed)(t)) continue;
-                const Candidate there = nearest_of(surface, carriers, t, p);
-                if (there.distance2 < best.distance2 ||
-                    (there.distance2 == best.distance2 && (best.triangle < 0 || t < best.triangle)))
-                    best = there;
-            }
-            continue;
-        }
-        // The nearer child is looked at first.
-        int one = n + 1, other = node.first;
-        if (squared_distance(nodes[at(one)], p) < squared_distance(nodes[at(other)], p)) std::swap(one, other);
-        stack[depth++] = one, stack[depth++] = other;
-    }
-    if (best.triangle < 0) return {};
-    return feature_at(surface, carriers, best, p);
 }
 
 } // namespace sinew::solver

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 
 namespace sinew::solver {
@@ -70,6 +71,7 @@ CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& re
     const Points& surface = rest.shape ? rest.shape->surface : tissue ? tissue->surface : scene.bone(body)->surface;
     triangles_ = rest.shape ? rest.shape->triangles : tissue ? tissue->triangles : scene.bone(body)->triangles;
     vertex_count_ = surface.size();
+    carrier_range_ = {deforms_ ? at(scene.first_vertex(body)) : 0, deforms_ ? scene.vertex_count(body) : vertex_count_};
     const std::vector<std::vector<RideTerm>> rides = vertex_rides(scene, body, rest, vertex_count_);
 
     std::vector<int> all(triangles_.size());
@@ -101,6 +103,7 @@ CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& re
     for (const auto& [a, b, c] : fine_)
         fine_areas_.push_back(0.5 *
                               (modelled_[at(b)] - modelled_[at(a)]).cross(modelled_[at(c)] - modelled_[at(a)]).norm());
+    find_carriers(place);
     Points low(triangles_.size()), high(triangles_.size());
     double edges = 0;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
@@ -115,6 +118,40 @@ CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& re
     if (deforms_) {
         rest_areas_.assign(point_count(), 0.0);
         add_areas(fine_, modelled_, rest_areas_);
+    }
+}
+
+/// \param place of each point that is no vertex: triangle and barycentric coordinates.
+void CollisionBody::find_carriers(const std::vector<std::pair<int, Vec3>>& place) {
+    carriers_of_point_.resize(point_count()), carriers_at_.resize(triangles_.size());
+    for (std::size_t p = 0; p < point_count(); ++p) {
+        double sum = 0;
+        for (const RideTerm& t : ride(static_cast<int>(p))) sum += std::abs(t.weight);
+        leverage_ = std::max(leverage_, sum);
+    }
+    if (!deforms_) return;
+    const auto tidy = [](std::vector<int>& v) {
+        std::sort(v.begin(), v.end());
+        v.erase(std::unique(v.begin(), v.end()), v.end());
+    };
+    std::map<std::vector<int>, int> numbers;
+    for (std::size_t v = 0; v < vertex_count_; ++v) {
+        std::vector<int> vertices;
+        for (const RideTerm& t : ride(static_cast<int>(v))) vertices.push_back(t.vertex);
+        tidy(vertices);
+        const auto [at_number, is_new] = numbers.try_emplace(vertices, static_cast<int>(carrier_vertices_.size()));
+        if (is_new) carrier_vertices_.push_back(vertices);
+        carriers_of_point_[v] = {at_number->second};
+    }
+    for (std::size_t p = vertex_count_; p < point_count(); ++p) {
+        for (std::size_t c = 0; c < 3; ++c)
+            if (place[p].second[static_cast<Eigen::Index>(c)] != 0)
+                carriers_of_point_[p].push_back(carriers_of_point_[at(triangles_[at(place[p].first)][c])].front());
+        tidy(carriers_of_point_[p]);
+    }
+    for (std::size_t t = 0; t < triangles_.size(); ++t) {
+        for (const int v : triangles_[t]) carriers_at_[t].push_back(carriers_of_point_[at(v)].front());
+        tidy(carriers_at_[t]);
     }
 }
 

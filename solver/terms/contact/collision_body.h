@@ -7,6 +7,7 @@
 #include "solver/terms/contact/contact_rest.h"
 
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace sinew::solver {
@@ -33,6 +34,8 @@ class CollisionBody {
         return {terms_.data() + first_term_[at(point)],
                 static_cast<std::size_t>(first_term_[at(point) + 1] - first_term_[at(point)])};
     }
+    /// First and count of the vertices that carry the body.
+    std::pair<std::size_t, std::size_t> carrier_range() const { return carrier_range_; }
     /// Where a point is. `carriers`: 3 numbers a vertex of what carries it.
     Vec3 place(int point, const double* carriers) const {
         Vec3 p = Vec3::Zero();
@@ -43,6 +46,13 @@ class CollisionBody {
         const Triangle& t = triangles_[at(triangle)];
         return {place(t[0], carriers), place(t[1], carriers), place(t[2], carriers)};
     }
+    /// What carries a point, by number: sets of vertices, such as those of a tet. Empty for bones.
+    std::span<const int> carriers(int point) const { return carriers_of_point_[at(point)]; }
+    /// Likewise of the corners of a triangle.
+    std::span<const int> carriers_at(int triangle) const { return carriers_at_[at(triangle)]; }
+    std::span<const int> carrier_vertices(int carrier) const { return carrier_vertices_[at(carrier)]; }
+    /// No point moves farther than this times the farthest of what carries it.
+    double leverage() const { return leverage_; }
     /// Triangles at a vertex of the surface.
     std::span<const int> fan(int vertex) const {
         return {fans_.data() + fan_start_[at(vertex)],
@@ -58,6 +68,7 @@ class CollisionBody {
     double mean_edge() const { return mean_edge_; }                        ///< of the triangles as modelled [m]
 
   private:
+    void find_carriers(const std::vector<std::pair<int, Vec3>>& place);
     int body_;
     bool deforms_;
     std::size_t vertex_count_ = 0;
@@ -66,6 +77,9 @@ class CollisionBody {
     Points modelled_;
     std::vector<int> first_term_;
     std::vector<RideTerm> terms_;
+    std::vector<std::vector<int>> carriers_of_point_, carriers_at_, carrier_vertices_;
+    double leverage_ = 1;
+    std::pair<std::size_t, std::size_t> carrier_range_;
     std::vector<int> fan_start_, fans_;
     std::vector<int> fine_fan_start_, fine_fans_; ///< per point, triangles of fine_
     std::vector<double> fine_areas_;              ///< as modelled

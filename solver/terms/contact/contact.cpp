@@ -19,7 +19,7 @@ constexpr Measure measures[] = {
 };
 constexpr auto value_names = field_names<ContactValues>();
 
-void tidy(std::vector<std::pair<int, int>>& pairs) {
+void tidy(std::vector<CoupledCarriers>& pairs) {
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
@@ -33,7 +33,7 @@ void start(const Scene& scene, const StepInputs& inputs, const std::vector<Point
         const CollisionBody& body = bodies[static_cast<int>(b)];
         carriers.push_back(body.deforms() ? scene.numbering().rest.data() : surfaces[at(body.body())].data()->data());
     }
-    search.begin(std::move(carriers));
+    search.begin(carriers);
     ContactMemory kept;
     std::vector<Touch> touches;
     const std::vector<ContactPair> pairs = bodies.pairs(inputs.parts);
@@ -43,8 +43,12 @@ void start(const Scene& scene, const StepInputs& inputs, const std::vector<Point
         kept.contacts.push_back(
             {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, 0});
     }
-    for (const ContactPair& pair : pairs) search.find_near(pair, bodies[pair.target].mean_edge(), touches);
-    for (const Touch& t : touches) add_couplings(bodies, t, t.feature.triangle, true, kept.couplings);
+    for (const ContactPair& pair : pairs) search.find_near(pair, bodies[pair.target].mean_edge(), 0, touches);
+    for (const Touch& t : touches)
+        visit_couplings(bodies, t, t.feature.triangle, true, [&](const CoupledCarriers& c) {
+            kept.couplings.push_back(c);
+            return true;
+        });
     tidy(kept.couplings);
     keep_contacts(kept, memory);
 }
@@ -71,7 +75,7 @@ Contacts::Contacts(const Scene& scene)
     , bodies_(scene)
     , search_(bodies_) {
     bones_.resize(bodies_.count());
-    reach_.resize(bodies_.count());
+    reach_.resize(bodies_.count()), moves_.resize(bodies_.count());
 }
 
 Changes Contacts::take(const StepInputs& inputs, const State& before) {
@@ -105,13 +109,16 @@ Changes Contacts::take(const StepInputs& inputs, const State& before) {
 }
 
 void Contacts::add_couplings(Couplings& couplings) const {
-    couplings.insert(couplings.end(), couplings_.begin(), couplings_.end());
+    for (const CoupledCarriers& c : couplings_)
+        for (const int v : bodies_[c.body].carrier_vertices(c.carrier))
+            for (const int w : bodies_[c.other_body].carrier_vertices(c.other_carrier))
+                if (v != w) couplings.emplace_back(v, w);
 }
 
 KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const Positions& x) const {
     const Touch& t = touches_[i];
     const ContactPair& pair = pair_of(i);
-    const double k = pair.stiffness * t.area;
+    const double k = stiffness(i);
     KeptContact out{t.source,
                     t.point,
                     t.target,
@@ -139,15 +146,21 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const
 }
 
 void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
-    ContactMemory kept;
-    std::vector<std::pair<int, int>> needed, wide;
+    next_.contacts.clear(), next_.couplings.clear();
+    measure_moves(x);
+    bool all_coupled = true;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
         const Touch& t = touches_[i];
         const ContactPair& pair = pair_of(i);
         const ClosestFeature f = feature_at(i, x);
-        const double margin = searched_[pair_of_touch_[i]];
-        if (f.inside() || f.away.norm() < 0.5 * margin) solver::add_couplings(bodies_, t, f.triangle, false, needed);
-        if (f.inside() || f.away.norm() < margin) solver::add_couplings(bodies_, t, f.triangle, true, wide);
+        if (f.inside())
+            all_coupled =
+                visit_couplings(bodies_, t, f.triangle, false,
+                                [&](const CoupledCarriers& c) {
+                                    return std::binary_search(kept_.couplings.begin(), kept_.couplings.end(), c);
+                                }) &&
+                all_coupled;
         bool out = !f.inside();
         if (t.kept >= 0 && !pair.slides) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
@@ -156,43 +169,49 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
             out = way.dot(face_normal(bodies_[t.target], carriers(t.target, x), was.anchor_triangle)) > 0;
         }
         if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
-        kept.contacts.push_back(kept_contact(i, f, x));
+        next_.contacts.push_back(kept_contact(i, f, x));
     }
-    std::stable_sort(kept.contacts.begin(), kept.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
+    std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });
-    tidy(needed);
-    // What is coupled changes only where something has come near that is not: each change costs an analysis.
-    if (std::includes(kept_.couplings.begin(), kept_.couplings.end(), needed.begin(), needed.end())) {
-        kept.couplings = kept_.couplings;
+    // What is coupled changes only where something touches that is not: each change costs an analysis.
+    if (all_coupled) {
+        next_.couplings = kept_.couplings;
     } else {
-        tidy(wide);
-        kept.couplings = std::move(wide);
+        for (std::size_t i = 0; i < touches_.size(); ++i)
+            visit_couplings(bodies_, touches_[i], feature_at(i, x).triangle, true, [&](const CoupledCarriers& c) {
+                next_.couplings.push_back(c);
+                return true;
+            });
+        tidy(next_.couplings);
     }
-    keep_contacts(kept, memory);
+    keep_contacts(next_, memory);
 }
 
 void Contacts::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
     double count = 0, deepest = 0, force = 0;
+    measure_moves(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
         const ClosestFeature f = feature_at(i, x);
         if (!f.inside()) continue;
         const double depth = f.away.norm();
         count += 1, deepest = std::max(deepest, depth);
-        force += pair_of(i).stiffness * touches_[i].area * depth;
+        force += stiffness(i) * depth;
     }
     out.push_back({&measures[0], count}), out.push_back({&measures[1], deepest}), out.push_back({&measures[2], force});
 }
 
 void Contacts::marks(const Positions& x, Marks& out) const {
     MarkGroup group{contact_type.name, "force", "N", {}};
+    measure_moves(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
         const Touch& t = touches_[i];
         const ClosestFeature f = feature_at(i, x);
         if (!f.inside()) continue;
         const Vec3 p = point_at(t, x);
-        group.marks.push_back(
-            {static_cast<int>(bodies_.part(t.source)), p, p - f.away, pair_of(i).stiffness * t.area * f.away.norm()});
+        group.marks.push_back({static_cast<int>(bodies_.part(t.source)), p, p - f.away, stiffness(i) * f.away.norm()});
     }
     out.push_back(std::move(group));
 }

@@ -67,9 +67,21 @@ class Contacts final : public Term {
         return bodies_[t.source].place(t.point, carriers(t.source, x));
     }
     Vec3 place_at(int target, int triangle, const Vec3& place, const Positions& x) const;
+    void measure_moves(const Positions& x) const;
+    /// After measure_moves.
+    bool surely_outside(std::size_t touch) const {
+        const Touch& t = touches_[touch];
+        return clearance_[touch] > moves_[at(t.source)] + moves_[at(t.target)];
+    }
+    /// Stiffness of a touch [N/m], its area found out when first asked for.
+    double stiffness(std::size_t touch) const {
+        double& area = areas_[touch];
+        if (area < 0) area = search_.area(pair_of(touch), touches_[touch]);
+        return pair_of(touch).stiffness * area;
+    }
     ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
-    void find_touches(std::size_t first_pair, double more);
+    void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
     Vec3 reach(const Tether& tether, const Positions& x) const;
     Force tether_force(const Tether& tether, const Positions& x, double* stored) const;
@@ -82,18 +94,25 @@ class Contacts final : public Term {
     const BlockPattern* pattern_ = nullptr;
     TermMemory memory_;
     ContactMemory kept_; ///< as in memory_
-    std::vector<std::pair<int, int>> couplings_;
+    std::vector<CoupledCarriers> couplings_;
+    mutable ContactMemory next_; ///< scratch of remember
 
     // Of the stage:
     const Stage* stage_ = nullptr;
     std::vector<Points> bones_; ///< per body of contact: where a bone's vertices are
     std::vector<ContactPair> pairs_;
-    std::vector<double> reach_;    ///< how far each body may move [m]
-    std::vector<double> searched_; ///< distance up to which each pair's points were looked at [m]
+    std::vector<const double*> before_; ///< per body: what carries it, at the start of the step
+    std::vector<double> reach_;         ///< how far each body may move [m]
+    std::vector<double> searched_;      ///< distance up to which each pair's points were looked at [m]
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
     std::vector<ClosestFeature> committed_; ///< per touch: where it was followed to at the last iteration
-    std::vector<ClosestFeature> now_;       ///< per touch, at the last evaluation
+    mutable std::vector<double> areas_;     ///< per touch [m^2]; -1: not asked for yet
+    std::vector<double> clearance_;         ///< per touch: how far it was outside then, or less [m]; -1 inside
+    Positions committed_x_;
+    bool iterated_ = false;             ///< since the stage began: bones are where they will be
+    mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
+    std::vector<ClosestFeature> now_;   ///< per touch, at the last evaluation
     std::vector<Force> forces_, tether_forces_;
     std::vector<ContactElement> elements_;
     std::vector<Tether> tethers_;

@@ -52,6 +52,19 @@ bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
     return f.inside() && (touches_[i].kept < 0 || pair_of(i).slides);
 }
 
+void Contacts::measure_moves(const Positions& x) const {
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        if (!body.deforms()) {
+            moves_[b] = iterated_ ? 0 : reach_[b];
+            continue;
+        }
+        const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
+        moves_[b] = body.leverage() *
+                    largest_move(x.data() + first, committed_x_.data() + first, scene_.vertex_count(body.body()));
+    }
+}
+
 void Contacts::bind(const BlockPattern& pattern) {
     pattern_ = &pattern;
     for (ContactElement& e : elements_) e.forget();
@@ -62,10 +75,10 @@ void Contacts::begin_stage(const Stage& stage) {
     pairs_ = bodies_.pairs(stage.inputs.parts);
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
     const double free_fall = stage.form.mass_factor > 0 ? stage.inputs.gravity.norm() / stage.form.mass_factor : 0;
-    std::vector<const double*> before;
+    before_.clear();
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
-        before.push_back(carriers_before(static_cast<int>(b)));
+        before_.push_back(carriers_before(static_cast<int>(b)));
         if (body.deforms()) {
             const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
             reach_[b] = free_fall;
@@ -82,29 +95,36 @@ void Contacts::begin_stage(const Stage& stage) {
             const Points& then = (*weighed[time])[at(body.body())];
             for (std::size_t v = 0; v < places.size(); ++v) places[v] += weight * then[v];
         }
-        reach_[b] = largest_move(places.data()->data(), before.back(), places.size());
+        reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
     }
-    search_.begin(std::move(before));
-    touches_.clear(), pair_of_touch_.clear(), committed_.clear();
+    search_.begin(before_);
+    touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear();
+    committed_x_ = stage.before.x, iterated_ = false;
+    for (ContactElement& e : elements_) e.forget();
     searched_.assign(pairs_.size(), 0.0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
+        const std::size_t first = touches_.size();
         search_.take_kept(pairs_[p], kept_.contacts, touches_);
-        find_touches(p, 0);
+        find_touches(p, first);
     }
     make_tethers();
 }
 
-/// Looks at a pair's points up to what its bodies may move.
-void Contacts::find_touches(std::size_t p, double more) {
+/// Looks at a pair's points up to what its bodies may move. Its touches so far are all from `first` on.
+void Contacts::find_touches(std::size_t p, std::size_t first) {
     const ContactPair& pair = pairs_[p];
-    searched_[p] = caution * (reach_[at(pair.source)] + reach_[at(pair.target)] + more) +
+    searched_[p] = caution * (reach_[at(pair.source)] + reach_[at(pair.target)]) +
                    resting_share * bodies_[pair.target].mean_edge();
-    search_.find_near(pair, searched_[p], touches_);
-    pair_of_touch_.resize(touches_.size(), p);
-    for (std::size_t t = committed_.size(); t < touches_.size(); ++t) committed_.push_back(touches_[t].feature);
+    search_.find_near(pair, searched_[p], first, touches_);
+    pair_of_touch_.resize(touches_.size(), p), areas_.resize(touches_.size(), -1);
+    for (std::size_t t = committed_.size(); t < touches_.size(); ++t) {
+        const ClosestFeature& f = touches_[t].feature;
+        committed_.push_back(f);
+        // Where the solve has moved on already nothing is sure.
+        clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
+    }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
     if (elements_.size() < touches_.size()) elements_.resize(touches_.size());
-    for (ContactElement& e : elements_) e.forget();
 }
 
 void Contacts::make_tethers() {
@@ -115,7 +135,7 @@ void Contacts::make_tethers() {
         const ContactPair& pair = pair_of(i);
         if (t.kept < 0) continue;
         const KeptContact& was = kept_.contacts[at(t.kept)];
-        const double k = pair.stiffness * t.area, c = form.velocity_factor > 0 ? pair.damping * t.area : 0;
+        const double k = stiffness(i), c = form.velocity_factor > 0 ? pair.damping * areas_[i] : 0;
         const double length = t.feature.normal.norm();
         const Vec3 n = length > 0 ? Vec3(t.feature.normal / length) : Vec3(Vec3::Zero());
         const Mat3 across = n * n.transpose();
@@ -161,8 +181,16 @@ void Contacts::make_tethers() {
 }
 
 double Contacts::begin_iteration(const Positions& x) {
-    parallel_for(touches_.size(), 64, [&](std::size_t i) { now_[i] = feature_at(i, x); });
-    committed_ = now_;
+    measure_moves(x);
+    parallel_for(touches_.size(), 64, [&](std::size_t i) {
+        if (surely_outside(i)) {
+            clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
+            return;
+        }
+        committed_[i] = feature_at(i, x);
+        clearance_[i] = committed_[i].inside() ? -1 : committed_[i].away.norm();
+    });
+    committed_x_ = x, iterated_ = true;
     return 0;
 }
 
@@ -214,11 +242,13 @@ Contacts::Force Contacts::tether_force(const Tether& tether, const Positions& x,
 }
 
 double Contacts::evaluate(const Positions& x, bool with_damping) {
-    parallel_for(touches_.size(), 32, [&](std::size_t i) {
-        now_[i] = feature_at(i, x);
+    measure_moves(x);
+    parallel_for(touches_.size(), 64, [&](std::size_t i) {
         forces_[i] = {};
+        if (surely_outside(i)) return;
+        now_[i] = feature_at(i, x);
         if (!presses(i, now_[i])) return;
-        const double k = pair_of(i).stiffness * touches_[i].area;
+        const double k = stiffness(i);
         forces_[i] = {0.5 * k * now_[i].away.squaredNorm(), k * now_[i].away};
     });
     parallel_for(tethers_.size(), 64, [&](std::size_t i) {
@@ -266,14 +296,16 @@ void Contacts::add_held_gradient(std::span<double> by_vertices) const {
 }
 
 void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
+    measure_moves(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
         const Touch& t = touches_[i];
         const ClosestFeature f = feature_at(i, x);
         if (!presses(i, f)) continue;
         elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], f.triangle, scene_.numbering(), *pattern_);
         const ContactBlocks blocks = contact_hessian(bodies_[t.target].corners(f.triangle, carriers(t.target, x)),
                                                      f.place, f.away, project || !elements_[i].coupled());
-        elements_[i].add_hessian(blocks, pair_of(i).stiffness * t.area, a);
+        elements_[i].add_hessian(blocks, stiffness(i), a);
     }
     for (Tether& tether : tethers_) {
         const Touch& t = touches_[tether.touch];
@@ -313,7 +345,7 @@ void Contacts::add_squared_stiffnesses(std::span<double> squares) const {
     };
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (forces_[i].energy == 0) continue;
-        const double k = pair_of(i).stiffness * touches_[i].area;
+        const double k = stiffness(i);
         add(touches_[i].source, k), add(touches_[i].target, k);
     }
     for (const Tether& t : tethers_)

@@ -14,12 +14,12 @@ namespace sinew::solver {
 namespace {
 
 template <class T>
-void append(const std::vector<T>& items, std::vector<std::byte>& bytes) {
+void put(const std::vector<T>& items, std::byte*& to) {
     const std::uint64_t count = items.size();
-    const auto* first = reinterpret_cast<const std::byte*>(&count);
-    bytes.insert(bytes.end(), first, first + sizeof count);
-    first = reinterpret_cast<const std::byte*>(items.data());
-    bytes.insert(bytes.end(), first, first + items.size() * sizeof(T));
+    std::memcpy(to, &count, sizeof count);
+    to += sizeof count;
+    if (count > 0) std::memcpy(to, static_cast<const void*>(items.data()), count * sizeof(T));
+    to += count * sizeof(T);
 }
 
 template <class T>
@@ -37,10 +37,12 @@ void take(std::span<const std::byte>& bytes, std::vector<T>& items) {
 } // namespace
 
 void keep_contacts(const ContactMemory& contacts, TermMemory& memory) {
-    std::vector<std::byte> bytes;
-    append(contacts.contacts, bytes);
-    append(contacts.couplings, bytes);
-    memory.bytes = std::move(bytes);
+    std::byte* to = memory.bytes
+                        .rewrite(2 * sizeof(std::uint64_t) + contacts.contacts.size() * sizeof(KeptContact) +
+                                 contacts.couplings.size() * sizeof(CoupledCarriers))
+                        .data();
+    put(contacts.contacts, to);
+    put(contacts.couplings, to);
 }
 
 ContactMemory contacts_kept(const std::vector<TermMemory>& memories) {

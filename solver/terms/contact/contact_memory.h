@@ -4,7 +4,7 @@
 #include "solver/state.h"
 
 #include <array>
-#include <utility>
+#include <compare>
 #include <vector>
 
 namespace sinew::solver {
@@ -22,10 +22,16 @@ struct KeptContact {
 };
 static_assert(sizeof(KeptContact) == 4 * 6 + 8 * 7, "no padding: its bytes are kept as they are");
 
+/// What carries points of two bodies, coupled because they are near each other: bodies as above, carriers by number
+/// (CollisionBody). The lower one first.
+struct CoupledCarriers {
+    int body = -1, carrier = -1, other_body = -1, other_carrier = -1;
+    friend auto operator<=>(const CoupledCarriers&, const CoupledCarriers&) = default;
+};
+
 struct ContactMemory {
-    std::vector<KeptContact> contacts; ///< by source, target, point
-    /// Vertices of bodies that deform, coupled because they are near each other; lower number first, sorted.
-    std::vector<std::pair<int, int>> couplings;
+    std::vector<KeptContact> contacts;      ///< by source, target, point
+    std::vector<CoupledCarriers> couplings; ///< sorted
 };
 
 void keep_contacts(const ContactMemory& contacts, TermMemory& memory);

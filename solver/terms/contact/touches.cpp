@@ -23,6 +23,8 @@ bool on(double value) { return value >= 0.5; }
 /// How far along the surface at rest a point and what it may touch of its own body must be from each other, in mean
 /// edges and in spacings of the points.
 constexpr double own_edges = 3;
+/// Searches look so much farther than is asked, so that most points need none at the next steps.
+constexpr double look_farther = 4;
 
 } // namespace
 
@@ -62,34 +64,33 @@ std::vector<ContactPair> CollisionBodies::pairs(const std::vector<PartValues>& v
     return out;
 }
 
-void add_couplings(const CollisionBodies& bodies, const Touch& touch, int triangle, bool widely,
-                   std::vector<std::pair<int, int>>& out) {
-    const CollisionBody &source = bodies[touch.source], &target = bodies[touch.target];
-    if (!source.deforms() || !target.deforms()) return;
-    const Triangle& corners = target.triangles()[at(triangle)];
-    std::vector<int> vertices(corners.begin(), corners.end());
-    for (std::size_t c = 0; widely && c < 3; ++c)
-        for (const int around : target.fan(corners[c]))
-            vertices.insert(vertices.end(), target.triangles()[at(around)].begin(),
-                            target.triangles()[at(around)].end());
-    std::vector<int> carriers;
-    for (const int v : vertices)
-        for (const RideTerm& term : target.ride(v)) carriers.push_back(term.vertex);
-    std::sort(carriers.begin(), carriers.end());
-    carriers.erase(std::unique(carriers.begin(), carriers.end()), carriers.end());
-    for (const RideTerm& term : source.ride(touch.point))
-        for (const int v : carriers)
-            if (v != term.vertex) out.emplace_back(std::min(v, term.vertex), std::max(v, term.vertex));
-}
-
 TouchSearch::TouchSearch(const CollisionBodies& bodies)
     : bodies_(bodies)
     , boxes_(bodies.count())
     , fitted_(bodies.count())
-    , areas_(bodies.count()) {}
+    , areas_(bodies.count())
+    , known_(bodies.count() * bodies.count())
+    , travel_(bodies.count(), 0.0)
+    , last_(bodies.count()) {}
 
-void TouchSearch::begin(std::vector<const double*> carriers) {
-    carriers_ = std::move(carriers);
+void TouchSearch::begin(const std::vector<const double*>& carriers) {
+    carriers_ = carriers;
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        const auto [first, count] = body.carrier_range();
+        const std::span<const double> now(carriers[b] + 3 * first, 3 * count);
+        if (last_[b].empty()) {
+            last_[b].assign(now.begin(), now.end());
+            continue;
+        }
+        double farthest = 0;
+        for (std::size_t i = 0; i < now.size(); i += 3) {
+            const Vec3 move(now[i] - last_[b][i], now[i + 1] - last_[b][i + 1], now[i + 2] - last_[b][i + 2]);
+            farthest = std::max(farthest, move.squaredNorm());
+        }
+        travel_[b] += body.leverage() * std::sqrt(farthest);
+        std::copy(now.begin(), now.end(), last_[b].begin());
+    }
     std::fill(fitted_.begin(), fitted_.end(), 0);
 }
 
@@ -102,7 +103,9 @@ void TouchSearch::fit(int body) {
 
 /// Where both bodies' points press into each other, each counts in part: the finer sampled one for more. The parts of
 /// two that meet sum to 1, so that the force per area is that of the pair's stiffness however they are sampled.
-double TouchSearch::area(const ContactPair& pair, int point, const ClosestFeature& feature) const {
+double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
+    const int point = touch.point;
+    const ClosestFeature& feature = touch.feature;
     const double own = areas_[at(pair.source)][at(point)];
     const double facing = bodies_[pair.source].facing_area(point, feature.normal, own, carriers_[at(pair.source)]);
     if (!pair.both_ways) return facing;
@@ -117,7 +120,7 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
     for (std::size_t k = 0; k < kept.size(); ++k) {
         const KeptContact& c = kept[k];
         if (c.source != pair.source || c.target != pair.target) continue;
-        Touch t{c.source, c.point, c.target, static_cast<int>(k), 0, {}};
+        Touch t{c.source, c.point, c.target, static_cast<int>(k), {}};
         t.feature = follow_feature(bodies_[c.target], carriers(c.target), c.triangle,
                                    bodies_[c.source].place(c.point, carriers(c.source)));
         if (pair.longest > 0 && t.feature.away.norm() > pair.longest) continue;
@@ -125,44 +128,51 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
     }
 }
 
-void TouchSearch::find_near(const ContactPair& pair, double distance, std::vector<Touch>& out) {
+void TouchSearch::find_near(const ContactPair& pair, double distance, std::size_t first, std::vector<Touch>& out) {
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
     fit(pair.source), fit(pair.target);
-    std::vector<char> has(source.point_count(), 0);
-    for (const Touch& t : out)
-        if (t.source == pair.source && t.target == pair.target) has[at(t.point)] = 1;
+    has_.assign(source.point_count(), 0);
+    for (std::size_t i = first; i < out.size(); ++i)
+        if (const Touch& t = out[i]; t.source == pair.source && t.target == pair.target) has_[at(t.point)] = 1;
     const Vec3 low = boxes_[at(pair.target)].low() - Vec3::Constant(distance),
                high = boxes_[at(pair.target)].high() + Vec3::Constant(distance);
     const CollisionBoxes& own = boxes_[at(pair.source)];
     if ((own.low().array() > high.array()).any() || (own.high().array() < low.array()).any()) {
-        for (Touch& t : out)
-            if (t.area == 0 && t.source == pair.source && t.target == pair.target)
-                t.area = area(pair, t.point, t.feature);
         return;
     }
-    std::vector<ClosestFeature> found(source.point_count());
+    found_.resize(source.point_count());
+    std::vector<Known>& known = known_[at(pair.source) * bodies_.count() + at(pair.target)];
+    known.resize(source.point_count());
+    const double travel = travel_[at(pair.source)] + travel_[at(pair.target)];
+    const double look = std::max(look_farther * distance, 2 * target.mean_edge());
     const double apart = own_edges * std::max(source.mean_edge(), bodies_.rest(pair.source).spacing);
-    parallel_for(found.size(), 64, [&](std::size_t p) {
-        if (has[p]) return;
+    const auto keep = [&](std::size_t p, const ClosestFeature& f) {
+        const double far = f.triangle < 0 ? look : f.inside() ? 0 : f.away.norm();
+        known[p] = {far, travel, f.triangle};
+        if (f.triangle >= 0 && far <= distance && !f.inside()) found_[p] = f;
+    };
+    parallel_for(found_.size(), 64, [&](std::size_t p) {
+        found_[p].triangle = -1;
+        if (has_[p] || known[p].distance - (travel - known[p].travel) > distance) return;
         const Vec3 place = source.place(static_cast<int>(p), carriers(pair.source));
         if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return;
         if (pair.source != pair.target) {
-            found[p] = find_feature(target, carriers(pair.target), boxes_[at(pair.target)], place, distance);
+            keep(p, find_feature(
+                        target, carriers(pair.target), boxes_[at(pair.target)], place, look, [](int) { return true; },
+                        known[p].triangle));
             return;
         }
         const Vec3& modelled = source.modelled(static_cast<int>(p));
-        const std::function<bool(int)> far_along = [&](int triangle) {
+        const auto far_along = [&](int triangle) {
             for (const int v : target.triangles()[at(triangle)])
                 if ((target.modelled(v) - modelled).squaredNorm() < apart * apart) return false;
             return true;
         };
-        found[p] = find_feature(target, carriers(pair.target), boxes_[at(pair.target)], place, distance, &far_along);
+        keep(p, find_feature(target, carriers(pair.target), boxes_[at(pair.target)], place, look, far_along,
+                             known[p].triangle));
     });
-    for (std::size_t p = 0; p < found.size(); ++p)
-        if (found[p].triangle >= 0 && !found[p].inside())
-            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 0, found[p]});
-    for (Touch& t : out)
-        if (t.area == 0 && t.source == pair.source && t.target == pair.target) t.area = area(pair, t.point, t.feature);
+    for (std::size_t p = 0; p < found_.size(); ++p)
+        if (found_[p].triangle >= 0) out.push_back({pair.source, static_cast<int>(p), pair.target, -1, found_[p]});
 }
 
 void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
@@ -184,7 +194,7 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
     });
     for (std::size_t p = 0; p < found.size(); ++p)
         if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))
-            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 0, found[p]});
+            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, found[p]});
 }
 
 } // namespace sinew::solver

@@ -14,7 +14,6 @@ namespace sinew::solver {
 struct Touch {
     int source = -1, point = -1, target = -1; ///< bodies: places among those of contact
     int kept = -1;                            ///< its contact of the state; -1: it is outside
-    double area = 0;                          ///< that it stands for here [m^2]
     ClosestFeature feature;                   ///< at the start of the step
 };
 
@@ -43,33 +42,73 @@ class CollisionBodies {
     std::vector<std::size_t> parts_;
 };
 
-/// Appends the vertices that a point and a triangle couple, lower number first; with `widely` also those of the
-/// triangles about it. Nothing where one of the two is rigid.
-void add_couplings(const CollisionBodies& bodies, const Touch& touch, int triangle, bool widely,
-                   std::vector<std::pair<int, int>>& out);
+/// Calls visit(CoupledCarriers) for all that a point and a triangle couple; with `widely` also the triangles about it.
+/// Stops, and returns false, where a visit returns false.
+template <class Visit>
+bool visit_couplings(const CollisionBodies& bodies, const Touch& touch, int triangle, bool widely, const Visit& visit) {
+    const CollisionBody &source = bodies[touch.source], &target = bodies[touch.target];
+    const auto couple = [&](int body, int carrier, int other_body, int other_carrier) {
+        if (body == other_body && carrier == other_carrier) return true;
+        CoupledCarriers c{body, carrier, other_body, other_carrier};
+        if (std::pair(c.other_body, c.other_carrier) < std::pair(c.body, c.carrier))
+            c = {c.other_body, c.other_carrier, c.body, c.carrier};
+        return visit(c);
+    };
+    const auto all_of = [&](int body, std::span<const int> carriers, int other_body, std::span<const int> others) {
+        for (const int one : carriers)
+            for (const int other : others)
+                if (!couple(body, one, other_body, other)) return false;
+        return true;
+    };
+    const std::span<const int> own = source.carriers(touch.point);
+    if (!all_of(touch.source, own, touch.source, own)) return false;
+    const auto of_triangle = [&](int t) {
+        const std::span<const int> theirs = target.carriers_at(t);
+        return all_of(touch.target, theirs, touch.target, theirs) && all_of(touch.source, own, touch.target, theirs);
+    };
+    if (!of_triangle(triangle)) return false;
+    for (std::size_t c = 0; widely && c < 3; ++c)
+        for (const int around : target.fan(target.triangles()[at(triangle)][c]))
+            if (!of_triangle(around)) return false;
+    return true;
+}
 
 /// Where everything is at the start of a step, and what is near what there.
 class TouchSearch {
   public:
     explicit TouchSearch(const CollisionBodies& bodies);
     /// `carriers`: of each body, 3 numbers a vertex of what carries it.
-    void begin(std::vector<const double*> carriers);
+    void begin(const std::vector<const double*>& carriers);
     const double* carriers(int body) const { return carriers_[at(body)]; }
     /// The contacts of the state that belong to the pair; those deeper than its longest are left out.
     void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
-    /// Points of the pair outside of the surface up to a distance, but for those that `out` has already.
-    void find_near(const ContactPair& pair, double distance, std::vector<Touch>& out);
+    /// Points of the pair outside of the surface up to a distance, but for those that `out` has already, from `first`
+    /// on.
+    void find_near(const ContactPair& pair, double distance, std::size_t first, std::vector<Touch>& out);
+    /// The area that a touching point stands for [m^2].
+    double area(const ContactPair& pair, const Touch& touch) const;
     /// Points of the pair inside of the surface, wherever they are.
     void find_inside(const ContactPair& pair, std::vector<Touch>& out);
 
   private:
     void fit(int body);
-    double area(const ContactPair& pair, int point, const ClosestFeature& feature) const;
+
     const CollisionBodies& bodies_;
     std::vector<const double*> carriers_;
     std::vector<CollisionBoxes> boxes_;
     std::vector<char> fitted_;
     std::vector<std::vector<double>> areas_;
+    /// What was found out about distances in earlier steps and still holds, less what bodies have moved since. It saves
+    /// searches and changes none of their results.
+    struct Known {
+        double distance = 0, travel = 0; ///< at least so far, when the two bodies had travelled this much [m]
+        int triangle = -1;               ///< the nearest then
+    };
+    std::vector<std::vector<Known>> known_; ///< [source and target][point]
+    std::vector<double> travel_;            ///< of each body, from step to step, farthest point [m]
+    std::vector<std::vector<double>> last_; ///< places of carriers at the step before
+    std::vector<char> has_;                 ///< of a search, per point
+    std::vector<ClosestFeature> found_;
 };
 
 } // namespace sinew::solver
