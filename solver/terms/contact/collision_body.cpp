@@ -8,31 +8,16 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <optional>
 
 namespace sinew::solver {
 
 namespace {
 
-/// What carries each vertex of the surface that collides.
-std::vector<std::vector<RideTerm>> vertex_rides(const Scene& scene, int body, const ContactRest& rest,
-                                                std::size_t vertices) {
-    std::vector<std::vector<RideTerm>> out(vertices);
-    const TissueRest* tissue = scene.tissue(body);
-    for (std::size_t v = 0; v < vertices; ++v) {
-        if (!tissue) {
-            out[v] = {{static_cast<int>(v), 1.0}};
-            continue;
-        }
-        PointWeights w;
-        if (rest.shape) {
-            w = rest.shape->carriers[v];
-            for (int k = 0; k < w.count; ++k) w.vertex[k] += scene.first_vertex(body);
-        } else {
-            w = scene.embedded(body, tissue->embedding.tet[v], tissue->embedding.barycentric[v]);
-        }
-        for (int k = 0; k < w.count; ++k)
-            if (w.weight[k] != 0) out[v].push_back({w.vertex[k], w.weight[k]});
-    }
+std::vector<RideTerm> ride_of(const PointWeights& w, int first_vertex) {
+    std::vector<RideTerm> out;
+    for (int k = 0; k < w.count; ++k)
+        if (w.weight[k] != 0) out.push_back({w.vertex[k] + first_vertex, w.weight[k]});
     return out;
 }
 
@@ -69,61 +54,81 @@ CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& re
     , deforms_(scene.tissue(body) != nullptr) {
     const TissueRest* tissue = scene.tissue(body);
     const Points& surface = rest.shape ? rest.shape->surface : tissue ? tissue->surface : scene.bone(body)->surface;
-    triangles_ = rest.shape ? rest.shape->triangles : tissue ? tissue->triangles : scene.bone(body)->triangles;
-    vertex_count_ = surface.size();
-    carrier_range_ = {deforms_ ? at(scene.first_vertex(body)) : 0, deforms_ ? scene.vertex_count(body) : vertex_count_};
-    const std::vector<std::vector<RideTerm>> rides = vertex_rides(scene, body, rest, vertex_count_);
-
-    std::vector<int> all(triangles_.size());
+    const std::vector<Triangle>& coarse = rest.shape ? rest.shape->triangles
+                                          : tissue   ? tissue->triangles
+                                                     : scene.bone(body)->triangles;
+    carrier_range_ = {deforms_ ? at(scene.first_vertex(body)) : 0,
+                      deforms_ ? scene.vertex_count(body) : surface.size()};
+    // A tissue's own surface is made as fine as its tets: a coarse one would press on them like a bed of nails.
+    std::optional<CarrierTets> tets;
+    SurfaceDensity density{.carriers = {}, .longest_edge = rest.spacing};
+    if (tissue && !rest.shape) {
+        density.carriers.push_back({&tets.emplace(tissue->tets), tissue->element});
+        // Quadratic tets bend between their corners; the border of linear ones is right as it is.
+        density.widths = tissue->element == ElementKind::quadratic ? 0.75 : 1.01;
+    }
+    std::vector<int> all(coarse.size());
     std::iota(all.begin(), all.end(), 0);
-    SampledSurface cut = cut_surface(surface, triangles_, all, {.carriers = {}, .longest_edge = rest.spacing});
-    modelled_ = std::move(cut.points);
-    fine_ = std::move(cut.triangles);
-    // Points between vertices, each from the first of the triangles at it.
+    SampledSurface cut = cut_surface(surface, coarse, all, density);
+    modelled_ = std::move(cut.points), triangles_ = std::move(cut.triangles);
+
+    std::vector<std::vector<RideTerm>> rides;
+    for (std::size_t v = 0; v < surface.size(); ++v) {
+        if (rest.shape)
+            rides.push_back(ride_of(rest.shape->carriers[v], scene.first_vertex(body)));
+        else if (tissue)
+            rides.push_back(
+                ride_of(scene.embedded(body, tissue->embedding.tet[v], tissue->embedding.barycentric[v]), 0));
+        else
+            rides.push_back({{static_cast<int>(v), 1.0}});
+    }
+    // Points between vertices ride on the tets below; else as the first of the triangles at them is carried.
     std::vector<std::pair<int, Vec3>> place(modelled_.size(), {-1, Vec3::Zero()});
-    for (std::size_t t = 0; t < fine_.size(); ++t)
+    for (std::size_t t = 0; t < triangles_.size(); ++t)
         for (std::size_t c = 0; c < 3; ++c)
-            if (auto& p = place[at(fine_[t][c])]; p.first < 0) p = {cut.source[t], cut.places[t][c]};
+            if (auto& p = place[at(triangles_[t][c])]; p.first < 0) p = {cut.source[t], cut.places[t][c]};
+    for (std::size_t p = surface.size(); p < modelled_.size(); ++p) {
+        if (tets) {
+            std::array<double, 4> inside;
+            const int tet = tets->locate(modelled_[p], inside);
+            rides.push_back(ride_of(scene.embedded(body, tet, inside), 0));
+        } else {
+            rides.push_back(mixed(rides, coarse[at(place[p].first)], place[p].second));
+        }
+    }
     first_term_.push_back(0);
-    for (std::size_t p = 0; p < modelled_.size(); ++p) {
-        const std::vector<RideTerm> ride =
-            p < vertex_count_ ? rides[p] : mixed(rides, triangles_[at(place[p].first)], place[p].second);
+    for (const std::vector<RideTerm>& ride : rides) {
         terms_.insert(terms_.end(), ride.begin(), ride.end());
         first_term_.push_back(static_cast<int>(terms_.size()));
     }
 
-    sort_into(vertex_count_, fan_start_, fans_, [&](const auto& visit) {
+    sort_into(point_count(), fan_start_, fans_, [&](const auto& visit) {
         for (std::size_t t = 0; t < triangles_.size(); ++t)
             for (const int v : triangles_[t]) visit(at(v), static_cast<int>(t));
     });
-    sort_into(point_count(), fine_fan_start_, fine_fans_, [&](const auto& visit) {
-        for (std::size_t t = 0; t < fine_.size(); ++t)
-            for (const int v : fine_[t]) visit(at(v), static_cast<int>(t));
-    });
-    for (const auto& [a, b, c] : fine_)
-        fine_areas_.push_back(0.5 *
-                              (modelled_[at(b)] - modelled_[at(a)]).cross(modelled_[at(c)] - modelled_[at(a)]).norm());
-    find_carriers(place);
+    for (const auto& [a, b, c] : triangles_)
+        modelled_areas_.push_back(
+            0.5 * (modelled_[at(b)] - modelled_[at(a)]).cross(modelled_[at(c)] - modelled_[at(a)]).norm());
+    find_carriers();
     Points low(triangles_.size()), high(triangles_.size());
     double edges = 0;
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
         const auto [a, b, c] = triangles_[t];
-        low[t] = surface[at(a)].cwiseMin(surface[at(b)]).cwiseMin(surface[at(c)]);
-        high[t] = surface[at(a)].cwiseMax(surface[at(b)]).cwiseMax(surface[at(c)]);
+        low[t] = modelled_[at(a)].cwiseMin(modelled_[at(b)]).cwiseMin(modelled_[at(c)]);
+        high[t] = modelled_[at(a)].cwiseMax(modelled_[at(b)]).cwiseMax(modelled_[at(c)]);
         for (std::size_t i = 0; i < 3; ++i)
-            edges += (surface[at(triangles_[t][i])] - surface[at(triangles_[t][(i + 1) % 3])]).norm();
+            edges += (modelled_[at(triangles_[t][i])] - modelled_[at(triangles_[t][(i + 1) % 3])]).norm();
     }
     mean_edge_ = edges / std::max(1.0, 3 * static_cast<double>(triangles_.size()));
     bvh_ = build_bvh(low, high);
     if (deforms_) {
         rest_areas_.assign(point_count(), 0.0);
-        add_areas(fine_, modelled_, rest_areas_);
+        add_areas(triangles_, modelled_, rest_areas_);
     }
 }
 
-/// \param place of each point that is no vertex: triangle and barycentric coordinates.
-void CollisionBody::find_carriers(const std::vector<std::pair<int, Vec3>>& place) {
-    carriers_of_point_.resize(point_count()), carriers_at_.resize(triangles_.size());
+void CollisionBody::find_carriers() {
+    carriers_of_point_.assign(point_count(), -1), carriers_at_.resize(triangles_.size());
     for (std::size_t p = 0; p < point_count(); ++p) {
         double sum = 0;
         for (const RideTerm& t : ride(static_cast<int>(p))) sum += std::abs(t.weight);
@@ -135,48 +140,40 @@ void CollisionBody::find_carriers(const std::vector<std::pair<int, Vec3>>& place
         v.erase(std::unique(v.begin(), v.end()), v.end());
     };
     std::map<std::vector<int>, int> numbers;
-    for (std::size_t v = 0; v < vertex_count_; ++v) {
+    for (std::size_t p = 0; p < point_count(); ++p) {
         std::vector<int> vertices;
-        for (const RideTerm& t : ride(static_cast<int>(v))) vertices.push_back(t.vertex);
+        for (const RideTerm& t : ride(static_cast<int>(p))) vertices.push_back(t.vertex);
         tidy(vertices);
-        const auto [at_number, is_new] = numbers.try_emplace(vertices, static_cast<int>(carrier_vertices_.size()));
+        const auto [number, is_new] = numbers.try_emplace(vertices, static_cast<int>(carrier_vertices_.size()));
         if (is_new) carrier_vertices_.push_back(vertices);
-        carriers_of_point_[v] = {at_number->second};
-    }
-    for (std::size_t p = vertex_count_; p < point_count(); ++p) {
-        for (std::size_t c = 0; c < 3; ++c)
-            if (place[p].second[static_cast<Eigen::Index>(c)] != 0)
-                carriers_of_point_[p].push_back(carriers_of_point_[at(triangles_[at(place[p].first)][c])].front());
-        tidy(carriers_of_point_[p]);
+        carriers_of_point_[p] = number->second;
     }
     for (std::size_t t = 0; t < triangles_.size(); ++t) {
-        for (const int v : triangles_[t]) carriers_at_[t].push_back(carriers_of_point_[at(v)].front());
+        for (const int v : triangles_[t]) carriers_at_[t].push_back(carriers_of_point_[at(v)]);
         tidy(carriers_at_[t]);
     }
 }
 
-void CollisionBody::areas(const double* carriers, std::vector<double>& out) const {
+void CollisionBody::areas(const Points& places, std::vector<double>& out) const {
     if (deforms_) {
         out = rest_areas_;
         return;
     }
-    Points now(point_count());
-    for (std::size_t p = 0; p < now.size(); ++p) now[p] = place(static_cast<int>(p), carriers);
     out.assign(point_count(), 0.0);
-    add_areas(fine_, now, out);
+    add_areas(triangles_, places, out);
 }
 
-double CollisionBody::facing_area(int point, const Vec3& normal, double whole, const double* carriers) const {
+double CollisionBody::facing_area(int point, const Vec3& normal, double whole, const Points& places) const {
     constexpr double least = 0.05;
     const double length = normal.norm();
     double all = 0, facing = 0;
-    for (int i = fine_fan_start_[at(point)]; i < fine_fan_start_[at(point) + 1]; ++i) {
-        const std::size_t t = at(fine_fans_[at(i)]);
-        const auto [a, b, c] = fine_[t];
-        const Vec3 origin = place(a, carriers), n = (place(b, carriers) - origin).cross(place(c, carriers) - origin);
+    for (const int i : fan(point)) {
+        const std::size_t t = at(i);
+        const auto [a, b, c] = triangles_[t];
+        const Vec3 &origin = places[at(a)], n = (places[at(b)] - origin).cross(places[at(c)] - origin);
         const double size = n.norm() * length;
-        all += fine_areas_[t];
-        if (size > 0) facing += fine_areas_[t] * std::max(0.0, -n.dot(normal) / size);
+        all += modelled_areas_[t];
+        if (size > 0) facing += modelled_areas_[t] * std::max(0.0, -n.dot(normal) / size);
     }
     return all > 0 ? whole * std::max(least, facing / all) : 0;
 }
@@ -184,9 +181,8 @@ double CollisionBody::facing_area(int point, const Vec3& normal, double whole, c
 void CollisionBoxes::fit(const CollisionBody& body, const double* carriers) {
     const Bvh& bvh = body.bvh();
     nodes_ = bvh.nodes;
-    if (nodes_.empty()) return;
-    Points places(body.vertex_count());
-    for (std::size_t v = 0; v < places.size(); ++v) places[v] = body.place(static_cast<int>(v), carriers);
+    places_.resize(body.point_count());
+    for (std::size_t v = 0; v < places_.size(); ++v) places_[v] = body.place(static_cast<int>(v), carriers);
     // Children stand behind their parents.
     for (std::size_t n = nodes_.size(); n-- > 0;) {
         BvhNode& node = nodes_[n];
@@ -198,7 +194,7 @@ void CollisionBoxes::fit(const CollisionBody& body, const double* carriers) {
         node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
         for (int i = node.first; i < node.first + node.count; ++i)
             for (const int v : body.triangles()[at(bvh.order[at(i)])])
-                node.min = node.min.cwiseMin(places[at(v)]), node.max = node.max.cwiseMax(places[at(v)]);
+                node.min = node.min.cwiseMin(places_[at(v)]), node.max = node.max.cwiseMax(places_[at(v)]);
     }
     low_ = nodes_.front().min, high_ = nodes_.front().max;
 }

@@ -36,12 +36,18 @@ void start(const Scene& scene, const StepInputs& inputs, const std::vector<Point
     search.begin(carriers);
     ContactMemory kept;
     std::vector<Touch> touches;
-    const std::vector<ContactPair> pairs = bodies.pairs(inputs.parts);
-    for (const ContactPair& pair : pairs) search.find_inside(pair, touches);
-    for (const Touch& t : touches) {
-        const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
-        kept.contacts.push_back(
-            {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, 0});
+    std::vector<ContactPair> pairs;
+    bodies.find_pairs(inputs.parts, pairs);
+    for (const ContactPair& pair : pairs) {
+        std::size_t next = touches.size();
+        search.find_inside(pair, touches);
+        for (; next < touches.size(); ++next) {
+            const Touch& t = touches[next];
+            const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
+            const double force = pair.stiffness * search.area(pair, t) * t.feature.away.norm();
+            kept.contacts.push_back(
+                {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
+        }
     }
     for (const ContactPair& pair : pairs) search.find_near(pair, bodies[pair.target].mean_edge(), 0, touches);
     for (const Touch& t : touches)
@@ -92,9 +98,7 @@ Changes Contacts::take(const StepInputs& inputs, const State& before) {
             throw e;
         }
     }
-    const TermMemory* memory = find_memory(before.memories, contact_type.name);
-    if (memory && *memory == memory_ && pattern_) return {};
-    kept_ = contacts_kept(before.memories);
+    contacts_kept(before.memories, kept_);
     for (const KeptContact& c : kept_.contacts) {
         const auto is_body = [&](int b) { return b >= 0 && at(b) < bodies_.count(); };
         const auto is_triangle = [&](int t) { return t >= 0 && at(t) < bodies_[c.target].triangles().size(); };
@@ -102,13 +106,19 @@ Changes Contacts::take(const StepInputs& inputs, const State& before) {
             !is_triangle(c.triangle) || !is_triangle(c.anchor_triangle))
             throw Error("IO403", "a saved simulation state holds contacts of bodies that the scene does not have");
     }
-    if (memory) memory_ = *memory;
     const bool same = pattern_ && kept_.couplings == couplings_;
     couplings_ = kept_.couplings;
     return {.couplings = !same};
 }
 
 void Contacts::add_couplings(Couplings& couplings) const {
+    // What carries a point is coupled whether it touches or not: elements couple most of that in any case.
+    for (std::size_t b = 0; b < bodies_.count(); ++b)
+        for (int c = 0; c < bodies_[static_cast<int>(b)].carrier_count(); ++c) {
+            const std::span<const int> vertices = bodies_[static_cast<int>(b)].carrier_vertices(c);
+            for (std::size_t i = 0; i < vertices.size(); ++i)
+                for (std::size_t j = i + 1; j < vertices.size(); ++j) couplings.emplace_back(vertices[i], vertices[j]);
+        }
     for (const CoupledCarriers& c : couplings_)
         for (const int v : bodies_[c.body].carrier_vertices(c.carrier))
             for (const int w : bodies_[c.other_body].carrier_vertices(c.other_carrier))

@@ -51,7 +51,6 @@ class Contacts final : public Term {
         double most = 0;            ///< force at which it slips [N]; infinite if it does not
         Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
         Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
-        ContactElement element;
     };
     struct Force {
         double energy = 0;
@@ -92,8 +91,7 @@ class Contacts final : public Term {
     CollisionBodies bodies_;
     TouchSearch search_;
     const BlockPattern* pattern_ = nullptr;
-    TermMemory memory_;
-    ContactMemory kept_; ///< as in memory_
+    ContactMemory kept_; ///< of the state that a step starts from
     std::vector<CoupledCarriers> couplings_;
     mutable ContactMemory next_; ///< scratch of remember
 
@@ -114,7 +112,7 @@ class Contacts final : public Term {
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
     std::vector<ClosestFeature> now_;   ///< per touch, at the last evaluation
     std::vector<Force> forces_, tether_forces_;
-    std::vector<ContactElement> elements_;
+    std::vector<ContactElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;
     std::vector<double> gradient_; ///< 3 a vertex
 };

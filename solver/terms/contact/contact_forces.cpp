@@ -68,11 +68,12 @@ void Contacts::measure_moves(const Positions& x) const {
 void Contacts::bind(const BlockPattern& pattern) {
     pattern_ = &pattern;
     for (ContactElement& e : elements_) e.forget();
+    for (ContactElement& e : tether_elements_) e.forget();
 }
 
 void Contacts::begin_stage(const Stage& stage) {
     stage_ = &stage;
-    pairs_ = bodies_.pairs(stage.inputs.parts);
+    bodies_.find_pairs(stage.inputs.parts, pairs_);
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
     const double free_fall = stage.form.mass_factor > 0 ? stage.inputs.gravity.norm() / stage.form.mass_factor : 0;
     before_.clear();
@@ -159,6 +160,8 @@ void Contacts::make_tethers() {
         }
     }
     tether_forces_.resize(tethers_.size());
+    if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
+    for (ContactElement& e : tether_elements_) e.forget();
     const auto weighed = bones_weighed(form, stage_->before, stage_->bones_after);
     for (Tether& tether : tethers_) {
         if (tether.brakes.isZero(0)) continue;
@@ -274,11 +277,11 @@ double Contacts::energy(const Positions& x, bool with_forces) {
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
     }
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
-        Tether& tether = tethers_[i];
+        const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether.element.set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
-                           *pattern_);
-        tether.element.add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
+        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
+                                *pattern_);
+        tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
     return energy;
 }
@@ -307,10 +310,11 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
                                                      f.place, f.away, project || !elements_[i].coupled());
         elements_[i].add_hessian(blocks, stiffness(i), a);
     }
-    for (Tether& tether : tethers_) {
+    for (std::size_t i = 0; i < tethers_.size(); ++i) {
+        const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether.element.set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
-                           *pattern_);
+        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
+                                *pattern_);
         const Vec3 held = tether.holds * reach(tether, x);
         const double length = held.norm();
         Mat3 by_way = stage_->form.velocity_factor * tether.brakes;
@@ -323,7 +327,7 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         std::size_t entry = 0;
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] = weights[c] * weights[d] * by_way;
-        tether.element.add_hessian(blocks, 1, a);
+        tether_elements_[i].add_hessian(blocks, 1, a);
     }
 }
 

@@ -45,15 +45,14 @@ void keep_contacts(const ContactMemory& contacts, TermMemory& memory) {
     put(contacts.couplings, to);
 }
 
-ContactMemory contacts_kept(const std::vector<TermMemory>& memories) {
-    ContactMemory out;
+void contacts_kept(const std::vector<TermMemory>& memories, ContactMemory& out) {
+    out.contacts.clear(), out.couplings.clear();
     const TermMemory* memory = find_memory(memories, contact_type.name);
-    if (!memory || memory->bytes.empty()) return out;
+    if (!memory || memory->bytes.empty()) return;
     std::span<const std::byte> bytes = memory->bytes;
     take(bytes, out.contacts);
     take(bytes, out.couplings);
     if (!bytes.empty()) throw Error("IO403", "the contacts of a saved simulation state have bytes left over");
-    return out;
 }
 
 } // namespace sinew::solver

@@ -35,7 +35,7 @@ struct ContactMemory {
 };
 
 void keep_contacts(const ContactMemory& contacts, TermMemory& memory);
-/// Empty where none of `memories` is that of contact. Throws Error IO403 where the bytes do not make sense.
-ContactMemory contacts_kept(const std::vector<TermMemory>& memories);
+/// Into `out`; empty where none of `memories` is that of contact. Throws Error IO403 where the bytes do not make sense.
+void contacts_kept(const std::vector<TermMemory>& memories, ContactMemory& out);
 
 } // namespace sinew::solver

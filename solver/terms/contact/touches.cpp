@@ -39,13 +39,12 @@ CollisionBodies::CollisionBodies(const Scene& scene) {
     }
 }
 
-std::vector<ContactPair> CollisionBodies::pairs(const std::vector<PartValues>& values) const {
-    std::vector<ContactValues> all;
-    for (const std::size_t part : parts_) all.push_back(get_fields<ContactValues>(values[part]));
-    std::vector<ContactPair> out;
+void CollisionBodies::find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const {
+    out.clear();
+    const auto values_of = [&](std::size_t body) { return get_fields<ContactValues>(values[parts_[body]]); };
     for (std::size_t a = 0; a < bodies_.size(); ++a)
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
-            const ContactValues &one = all[a], &other = all[b];
+            const ContactValues one = values_of(a), other = values_of(b);
             const bool itself = a == b;
             if (!bodies_[a].deforms() && !bodies_[b].deforms()) continue;
             if (!on(one.collides) || !on(other.collides) || (itself && !on(one.collides_with_itself))) continue;
@@ -61,7 +60,6 @@ std::vector<ContactPair> CollisionBodies::pairs(const std::vector<PartValues>& v
             pair.both_ways = rests_[a]->is_volume;
             out.push_back(pair);
         }
-    return out;
 }
 
 TouchSearch::TouchSearch(const CollisionBodies& bodies)
@@ -98,7 +96,7 @@ void TouchSearch::fit(int body) {
     if (fitted_[at(body)]) return;
     fitted_[at(body)] = 1;
     boxes_[at(body)].fit(bodies_[body], carriers_[at(body)]);
-    bodies_[body].areas(carriers_[at(body)], areas_[at(body)]);
+    bodies_[body].areas(boxes_[at(body)].places(), areas_[at(body)]);
 }
 
 /// Where both bodies' points press into each other, each counts in part: the finer sampled one for more. The parts of
@@ -107,7 +105,8 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
     const int point = touch.point;
     const ClosestFeature& feature = touch.feature;
     const double own = areas_[at(pair.source)][at(point)];
-    const double facing = bodies_[pair.source].facing_area(point, feature.normal, own, carriers_[at(pair.source)]);
+    const double facing =
+        bodies_[pair.source].facing_area(point, feature.normal, own, boxes_[at(pair.source)].places());
     if (!pair.both_ways) return facing;
     double others = 0;
     for (const int v : bodies_[pair.target].triangles()[at(feature.triangle)])
@@ -154,7 +153,7 @@ void TouchSearch::find_near(const ContactPair& pair, double distance, std::size_
     parallel_for(found_.size(), 64, [&](std::size_t p) {
         found_[p].triangle = -1;
         if (has_[p] || known[p].distance - (travel - known[p].travel) > distance) return;
-        const Vec3 place = source.place(static_cast<int>(p), carriers(pair.source));
+        const Vec3& place = own.places()[p];
         if ((place.array() < low.array()).any() || (place.array() > high.array()).any()) return;
         if (pair.source != pair.target) {
             keep(p, find_feature(
@@ -181,13 +180,10 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
     fit(pair.source), fit(pair.target);
     const CollisionBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
     if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
-    Points places(target.vertex_count());
-    for (std::size_t v = 0; v < places.size(); ++v)
-        places[v] = target.place(static_cast<int>(v), carriers(pair.target));
-    const SurfaceTree tree(places, target.triangles());
+    const SurfaceTree tree(boxes.places(), target.triangles());
     std::vector<ClosestFeature> found(source.point_count());
     parallel_for(found.size(), 64, [&](std::size_t p) {
-        const Vec3 place = source.place(static_cast<int>(p), carriers(pair.source));
+        const Vec3& place = own.places()[p];
         if ((place.array() < boxes.low().array()).any() || (place.array() > boxes.high().array()).any()) return;
         if (!tree.inside(place)) return;
         found[p] = find_feature(target, carriers(pair.target), boxes, place, 1e300);

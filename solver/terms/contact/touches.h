@@ -34,7 +34,7 @@ class CollisionBodies {
     const ContactRest& rest(int body) const { return *rests_[at(body)]; }
     std::size_t part(int body) const { return parts_[at(body)]; } ///< of the scene's
     /// Pairs that collide under these values, in fixed order.
-    std::vector<ContactPair> pairs(const std::vector<PartValues>& values) const;
+    void find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
 
   private:
     std::vector<CollisionBody> bodies_;
@@ -60,8 +60,8 @@ bool visit_couplings(const CollisionBodies& bodies, const Touch& touch, int tria
                 if (!couple(body, one, other_body, other)) return false;
         return true;
     };
-    const std::span<const int> own = source.carriers(touch.point);
-    if (!all_of(touch.source, own, touch.source, own)) return false;
+    const int carrier = source.carrier(touch.point);
+    const std::span<const int> own(&carrier, source.deforms() ? 1 : 0);
     const auto of_triangle = [&](int t) {
         const std::span<const int> theirs = target.carriers_at(t);
         return all_of(touch.target, theirs, touch.target, theirs) && all_of(touch.source, own, touch.target, theirs);
