@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/solver_setup.h"
 
+#include "nodes/contact_inputs.h"
 #include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
 
@@ -110,6 +111,11 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
     }
     for (std::size_t b = 0; b < setup.simulated.size(); ++b)
         for (const Force& f : setup.body(b).forces) take_force(setup, f, -1, {static_cast<int>(b)});
+    for (std::size_t b = 0; in[collision_detection] && b < setup.simulated.size(); ++b) {
+        if (!setup.body(b).contact) continue;
+        setup.contacts.push_back(std::make_shared<const Force>(contact_in_solver(in, *setup.body(b).contact)));
+        take_force(setup, *setup.contacts.back(), -1, {static_cast<int>(b)});
+    }
 }
 
 /// Of attachments and forces that hold on to one of several bones of the same rest data, it may turn out only when

@@ -21,6 +21,7 @@ struct Setup {
     std::vector<std::reference_wrapper<const Attachment>> attachments; ///< those that act
     std::vector<int> attachment_entries;                               ///< their positions in zSolver.attachments
     std::vector<std::reference_wrapper<const Force>> forces; ///< zSolver.forces, then those that bodies bring along
+    std::vector<std::shared_ptr<const Force>> contacts;      ///< of them, those that are made of bodies' contacts
     std::vector<int> force_entries; ///< place of each in zSolver.forces; -1: a body brings it along
     SceneKey key;
     const Body& body(std::size_t simulated_index) const {

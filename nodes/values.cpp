@@ -125,6 +125,7 @@ BodyId id_of(const Body& body) {
     std::visit([&](const auto& v) { add(h, v); }, body.values);
     for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
+    if (body.contact) h.add(static_digest(*body.contact)).add_doubles(body.contact->values);
     return {body.rest->digest, h.finish()};
 }
 

@@ -13,6 +13,7 @@
 #include <compare>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -121,11 +122,10 @@ struct Body {
     bool enable = true;
     std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
     solver::InitialMotion start = {};                ///< of a tissue, at the start frame
-    /// Tissues with a collisionShape, else null. Not part of the digest: zSolver's frames are keyed by the digests of
-    /// its bodies, and no step reads this; zEmbedder, which does, is keyed by the node that made the body. A contact
-    /// term that reads it must bring it into BodyRest::digest.
+    /// Tissues with a collisionShape, else null: for zEmbedder. Contact reads it through `contact`.
     std::shared_ptr<const CollisionSurface> collision = nullptr;
-    std::vector<Force> forces = {}; ///< that its own attributes ask for; they act on this body
+    std::vector<Force> forces = {};    ///< that its own attributes ask for; they act on this body
+    std::optional<Force> contact = {}; ///< what it brings to contact; acts where zSolver.collisionDetection is on
     bool is_bone() const { return values.index() == 1; }
 };
 

@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/appearance.h"
+#include "nodes/contact_inputs.h"
 #include "nodes/matrices.h"
 
 namespace sinew::nodes {
@@ -62,8 +63,9 @@ void compute(const Reads& in, Writes& out) {
     const Digest key = Hasher().add("zBone.rest").add(modelled.topology->digest).add(modelled.points_digest).finish();
     auto kept = in.lease<Kept>(
         key, [&] { return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); }); });
-    out.set(out_body,
-            Body{kept->rest, in[enable], guarded(in, matrix.name, [&] { return moved(modelled, in[matrix]); })});
+    Body body{kept->rest, in[enable], guarded(in, matrix.name, [&] { return moved(modelled, in[matrix]); })};
+    body.contact = read_contact(in, false, modelled, nullptr);
+    out.set(out_body, std::move(body));
 }
 
 } // namespace
@@ -73,6 +75,7 @@ void add_z_bone(Registry& registry) {
     type.name = "zBone";
     type.doc = "A rigid or deforming body that moves as given; tissues are attached to it.";
     type.inputs = {describe(enable), describe(mesh), describe(matrix), describe(appearance), describe(colour)};
+    for (AttributeInfo& a : contact_attributes(false)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -37,9 +37,7 @@ const Output<MeshList> out_meshes{
 
 const Output<MeshList> out_collision_meshes{
     .name = "outCollisionMeshes",
-    .doc = "The tissue's collision surface at this frame: its collisionShape, carried. No mesh where it has none. No "
-           "contact "
-           "reads it yet: Sinew has no contacts.",
+    .doc = "The tissue's collision surface at this frame: its collisionShape, carried. No mesh where it has none.",
 };
 
 std::size_t find(const Reads& in, const Solved& s) {

@@ -295,7 +295,12 @@ void add_z_solver(Registry& registry) {
                         describe(tolerance_factor),
                         describe(stiffness_damping),
                         describe(mass_damping),
-                        describe(gravity)};
+                        describe(gravity),
+                        describe(collision_detection),
+                        describe(collision_subdivision),
+                        describe(collision_point_spacing),
+                        describe(max_contact_length),
+                        describe(contact_damping)};
     type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks)};
     type.initial = initial;
     type.advance = advance;

@@ -122,4 +122,42 @@ inline const Input<Vec3> gravity{
     .doc = "Gravity; always in metres, whatever the scale.",
 };
 
+inline const Input<bool> collision_detection{
+    .name = "collisionDetection",
+    .def = false,
+    .doc = "The master switch: on, bodies whose surfaces meet push each other apart, see their collisions, "
+           "collisionVolume, contactSliding, contactStiffness, contactFriction and collisionSets. What is inside of "
+           "another body at the start frame is pushed out through the nearest place.",
+    .keyable = false,
+};
+inline const Input<bool> collision_subdivision{
+    .name = "collisionSubdivision",
+    .def = false,
+    .doc = "On tests points between vertices too, so that edges do not pass each other.",
+    .keyable = false,
+};
+inline const Input<double> collision_point_spacing{
+    .name = "collisionPointSpacing",
+    .def = 0.1,
+    .unit = "m",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "With collisionSubdivision, the largest distance between points that are tested along an edge; in metres, "
+           "whatever the scale.",
+    .keyable = false,
+};
+inline const Input<double> max_contact_length{
+    .name = "maxContactLength",
+    .def = 0,
+    .unit = "m",
+    .limits = {.min = 0},
+    .doc = "A contact that is deeper is dropped; 0 keeps all. In metres, whatever the scale.",
+};
+inline const Input<double> contact_damping{
+    .name = "contactDamping",
+    .def = 0,
+    .unit = "N*s/m^3",
+    .limits = {.min = 0},
+    .doc = "Brakes how fast contacts open and close, as pressure per speed; in fixed contacts all relative motion.",
+};
+
 } // namespace sinew::nodes::z_solver

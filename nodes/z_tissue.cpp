@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/appearance.h"
 #include "nodes/carriers.h"
+#include "nodes/contact_inputs.h"
 #include "nodes/options.h"
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
@@ -102,12 +103,9 @@ const Input<double> surface_tension_envelope{
 const Wire<Mesh> collision_shape{
     .name = "collisionShape",
     .doc =
-        "A mesh that shall stand in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
+        "A mesh that stands in for the tissue's own surface in contacts, modelled where the tissue is at rest, in "
         "scene units; coarser, or closed where the mesh is not. Like the mesh it should not move by itself: one that "
-        "does is "
-        "bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives "
-        "it deformed. That is all it does today: no contact term reads it, because Sinew has no contacts yet, and to "
-        "change it simulates nothing again.",
+        "does is bound anew at every frame. It rides on the tets: zEmbedder.outCollisionMeshes gives it deformed.",
     .required = false,
 };
 const Input<std::string> appearance = appearance_input(Matter::muscle);
@@ -223,7 +221,8 @@ void compute(const Reads& in, Writes& out) {
     add_surface_tension(in, *parts.mesh, parts.materials, in[surface_tension_envelope], forces);
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces)});
+    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces),
+                           read_contact(in, true, *parts.mesh, collision.get())});
 }
 
 } // namespace
@@ -248,6 +247,7 @@ void add_z_tissue(Registry& registry) {
                    describe(collision_shape),
                    describe(appearance),
                    describe(colour)};
+    for (AttributeInfo& a : contact_attributes(true)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

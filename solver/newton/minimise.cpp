@@ -303,6 +303,10 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
         end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite,
                       record, r);
     }
+    // What came from farther than anything was expected to is found out here; each body's reach only grows.
+    while (end == End::converged && potential.widen(x))
+        end = iterate(potential, w, options, evaluate(potential, w, x, record), false, control, x, memory, definite,
+                      record, r);
     int worst = worst_deformable(w.forces);
     if (end == End::converged && !definite) {
         const double here = r;

@@ -116,6 +116,12 @@ double Potential::begin_iteration(const Positions& x) {
     return change;
 }
 
+bool Potential::widen(const Positions& x) {
+    bool more = false;
+    for (const auto& term : terms_) more = term->widen(x) || more;
+    return more;
+}
+
 double Potential::evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces) {
     double total = 0;
     energy_scale_ = 0;

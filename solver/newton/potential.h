@@ -64,6 +64,8 @@ class Potential {
     void work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const;
     /// Before an iteration at x; returns by how much it changes the value there (see Term).
     double begin_iteration(const Positions& x);
+    /// Where a solve has come to rest: whether a term takes in more than it knew of (see Term).
+    bool widen(const Positions& x);
     /// Value at x. With `gradient` (3 an unknown) also the gradient and `forces`, one a deformable.
     double evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each body by its own: a stiff one does not excuse a soft one.

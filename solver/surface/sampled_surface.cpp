@@ -14,8 +14,8 @@
 namespace sinew::solver {
 namespace {
 
-/// Longest edge, and longest side of a triangle that one point stands for, in widths of the tets along it.
-constexpr double longest_share = 0.75, one_point_share = 0.17;
+/// Longest side of a triangle that one point stands for, in widths of the tets along it.
+constexpr double one_point_share = 0.17;
 constexpr std::size_t most_triangles = 4'000'000;
 
 /// The least width of the carriers at p along a direction.
@@ -46,9 +46,10 @@ class Cutter {
         for (std::size_t t = 0; t < old.triangles.size(); ++t) cut(old.triangles[t], old.source[t], old.places[t]);
         if (s_.triangles.size() > most_triangles)
             throw Error("FE232",
-                        "cutting a surface to the size of the tets that carry it gives more than " +
+                        "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives "
+                        "more than " +
                             std::to_string(most_triangles) + " triangles",
-                        "paint a smaller part of it, or choose larger tets");
+                        "paint a smaller part of it, choose larger tets or a larger spacing");
         return true;
     }
 
@@ -135,12 +136,13 @@ class Cutter {
 
 bool SurfaceDensity::too_long(const Vec3& a, const Vec3& b) const {
     const double length = (b - a).norm();
+    if (longest_edge > 0 && length > longest_edge) return true;
     const bool may_be = std::any_of(carriers.begin(), carriers.end(),
-                                    [&](const Carrier& c) { return length > longest_share * c.tets->least_width(); });
+                                    [&](const Carrier& c) { return length > widths * c.tets->least_width(); });
     if (!may_be) return false;
     const Vec3 direction = (b - a) / length;
     for (const double share : {0.5, 0.25, 0.75, 0.0, 1.0})
-        if (length > longest_share * width_at(carriers, (1 - share) * a + share * b, direction)) return true;
+        if (length > widths * width_at(carriers, (1 - share) * a + share * b, direction)) return true;
     return false;
 }
 

@@ -17,9 +17,11 @@ struct SurfaceDensity {
         ElementKind element;
     };
     std::vector<Carrier> carriers;
+    double longest_edge = 0; ///< no edge may be longer [m]; 0 = any may
+    double widths = 0.75;    ///< nor longer than so many widths of a tet that it passes
 
-    /// Whether an edge is longer than the stated share of the tets that it passes (three quarters of their width along
-    /// it; judged at five points). Depends on the edge alone, so both triangles at it agree.
+    /// Whether an edge is longer than the stated share of the tets that it passes (`widths` of them along it; judged at
+    /// five points). Depends on the edge alone, so both triangles at it agree.
     bool too_long(const Vec3& a, const Vec3& b) const;
     /// Degree of polynomials that integration over a triangle of this size must be exact for: that of the square of
     /// what the tets carry (2, quadratic ones 4), or 1 where the triangle is much smaller than they are.

@@ -29,6 +29,8 @@ class SharedBytes {
     /// So many bytes, to be written to; what they hold before is of no use. Other copies keep theirs.
     std::span<std::byte> rewrite(std::size_t size) {
         if (!bytes_ || shared()) bytes_ = std::make_shared<std::vector<std::byte>>();
+        // A little room, so that a memory that grows and shrinks by some items stays where it is.
+        if (bytes_->capacity() < size) bytes_->reserve(size + size / 4);
         bytes_->resize(size);
         return *bytes_;
     }

@@ -68,6 +68,10 @@ class Term {
     /// changes the energy at x [J]. A stage begins as if called at the start of the step.
     virtual double begin_iteration(const Positions&) { return 0; }
 
+    /// Where a solve has come to rest at x: takes in what the term left out because it was too far away at the start of
+    /// the stage. True: that changes the energy at x, so the solve must go on.
+    virtual bool widen(const Positions&) { return false; }
+
     /// Energy at x [J], damping included. With `with_forces` keeps what add_gradient and the functions after it give.
     virtual double energy(const Positions& x, bool with_forces) = 0;
     /// Adds the gradient at the x of the last evaluation, 3 an unknown [N].

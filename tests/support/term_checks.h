@@ -32,6 +32,7 @@ struct TermExample {
     bool turns = true;            ///< they turn with the scene when all that is prescribed is turned and shifted
     bool knows_inverted = true;   ///< it is finite where tets are inverted or flat
     bool projects_exactly = true; ///< clamping only adds to the Hessian
+    bool couples_all = true;      ///< the Hessian is whole wherever the vertices are; else near the state alone
 };
 
 /// All examples, in the order of all_terms().
@@ -42,6 +43,7 @@ std::vector<TermExample> field_examples();
 std::vector<TermExample> pressure_examples();
 std::vector<TermExample> surface_tension_examples();
 std::vector<TermExample> hold_examples();
+std::vector<TermExample> contact_examples();
 
 /// One term by itself: its own pattern, and a stage of backward Euler from the scene's state after two steps.
 class TermProbe {

@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/contact/closest_feature.h"
+
+#include "solver/mesh/triangle_math.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+NearestPlace nearest_of(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p) {
+    const TrianglePoint q =
+        closest_on_triangle(p, surface.corners(triangle, carriers), surface.triangles()[at(triangle)]);
+    return {triangle, q.barycentric, q.point, (p - q.point).squaredNorm()};
+}
+
+bool has(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
+
+/// The corners that carry a place.
+struct Corners {
+    int count = 0;
+    int vertex[3];
+};
+
+Corners corners_of(const Triangle& t, const Vec3& place) {
+    Corners out;
+    for (std::size_t c = 0; c < 3; ++c)
+        if (place[static_cast<Eigen::Index>(c)] != 0) out.vertex[out.count++] = t[c];
+    return out;
+}
+
+/// Mean normal of the faces about an edge or vertex, weighed by their angles there (Baerentzen and Aanaes 2005): its
+/// sign against the way to a point says on which side of a closed surface that is.
+Vec3 mean_normal(const CollisionBody& surface, const double* carriers, const Corners& on) {
+    Vec3 sum = Vec3::Zero();
+    for (const int t : surface.fan(on.vertex[0])) {
+        const Triangle& corners = surface.triangles()[at(t)];
+        if (on.count == 2 && !has(corners, on.vertex[1])) continue;
+        const Vec3 n = face_normal(surface, carriers, t);
+        if (on.count == 2) {
+            sum += n;
+            continue;
+        }
+        const std::array<Vec3, 3> c = surface.corners(t, carriers);
+        std::size_t k = 0;
+        while (corners[k] != on.vertex[0]) ++k;
+        const Vec3 u = c[(k + 1) % 3] - c[k], v = c[(k + 2) % 3] - c[k];
+        sum += std::atan2(u.cross(v).norm(), u.dot(v)) * n;
+    }
+    return sum;
+}
+
+/// A surface of a million triangles is crossed in far fewer steps.
+constexpr int most_walk_steps = 10'000;
+
+} // namespace
+
+void NearestPlace::offer(const CollisionBody& surface, const double* carriers, int t, const Vec3& p) {
+    const NearestPlace there = nearest_of(surface, carriers, t, p);
+    if (there.distance2 < distance2 || (there.distance2 == distance2 && (triangle < 0 || t < triangle))) *this = there;
+}
+
+ClosestFeature feature_of(const CollisionBody& surface, const double* carriers, const NearestPlace& nearest,
+                          const Vec3& p) {
+    ClosestFeature out{nearest.triangle, nearest.place, p - nearest.point, Vec3::Zero()};
+    const Corners on = corners_of(surface.triangles()[at(nearest.triangle)], nearest.place);
+    out.normal = on.count == 3 ? face_normal(surface, carriers, nearest.triangle) : mean_normal(surface, carriers, on);
+    return out;
+}
+
+Vec3 face_normal(const CollisionBody& surface, const double* carriers, int triangle) {
+    const auto [a, b, c] = surface.corners(triangle, carriers);
+    const Vec3 n = (b - a).cross(c - a);
+    const double length = n.norm();
+    return length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
+}
+
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p) {
+    NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
+    for (int step = 0; step < most_walk_steps; ++step) {
+        const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
+        if (on.count == 3) break;
+        const NearestPlace here = best;
+        for (const int t : surface.fan(on.vertex[0])) {
+            if (t == here.triangle || (on.count == 2 && !has(surface.triangles()[at(t)], on.vertex[1]))) continue;
+            const NearestPlace there = nearest_of(surface, carriers, t, p);
+            if (there.distance2 < best.distance2) best = there;
+        }
+        if (best.triangle == here.triangle) break;
+    }
+    return feature_of(surface, carriers, best, p);
+}
+
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
+                              const Vec3& to, double step) {
+    constexpr double most_steps = 64;
+    const double way = (to - from).norm();
+    const int steps = static_cast<int>(std::clamp(std::ceil(way / std::max(step, 1e-300)), 1.0, most_steps));
+    int triangle = from_triangle;
+    for (int s = 1; s < steps; ++s)
+        triangle =
+            follow_feature(surface, carriers, triangle, from + (s / static_cast<double>(steps)) * (to - from)).triangle;
+    return follow_feature(surface, carriers, triangle, to);
+}
+
+} // namespace sinew::solver

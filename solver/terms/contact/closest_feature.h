@@ -1,0 +1,76 @@
+// The place of a surface that is nearest to a point: a face, an edge or a vertex, found anew or followed from where it
+// was. Following stays with the part of the surface where the point came in, however deep it is.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/terms/contact/collision_body.h"
+
+#include <utility>
+
+namespace sinew::solver {
+
+struct ClosestFeature {
+    int triangle = -1;
+    Vec3 place = Vec3::Zero(); ///< barycentric coordinates; zeros say that it is an edge or a vertex
+    Vec3 away = Vec3::Zero();  ///< from the surface to the point [m]
+    Vec3 normal =
+        Vec3::Zero(); ///< outwards, of the face, or the mean of those about the edge or vertex; not of length 1
+    bool inside() const { return away.dot(normal) < 0; }
+};
+
+/// Down from a triangle to the nearest place that has none nearer about it. `carriers` of the surface.
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p);
+/// The same where the point has moved far: along the way from `from` to `to`, both relative to where the surface is
+/// now, in steps no longer than `step`.
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
+                              const Vec3& to, double step);
+/// The nearest place of one triangle, and whether it is nearer than `nearest` is, to which it is put then. Of two that
+/// are as near, the lower number wins.
+struct NearestPlace {
+    int triangle = -1;
+    Vec3 place = Vec3::Zero(), point = Vec3::Zero();
+    double distance2 = 0;
+    void offer(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p);
+};
+/// That place as a feature.
+ClosestFeature feature_of(const CollisionBody& surface, const double* carriers, const NearestPlace& nearest,
+                          const Vec3& p);
+
+/// The nearest of all triangles that `allowed` lets pass, up to a distance; triangle = -1 if there is none. `boxes`
+/// were fitted to the same carriers.
+template <class Allowed>
+ClosestFeature find_feature(const CollisionBody& surface, const double* carriers, const CollisionBoxes& boxes,
+                            const Vec3& p, double max_distance, const Allowed& allowed, int guess = -1) {
+    NearestPlace best;
+    best.distance2 = max_distance * max_distance;
+    const std::vector<BvhNode>& nodes = boxes.nodes();
+    if (nodes.empty()) return {};
+    if (guess >= 0 && allowed(guess)) best.offer(surface, carriers, guess, p);
+    int stack[128]; // the tree of 2^31 triangles is 30 levels deep
+    int depth = 0;
+    stack[depth++] = 0;
+    while (depth > 0) {
+        const int n = stack[--depth];
+        const BvhNode& node = nodes[at(n)];
+        if (squared_distance(node, p) > best.distance2) continue;
+        if (node.count > 0) {
+            for (int i = node.first; i < node.first + node.count; ++i)
+                if (const int t = surface.bvh().order[at(i)]; allowed(t)) best.offer(surface, carriers, t, p);
+            continue;
+        }
+        // The nearer child is looked at first.
+        int one = n + 1, other = node.first;
+        if (squared_distance(nodes[at(one)], p) < squared_distance(nodes[at(other)], p)) std::swap(one, other);
+        stack[depth++] = one, stack[depth++] = other;
+    }
+    if (best.triangle < 0) return {};
+    return feature_of(surface, carriers, best, p);
+}
+inline ClosestFeature find_feature(const CollisionBody& surface, const double* carriers, const CollisionBoxes& boxes,
+                                   const Vec3& p, double max_distance) {
+    return find_feature(surface, carriers, boxes, p, max_distance, [](int) { return true; });
+}
+
+/// Unit normal of a triangle; zero if it has no area.
+Vec3 face_normal(const CollisionBody& surface, const double* carriers, int triangle);
+
+} // namespace sinew::solver

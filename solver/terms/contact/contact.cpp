@@ -1,0 +1,229 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/contact/contact.h"
+
+#include "solver/error.h"
+#include "solver/index.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace sinew::solver {
+
+namespace {
+
+constexpr Measure measures[] = {
+    {"contact", "contacts", "1", "points in contact", Combine::most},
+    {"contact", "max_depth_m", "m", "deepest contact", Combine::most},
+    {"contact", "force_N", "N", "sum of contact forces", Combine::most},
+};
+constexpr auto value_names = field_names<ContactValues>();
+
+void tidy(std::vector<CoupledCarriers>& pairs) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+/// Contacts of points that are inside already where the simulation starts.
+void start(const Scene& scene, const StepInputs& inputs, const std::vector<Points>& surfaces, TermMemory& memory) {
+    const CollisionBodies bodies(scene);
+    TouchSearch search(bodies);
+    std::vector<const double*> carriers;
+    for (std::size_t b = 0; b < bodies.count(); ++b) {
+        const CollisionBody& body = bodies[static_cast<int>(b)];
+        carriers.push_back(body.deforms() ? scene.numbering().rest.data() : surfaces[at(body.body())].data()->data());
+    }
+    search.begin(carriers);
+    ContactMemory kept;
+    std::vector<Touch> touches;
+    std::vector<ContactPair> pairs;
+    bodies.find_pairs(inputs.parts, pairs);
+    for (const ContactPair& pair : pairs) {
+        std::size_t next = touches.size();
+        search.find_inside(pair, touches);
+        for (; next < touches.size(); ++next) {
+            const Touch& t = touches[next];
+            const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
+            const double force = pair.stiffness * search.area(pair, t) * t.feature.away.norm();
+            kept.contacts.push_back(
+                {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
+        }
+    }
+    for (const ContactPair& pair : pairs) search.find_near(pair, bodies[pair.target].mean_edge(), 0, touches);
+    for (const Touch& t : touches)
+        visit_couplings(bodies, t, t.feature.triangle, true, [&](const CoupledCarriers& c) {
+            kept.couplings.push_back(c);
+            return true;
+        });
+    tidy(kept.couplings);
+    keep_contacts(kept, memory);
+}
+
+} // namespace
+
+const TermType contact_type{
+    .name = "contact",
+    .values = value_names,
+    .measures = measures,
+    .make = [](const Scene& scene) -> std::unique_ptr<Term> {
+        const std::vector<Part>& parts = scene.description().parts;
+        const bool used =
+            std::any_of(parts.begin(), parts.end(), [](const Part& p) { return p.type == &contact_type; });
+        return used ? std::make_unique<Contacts>(scene) : nullptr;
+    },
+    .start = start,
+    .memory_version = 1,
+    .has_memory = true,
+};
+
+Contacts::Contacts(const Scene& scene)
+    : scene_(scene)
+    , bodies_(scene)
+    , search_(bodies_) {
+    bones_.resize(bodies_.count());
+    reach_.resize(bodies_.count()), moves_.resize(bodies_.count());
+}
+
+Changes Contacts::take(const StepInputs& inputs, const State& before) {
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const std::size_t part = bodies_.part(static_cast<int>(b));
+        const ContactValues v = get_fields<ContactValues>(inputs.parts[part]);
+        for (const auto& [name, value] : {std::pair{"contactStiffness", v.stiffness},
+                                          {"contactFriction", v.friction},
+                                          {"contactDamping", v.damping},
+                                          {"maxContactLength", v.longest}}) {
+            if (value >= 0) continue;
+            Error e("FE304", std::string(name) + " is negative: " + std::to_string(value), "it must be 0 or more");
+            e.body = bodies_[static_cast<int>(b)].body(), e.part = static_cast<int>(part);
+            throw e;
+        }
+    }
+    contacts_kept(before.memories, kept_);
+    for (const KeptContact& c : kept_.contacts) {
+        const auto is_body = [&](int b) { return b >= 0 && at(b) < bodies_.count(); };
+        const auto is_triangle = [&](int t) { return t >= 0 && at(t) < bodies_[c.target].triangles().size(); };
+        if (!is_body(c.source) || !is_body(c.target) || c.point < 0 || at(c.point) >= bodies_[c.source].point_count() ||
+            !is_triangle(c.triangle) || !is_triangle(c.anchor_triangle))
+            throw Error("IO403", "a saved simulation state holds contacts of bodies that the scene does not have");
+    }
+    const bool same = pattern_ && kept_.couplings == couplings_;
+    couplings_ = kept_.couplings;
+    return {.couplings = !same};
+}
+
+void Contacts::add_couplings(Couplings& couplings) const {
+    // What carries a point is coupled whether it touches or not: elements couple most of that in any case.
+    for (std::size_t b = 0; b < bodies_.count(); ++b)
+        for (int c = 0; c < bodies_[static_cast<int>(b)].carrier_count(); ++c) {
+            const std::span<const int> vertices = bodies_[static_cast<int>(b)].carrier_vertices(c);
+            for (std::size_t i = 0; i < vertices.size(); ++i)
+                for (std::size_t j = i + 1; j < vertices.size(); ++j) couplings.emplace_back(vertices[i], vertices[j]);
+        }
+    for (const CoupledCarriers& c : couplings_)
+        for (const int v : bodies_[c.body].carrier_vertices(c.carrier))
+            for (const int w : bodies_[c.other_body].carrier_vertices(c.other_carrier))
+                if (v != w) couplings.emplace_back(v, w);
+}
+
+KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const Positions& x) const {
+    const Touch& t = touches_[i];
+    const ContactPair& pair = pair_of(i);
+    const double k = stiffness(i);
+    KeptContact out{t.source,
+                    t.point,
+                    t.target,
+                    f.triangle,
+                    {f.place[0], f.place[1], f.place[2]},
+                    f.triangle,
+                    0,
+                    {f.place[0], f.place[1], f.place[2]},
+                    k * f.away.norm()};
+    if (t.kept < 0 || (pair.slides && pair.friction <= 0)) return out;
+    const KeptContact& was = kept_.contacts[at(t.kept)];
+    const Vec3 anchor_place(was.anchor[0], was.anchor[1], was.anchor[2]);
+    const Vec3 p = point_at(t, x), way = p - place_at(t.target, was.anchor_triangle, anchor_place, x);
+    if (!pair.slides) out.force = k * way.norm();
+    const Vec3 n = f.normal.normalized(), along = way - n * n.dot(way);
+    const double most = pair.friction * out.force, length = along.norm();
+    if (pair.slides && k * length > most) {
+        const Vec3 behind = p - f.away - (most / k / length) * along;
+        const ClosestFeature end = follow_feature(bodies_[t.target], carriers(t.target, x), f.triangle, behind);
+        out.anchor_triangle = end.triangle, out.anchor = {end.place[0], end.place[1], end.place[2]};
+    } else {
+        out.anchor_triangle = was.anchor_triangle, out.anchor = was.anchor;
+    }
+    return out;
+}
+
+void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
+    next_.contacts.clear(), next_.couplings.clear();
+    measure_moves(x);
+    bool all_coupled = true;
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
+        const Touch& t = touches_[i];
+        const ContactPair& pair = pair_of(i);
+        const ClosestFeature f = feature_at(i, x);
+        if (f.inside())
+            all_coupled =
+                visit_couplings(bodies_, t, f.triangle, false,
+                                [&](const CoupledCarriers& c) {
+                                    return std::binary_search(kept_.couplings.begin(), kept_.couplings.end(), c);
+                                }) &&
+                all_coupled;
+        bool out = !f.inside();
+        if (t.kept >= 0 && !pair.slides) {
+            const KeptContact& was = kept_.contacts[at(t.kept)];
+            const Vec3 place(was.anchor[0], was.anchor[1], was.anchor[2]);
+            const Vec3 way = point_at(t, x) - place_at(t.target, was.anchor_triangle, place, x);
+            out = way.dot(face_normal(bodies_[t.target], carriers(t.target, x), was.anchor_triangle)) > 0;
+        }
+        if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
+        next_.contacts.push_back(kept_contact(i, f, x));
+    }
+    std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
+        return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
+    });
+    // What is coupled changes only where something touches that is not: each change costs an analysis.
+    if (all_coupled) {
+        next_.couplings = kept_.couplings;
+    } else {
+        for (std::size_t i = 0; i < touches_.size(); ++i)
+            visit_couplings(bodies_, touches_[i], feature_at(i, x).triangle, true, [&](const CoupledCarriers& c) {
+                next_.couplings.push_back(c);
+                return true;
+            });
+        tidy(next_.couplings);
+    }
+    keep_contacts(next_, memory);
+}
+
+void Contacts::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
+    double count = 0, deepest = 0, force = 0;
+    measure_moves(x);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
+        const ClosestFeature f = feature_at(i, x);
+        if (!f.inside()) continue;
+        const double depth = f.away.norm();
+        count += 1, deepest = std::max(deepest, depth);
+        force += stiffness(i) * depth;
+    }
+    out.push_back({&measures[0], count}), out.push_back({&measures[1], deepest}), out.push_back({&measures[2], force});
+}
+
+void Contacts::marks(const Positions& x, Marks& out) const {
+    MarkGroup group{contact_type.name, "force", "N", {}};
+    measure_moves(x);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
+        const Touch& t = touches_[i];
+        const ClosestFeature f = feature_at(i, x);
+        if (!f.inside()) continue;
+        const Vec3 p = point_at(t, x);
+        group.marks.push_back({static_cast<int>(bodies_.part(t.source)), p, p - f.away, stiffness(i) * f.away.norm()});
+    }
+    out.push_back(std::move(group));
+}
+
+} // namespace sinew::solver

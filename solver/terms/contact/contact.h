@@ -1,0 +1,120 @@
+// Contact: a point inside of another body's surface, or of another part of its own, is pulled out with a force per area
+// that grows with its depth. Both sides feel it through what carries them, and the sums vanish.
+//
+// A sliding contact has the energy 1/2 k A d^2, d the distance to the nearest place of the surface, followed from where
+// the point came in; a fixed one 1/2 k A |p - q|^2, q where it touched. k is the series stiffness of the two bodies,
+// A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the surface
+// whose end slips where it would pull with more than mu times the force that the contact pressed with at the end of the
+// step before: it neither creeps nor drags below that.
+//
+// Which points may come in is settled at the start of a step: those near enough for how fast the bodies move. Where a
+// solution has moved farther than that, the set is made larger, and the solve goes on.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/term/type.h"
+#include "solver/terms/contact/contact_element.h"
+#include "solver/terms/contact/touches.h"
+
+namespace sinew::solver {
+
+extern const TermType contact_type;
+
+class Contacts final : public Term {
+  public:
+    explicit Contacts(const Scene& scene);
+
+    Changes take(const StepInputs& inputs, const State& before) override;
+    void add_couplings(Couplings& couplings) const override;
+    void bind(const BlockPattern& pattern) override;
+    void begin_stage(const Stage& stage) override;
+    double begin_iteration(const Positions& x) override;
+    bool widen(const Positions& x) override;
+    double energy(const Positions& x, bool with_forces) override;
+    void add_gradient(std::span<double> gradient) const override;
+    void add_held_gradient(std::span<double> by_vertices) const override;
+    void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
+    void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
+    void add_squared_stiffnesses(std::span<double> squares) const override;
+    void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
+    double stored_energy(const Positions& x) override;
+    void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
+    void marks(const Positions& x, Marks& out) const override;
+
+  private:
+    /// What holds a touching point to a place of the triangle that moves with it: a fixed contact, friction, damping.
+    struct Tether {
+        std::size_t touch = 0;
+        int triangle = -1;
+        Vec3 place = Vec3::Zero();
+        Mat3 holds = Mat3::Zero();  ///< projects on the directions that the spring sees
+        double stiffness = 0;       ///< [N/m]
+        double most = 0;            ///< force at which it slips [N]; infinite if it does not
+        Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
+        Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
+    };
+    struct Force {
+        double energy = 0;
+        Vec3 by_point = Vec3::Zero(); ///< derivative by the point's place [N]
+    };
+
+    const double* carriers(int body, const Positions& x) const {
+        return bodies_[body].deforms() ? x.data() : bones_[at(body)].data()->data();
+    }
+    const double* carriers_before(int body) const;
+    const ContactPair& pair_of(std::size_t touch) const { return pairs_[pair_of_touch_[touch]]; }
+    Vec3 point_at(const Touch& t, const Positions& x) const {
+        return bodies_[t.source].place(t.point, carriers(t.source, x));
+    }
+    Vec3 place_at(int target, int triangle, const Vec3& place, const Positions& x) const;
+    void measure_moves(const Positions& x) const;
+    /// After measure_moves.
+    bool surely_outside(std::size_t touch) const {
+        const Touch& t = touches_[touch];
+        return clearance_[touch] > moves_[at(t.source)] + moves_[at(t.target)];
+    }
+    /// Stiffness of a touch [N/m], its area found out when first asked for.
+    double stiffness(std::size_t touch) const {
+        double& area = areas_[touch];
+        if (area < 0) area = search_.area(pair_of(touch), touches_[touch]);
+        return pair_of(touch).stiffness * area;
+    }
+    ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
+    bool presses(std::size_t touch, const ClosestFeature& f) const;
+    void find_touches(std::size_t pair, std::size_t first_touch);
+    void make_tethers();
+    Vec3 reach(const Tether& tether, const Positions& x) const;
+    Force tether_force(const Tether& tether, const Positions& x, double* stored) const;
+    double evaluate(const Positions& x, bool with_damping);
+    KeptContact kept_contact(std::size_t touch, const ClosestFeature& f, const Positions& x) const;
+
+    const Scene& scene_;
+    CollisionBodies bodies_;
+    TouchSearch search_;
+    const BlockPattern* pattern_ = nullptr;
+    ContactMemory kept_; ///< of the state that a step starts from
+    std::vector<CoupledCarriers> couplings_;
+    mutable ContactMemory next_; ///< scratch of remember
+
+    // Of the stage:
+    const Stage* stage_ = nullptr;
+    std::vector<Points> bones_; ///< per body of contact: where a bone's vertices are
+    std::vector<ContactPair> pairs_;
+    std::vector<const double*> before_; ///< per body: what carries it, at the start of the step
+    std::vector<double> reach_;         ///< how far each body may move [m]
+    std::vector<double> searched_;      ///< distance up to which each pair's points were looked at [m]
+    std::vector<Touch> touches_;
+    std::vector<std::size_t> pair_of_touch_;
+    std::vector<ClosestFeature> committed_; ///< per touch: where it was followed to at the last iteration
+    mutable std::vector<double> areas_;     ///< per touch [m^2]; -1: not asked for yet
+    std::vector<double> clearance_;         ///< per touch: how far it was outside then, or less [m]; -1 inside
+    Positions committed_x_;
+    bool iterated_ = false;             ///< since the stage began: bones are where they will be
+    mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
+    std::vector<ClosestFeature> now_;   ///< per touch, at the last evaluation
+    std::vector<Force> forces_, tether_forces_;
+    std::vector<ContactElement> elements_, tether_elements_; ///< kept for their room
+    std::vector<Tether> tethers_;
+    std::vector<double> gradient_; ///< 3 a vertex
+};
+
+} // namespace sinew::solver

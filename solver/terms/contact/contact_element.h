@@ -1,0 +1,45 @@
+// One point and one triangle, and what carries them: the way from derivatives by the four to those by unknowns.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/block_matrix.h"
+#include "solver/numbering.h"
+#include "solver/terms/contact/collision_body.h"
+#include "solver/terms/contact/point_triangle.h"
+
+#include <vector>
+
+namespace sinew::solver {
+
+class ContactElement {
+  public:
+    /// Makes it stand for a point and a triangle; nothing where it does already.
+    void set(const CollisionBody& source, int point, const CollisionBody& target, int triangle,
+             const Numbering& numbering, const BlockPattern& pattern);
+    /// Forgets which entries of the pattern it writes to.
+    void forget() { point_ = triangle_ = -1; }
+
+    /// Adds L_c g to each vertex that carries corner c: a gradient of 3 numbers a vertex.
+    void add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const;
+    /// Whether all vertices that it couples are coupled in the pattern.
+    bool coupled() const { return coupled_; }
+    /// Adds blocks by corners times a factor. Where it is not coupled, only those among what carries the point and
+    /// those among what carries the triangle, twice each: for positive semi-definite blocks that bounds the whole from
+    /// above.
+    void add_hessian(const ContactBlocks& blocks, double factor, BlockMatrix& a) const;
+
+  private:
+    struct Node {
+        int corner, vertex, unknown; ///< unknown = -1: held
+        double weight;
+    };
+    struct Entry {
+        int block;       ///< of the pattern
+        int row, column; ///< nodes
+    };
+    int point_ = -1, triangle_ = -1;
+    std::vector<Node> nodes_;
+    std::vector<Entry> entries_;
+    bool coupled_ = true;
+};
+
+} // namespace sinew::solver

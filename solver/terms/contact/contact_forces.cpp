@@ -1,0 +1,359 @@
+// Contact within a stage: who may touch, energy, gradient and Hessian.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/index.h"
+#include "solver/parallel.h"
+#include "solver/terms/contact/contact.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Bodies are looked at as if they moved by so much more than expected.
+constexpr double caution = 1.25;
+/// And by this share of the mean edge, so that what rests on something keeps the same touches.
+constexpr double resting_share = 0.25;
+
+std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0], -place[1], -place[2]}; }
+
+double largest_move(const double* a, const double* b, std::size_t vertices) {
+    double largest = 0;
+    for (std::size_t v = 0; v < vertices; ++v)
+        largest =
+            std::max(largest, (Eigen::Map<const Vec3>(a + 3 * v) - Eigen::Map<const Vec3>(b + 3 * v)).squaredNorm());
+    return std::sqrt(largest);
+}
+
+} // namespace
+
+const double* Contacts::carriers_before(int body) const {
+    const CollisionBody& b = bodies_[body];
+    return b.deforms() ? stage_->before.x.data() : stage_->before.bones[at(b.body())].data()->data();
+}
+
+Vec3 Contacts::place_at(int target, int triangle, const Vec3& place, const Positions& x) const {
+    const std::array<Vec3, 3> c = bodies_[target].corners(triangle, carriers(target, x));
+    return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
+}
+
+ClosestFeature Contacts::feature_at(std::size_t i, const Positions& x) const {
+    const Touch& t = touches_[i];
+    const ClosestFeature& was = committed_[i];
+    const CollisionBody& target = bodies_[t.target];
+    const double step = std::max(was.away.norm(), 0.5 * target.mean_edge());
+    return follow_feature(target, carriers(t.target, x), was.triangle,
+                          place_at(t.target, was.triangle, was.place, x) + was.away, point_at(t, x), step);
+}
+
+bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
+    return f.inside() && (touches_[i].kept < 0 || pair_of(i).slides);
+}
+
+void Contacts::measure_moves(const Positions& x) const {
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        if (!body.deforms()) {
+            moves_[b] = iterated_ ? 0 : reach_[b];
+            continue;
+        }
+        const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
+        moves_[b] = body.leverage() *
+                    largest_move(x.data() + first, committed_x_.data() + first, scene_.vertex_count(body.body()));
+    }
+}
+
+void Contacts::bind(const BlockPattern& pattern) {
+    pattern_ = &pattern;
+    for (ContactElement& e : elements_) e.forget();
+    for (ContactElement& e : tether_elements_) e.forget();
+}
+
+void Contacts::begin_stage(const Stage& stage) {
+    stage_ = &stage;
+    bodies_.find_pairs(stage.inputs.parts, pairs_);
+    const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
+    const double free_fall = stage.form.mass_factor > 0 ? stage.inputs.gravity.norm() / stage.form.mass_factor : 0;
+    before_.clear();
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        before_.push_back(carriers_before(static_cast<int>(b)));
+        if (body.deforms()) {
+            const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
+            reach_[b] = free_fall;
+            if (stage.form.mass_factor > 0)
+                reach_[b] += largest_move(stage.form.target.data() + first, stage.before.x.data() + first,
+                                          scene_.vertex_count(body.body()));
+            continue;
+        }
+        Points& places = bones_[b];
+        places.assign(stage.bones_after[at(body.body())].size(), Vec3::Zero());
+        for (std::size_t time = 0; time < 3; ++time) {
+            const double weight = stage.form.bone_position[time];
+            if (weight == 0) continue;
+            const Points& then = (*weighed[time])[at(body.body())];
+            for (std::size_t v = 0; v < places.size(); ++v) places[v] += weight * then[v];
+        }
+        reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
+    }
+    search_.begin(before_);
+    touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear();
+    committed_x_ = stage.before.x, iterated_ = false;
+    for (ContactElement& e : elements_) e.forget();
+    searched_.assign(pairs_.size(), 0.0);
+    for (std::size_t p = 0; p < pairs_.size(); ++p) {
+        const std::size_t first = touches_.size();
+        search_.take_kept(pairs_[p], kept_.contacts, touches_);
+        find_touches(p, first);
+    }
+    make_tethers();
+}
+
+/// Looks at a pair's points up to what its bodies may move. Its touches so far are all from `first` on.
+void Contacts::find_touches(std::size_t p, std::size_t first) {
+    const ContactPair& pair = pairs_[p];
+    searched_[p] = caution * (reach_[at(pair.source)] + reach_[at(pair.target)]) +
+                   resting_share * bodies_[pair.target].mean_edge();
+    search_.find_near(pair, searched_[p], first, touches_);
+    pair_of_touch_.resize(touches_.size(), p), areas_.resize(touches_.size(), -1);
+    for (std::size_t t = committed_.size(); t < touches_.size(); ++t) {
+        const ClosestFeature& f = touches_[t].feature;
+        committed_.push_back(f);
+        // Where the solve has moved on already nothing is sure.
+        clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
+    }
+    now_.resize(touches_.size()), forces_.resize(touches_.size());
+    if (elements_.size() < touches_.size()) elements_.resize(touches_.size());
+}
+
+void Contacts::make_tethers() {
+    tethers_.clear();
+    const ImplicitForm& form = stage_->form;
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        const Touch& t = touches_[i];
+        const ContactPair& pair = pair_of(i);
+        if (t.kept < 0) continue;
+        const KeptContact& was = kept_.contacts[at(t.kept)];
+        const double k = stiffness(i), c = form.velocity_factor > 0 ? pair.damping * areas_[i] : 0;
+        const double length = t.feature.normal.norm();
+        const Vec3 n = length > 0 ? Vec3(t.feature.normal / length) : Vec3(Vec3::Zero());
+        const Mat3 across = n * n.transpose();
+        Tether anchored;
+        anchored.touch = i, anchored.triangle = was.anchor_triangle;
+        anchored.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
+        anchored.stiffness = k;
+        if (!pair.slides) {
+            anchored.holds = Mat3::Identity(), anchored.most = std::numeric_limits<double>::infinity();
+            anchored.brakes = c * Mat3::Identity();
+            tethers_.push_back(anchored);
+            continue;
+        }
+        anchored.holds = Mat3::Identity() - across, anchored.most = pair.friction * was.force;
+        if (anchored.most > 0) tethers_.push_back(anchored);
+        if (c > 0) {
+            Tether braked;
+            braked.touch = i, braked.triangle = t.feature.triangle, braked.place = t.feature.place;
+            braked.brakes = c * across;
+            tethers_.push_back(braked);
+        }
+    }
+    tether_forces_.resize(tethers_.size());
+    if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
+    for (ContactElement& e : tether_elements_) e.forget();
+    const auto weighed = bones_weighed(form, stage_->before, stage_->bones_after);
+    for (Tether& tether : tethers_) {
+        if (tether.brakes.isZero(0)) continue;
+        const Touch& t = touches_[tether.touch];
+        // Its velocity is factor x way + drift, for what deforms factor x + offset, for bones as they move.
+        const auto drift_of = [&](int b, int point) {
+            const CollisionBody& body = bodies_[b];
+            if (body.deforms()) return body.place(point, form.velocity_offset.data());
+            Vec3 out = -form.velocity_factor * body.place(point, bones_[at(b)].data()->data());
+            for (std::size_t time = 0; time < 3; ++time)
+                if (form.bone_velocity[time] != 0)
+                    out +=
+                        form.bone_velocity[time] * body.place(point, (*weighed[time])[at(body.body())].data()->data());
+            return out;
+        };
+        tether.drift = drift_of(t.source, t.point);
+        const Triangle& corners = bodies_[t.target].triangles()[at(tether.triangle)];
+        for (int c = 0; c < 3; ++c) tether.drift -= tether.place[c] * drift_of(t.target, corners[at(c)]);
+    }
+}
+
+double Contacts::begin_iteration(const Positions& x) {
+    measure_moves(x);
+    parallel_for(touches_.size(), 64, [&](std::size_t i) {
+        if (surely_outside(i)) {
+            clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
+            return;
+        }
+        committed_[i] = feature_at(i, x);
+        clearance_[i] = committed_[i].inside() ? -1 : committed_[i].away.norm();
+    });
+    committed_x_ = x, iterated_ = true;
+    return 0;
+}
+
+bool Contacts::widen(const Positions& x) {
+    bool farther = false;
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        if (!body.deforms()) continue;
+        const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
+        const double moved =
+            largest_move(x.data() + first, stage_->before.x.data() + first, scene_.vertex_count(body.body()));
+        if (moved <= caution * reach_[b]) continue;
+        reach_[b] = moved, farther = true;
+    }
+    if (!farther) return false;
+    const std::size_t known = touches_.size();
+    for (std::size_t p = 0; p < pairs_.size(); ++p)
+        if (caution * (reach_[at(pairs_[p].source)] + reach_[at(pairs_[p].target)]) > searched_[p]) find_touches(p, 0);
+    for (std::size_t i = known; i < touches_.size(); ++i)
+        if (presses(i, feature_at(i, x))) return true;
+    return false;
+}
+
+Vec3 Contacts::reach(const Tether& tether, const Positions& x) const {
+    const Touch& t = touches_[tether.touch];
+    return point_at(t, x) - place_at(t.target, tether.triangle, tether.place, x);
+}
+
+/// With `stored` only what it stores, there.
+Contacts::Force Contacts::tether_force(const Tether& tether, const Positions& x, double* stored) const {
+    const Vec3 way = reach(tether, x), held = tether.holds * way;
+    const double length = held.norm();
+    Force out;
+    if (tether.stiffness * length <= tether.most) {
+        out.by_point = tether.stiffness * held;
+        out.energy = 0.5 * tether.stiffness * length * length;
+    } else if (length > 0) {
+        out.by_point = tether.most / length * held;
+        out.energy = tether.most * (length - 0.5 * tether.most / tether.stiffness);
+    }
+    if (stored) *stored = out.energy;
+    const double factor = stage_->form.velocity_factor;
+    if (factor > 0 && !tether.brakes.isZero(0)) {
+        const Vec3 velocity = factor * way + tether.drift, force = tether.brakes * velocity;
+        out.energy += 0.5 * force.dot(velocity) / factor;
+        out.by_point += force;
+    }
+    return out;
+}
+
+double Contacts::evaluate(const Positions& x, bool with_damping) {
+    measure_moves(x);
+    parallel_for(touches_.size(), 64, [&](std::size_t i) {
+        forces_[i] = {};
+        if (surely_outside(i)) return;
+        now_[i] = feature_at(i, x);
+        if (!presses(i, now_[i])) return;
+        const double k = stiffness(i);
+        forces_[i] = {0.5 * k * now_[i].away.squaredNorm(), k * now_[i].away};
+    });
+    parallel_for(tethers_.size(), 64, [&](std::size_t i) {
+        double stored = 0;
+        tether_forces_[i] = tether_force(tethers_[i], x, &stored);
+        if (!with_damping) tether_forces_[i].energy = stored;
+    });
+    return ordered_sum(forces_.size(), [&](std::size_t i) { return forces_[i].energy; }) +
+           ordered_sum(tether_forces_.size(), [&](std::size_t i) { return tether_forces_[i].energy; });
+}
+
+double Contacts::stored_energy(const Positions& x) { return evaluate(x, false); }
+
+double Contacts::energy(const Positions& x, bool with_forces) {
+    const double energy = evaluate(x, true);
+    if (!with_forces) return energy;
+    gradient_.assign(x.size(), 0.0);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (forces_[i].by_point.isZero(0)) continue;
+        const Touch& t = touches_[i];
+        elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], now_[i].triangle, scene_.numbering(),
+                         *pattern_);
+        elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
+    }
+    for (std::size_t i = 0; i < tethers_.size(); ++i) {
+        const Tether& tether = tethers_[i];
+        const Touch& t = touches_[tether.touch];
+        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
+                                *pattern_);
+        tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
+    }
+    return energy;
+}
+
+void Contacts::add_gradient(std::span<double> gradient) const {
+    const std::vector<int>& vertex_of = scene_.numbering().vertex_of_unknown;
+    for (std::size_t u = 0; u < vertex_of.size(); ++u)
+        for (std::size_t c = 0; c < 3; ++c) gradient[3 * u + c] += gradient_[3 * at(vertex_of[u]) + c];
+}
+
+void Contacts::add_held_gradient(std::span<double> by_vertices) const {
+    const std::vector<int>& unknown = scene_.numbering().unknown;
+    for (std::size_t v = 0; v < unknown.size(); ++v)
+        for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) by_vertices[c] += gradient_[c];
+}
+
+void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
+    measure_moves(x);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (surely_outside(i)) continue;
+        const Touch& t = touches_[i];
+        const ClosestFeature f = feature_at(i, x);
+        if (!presses(i, f)) continue;
+        elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], f.triangle, scene_.numbering(), *pattern_);
+        const ContactBlocks blocks = contact_hessian(bodies_[t.target].corners(f.triangle, carriers(t.target, x)),
+                                                     f.place, f.away, project || !elements_[i].coupled());
+        elements_[i].add_hessian(blocks, stiffness(i), a);
+    }
+    for (std::size_t i = 0; i < tethers_.size(); ++i) {
+        const Tether& tether = tethers_[i];
+        const Touch& t = touches_[tether.touch];
+        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
+                                *pattern_);
+        const Vec3 held = tether.holds * reach(tether, x);
+        const double length = held.norm();
+        Mat3 by_way = stage_->form.velocity_factor * tether.brakes;
+        if (tether.stiffness * length <= tether.most)
+            by_way += tether.stiffness * tether.holds;
+        else if (length > 0)
+            by_way += tether.most / length * (tether.holds - held * held.transpose() / (length * length));
+        const std::array<double, 4> weights = corner_weights_of(tether.place);
+        ContactBlocks blocks;
+        std::size_t entry = 0;
+        for (std::size_t c = 0; c < 4; ++c)
+            for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] = weights[c] * weights[d] * by_way;
+        tether_elements_[i].add_hessian(blocks, 1, a);
+    }
+}
+
+void Contacts::raise_forces_at_work(const Positions&, std::span<double> largest) const {
+    const auto& bodies = scene_.numbering().deformables;
+    for (std::size_t d = 0; d < bodies.size(); ++d) {
+        double square = 0;
+        for (std::size_t i = 3 * bodies[d].first_vertex; i < 3 * (bodies[d].first_vertex + bodies[d].vertex_count); ++i)
+            square += gradient_[i] * gradient_[i];
+        largest[d] = std::max(largest[d], std::sqrt(square));
+    }
+}
+
+void Contacts::add_squared_stiffnesses(std::span<double> squares) const {
+    const Numbering& numbering = scene_.numbering();
+    const auto add = [&](int body, double k) {
+        const int d = numbering.deformable_of(bodies_[body].body());
+        if (d >= 0) squares[at(d)] += k * k;
+    };
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (forces_[i].energy == 0) continue;
+        const double k = stiffness(i);
+        add(touches_[i].source, k), add(touches_[i].target, k);
+    }
+    for (const Tether& t : tethers_)
+        add(touches_[t.touch].source, t.stiffness), add(touches_[t.touch].target, t.stiffness);
+}
+
+} // namespace sinew::solver

@@ -1,0 +1,41 @@
+// What contact keeps from step to step: who touches whom and where, and which vertices are coupled for it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/state.h"
+
+#include <array>
+#include <compare>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A point that is inside of a surface, through which it came. Bodies are places among the scene's parts of contact.
+struct KeptContact {
+    int source = -1, point = -1;    ///< whose point
+    int target = -1, triangle = -1; ///< whose surface, and where it is touched
+    std::array<double, 3> place{};  ///< barycentric coordinates there
+    int anchor_triangle = -1;       ///< where the point sticks; it is drawn there by friction or, if fixed, altogether
+    int unused = 0;
+    std::array<double, 3> anchor{}; ///< barycentric coordinates there
+    double force = 0;               ///< that it presses with [N]
+    friend bool operator==(const KeptContact&, const KeptContact&) = default;
+};
+static_assert(sizeof(KeptContact) == 4 * 6 + 8 * 7, "no padding: its bytes are kept as they are");
+
+/// What carries points of two bodies, coupled because they are near each other: bodies as above, carriers by number
+/// (CollisionBody). The lower one first.
+struct CoupledCarriers {
+    int body = -1, carrier = -1, other_body = -1, other_carrier = -1;
+    friend auto operator<=>(const CoupledCarriers&, const CoupledCarriers&) = default;
+};
+
+struct ContactMemory {
+    std::vector<KeptContact> contacts;      ///< by source, target, point
+    std::vector<CoupledCarriers> couplings; ///< sorted
+};
+
+void keep_contacts(const ContactMemory& contacts, TermMemory& memory);
+/// Into `out`; empty where none of `memories` is that of contact. Throws Error IO403 where the bytes do not make sense.
+void contacts_kept(const std::vector<TermMemory>& memories, ContactMemory& out);
+
+} // namespace sinew::solver

@@ -1,0 +1,22 @@
+// Energy of a point that presses into a surface: 1/2 k A d^2, d its distance to the nearest place q of one triangle.
+// Corner 0 is the point, 1 to 3 the triangle's. As q is nearest, the gradient is k A d's as if q were fixed on the
+// triangle: k A L_c (p - q) with L = (1, -b_1, -b_2, -b_3), so forces and moments balance exactly.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <array>
+
+namespace sinew::solver {
+
+/// 3 x 3 blocks by corners (0,0), (0,1) … (0,3), (1,1) … (3,3).
+using ContactBlocks = std::array<Mat3, 10>;
+
+/// Second derivatives of d^2/2. `place`: barycentric coordinates of q, zeros on edges and vertices; `away` = p - q.
+/// `project`: without the part that bends, which leaves a positive semi-definite matrix.
+///
+/// With q = q(s) of one or two coordinates s along the feature (none at a vertex) and f = |p - q(s)|^2/2, the Hessian
+/// of the minimum is f_xx - f_xs f_ss^-1 f_sx.
+ContactBlocks contact_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away, bool project);
+
+} // namespace sinew::solver

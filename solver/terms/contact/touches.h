@@ -1,0 +1,114 @@
+// Which points may press into which surfaces within a step: those that do so already, and those outside that are near
+// enough to come in.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/terms/contact/closest_feature.h"
+#include "solver/terms/contact/contact_memory.h"
+
+#include <optional>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A point of one body and the surface of another, or of the same one.
+struct Touch {
+    int source = -1, point = -1, target = -1; ///< bodies: places among those of contact
+    int kept = -1;                            ///< its contact of the state; -1: it is outside
+    ClosestFeature feature;                   ///< at the start of the step
+};
+
+/// Two bodies, of which the first one's points are tested against the second one's surface.
+struct ContactPair {
+    int source = -1, target = -1;
+    double stiffness = 0, friction = 0, damping = 0, longest = 0; ///< see ContactValues; series stiffness
+    bool slides = true;
+    bool both_ways = false; ///< the second one's points are tested against the first one's surface, too
+};
+
+/// The bodies of contact in a scene.
+class CollisionBodies {
+  public:
+    explicit CollisionBodies(const Scene& scene);
+    std::size_t count() const { return bodies_.size(); }
+    const CollisionBody& operator[](int body) const { return bodies_[at(body)]; }
+    const ContactRest& rest(int body) const { return *rests_[at(body)]; }
+    std::size_t part(int body) const { return parts_[at(body)]; } ///< of the scene's
+    /// Pairs that collide under these values, in fixed order.
+    void find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
+
+  private:
+    std::vector<CollisionBody> bodies_;
+    std::vector<const ContactRest*> rests_;
+    std::vector<std::size_t> parts_;
+};
+
+/// Calls visit(CoupledCarriers) for all that a point and a triangle couple; with `widely` also the triangles about it.
+/// Stops, and returns false, where a visit returns false.
+template <class Visit>
+bool visit_couplings(const CollisionBodies& bodies, const Touch& touch, int triangle, bool widely, const Visit& visit) {
+    const CollisionBody &source = bodies[touch.source], &target = bodies[touch.target];
+    const auto couple = [&](int body, int carrier, int other_body, int other_carrier) {
+        if (body == other_body && carrier == other_carrier) return true;
+        CoupledCarriers c{body, carrier, other_body, other_carrier};
+        if (std::pair(c.other_body, c.other_carrier) < std::pair(c.body, c.carrier))
+            c = {c.other_body, c.other_carrier, c.body, c.carrier};
+        return visit(c);
+    };
+    const auto all_of = [&](int body, std::span<const int> carriers, int other_body, std::span<const int> others) {
+        for (const int one : carriers)
+            for (const int other : others)
+                if (!couple(body, one, other_body, other)) return false;
+        return true;
+    };
+    const int carrier = source.carrier(touch.point);
+    const std::span<const int> own(&carrier, source.deforms() ? 1 : 0);
+    const auto of_triangle = [&](int t) {
+        const std::span<const int> theirs = target.carriers_at(t);
+        return all_of(touch.target, theirs, touch.target, theirs) && all_of(touch.source, own, touch.target, theirs);
+    };
+    if (!of_triangle(triangle)) return false;
+    for (std::size_t c = 0; widely && c < 3; ++c)
+        for (const int around : target.fan(target.triangles()[at(triangle)][c]))
+            if (!of_triangle(around)) return false;
+    return true;
+}
+
+/// Where everything is at the start of a step, and what is near what there.
+class TouchSearch {
+  public:
+    explicit TouchSearch(const CollisionBodies& bodies);
+    /// `carriers`: of each body, 3 numbers a vertex of what carries it.
+    void begin(const std::vector<const double*>& carriers);
+    const double* carriers(int body) const { return carriers_[at(body)]; }
+    /// The contacts of the state that belong to the pair; those deeper than its longest are left out.
+    void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
+    /// Points of the pair outside of the surface up to a distance, but for those that `out` has already, from `first`
+    /// on.
+    void find_near(const ContactPair& pair, double distance, std::size_t first, std::vector<Touch>& out);
+    /// The area that a touching point stands for [m^2].
+    double area(const ContactPair& pair, const Touch& touch) const;
+    /// Points of the pair inside of the surface, wherever they are.
+    void find_inside(const ContactPair& pair, std::vector<Touch>& out);
+
+  private:
+    void fit(int body);
+
+    const CollisionBodies& bodies_;
+    std::vector<const double*> carriers_;
+    std::vector<CollisionBoxes> boxes_;
+    std::vector<char> fitted_;
+    std::vector<std::vector<double>> areas_;
+    /// What was found out about distances in earlier steps and still holds, less what bodies have moved since. It saves
+    /// searches and changes none of their results.
+    struct Known {
+        double distance = 0, travel = 0; ///< at least so far, when the two bodies had travelled this much [m]
+        int triangle = -1;               ///< the nearest then
+    };
+    std::vector<std::vector<Known>> known_; ///< [source and target][point]
+    std::vector<double> travel_;            ///< of each body, from step to step, farthest point [m]
+    std::vector<std::vector<double>> last_; ///< places of carriers at the step before
+    std::vector<char> has_;                 ///< of a search, per point
+    std::vector<ClosestFeature> found_;
+};
+
+} // namespace sinew::solver
