@@ -241,6 +241,7 @@ void take_step_or_halves(Workspace::Impl& impl, State& s, const StepInputs& in, 
     const std::vector<Points> middle = bones_halfway(impl, s, in, bones);
     impl.potential.set_values(s, first); // what failed may have left those of a stage
     take_step_or_halves(impl, s, first, middle, halvings - 1, control, record);
+    impl.prepare(s, second); // what is coupled may be other than at the start of the first half
     impl.potential.set_values(s, second);
     take_step_or_halves(impl, s, second, bones, halvings - 1, control, record);
 }

@@ -305,11 +305,10 @@ TEST_CASE("bench says what each benchmark does, with an example, and refuses fla
         CHECK(has(help, name + ":"));
         CHECK(has(help, "sinew bench " + name + " "));
     }
-    for (const std::vector<std::string>& words :
-         std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
-                                               {"cantilever", "--only", "E"},
-                                               {"meshing", "--quick", "a.obj"},
-                                               {"scaling", "--law", "StVK"}}) {
+    for (const std::vector<std::string>& words : std::vector<std::vector<std::string>>{{"accuracy", "--n", "8"},
+                                                                                       {"cantilever", "--only", "E"},
+                                                                                       {"meshing", "--quick", "a.obj"},
+                                                                                       {"scaling", "--law", "StVK"}}) {
         std::vector<std::string> all{"bench"};
         all.insert(all.end(), words.begin(), words.end());
         const Said said = run_program(all);

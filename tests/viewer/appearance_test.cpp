@@ -103,11 +103,11 @@ TEST_CASE("looks come back from OBJ and GLB files") {
     CHECK_FALSE(odd[0].label.appearance.matter);
     CHECK_FALSE(odd[0].label.appearance.colour);
 
-    cli::Animation run;
-    run.frames = {1};
+    cli::GlbFile run(folder / "run.glb", {});
     for (const cli::BodyLabel& label : {first, second})
-        run.bodies.push_back({label.name, label.kind, mesh.topology->triangles, {mesh.points}, label.appearance});
-    test::write_text(folder / "run.glb", cli::encode_glb(run));
+        run.add_pose(run.add_body(label.name, label.kind, mesh.topology->triangles, mesh.points, label.appearance), 1,
+                     mesh.points);
+    REQUIRE(run.finish());
     std::vector<ViewNote> notes;
     const std::vector<ViewBody> bodies = GlbRun(folder / "run.glb").bodies({1}, notes);
     REQUIRE(bodies.size() == 2);

@@ -80,6 +80,10 @@ std::string terms_text(const std::vector<solver::StepRecord>& steps) {
     std::string out;
     for (const solver::Measured& m : all) {
         if (m.part >= 0) continue;
+        if (m.what->unit == "1") { // a count
+            out += text(", %s %.0f", std::string(m.what->title).c_str(), m.value);
+            continue;
+        }
         const bool is_length = m.what->unit == "m";
         out += text(", %s %.2g %s", std::string(m.what->title).c_str(), is_length ? 1000 * m.value : m.value,
                     is_length ? "mm" : std::string(m.what->unit).c_str());

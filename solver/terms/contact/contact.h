@@ -1,14 +1,5 @@
 // Contact: a point inside of another body's surface, or of another part of its own, is pulled out with a force per area
 // that grows with its depth. Both sides feel it through what carries them, and the sums vanish.
-//
-// A sliding contact has the energy 1/2 k A d^2, d the distance to the nearest place of the surface, followed from where
-// the point came in; a fixed one 1/2 k A |p - q|^2, q where it touched. k is the series stiffness of the two bodies,
-// A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the surface
-// whose end slips where it would pull with more than mu times the force that the contact pressed with at the end of the
-// step before: it neither creeps nor drags below that.
-//
-// Which points may come in is settled at the start of a step: those near enough for how fast the bodies move. Where a
-// solution has moved farther than that, the set is made larger, and the solve goes on.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/type.h"
@@ -19,6 +10,14 @@ namespace sinew::solver {
 
 extern const TermType contact_type;
 
+/// A sliding contact has the energy 1/2 k A d^2, d the distance to the nearest place of the surface, followed from
+/// where the point came in; a fixed one 1/2 k A |p - q|^2, q where it touched. k is the series stiffness of the two
+/// bodies, A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the
+/// surface whose end slips where it would pull with more than mu times the force that the contact pressed with at the
+/// end of the step before: it neither creeps nor drags below that.
+///
+/// Which points may come in is settled at the start of a step: those near enough for how fast the bodies move. Where a
+/// solution has moved farther than that, the set is made larger, and the solve goes on.
 class Contacts final : public Term {
   public:
     explicit Contacts(const Scene& scene);

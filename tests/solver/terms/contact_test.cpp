@@ -151,6 +151,7 @@ std::vector<TermExample> sinew::test::contact_examples() {
                 };
                 e.forces_cancel = !on_bone;
                 e.torques_cancel = !on_bone && values.friction == 0 && values.damping == 0;
+                e.small = on_bone || kind == ElementKind::linear;
                 e.couples_all = on_bone;
                 e.projects_exactly = false; // the part that bends is left out
                 out.push_back(std::move(e));

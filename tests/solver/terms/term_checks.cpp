@@ -212,7 +212,7 @@ void check_saving(const TermExample& example) {
 }
 
 void check_allocations(const TermExample& example) {
-    if (!counts_allocations()) return;
+    if (!counts_allocations() || !example.small) return;
     const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
     const ExampleScene made = example.make(1);
     constexpr int first = 4, shorter = 3, longer = 8;
