@@ -32,8 +32,8 @@ struct TermExample {
     bool turns = true;            ///< they turn with the scene when all that is prescribed is turned and shifted
     bool knows_inverted = true;   ///< it is finite where tets are inverted or flat
     bool projects_exactly = true; ///< clamping only adds to the Hessian
-    bool small = true; ///< so few unknowns that CHOLMOD factorises without supernodes, for which it allocates
-    bool couples_all = true;      ///< the Hessian is whole wherever the vertices are; else near the state alone
+    bool small = true;       ///< so few unknowns that CHOLMOD factorises without supernodes, for which it allocates
+    bool couples_all = true; ///< the Hessian is whole wherever the vertices are; else near the state alone
 };
 
 /// All examples, in the order of all_terms().

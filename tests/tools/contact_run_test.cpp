@@ -69,7 +69,7 @@ TEST_CASE("contact is there where it is switched on alone", "[tools][contact]") 
     CHECK_FALSE(off.at("terms").contains("contact"));
     const json none = last_frame(falling(false), {"--frames", "1-6", "--set", "block.collisions=false"});
     CHECK(none.at("terms").at("contact").at("contacts") == 0);
-    const json apart = last_frame(
-        falling(false), {"--frames", "1-6", "--set", "block.collisionSets=1", "--set", "ground.collisionSets=2 3"});
+    const json apart = last_frame(falling(false), {"--frames", "1-6", "--set", "block.collisionSets=\"1\"", "--set",
+                                                   "ground.collisionSets=\"2 3\""});
     CHECK(apart.at("terms").at("contact").at("contacts") == 0);
 }

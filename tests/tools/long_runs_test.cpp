@@ -76,7 +76,7 @@ TEST_CASE("a run within --memory keeps to it, simulates nothing twice and gives 
     CHECK(read_text(folder / "usual/small.glb") == read_text(folder / "tight/small.glb"));
 }
 
-TEST_CASE("--memory takes sizes with a unit and says exactly what is wrong with others", "[tools]") {
+TEST_CASE("the option --memory takes sizes with a unit and says exactly what is wrong with others", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
     for (const char* good : {"500MB", "2 GB", "1.5gib", "3000kB", "2097152 B"})

@@ -185,8 +185,7 @@ TEST_CASE("letters are drawn where they should be, with smooth edges, at any siz
     draw_text(image, -30, -30, "Mg", {1, 1, 1}, 40);
 }
 
-TEST_CASE("every letter of ASCII has a picture of its own, capitals and small ones; others are one box each",
-          "[tools]") {
+TEST_CASE("every letter of ASCII has a picture of its own and others are one box each", "[tools]") {
     const auto picture = [](const std::string& text) {
         Image image(60, 60);
         draw_text(image, 10, 10, text, {255, 255, 255}, 30);

@@ -91,7 +91,7 @@ TEST_CASE("an SVG names every node and every wire") {
     CHECK(d.wires.size() == 27);
 }
 
-TEST_CASE("an SVG file has plain colours, for what knows no CSS variables; the page's drawing has the page's") {
+TEST_CASE("an SVG file has plain colours for what knows no CSS variables") {
     const GraphDrawing d = layout_graph(*test::muscle_graph());
     const std::string file = to_svg(d), page = to_svg(d, SvgFor::page);
     CHECK(file.find("var(") == std::string::npos);

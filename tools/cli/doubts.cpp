@@ -163,6 +163,7 @@ class Doubts {
         const auto integrator = number<std::string>(solver, "integrator");
         if (gravity == engine::Vec3{}) return;
         if (integrator == std::string(nodes::word_of(solver::Integrator::quasi_static))) return; // FE303
+        if (number<bool>(solver, "collisionDetection").value_or(false)) return; // what it falls on may catch it
         std::vector<nodes::BodyId> ids;
         std::vector<char> held;
         for (const Member& m : members) ids.push_back(id_of(m.body)), held.push_back(m.body.is_bone());
