@@ -5,6 +5,7 @@
 #include "nodes/solver_setup.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/mesh/mesh_check.h"
+#include "solver/mesh/surface_mesh.h"
 #include "solver/terms/contact/contact.h"
 
 #include <charconv>
@@ -81,16 +82,17 @@ std::vector<int> sets_of(const Reads& in) {
 /// Whether the surface bounds a solid. Fails where it shall and does not.
 bool is_volume(const Reads& in, const Mesh& surface, const char* whose) {
     if (in[collision_volume] == "off") return false;
+    // Found out once, however a bone deforms; which way it looks is seen fast.
     struct Kept {
-        solver::MeshCheck check;
+        bool closed;
     };
-    const Digest key = Hasher().add("contact.closed").add(surface.topology->digest).add(surface.points_digest).finish();
-    auto kept = in.lease<Kept>(key, [&] {
-        return std::make_shared<Kept>(Kept{solver::check_mesh(*surface.points, surface.topology->triangles)});
+    auto kept = in.lease<Kept>(Hasher().add("contact.closed").add(surface.topology->digest).finish(), [&] {
+        return std::make_shared<Kept>(Kept{solver::is_closed(surface.topology->triangles)});
     });
-    const solver::MeshCheck& check = kept->check;
-    const bool usable = check.is_closed() && check.volume > 0;
+    const std::vector<solver::Triangle>& triangles = surface.topology->triangles;
+    const bool usable = kept->closed && solver::enclosed_volume(*surface.points, triangles) > 0;
     if (usable || in[collision_volume] == "auto") return usable;
+    const solver::MeshCheck check = solver::check_mesh(*surface.points, triangles);
     std::string what;
     if (check.is_closed()) {
         what = "is inside out";
