@@ -63,6 +63,7 @@ void multiply(const BlockMatrix& a, const double* x, double* y) {
         }
         for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = sum[c];
     });
+    if (!a.overlay.empty()) a.overlay.add_product(x, y);
 }
 
 std::vector<int> components(const BlockPattern& pattern) {

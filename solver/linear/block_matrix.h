@@ -1,6 +1,8 @@
 // Symmetric sparse matrices of 3x3 blocks: the upper triangle by block rows, plus what a row-parallel product needs.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/linear/overlay.h"
+
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -25,10 +27,11 @@ BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings);
 /// Component of every row, by its lowest row.
 std::vector<int> components(const BlockPattern& pattern);
 
-/// Values of a pattern's blocks, row-major, 9 a block.
+/// Values of a pattern's blocks, row-major, 9 a block, and what lies outside of the pattern.
 struct BlockMatrix {
     const BlockPattern* pattern = nullptr;
     std::vector<double> values;
+    Overlay overlay;
     explicit BlockMatrix(const BlockPattern& p)
         : pattern(&p)
         , values(9 * p.block_count(), 0.0) {}

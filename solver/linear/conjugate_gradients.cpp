@@ -21,7 +21,10 @@ ConjugateGradients::ConjugateGradients(const BlockPattern& pattern)
     sums_.resize((3 * n + chunk - 1) / chunk);
 }
 
-void ConjugateGradients::set(const BlockMatrix& a) { copy_blocks(a, source_, matrix_, row_sums_); }
+void ConjugateGradients::set(const BlockMatrix& a) {
+    copy_blocks(a, source_, matrix_, row_sums_);
+    overlay_ = &a.overlay;
+}
 
 void ConjugateGradients::multiply(const std::vector<double>& x, std::vector<double>& y) const {
     // sum_j A_ij x_j = sum_j A_ij (x_j - x_i) + (sum_j A_ij) x_i: on smooth x the terms of the first form cancel to
@@ -39,6 +42,7 @@ void ConjugateGradients::multiply(const std::vector<double>& x, std::vector<doub
         }
         for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = static_cast<double>(sum[c]);
     });
+    if (!overlay_->empty()) overlay_->add_product(x.data(), y.data());
 }
 
 double ConjugateGradients::dot(const std::vector<double>& a, const std::vector<double>& b) {

@@ -12,7 +12,7 @@ namespace sinew::solver {
 class ConjugateGradients {
   public:
     explicit ConjugateGradients(const BlockPattern& pattern);
-    /// Takes the matrix's values.
+    /// Takes the matrix's values. Its overlay is read where it stands, until the next call.
     void set(const BlockMatrix& a);
     const RowBlocks& matrix() const { return matrix_; }
     /// z = M^-1 r for some positive definite M; 3 numbers a row.
@@ -35,6 +35,7 @@ class ConjugateGradients {
     std::vector<int> source_; ///< where each block comes from
     RowBlocks matrix_;
     std::vector<FloatBlock> row_sums_;
+    const Overlay* overlay_ = nullptr;
     std::vector<double> r_, z_, p_, ap_, sums_;
 };
 

@@ -35,7 +35,7 @@ int LinearSolver::allowed_cycles(int newton_iteration) const {
 }
 
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                       Outcome& outcome, bool plain) {
+                                       double tolerance, Outcome& outcome, bool plain) {
     {
         const Stopwatch timer(outcome.seconds_factor);
         if (!factors_ || plain != plain_factors_) {
@@ -47,8 +47,13 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
         ++outcome.factors;
         kept_ = outcome.definite ? Kept::full : Kept::none;
     }
+    if (!outcome.definite) return;
+    if (!a.overlay.empty()) {
+        iterate_with_factor(a, b, x, tolerance, most_iterations, outcome);
+        return;
+    }
     const Stopwatch timer(outcome.seconds_solve);
-    if (outcome.definite) factors_->solve(b.data(), x.data());
+    factors_->solve(b.data(), x.data());
 }
 
 bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
@@ -64,7 +69,7 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
 }
 
 ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
-                                                             std::vector<double>& x, double tolerance,
+                                                             std::vector<double>& x, double tolerance, int most,
                                                              Outcome& outcome) {
     const Stopwatch timer(outcome.seconds_solve);
     ComponentFactors& factors = kept_ == Kept::single ? *single_ : *factors_;
@@ -73,9 +78,7 @@ ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& 
     };
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
-    const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / costs_.factor_solve, 3.0, 30.0));
-    const ConjugateGradients::Result r =
-        iterative_->solve(b.data(), x.data(), std::max(tolerance, kept_factor_tolerance), most, factor);
+    const ConjugateGradients::Result r = iterative_->solve(b.data(), x.data(), tolerance, most, factor);
     outcome.iterations += r.iterations;
     outcome.definite = r.definite;
     return r;
@@ -83,16 +86,22 @@ ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& 
 
 void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                           double tolerance, bool projected, Outcome& outcome) {
+    const bool has_overlay = !a.overlay.empty();
+    const double loose = std::max(tolerance, kept_factor_tolerance);
+    const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / costs_.factor_solve, 3.0, 30.0));
     if (kept_ != Kept::none) {
-        const ConjugateGradients::Result r = iterate_with_factor(a, b, x, tolerance, outcome);
+        const int allowed = has_overlay ? fresh_iterations_ + most : most;
+        const ConjugateGradients::Result r = iterate_with_factor(a, b, x, loose, allowed, outcome);
         if (r.converged || (!r.definite && !projected)) return;
     }
     if (kept_ != Kept::full && make_single(a, outcome)) {
-        const ConjugateGradients::Result r = iterate_with_factor(a, b, x, tolerance, outcome);
+        const ConjugateGradients::Result r =
+            iterate_with_factor(a, b, x, loose, has_overlay ? most_iterations : most, outcome);
+        fresh_iterations_ = has_overlay ? r.iterations : 0;
         if (r.converged || (!r.definite && !projected)) return;
     }
     // What single precision cannot tell.
-    factorize_and_solve(a, b, x, outcome);
+    factorize_and_solve(a, b, x, tolerance, outcome);
 }
 
 ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b,
@@ -118,7 +127,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     const bool automatic = method == LinearMethod::automatic;
     const bool plain = method == LinearMethod::plain;
     if (plain || method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
-        factorize_and_solve(a, b, x, outcome, plain);
+        factorize_and_solve(a, b, x, tolerance, outcome, plain);
         return outcome;
     }
     const int allowed = automatic ? allowed_cycles(newton_iteration) : most_iterations;
@@ -141,7 +150,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     if (automatic)
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
     else
-        factorize_and_solve(a, b, x, outcome);
+        factorize_and_solve(a, b, x, tolerance, outcome);
     return outcome;
 }
 

@@ -3,7 +3,8 @@
 // what they give, it goes over to a kept factor for a while: made once, in single precision, it preconditions conjugate
 // gradients on the later matrices of the frame until those take so many iterations that a new one is cheaper. The
 // choice is by counted cost (linear_costs.h), never by the clock, so that the same scene takes the same path
-// everywhere; and no factor outlives its frame, so that a result never depends on what a workspace happens to hold.
+// everywhere; an overlay's share is solved for by conjugate gradients in any case; and no factor outlives its frame, so
+// that a result never depends on what a workspace happens to hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/component_factors.h"
@@ -45,9 +46,10 @@ class LinearSolver {
     enum class Kept { none, full, single };
     bool make_single(const BlockMatrix& a, Outcome& outcome);
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                             Outcome& outcome, bool plain = false);
+                             double tolerance, Outcome& outcome, bool plain = false);
     ConjugateGradients::Result iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
-                                                   std::vector<double>& x, double tolerance, Outcome& outcome);
+                                                   std::vector<double>& x, double tolerance, int most,
+                                                   Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                 double tolerance, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
@@ -62,7 +64,8 @@ class LinearSolver {
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
-    double spent_ = 0; ///< on multigrid in this step, as costs_ count
+    int fresh_iterations_ = 0; ///< that an overlay cost when the kept factor was new
+    double spent_ = 0;         ///< on multigrid in this step, as costs_ count
 };
 
 } // namespace sinew::solver

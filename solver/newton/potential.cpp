@@ -182,7 +182,9 @@ void Potential::work(const std::vector<double>& force, const std::vector<double>
 
 void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
+    a.overlay.clear();
     for (const auto& term : terms_) term->add_hessian(x, project, a);
+    a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
 }
 

@@ -77,7 +77,7 @@ struct GridMatrix {
     }
 };
 
-/// The matrix with every entry, both triangles.
+/// The matrix with every entry, both triangles, and its overlay.
 inline Eigen::MatrixXd dense(const solver::BlockMatrix& a) {
     const solver::BlockPattern& p = *a.pattern;
     Eigen::MatrixXd out = Eigen::MatrixXd::Zero(3 * p.rows, 3 * p.rows);
@@ -88,6 +88,11 @@ inline Eigen::MatrixXd dense(const solver::BlockMatrix& a) {
                     const int row = 3 * i + r, column = 3 * p.column[std::size_t(e)] + c;
                     out(row, column) = out(column, row) = a.block(std::size_t(e))[3 * r + c];
                 }
+    if (a.overlay.empty()) return out;
+    for (Eigen::Index c = 0; c < out.cols(); ++c) {
+        const Eigen::VectorXd unit = Eigen::VectorXd::Unit(out.cols(), c);
+        a.overlay.add_product(unit.data(), out.col(c).data());
+    }
     return out;
 }
 

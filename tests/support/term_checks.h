@@ -61,7 +61,7 @@ class TermProbe {
     double scale(const Eigen::VectorXd& x);
     Eigen::VectorXd gradient(const Eigen::VectorXd& x);              ///< 3 a vertex, held ones too [N]
     Eigen::MatrixXd hessian(const Eigen::VectorXd& x, bool project); ///< 3 an unknown
-    std::vector<double> hessian_values(const Eigen::VectorXd& x, bool project);
+    solver::BlockMatrix hessian_blocks(const Eigen::VectorXd& x, bool project);
     /// 3 a vertex from 3 an unknown, zero where held, and back.
     Eigen::VectorXd spread(const Eigen::VectorXd& of_unknowns) const;
     Eigen::VectorXd gather(const Eigen::VectorXd& of_vertices) const;

@@ -77,7 +77,10 @@ Vec3 face_normal(const CollisionBody& surface, const double* carriers, int trian
     return length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p) {
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p,
+                              const Vec3& side) {
+    const bool any_side = side.isZero(0);
+    const double least = least_facing * side.norm();
     NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
     for (int step = 0; step < most_walk_steps; ++step) {
         const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
@@ -86,7 +89,8 @@ ClosestFeature follow_feature(const CollisionBody& surface, const double* carrie
         for (const int t : surface.fan(on.vertex[0])) {
             if (t == here.triangle || (on.count == 2 && !has(surface.triangles()[at(t)], on.vertex[1]))) continue;
             const NearestPlace there = nearest_of(surface, carriers, t, p);
-            if (there.distance2 < best.distance2) best = there;
+            if (there.distance2 < best.distance2 && (any_side || face_normal(surface, carriers, t).dot(side) > least))
+                best = there;
         }
         if (best.triangle == here.triangle) break;
     }
@@ -94,15 +98,16 @@ ClosestFeature follow_feature(const CollisionBody& surface, const double* carrie
 }
 
 ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
-                              const Vec3& to, double step) {
+                              const Vec3& to, double step, const Vec3& side) {
     constexpr double most_steps = 64;
     const double way = (to - from).norm();
     const int steps = static_cast<int>(std::clamp(std::ceil(way / std::max(step, 1e-300)), 1.0, most_steps));
     int triangle = from_triangle;
     for (int s = 1; s < steps; ++s)
         triangle =
-            follow_feature(surface, carriers, triangle, from + (s / static_cast<double>(steps)) * (to - from)).triangle;
-    return follow_feature(surface, carriers, triangle, to);
+            follow_feature(surface, carriers, triangle, from + (s / static_cast<double>(steps)) * (to - from), side)
+                .triangle;
+    return follow_feature(surface, carriers, triangle, to, side);
 }
 
 } // namespace sinew::solver

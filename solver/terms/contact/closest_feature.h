@@ -17,12 +17,18 @@ struct ClosestFeature {
     bool inside() const { return away.dot(normal) < 0; }
 };
 
-/// Down from a triangle to the nearest place that has none nearer about it. `carriers` of the surface.
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p);
+/// Faces that look so far away from a side (the cosine) belong to another one.
+constexpr double least_facing = 0.3;
+
+/// Down from a triangle to the nearest place that has none nearer about it, over faces that look to the same `side`
+/// alone: a point that has passed the middle of a bone is not drawn to the far side of it. Zero: over all faces.
+/// `carriers` of the surface.
+ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p,
+                              const Vec3& side = Vec3::Zero());
 /// The same where the point has moved far: along the way from `from` to `to`, both relative to where the surface is
 /// now, in steps no longer than `step`.
 ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
-                              const Vec3& to, double step);
+                              const Vec3& to, double step, const Vec3& side);
 /// The nearest place of one triangle, and whether it is nearer than `nearest` is, to which it is put then. Of two that
 /// are as near, the lower number wins.
 struct NearestPlace {

@@ -34,8 +34,10 @@ class CollisionBody {
         return {terms_.data() + first_term_[at(point)],
                 static_cast<std::size_t>(first_term_[at(point) + 1] - first_term_[at(point)])};
     }
-    /// First and count of the vertices that carry the body.
-    std::pair<std::size_t, std::size_t> carrier_range() const { return carrier_range_; }
+    /// Of `carriers`, 3 numbers a vertex, those of the vertices that carry the body.
+    std::span<const double> own(const double* carriers) const {
+        return {carriers + 3 * carrier_range_.first, 3 * carrier_range_.second};
+    }
     /// Where a point is. `carriers`: 3 numbers a vertex of what carries it.
     Vec3 place(int point, const double* carriers) const {
         Vec3 p = Vec3::Zero();
@@ -79,7 +81,7 @@ class CollisionBody {
     std::vector<int> carriers_of_point_;
     std::vector<std::vector<int>> carriers_at_, carrier_vertices_;
     double leverage_ = 1;
-    std::pair<std::size_t, std::size_t> carrier_range_;
+    std::pair<std::size_t, std::size_t> carrier_range_; ///< first and count of the vertices that carry it
     std::vector<int> fan_start_, fans_;
     std::vector<double> modelled_areas_; ///< of triangles
     std::vector<double> rest_areas_;     ///< of bodies that deform

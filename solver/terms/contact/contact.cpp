@@ -49,13 +49,6 @@ void start(const Scene& scene, const StepInputs& inputs, const std::vector<Point
                 {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
         }
     }
-    for (const ContactPair& pair : pairs) search.find_near(pair, bodies[pair.target].mean_edge(), 0, touches);
-    for (const Touch& t : touches)
-        visit_couplings(bodies, t, t.feature.triangle, true, [&](const CoupledCarriers& c) {
-            kept.couplings.push_back(c);
-            return true;
-        });
-    tidy(kept.couplings);
     keep_contacts(kept, memory);
 }
 
@@ -155,22 +148,36 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const
     return out;
 }
 
+/// What is coupled changes only where something ties firmly that is not: each change costs an analysis.
+void Contacts::remember_couplings(const Positions& x) const {
+    next_.couplings.clear();
+    if (std::find(strong_.begin(), strong_.end(), 1) == strong_.end()) {
+        next_.couplings = kept_.couplings;
+        return;
+    }
+    const auto is_coupled = [&](const CoupledCarriers& c) {
+        return std::binary_search(kept_.couplings.begin(), kept_.couplings.end(), c);
+    };
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        const int triangle = feature_at(i, x).triangle;
+        if (!strong_[pair_of_touch_[i]] && !visit_couplings(bodies_, touches_[i], triangle, false, is_coupled))
+            continue;
+        visit_couplings(bodies_, touches_[i], triangle, true, [&](const CoupledCarriers& c) {
+            next_.couplings.push_back(c);
+            return true;
+        });
+    }
+    tidy(next_.couplings);
+}
+
 void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     next_.contacts.clear(), next_.couplings.clear();
     measure_moves(x);
-    bool all_coupled = true;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (surely_outside(i)) continue;
         const Touch& t = touches_[i];
         const ContactPair& pair = pair_of(i);
         const ClosestFeature f = feature_at(i, x);
-        if (f.inside())
-            all_coupled =
-                visit_couplings(bodies_, t, f.triangle, false,
-                                [&](const CoupledCarriers& c) {
-                                    return std::binary_search(kept_.couplings.begin(), kept_.couplings.end(), c);
-                                }) &&
-                all_coupled;
         bool out = !f.inside();
         if (t.kept >= 0 && !pair.slides) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
@@ -184,17 +191,7 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });
-    // What is coupled changes only where something touches that is not: each change costs an analysis.
-    if (all_coupled) {
-        next_.couplings = kept_.couplings;
-    } else {
-        for (std::size_t i = 0; i < touches_.size(); ++i)
-            visit_couplings(bodies_, touches_[i], feature_at(i, x).triangle, true, [&](const CoupledCarriers& c) {
-                next_.couplings.push_back(c);
-                return true;
-            });
-        tidy(next_.couplings);
-    }
+    remember_couplings(x);
     keep_contacts(next_, memory);
 }
 

@@ -77,13 +77,16 @@ class Contacts final : public Term {
         if (area < 0) area = search_.area(pair_of(touch), touches_[touch]);
         return pair_of(touch).stiffness * area;
     }
+    Vec3 side_at(std::size_t touch, const Positions& x) const;
     ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
+    void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
     Vec3 reach(const Tether& tether, const Positions& x) const;
     Force tether_force(const Tether& tether, const Positions& x, double* stored) const;
     double evaluate(const Positions& x, bool with_damping);
+    void remember_couplings(const Positions& x) const;
     KeptContact kept_contact(std::size_t touch, const ClosestFeature& f, const Positions& x) const;
 
     const Scene& scene_;
@@ -98,13 +101,16 @@ class Contacts final : public Term {
     const Stage* stage_ = nullptr;
     std::vector<Points> bones_; ///< per body of contact: where a bone's vertices are
     std::vector<ContactPair> pairs_;
-    std::vector<const double*> before_; ///< per body: what carries it, at the start of the step
-    std::vector<double> reach_;         ///< how far each body may move [m]
-    std::vector<double> searched_;      ///< distance up to which each pair's points were looked at [m]
+    std::vector<const double*> before_;      ///< per body: what carries it, at the start of the step
+    std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for
+    std::vector<std::vector<double>> swept_; ///< per body: the same as it was when it was looked for last
+    std::vector<double> reach_;              ///< how far each bone moves [m]
+    std::vector<char> strong_;               ///< per pair: it ties more firmly than what the pattern leaves out may
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
     std::vector<ClosestFeature> committed_; ///< per touch: where it was followed to at the last iteration
     mutable std::vector<double> areas_;     ///< per touch [m^2]; -1: not asked for yet
+    std::vector<Vec3> sides_;               ///< per touch: where it came in, by edges and normal of its triangle
     std::vector<double> clearance_;         ///< per touch: how far it was outside then, or less [m]; -1 inside
     Positions committed_x_;
     bool iterated_ = false;             ///< since the stage began: bones are where they will be

@@ -7,18 +7,11 @@
 
 namespace sinew::solver {
 
-namespace {
-
-/// Place of a pair of corners among the ten blocks, for i <= j.
-std::size_t block_of(int i, int j) { return at(4 * i - i * (i - 1) / 2 + (j - i)); }
-
-} // namespace
-
 void ContactElement::set(const CollisionBody& source, int point, const CollisionBody& target, int triangle,
                          const Numbering& numbering, const BlockPattern& pattern) {
     if (point == point_ && triangle == triangle_) return;
     point_ = point, triangle_ = triangle;
-    nodes_.clear(), entries_.clear();
+    nodes_.clear(), entries_.clear(), free_.clear();
     const auto add = [&](const CollisionBody& body, int p, int corner) {
         if (!body.deforms()) return;
         for (const RideTerm& t : body.ride(p))
@@ -26,17 +19,32 @@ void ContactElement::set(const CollisionBody& source, int point, const Collision
     };
     add(source, point, 0);
     for (int c = 0; c < 3; ++c) add(target, target.triangles()[at(triangle)][at(c)], c + 1);
-    coupled_ = true;
-    for (std::size_t i = 0; i < nodes_.size(); ++i)
+    const auto coupled_among = [&](int first_corner, int last_corner) {
+        for (const Node& row : nodes_)
+            for (const Node& column : nodes_) {
+                if (std::min(row.corner, column.corner) < first_corner) continue;
+                if (std::max(row.corner, column.corner) > last_corner) continue;
+                if (row.unknown < 0 || column.unknown < 0 || row.unknown > column.unknown) continue;
+                if (pattern.find(row.unknown, column.unknown) < 0) return false;
+            }
+        return true;
+    };
+    coupled_ = coupled_among(0, 3);
+    if (coupled_)
+        group_ = {0, 0, 0, 0};
+    else if (coupled_among(1, 3))
+        group_ = {0, 1, 1, 1};
+    else
+        group_ = {0, 1, 2, 3};
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i].unknown >= 0) free_.push_back({nodes_[i].corner, nodes_[i].unknown, nodes_[i].weight});
         for (std::size_t j = 0; j < nodes_.size(); ++j) {
             const Node &row = nodes_[i], &column = nodes_[j];
+            if (group_[at(row.corner)] != group_[at(column.corner)]) continue;
             if (row.unknown < 0 || column.unknown < 0 || row.unknown > column.unknown) continue;
-            const int block = pattern.find(row.unknown, column.unknown);
-            if (block < 0)
-                coupled_ = false;
-            else
-                entries_.push_back({block, static_cast<int>(i), static_cast<int>(j)});
+            entries_.push_back({pattern.find(row.unknown, column.unknown), static_cast<int>(i), static_cast<int>(j)});
         }
+    }
 }
 
 void ContactElement::add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const {
@@ -47,16 +55,34 @@ void ContactElement::add_gradient(const std::array<double, 4>& by_corners, const
 void ContactElement::add_hessian(const ContactBlocks& blocks, double factor, BlockMatrix& a) const {
     for (const Entry& e : entries_) {
         const Node &row = nodes_[at(e.row)], &column = nodes_[at(e.column)];
-        const bool across = (row.corner == 0) != (column.corner == 0);
-        if (!coupled_ && across) continue;
-        const double weight = (coupled_ ? factor : 2 * factor) * row.weight * column.weight;
-        const Mat3& block = blocks[block_of(std::min(row.corner, column.corner), std::max(row.corner, column.corner))];
+        const double weight = factor * row.weight * column.weight;
+        const Mat3& block =
+            blocks[Overlay::block_of(std::min(row.corner, column.corner), std::max(row.corner, column.corner))];
         double* to = a.block(at(e.block));
         // Row-major 3 x 3; a block of a lower corner with a higher one is the transpose of the other.
         for (int r = 0; r < 3; ++r)
             for (int c = 0; c < 3; ++c)
                 to[3 * r + c] += weight * (row.corner <= column.corner ? block(r, c) : block(c, r));
     }
+    if (coupled_) return;
+    ContactBlocks across;
+    std::size_t entry = 0;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t d = c; d < 4; ++d, ++entry)
+            across[entry] = group_[c] == group_[d] ? Mat3(Mat3::Zero()) : Mat3(factor * blocks[entry]);
+    a.overlay.add(free_, across);
+}
+
+std::array<double, 2> ContactElement::stiffness_below(const Vec3& place, const BlockMatrix& a) const {
+    std::array<double, 2> out{0, 0};
+    for (const Node& n : nodes_) {
+        const std::size_t side = n.corner == 0 ? 0 : 1;
+        if (n.unknown < 0) continue;
+        const double* diagonal = a.block(at(a.pattern->row_start[at(n.unknown)]));
+        const double share = n.corner == 0 ? n.weight : n.weight * place[n.corner - 1];
+        out[side] += share * (diagonal[0] + diagonal[4] + diagonal[8]) / 3;
+    }
+    return out;
 }
 
 } // namespace sinew::solver

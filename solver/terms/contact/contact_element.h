@@ -20,12 +20,15 @@ class ContactElement {
 
     /// Adds L_c g to each vertex that carries corner c: a gradient of 3 numbers a vertex.
     void add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const;
-    /// Whether all vertices that it couples are coupled in the pattern.
+    /// Whether the pattern couples all that it does.
     bool coupled() const { return coupled_; }
-    /// Adds blocks by corners times a factor. Where it is not coupled, only those among what carries the point and
-    /// those among what carries the triangle, twice each: for positive semi-definite blocks that bounds the whole from
-    /// above.
+    /// Adds blocks by corners times a factor: to the pattern's blocks those among what carries the point and those
+    /// among what carries the triangle, or one of its corners, as far as the pattern couples them; the others to the
+    /// overlay.
     void add_hessian(const ContactBlocks& blocks, double factor, BlockMatrix& a) const;
+    /// The diagonal that the matrix has where the point and the triangle are, mean over directions and weighed by what
+    /// carries them [N/m]; infinite where it is held.
+    std::array<double, 2> stiffness_below(const Vec3& place, const BlockMatrix& a) const;
 
   private:
     struct Node {
@@ -39,6 +42,8 @@ class ContactElement {
     int point_ = -1, triangle_ = -1;
     std::vector<Node> nodes_;
     std::vector<Entry> entries_;
+    std::array<int, 4> group_{}; ///< per corner: those of one group are coupled in the pattern
+    std::vector<Overlay::Carrier> free_;
     bool coupled_ = true;
 };
 

@@ -12,12 +12,28 @@ namespace sinew::solver {
 
 namespace {
 
-/// Bodies are looked at as if they moved by so much more than expected.
-constexpr double caution = 1.25;
-/// And by this share of the mean edge, so that what rests on something keeps the same touches.
+/// Bodies are looked at as if they came nearer by this share of the mean edge, so that what rests on something keeps
+/// the same touches, and what moves about as expected needs no second look.
 constexpr double resting_share = 0.25;
 
 std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0], -place[1], -place[2]}; }
+
+/// Whether a stiffness ties what carries a contact so firmly to each other that a factor which does not know of it is
+/// of little use.
+bool is_strong(const ContactElement& element, const Vec3& place, double stiffness, const BlockMatrix& a) {
+    constexpr double strong = 0.7;
+    const auto [source, target] = element.stiffness_below(place, a);
+    const double one = source > 0 ? stiffness / (source + stiffness) : 1,
+                 other = target > 0 ? stiffness / (target + stiffness) : 1;
+    return one * other > strong * strong;
+}
+
+/// Two edges of a triangle and its unit normal.
+Mat3 edges_of(const std::array<Vec3, 3>& c) {
+    Mat3 out;
+    out << c[1] - c[0], c[2] - c[0], (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    return out;
+}
 
 double largest_move(const double* a, const double* b, std::size_t vertices) {
     double largest = 0;
@@ -39,13 +55,20 @@ Vec3 Contacts::place_at(int target, int triangle, const Vec3& place, const Posit
     return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
 }
 
+/// Where the surface that a touch started from looks now.
+Vec3 Contacts::side_at(std::size_t i, const Positions& x) const {
+    const Touch& t = touches_[i];
+    return edges_of(bodies_[t.target].corners(t.feature.triangle, carriers(t.target, x))) * sides_[i];
+}
+
 ClosestFeature Contacts::feature_at(std::size_t i, const Positions& x) const {
     const Touch& t = touches_[i];
     const ClosestFeature& was = committed_[i];
     const CollisionBody& target = bodies_[t.target];
     const double step = std::max(was.away.norm(), 0.5 * target.mean_edge());
     return follow_feature(target, carriers(t.target, x), was.triangle,
-                          place_at(t.target, was.triangle, was.place, x) + was.away, point_at(t, x), step);
+                          place_at(t.target, was.triangle, was.place, x) + was.away, point_at(t, x), step,
+                          side_at(i, x));
 }
 
 bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
@@ -75,17 +98,13 @@ void Contacts::begin_stage(const Stage& stage) {
     stage_ = &stage;
     bodies_.find_pairs(stage.inputs.parts, pairs_);
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
-    const double free_fall = stage.form.mass_factor > 0 ? stage.inputs.gravity.norm() / stage.form.mass_factor : 0;
     before_.clear();
+    expected_.clear();
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         before_.push_back(carriers_before(static_cast<int>(b)));
         if (body.deforms()) {
-            const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
-            reach_[b] = free_fall;
-            if (stage.form.mass_factor > 0)
-                reach_[b] += largest_move(stage.form.target.data() + first, stage.before.x.data() + first,
-                                          scene_.vertex_count(body.body()));
+            expected_.push_back(stage.form.mass_factor > 0 ? stage.form.target.data() : before_.back());
             continue;
         }
         Points& places = bones_[b];
@@ -97,12 +116,14 @@ void Contacts::begin_stage(const Stage& stage) {
             for (std::size_t v = 0; v < places.size(); ++v) places[v] += weight * then[v];
         }
         reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
+        expected_.push_back(places.data()->data());
     }
     search_.begin(before_);
-    touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear();
+    sweep(expected_);
+    touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear(), sides_.clear();
     committed_x_ = stage.before.x, iterated_ = false;
     for (ContactElement& e : elements_) e.forget();
-    searched_.assign(pairs_.size(), 0.0);
+    strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const std::size_t first = touches_.size();
         search_.take_kept(pairs_[p], kept_.contacts, touches_);
@@ -111,16 +132,26 @@ void Contacts::begin_stage(const Stage& stage) {
     make_tethers();
 }
 
-/// Looks at a pair's points up to what its bodies may move. Its touches so far are all from `first` on.
+void Contacts::sweep(const std::vector<const double*>& later) {
+    swept_.resize(bodies_.count());
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const std::span<const double> own = bodies_[static_cast<int>(b)].own(later[b]);
+        swept_[b].assign(own.begin(), own.end());
+    }
+    search_.sweep(later);
+}
+
+/// Takes in the points of a pair whose way crosses that of the surface. Its touches so far are all from `first` on.
 void Contacts::find_touches(std::size_t p, std::size_t first) {
-    const ContactPair& pair = pairs_[p];
-    searched_[p] = caution * (reach_[at(pair.source)] + reach_[at(pair.target)]) +
-                   resting_share * bodies_[pair.target].mean_edge();
-    search_.find_near(pair, searched_[p], first, touches_);
+    search_.find_near(pairs_[p], resting_share * bodies_[pairs_[p].target].mean_edge(), first, touches_);
     pair_of_touch_.resize(touches_.size(), p), areas_.resize(touches_.size(), -1);
     for (std::size_t t = committed_.size(); t < touches_.size(); ++t) {
         const ClosestFeature& f = touches_[t].feature;
         committed_.push_back(f);
+        const CollisionBody& target = bodies_[touches_[t].target];
+        const Mat3 edges = edges_of(target.corners(f.triangle, before_[at(touches_[t].target)]));
+        const bool flat = !(std::abs(edges.determinant()) > 0);
+        sides_.push_back(flat ? Vec3(Vec3::Zero()) : Vec3(edges.inverse() * f.normal));
         // Where the solve has moved on already nothing is sure.
         clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
     }
@@ -198,20 +229,22 @@ double Contacts::begin_iteration(const Positions& x) {
 }
 
 bool Contacts::widen(const Positions& x) {
-    bool farther = false;
+    // Where nothing is farther from where it was looked for than the margin, all is known.
+    expected_.clear();
+    std::vector<double>& off = moves_;
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
-        if (!body.deforms()) continue;
-        const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
-        const double moved =
-            largest_move(x.data() + first, stage_->before.x.data() + first, scene_.vertex_count(body.body()));
-        if (moved <= caution * reach_[b]) continue;
-        reach_[b] = moved, farther = true;
+        expected_.push_back(carriers(static_cast<int>(b), x));
+        const std::span<const double> own = body.own(expected_.back());
+        off[b] = body.leverage() * largest_move(own.data(), swept_[b].data(), own.size() / 3);
     }
-    if (!farther) return false;
+    if (std::all_of(pairs_.begin(), pairs_.end(), [&](const ContactPair& pair) {
+            return off[at(pair.source)] + off[at(pair.target)] <= resting_share * bodies_[pair.target].mean_edge();
+        }))
+        return false;
+    sweep(expected_);
     const std::size_t known = touches_.size();
-    for (std::size_t p = 0; p < pairs_.size(); ++p)
-        if (caution * (reach_[at(pairs_[p].source)] + reach_[at(pairs_[p].target)]) > searched_[p]) find_touches(p, 0);
+    for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
     for (std::size_t i = known; i < touches_.size(); ++i)
         if (presses(i, feature_at(i, x))) return true;
     return false;
@@ -306,8 +339,10 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         const ClosestFeature f = feature_at(i, x);
         if (!presses(i, f)) continue;
         elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], f.triangle, scene_.numbering(), *pattern_);
-        const ContactBlocks blocks = contact_hessian(bodies_[t.target].corners(f.triangle, carriers(t.target, x)),
-                                                     f.place, f.away, project || !elements_[i].coupled());
+        const ContactBlocks blocks =
+            contact_hessian(bodies_[t.target].corners(f.triangle, carriers(t.target, x)), f.place, f.away, project);
+        if (!elements_[i].coupled() && is_strong(elements_[i], f.place, stiffness(i), a))
+            strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks, stiffness(i), a);
     }
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
@@ -327,6 +362,8 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         std::size_t entry = 0;
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] = weights[c] * weights[d] * by_way;
+        if (!tether_elements_[i].coupled() && is_strong(tether_elements_[i], tether.place, tether.stiffness, a))
+            strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
     }
 }

@@ -3,14 +3,11 @@
 // triangle: k A L_c (p - q) with L = (1, -b_1, -b_2, -b_3), so forces and moments balance exactly.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/types.h"
-
-#include <array>
+#include "solver/linear/overlay.h"
 
 namespace sinew::solver {
 
-/// 3 x 3 blocks by corners (0,0), (0,1) … (0,3), (1,1) … (3,3).
-using ContactBlocks = std::array<Mat3, 10>;
+using ContactBlocks = Overlay::Blocks;
 
 /// Second derivatives of d^2/2. `place`: barycentric coordinates of q, zeros on edges and vertices; `away` = p - q.
 /// `project`: without the part that bends, which leaves a positive semi-definite matrix.

@@ -2,7 +2,9 @@
 // enough to come in.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/terms/contact/body_motion.h"
 #include "solver/terms/contact/closest_feature.h"
+#include "solver/terms/contact/collision_bodies.h"
 #include "solver/terms/contact/contact_memory.h"
 
 #include <optional>
@@ -15,31 +17,6 @@ struct Touch {
     int source = -1, point = -1, target = -1; ///< bodies: places among those of contact
     int kept = -1;                            ///< its contact of the state; -1: it is outside
     ClosestFeature feature;                   ///< at the start of the step
-};
-
-/// Two bodies, of which the first one's points are tested against the second one's surface.
-struct ContactPair {
-    int source = -1, target = -1;
-    double stiffness = 0, friction = 0, damping = 0, longest = 0; ///< see ContactValues; series stiffness
-    bool slides = true;
-    bool both_ways = false; ///< the second one's points are tested against the first one's surface, too
-};
-
-/// The bodies of contact in a scene.
-class CollisionBodies {
-  public:
-    explicit CollisionBodies(const Scene& scene);
-    std::size_t count() const { return bodies_.size(); }
-    const CollisionBody& operator[](int body) const { return bodies_[at(body)]; }
-    const ContactRest& rest(int body) const { return *rests_[at(body)]; }
-    std::size_t part(int body) const { return parts_[at(body)]; } ///< of the scene's
-    /// Pairs that collide under these values, in fixed order.
-    void find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
-
-  private:
-    std::vector<CollisionBody> bodies_;
-    std::vector<const ContactRest*> rests_;
-    std::vector<std::size_t> parts_;
 };
 
 /// Calls visit(CoupledCarriers) for all that a point and a triangle couple; with `widely` also the triangles about it.
@@ -82,32 +59,37 @@ class TouchSearch {
     const double* carriers(int body) const { return carriers_[at(body)]; }
     /// The contacts of the state that belong to the pair; those deeper than its longest are left out.
     void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
-    /// Points of the pair outside of the surface up to a distance, but for those that `out` has already, from `first`
-    /// on.
-    void find_near(const ContactPair& pair, double distance, std::size_t first, std::vector<Touch>& out);
+    /// Says where everything is later, or may be.
+    void sweep(const std::vector<const double*>& later);
+    /// Points of the pair outside of the surface whose way to where they are later comes nearer than a margin to that
+    /// of the surface; but for those that `out` has already, from `first` on.
+    void find_near(const ContactPair& pair, double margin, std::size_t first, std::vector<Touch>& out);
     /// The area that a touching point stands for [m^2].
     double area(const ContactPair& pair, const Touch& touch) const;
     /// Points of the pair inside of the surface, wherever they are.
     void find_inside(const ContactPair& pair, std::vector<Touch>& out);
 
   private:
-    void fit(int body);
-
     const CollisionBodies& bodies_;
     std::vector<const double*> carriers_;
     std::vector<CollisionBoxes> boxes_;
-    std::vector<char> fitted_;
     std::vector<std::vector<double>> areas_;
-    /// What was found out about distances in earlier steps and still holds, less what bodies have moved since. It saves
-    /// searches and changes none of their results.
+    /// What was found out about distances in earlier steps and still holds, less what bodies have moved since against
+    /// each other. It saves searches and changes none of their results.
     struct Known {
-        double distance = 0, travel = 0; ///< at least so far, when the two bodies had travelled this much [m]
-        int triangle = -1;               ///< the nearest then
+        double distance = 0; ///< at least so far [m]
+        int triangle = -1;   ///< the nearest when that was found out
     };
-    std::vector<std::vector<Known>> known_; ///< [source and target][point]
-    std::vector<double> travel_;            ///< of each body, from step to step, farthest point [m]
-    std::vector<std::vector<double>> last_; ///< places of carriers at the step before
-    std::vector<char> has_;                 ///< of a search, per point
+    struct KnownOfPair {
+        std::vector<Known> points;
+        long long step = 0; ///< at which that was
+    };
+    void bring_up_to_date(const ContactPair& pair);
+    std::vector<KnownOfPair> known_; ///< [source and target]
+    long long step_ = 0;
+    std::vector<Points> last_, later_;       ///< per body, of its points: at the step before, and later
+    std::vector<BodyMotion> behind_, ahead_; ///< from the step before, and to later
+    std::vector<char> has_;                  ///< of a search, per point
     std::vector<ClosestFeature> found_;
 };
 

@@ -184,8 +184,11 @@ void check_threads(const TermExample& example) {
         REQUIRE(std::isfinite(out.back()));
         out.insert(out.end(), g.data(), g.data() + g.size());
         for (const bool project : {false, true}) {
-            const std::vector<double> h = probe.hessian_values(x, project);
-            out.insert(out.end(), h.begin(), h.end());
+            const BlockMatrix h = probe.hessian_blocks(x, project);
+            out.insert(out.end(), h.values.begin(), h.values.end());
+            std::vector<double> product(std::size_t(g.size()), 0.0);
+            if (!h.overlay.empty()) h.overlay.add_product(out.data(), product.data());
+            out.insert(out.end(), product.begin(), product.end());
         }
         return out;
     };

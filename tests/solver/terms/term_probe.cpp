@@ -93,19 +93,16 @@ VectorXd TermProbe::gradient(const VectorXd& x) {
     return out + spread(of_unknowns);
 }
 
-std::vector<double> TermProbe::hessian_values(const VectorXd& x, bool project) {
+BlockMatrix TermProbe::hessian_blocks(const VectorXd& x, bool project) {
     BlockMatrix a(*pattern_);
     const Positions at = positions(x);
     term_->energy(at, true);
     term_->add_hessian(at, project, a);
-    return a.values;
+    a.overlay.finish(pattern_->rows);
+    return a;
 }
 
-MatrixXd TermProbe::hessian(const VectorXd& x, bool project) {
-    BlockMatrix a(*pattern_);
-    a.values = hessian_values(x, project);
-    return dense(a);
-}
+MatrixXd TermProbe::hessian(const VectorXd& x, bool project) { return dense(hessian_blocks(x, project)); }
 
 VectorXd TermProbe::spread(const VectorXd& of_unknowns) const {
     VectorXd out = VectorXd::Zero(Eigen::Index(3 * numbering().vertex_count()));

@@ -1,0 +1,46 @@
+// Couplings that come and go, such as of what touches: the part of a symmetric matrix that lies outside of its pattern.
+// Products know it; factors and grids are made without it, so that nothing is analysed anew where contacts change.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/types.h"
+
+#include <array>
+#include <span>
+#include <vector>
+
+namespace sinew::solver {
+
+/// A sum of elements. Each has four corners, a corner is a place that rows carry in shares: with u_c = sum of weight x
+/// row over the carriers of corner c, an element is the form sum over c, d of u_c^T H_cd u_d.
+class Overlay {
+  public:
+    static constexpr std::size_t corners = 4;
+    /// H by corners (0,0), (0,1) … (0,3), (1,1) … (3,3).
+    using Blocks = std::array<Mat3, 10>;
+    struct Carrier {
+        int corner, row;
+        double weight;
+    };
+    /// Place of a pair of corners i <= j among the blocks.
+    static std::size_t block_of(int i, int j) { return static_cast<std::size_t>(4 * i - i * (i - 1) / 2 + (j - i)); }
+
+    void clear();
+    void add(std::span<const Carrier> carriers, const Blocks& blocks);
+    /// After the last element: sorts them by rows.
+    void finish(int rows);
+    bool empty() const { return blocks_.empty(); }
+    std::size_t count() const { return blocks_.size(); }
+    /// y += O x, 3 numbers a row; the same bits for any number of threads.
+    void add_product(const double* x, double* y) const;
+
+  private:
+    std::vector<Blocks> blocks_;       ///< per element
+    std::vector<Carrier> carriers_;    ///< of all elements
+    std::vector<std::size_t> first_{}; ///< per element, of its carriers
+    std::vector<int> start_, entries_; ///< per row, of carriers_
+    std::vector<int> element_;         ///< per carrier
+    std::vector<int> rows_;            ///< that have entries
+    mutable std::vector<std::array<Vec3, corners>> forces_;
+};
+
+} // namespace sinew::solver

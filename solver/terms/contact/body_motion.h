@@ -1,0 +1,32 @@
+// What a body's surface sweeps from one time to another, as someone sees it who moves along with the body: a hand and
+// the muscles about it, carried far by an arm, stay as near or far as they were.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/terms/contact/collision_body.h"
+
+#include <Eigen/Geometry>
+
+namespace sinew::solver {
+
+class BodyMotion {
+  public:
+    /// Places of the body's points at the two times.
+    void set(const Points& from, const Points& to);
+    /// Where something at the second time would have been at the first, had it moved along: back by the rigid motion
+    /// nearest to the body's own (Kabsch 1976).
+    Vec3 seen(const Vec3& later) const { return back_ * later; }
+    /// No point of its surface has moved farther, so seen [m].
+    double farthest() const { return farthest_; }
+    /// After set: boxes around what its triangles sweep, so seen. `start`: boxes at the first time.
+    void fit_boxes(const CollisionBody& body, const CollisionBoxes& start);
+    /// Whether a box meets one of those.
+    bool meets(const Vec3& low, const Vec3& high) const;
+
+  private:
+    Eigen::Isometry3d back_ = Eigen::Isometry3d::Identity();
+    double farthest_ = 0;
+    Points later_; ///< so seen
+    std::vector<BvhNode> nodes_;
+};
+
+} // namespace sinew::solver
