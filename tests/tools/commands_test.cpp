@@ -130,6 +130,22 @@ TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
     }
 }
 
+TEST_CASE("a force is printed with the bodies that it acts on and its values by name", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["wind"] = json::parse(R"({ "type": "uniformField", "inputs": {
+        "magnitude": 7, "direction": [0, 0, 2], "bodies": [ { "from": "block.outBody" } ] } })");
+    graph["nodes"]["everywhere"] = json::parse(R"({ "type": "dragField" })");
+    const std::string file = write_graph(folder, graph);
+    const json wind = run_program({"eval", file, "wind.outForce", "--json"}).lines().front().at("value");
+    CHECK(wind.at("term") == "field");
+    CHECK(wind.at("bodies") == 1);
+    CHECK(wind.at("magnitude") == 7);
+    CHECK(wind.at("direction z") == 2);
+    const Said all = run_program({"eval", file, "everywhere.outForce"});
+    CHECK(has(all.out, "bodies: all tissues of the solver"));
+}
+
 TEST_CASE("check looks at each node of a long chain once, and still finds all that is wrong", "[tools]") {
     const TemporaryFolder folder;
     // Node by node from its begin, with all that each needs, this would be 200 million look-ups.

@@ -3,9 +3,11 @@
 #include "nodes/register_all.h"
 #include "tests/viewer/runs.h"
 #include "tools/viewer/graph_layout.h"
+#include "tools/viewer/graph_rows.h"
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 
 using namespace sinew;
 using namespace sinew::viewer;
@@ -60,6 +62,25 @@ TEST_CASE("boxes show values with units, keys by their range, files by name") {
     CHECK(row(box(d, "solver"), "bodies") == "[3]");
     CHECK(row(box(d, "off"), "attachmentMode") == "none");
     CHECK(box(d, "solver").family == "solver");
+}
+
+TEST_CASE("every node type is coloured by what it gives, one of an unknown type apart") {
+    const std::map<std::string, std::vector<std::string>> families{
+        {"solver", {"zSolver", "zEmbedder"}},
+        {"body", {"zTissue", "zBone"}},
+        {"matter", {"zMaterial", "zFiber"}},
+        {"attachment", {"zAttachment", "zHold", "uniformField", "vortexField"}},
+        {"geometry", {"meshFile", "tetMeshFile", "polyCube", "zIsoMesh", "zTet", "meshWriter"}},
+        {"paint", {"weights", "endPoints", "combineWeights", "transferWeights"}},
+        {"value", {"curve", "trackChannel", "transform", "aim"}},
+        {"unknown", {"zCloth"}}};
+    const auto registry = nodes::make_registry();
+    for (const auto& [family, types] : families)
+        for (const std::string& type : types) {
+            INFO(type);
+            CHECK((registry->find(type) == nullptr) == (family == "unknown"));
+            CHECK(family_of(registry->find(type)) == family);
+        }
 }
 
 TEST_CASE("places of the editor are used where every node has one") {

@@ -155,10 +155,11 @@ std::set<std::string> parse_overlays(const Arguments& arguments) {
     const auto text = arguments.value("--overlays");
     if (!text) return out;
     const std::vector<std::string> known(viewer::overlay_names().begin(), viewer::overlay_names().end());
+    std::string listed;
+    for (const std::string& name : known) listed += (listed.empty() ? "" : ", ") + name;
     for (const std::string& word : split(*text, ',')) {
         if (!viewer::overlay_names().contains(word))
-            throw UsageError("unknown overlay '" + word + "'; known are lattice, fibers, attachments and marks." +
-                             did_you_mean(word, known));
+            throw UsageError("unknown overlay '" + word + "'; known are " + listed + "." + did_you_mean(word, known));
         out.insert(word);
     }
     return out;

@@ -87,6 +87,17 @@ Json describe(const nodes::Attachment& a) {
             {"envelope", a.values.envelope}};
 }
 
+/// Lengths in scene units, all else in SI units.
+Json describe(const nodes::Force& f) {
+    Json out = {{"term", f.type->name}};
+    if (f.on_all)
+        out["bodies"] = "all tissues of the solver";
+    else
+        out["bodies"] = f.bodies.size();
+    for (std::size_t i = 0; i < f.values.size(); ++i) out[f.type->values[i].name] = f.values[i];
+    return out;
+}
+
 Json describe(const nodes::SolveReport& r) {
     Json out = describe_step(r.record);
     out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},  {"triangles", r.triangles}, {"dofs", r.dofs},
@@ -223,6 +234,7 @@ Json describe_value(const engine::Value& v) {
     }
     if (v.is<Body>()) return describe(v.as<Body>());
     if (v.is<Attachment>()) return describe(v.as<Attachment>());
+    if (v.is<Force>()) return describe(v.as<Force>());
     if (v.is<SolveReport>()) return describe(v.as<SolveReport>());
     if (v.is<Solved>()) return describe(v.as<Solved>());
     if (v.is<MarkList>()) return describe(v.as<MarkList>());

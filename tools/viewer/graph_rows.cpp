@@ -2,13 +2,16 @@
 #include "tools/viewer/graph_rows.h"
 
 #include "engine/text.h"
+#include "nodes/values.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <initializer_list>
 #include <map>
 #include <optional>
+#include <typeindex>
 
 namespace sinew::viewer {
 
@@ -124,16 +127,19 @@ void measure(GraphBox& box) {
 
 } // namespace
 
-std::string family_of(const std::string& type, bool is_known) {
-    static const std::map<std::string, std::string> families{
-        {"zSolver", "solver"},  {"zEmbedder", "solver"}, {"zTissue", "body"},  {"zBone", "body"},
-        {"zCloth", "body"},     {"zMaterial", "matter"}, {"zFiber", "matter"}, {"zAttachment", "attachment"},
-        {"weights", "paint"},   {"endPoints", "paint"},  {"curve", "value"},   {"trackChannel", "value"},
-        {"transform", "value"},
+std::string family_of(const engine::NodeType* type) {
+    if (!type) return "unknown";
+    const std::type_index gives = type->outputs.empty() ? std::type_index(typeid(void)) : type->outputs.front().type;
+    const auto is_one_of = [gives](std::initializer_list<std::type_index> types) {
+        return std::find(types.begin(), types.end(), gives) != types.end();
     };
-    if (!is_known) return "unknown";
-    const auto it = families.find(type);
-    return it == families.end() ? "geometry" : it->second;
+    if (is_one_of({typeid(nodes::MeshList)})) return "solver";
+    if (is_one_of({typeid(nodes::Body)})) return "body";
+    if (is_one_of({typeid(nodes::Material), typeid(nodes::Fiber)})) return "matter";
+    if (is_one_of({typeid(nodes::Attachment), typeid(nodes::Force)})) return "attachment";
+    if (is_one_of({typeid(engine::NumberList)})) return "paint";
+    if (is_one_of({typeid(double), typeid(engine::Matrix4), typeid(nodes::CurvePoints)})) return "value";
+    return "geometry";
 }
 
 GraphDrawing graph_boxes(const engine::Graph& graph) {
@@ -143,7 +149,7 @@ GraphDrawing graph_boxes(const engine::Graph& graph) {
         const engine::Node& node = *graph.find(name);
         GraphBox box;
         box.name = name, box.type = node.type_name;
-        box.family = family_of(node.type_name, node.type != nullptr);
+        box.family = family_of(node.type);
         for (const std::string& attribute : attributes_of(node)) box.rows.push_back(row_of(node, attribute));
         index[name] = static_cast<int>(out.boxes.size());
         out.boxes.push_back(std::move(box));

@@ -9,7 +9,7 @@ namespace sinew::viewer {
 /// out.
 GraphDrawing graph_boxes(const engine::Graph& graph);
 
-/// The group that a node type is coloured by.
-std::string family_of(const std::string& type_name, bool is_known);
+/// The group that a node type is coloured by, from what its first output gives; null: a type that is not known.
+std::string family_of(const engine::NodeType* type);
 
 } // namespace sinew::viewer
