@@ -3,7 +3,6 @@
 
 #include "solver/index.h"
 #include "solver/parallel.h"
-#include "solver/sort_into.h"
 
 namespace sinew::solver {
 
@@ -19,9 +18,14 @@ void Overlay::add(std::span<const Carrier> carriers, const Blocks& blocks) {
 void Overlay::finish(int rows) {
     if (empty()) return;
     first_.push_back(carriers_.size());
-    sort_into(at(rows), start_, entries_, [&](const auto& visit) {
-        for (std::size_t i = 0; i < carriers_.size(); ++i) visit(at(carriers_[i].row), static_cast<int>(i));
-    });
+    // A counting sort, into room that is kept: this happens at every Newton iteration.
+    start_.assign(at(rows) + 1, 0);
+    for (const Carrier& c : carriers_) ++start_[at(c.row) + 1];
+    for (std::size_t r = 0; r < at(rows); ++r) start_[r + 1] += start_[r];
+    next_.assign(start_.begin(), start_.end() - 1);
+    entries_.resize(carriers_.size());
+    for (std::size_t i = 0; i < carriers_.size(); ++i)
+        entries_[at(next_[at(carriers_[i].row)]++)] = static_cast<int>(i);
     for (int r = 0; r < rows; ++r)
         if (start_[at(r) + 1] > start_[at(r)]) rows_.push_back(r);
     forces_.resize(blocks_.size());

@@ -34,12 +34,12 @@ class Overlay {
     void add_product(const double* x, double* y) const;
 
   private:
-    std::vector<Blocks> blocks_;       ///< per element
-    std::vector<Carrier> carriers_;    ///< of all elements
-    std::vector<std::size_t> first_{}; ///< per element, of its carriers
-    std::vector<int> start_, entries_; ///< per row, of carriers_
-    std::vector<int> element_;         ///< per carrier
-    std::vector<int> rows_;            ///< that have entries
+    std::vector<Blocks> blocks_;              ///< per element
+    std::vector<Carrier> carriers_;           ///< of all elements
+    std::vector<std::size_t> first_{};        ///< per element, of its carriers
+    std::vector<int> start_, entries_, next_; ///< per row, of carriers_
+    std::vector<int> element_;                ///< per carrier
+    std::vector<int> rows_;                   ///< that have entries
     mutable std::vector<std::array<Vec3, corners>> forces_;
 };
 

@@ -56,6 +56,7 @@ class TermProbe {
     const solver::Numbering& numbering() const { return made_.scene->numbering(); }
     const solver::State& before() const { return before_; }
     solver::Term& term() { return *term_; }
+    void widen(const Eigen::VectorXd& x);    ///< takes in all that acts at x
     double energy(const Eigen::VectorXd& x); ///< [J]
     /// Size of the numbers that energies are made of [J].
     double scale(const Eigen::VectorXd& x);

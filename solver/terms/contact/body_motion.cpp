@@ -10,41 +10,48 @@
 
 namespace sinew::solver {
 
-void BodyMotion::set(const Points& from, const Points& to) {
-    farthest_ = 0;
-    later_.assign(to.begin(), to.end());
-    if (from.empty()) return;
+namespace {
+
+/// The rigid motion that takes one set of points nearest to another (Kabsch 1976).
+Eigen::Isometry3d nearest_motion(const Points& from, const Points& to) {
     Vec3 first = Vec3::Zero(), second = Vec3::Zero();
-    double farthest = 0;
-    for (std::size_t p = 0; p < from.size(); ++p) {
-        first += from[p], second += to[p];
-        farthest = std::max(farthest, (to[p] - from[p]).squaredNorm());
-    }
-    back_ = Eigen::Isometry3d::Identity();
-    farthest_ = std::sqrt(farthest);
-    if (farthest == 0) return;
+    for (std::size_t p = 0; p < from.size(); ++p) first += from[p], second += to[p];
     first /= static_cast<double>(from.size()), second /= static_cast<double>(from.size());
     Mat3 covariance = Mat3::Zero();
-    for (std::size_t p = 0; p < from.size(); ++p) covariance += (from[p] - first) * (to[p] - second).transpose();
+    for (std::size_t p = 0; p < from.size(); ++p) covariance += (to[p] - second) * (from[p] - first).transpose();
     const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
     Mat3 u = svd.matrixU();
     if ((u * svd.matrixV().transpose()).determinant() < 0) u.col(2) = -u.col(2);
-    Eigen::Isometry3d back = Eigen::Isometry3d::Identity();
-    back.linear() = u * svd.matrixV().transpose();
-    back.translation() = first - back.linear() * second;
-    farthest = 0;
-    for (std::size_t p = 0; p < from.size(); ++p) {
-        later_[p] = back * to[p];
-        farthest = std::max(farthest, (later_[p] - from[p]).squaredNorm());
-    }
-    if (std::sqrt(farthest) < farthest_)
-        back_ = back, farthest_ = std::sqrt(farthest);
-    else
-        later_.assign(to.begin(), to.end());
+    Eigen::Isometry3d out = Eigen::Isometry3d::Identity();
+    out.linear() = u * svd.matrixV().transpose();
+    out.translation() = second - out.linear() * first;
+    return out;
 }
 
-void BodyMotion::fit_boxes(const CollisionBody& body, const CollisionBoxes& start) {
-    nodes_ = start.nodes();
+double farthest_between(const Points& one, const Points& other) {
+    double square = 0;
+    for (std::size_t p = 0; p < one.size(); ++p) square = std::max(square, (other[p] - one[p]).squaredNorm());
+    return std::sqrt(square);
+}
+
+} // namespace
+
+void BodyMotion::set(const Points& from, const Points& to) {
+    later_.assign(to.begin(), to.end());
+    back_ = Eigen::Isometry3d::Identity();
+    farthest_ = farthest_between(from, to);
+    if (farthest_ == 0) return;
+    back_ = nearest_motion(to, from);
+    for (Vec3& p : later_) p = back_ * p;
+    farthest_ = farthest_between(from, later_);
+}
+
+void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
+    nodes_ = body.bvh().nodes;
+    to_modelled_ = nearest_motion(from, body.modelled());
+    turned_.assign(from.begin(), from.end());
+    for (Vec3& p : turned_) p = to_modelled_ * p;
+    for (Vec3& p : later_) p = to_modelled_ * p;
     // Children stand behind their parents.
     for (std::size_t n = nodes_.size(); n-- > 0;) {
         BvhNode& node = nodes_[n];
@@ -53,14 +60,18 @@ void BodyMotion::fit_boxes(const CollisionBody& body, const CollisionBoxes& star
             node.min = one.min.cwiseMin(other.min), node.max = one.max.cwiseMax(other.max);
             continue;
         }
+        node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
         for (int i = node.first; i < node.first + node.count; ++i)
             for (const int v : body.triangles()[at(body.bvh().order[at(i)])])
-                node.min = node.min.cwiseMin(later_[at(v)]), node.max = node.max.cwiseMax(later_[at(v)]);
+                for (const Points* points : {&turned_, &later_})
+                    node.min = node.min.cwiseMin((*points)[at(v)]), node.max = node.max.cwiseMax((*points)[at(v)]);
     }
 }
 
-bool BodyMotion::meets(const Vec3& low, const Vec3& high) const {
+bool BodyMotion::meets(const Vec3& one, const Vec3& other, double margin) const {
     if (nodes_.empty()) return false;
+    const Vec3 a = to_modelled_ * one, b = to_modelled_ * other;
+    const Vec3 low = a.cwiseMin(b) - Vec3::Constant(margin), high = a.cwiseMax(b) + Vec3::Constant(margin);
     int stack[128]; // the tree of 2^31 triangles is 30 levels deep
     int depth = 0;
     stack[depth++] = 0;

@@ -17,15 +17,18 @@ class BodyMotion {
     Vec3 seen(const Vec3& later) const { return back_ * later; }
     /// No point of its surface has moved farther, so seen [m].
     double farthest() const { return farthest_; }
-    /// After set: boxes around what its triangles sweep, so seen. `start`: boxes at the first time.
-    void fit_boxes(const CollisionBody& body, const CollisionBoxes& start);
-    /// Whether a box meets one of those.
-    bool meets(const Vec3& low, const Vec3& high) const;
+    /// After set, with the same places at the first time: boxes around what its triangles sweep, so seen, along the
+    /// axes that the body was modelled in, so that nothing depends on how the scene is turned.
+    void fit_boxes(const CollisionBody& body, const Points& from);
+    /// Whether the box around two places, made larger by a margin on all sides, meets one of those.
+    bool meets(const Vec3& one, const Vec3& other, double margin) const;
 
   private:
     Eigen::Isometry3d back_ = Eigen::Isometry3d::Identity();
     double farthest_ = 0;
     Points later_; ///< so seen
+    Eigen::Isometry3d to_modelled_ = Eigen::Isometry3d::Identity();
+    Points turned_; ///< scratch
     std::vector<BvhNode> nodes_;
 };
 

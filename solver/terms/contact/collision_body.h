@@ -66,9 +66,10 @@ class CollisionBody {
     /// The area that a point stands for as a surface of this outward normal sees it: what looks the other way, like
     /// the sides of a box that stands on it, does not count; but at least a twentieth of all [m^2].
     double facing_area(int point, const Vec3& normal, double whole, const Points& places) const;
-    const Vec3& modelled(int point) const { return modelled_[at(point)]; } ///< [m]
-    const Bvh& bvh() const { return bvh_; }                                ///< over the triangles as modelled
-    double mean_edge() const { return mean_edge_; }                        ///< of the triangles as modelled [m]
+    const Points& modelled() const { return modelled_; } ///< of all points [m]
+    const Vec3& modelled(int point) const { return modelled_[at(point)]; }
+    const Bvh& bvh() const { return bvh_; }         ///< over the triangles as modelled
+    double mean_edge() const { return mean_edge_; } ///< of the triangles as modelled [m]
 
   private:
     void find_carriers();

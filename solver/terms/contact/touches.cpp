@@ -47,7 +47,7 @@ void TouchSearch::sweep(const std::vector<const double*>& later) {
         later_[b].resize(body.point_count());
         for (std::size_t p = 0; p < later_[b].size(); ++p) later_[b][p] = body.place(static_cast<int>(p), later[b]);
         ahead_[b].set(boxes_[b].places(), later_[b]);
-        ahead_[b].fit_boxes(body, boxes_[b]);
+        ahead_[b].fit_boxes(body, boxes_[b].places());
     });
 }
 
@@ -115,8 +115,7 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t 
         const Vec3 end = sweep.seen(later[p]);
         const double distance = (end - now[p]).norm() + sweep.farthest() + margin;
         if (known[p].distance > distance) return;
-        const Vec3 around = Vec3::Constant(margin);
-        if (!sweep.meets(now[p].cwiseMin(end) - around, now[p].cwiseMax(end) + around)) return;
+        if (!sweep.meets(now[p], end, margin)) return;
         const Vec3& modelled = source.modelled(static_cast<int>(p));
         const auto far_along = [&](int triangle) {
             if (pair.source != pair.target) return true;

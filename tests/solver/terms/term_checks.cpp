@@ -162,6 +162,7 @@ void check_turns(const TermExample& example) {
         INFO(pose.name);
         VectorXd x = pose.x;
         for (Eigen::Index i = 0; i < x.size(); i += 3) x.segment<3>(i) = Vec3(turn * pose.x.segment<3>(i) + shift);
+        probe.widen(pose.x), turned.widen(x);
         VectorXd g = probe.gradient(pose.x);
         for (Eigen::Index i = 0; i < g.size(); i += 3) g.segment<3>(i) = Vec3(turn * g.segment<3>(i));
         const double rounding = 1e-14 * probe.hessian(pose.x, false).norm() * x.norm();

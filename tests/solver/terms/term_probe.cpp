@@ -80,6 +80,8 @@ TermProbe::TermProbe(const TermExample& example, int fineness, const Mat3& turn,
     term_->begin_stage(*stage_);
 }
 
+void TermProbe::widen(const VectorXd& x) { term_->widen(positions(x)); }
+
 double TermProbe::energy(const VectorXd& x) { return term_->energy(positions(x), false); }
 
 double TermProbe::scale(const VectorXd& x) { return std::max(std::abs(energy(x)), term_->energy_scale()); }
