@@ -211,14 +211,11 @@ void Contacts::measure(const Positions& x, std::span<const double>, std::vector<
 
 void Contacts::marks(const Positions& x, Marks& out) const {
     MarkGroup group{contact_type.name, "force", "N", {}};
-    measure_moves(x);
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (surely_outside(i)) continue;
-        const Touch& t = touches_[i];
-        const ClosestFeature f = feature_at(i, x);
-        if (!f.inside()) continue;
-        const Vec3 p = point_at(t, x);
-        group.marks.push_back({static_cast<int>(bodies_.part(t.source)), p, p - f.away, stiffness(i) * f.away.norm()});
+    for (const KeptContact& c : kept_.contacts) {
+        const Vec3 p = bodies_[c.source].place(c.point, carriers(c.source, x));
+        const Vec3 place(c.place[0], c.place[1], c.place[2]);
+        group.marks.push_back(
+            {static_cast<int>(bodies_.part(c.source)), p, place_at(c.target, c.triangle, place, x), c.force});
     }
     out.push_back(std::move(group));
 }

@@ -80,6 +80,7 @@ class Contacts final : public Term {
     Vec3 side_at(std::size_t touch, const Positions& x) const;
     ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
+    void find_all_touches();
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
@@ -113,6 +114,7 @@ class Contacts final : public Term {
     std::vector<Vec3> sides_;               ///< per touch: where it came in, by edges and normal of its triangle
     std::vector<double> clearance_;         ///< per touch: how far it was outside then, or less [m]; -1 inside
     Positions committed_x_;
+    bool found_ = false;                ///< whether the touches of this stage are
     bool iterated_ = false;             ///< since the stage began: bones are where they will be
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
     std::vector<ClosestFeature> now_;   ///< per touch, at the last evaluation

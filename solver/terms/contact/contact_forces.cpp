@@ -118,10 +118,16 @@ void Contacts::begin_stage(const Stage& stage) {
         reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
         expected_.push_back(places.data()->data());
     }
+    committed_x_ = stage.before.x, iterated_ = false, found_ = false;
+}
+
+/// Who may touch, once somebody asks for forces: marks need no search.
+void Contacts::find_all_touches() {
+    if (found_) return;
+    found_ = true;
     search_.begin(before_);
     sweep(expected_);
     touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear(), sides_.clear();
-    committed_x_ = stage.before.x, iterated_ = false;
     for (ContactElement& e : elements_) e.forget();
     strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
@@ -215,6 +221,7 @@ void Contacts::make_tethers() {
 }
 
 double Contacts::begin_iteration(const Positions& x) {
+    find_all_touches();
     measure_moves(x);
     parallel_for(touches_.size(), 64, [&](std::size_t i) {
         if (surely_outside(i)) {
@@ -229,6 +236,7 @@ double Contacts::begin_iteration(const Positions& x) {
 }
 
 bool Contacts::widen(const Positions& x) {
+    find_all_touches();
     // Where nothing is farther from where it was looked for than the margin, all is known.
     expected_.clear();
     std::vector<double>& off = moves_;
@@ -278,6 +286,7 @@ Contacts::Force Contacts::tether_force(const Tether& tether, const Positions& x,
 }
 
 double Contacts::evaluate(const Positions& x, bool with_damping) {
+    find_all_touches();
     measure_moves(x);
     parallel_for(touches_.size(), 64, [&](std::size_t i) {
         forces_[i] = {};
