@@ -51,6 +51,10 @@ class Contacts final : public Term {
         Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
         Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
     };
+    /// Where a touch began, in terms of two edges and the normal of its triangle, and so moving along with it.
+    struct Start {
+        Vec3 away, normal;
+    };
     struct Force {
         double energy = 0;
         Vec3 by_point = Vec3::Zero(); ///< derivative by the point's place [N]
@@ -77,7 +81,6 @@ class Contacts final : public Term {
         if (area < 0) area = search_.area(pair_of(touch), touches_[touch]);
         return pair_of(touch).stiffness * area;
     }
-    Vec3 side_at(std::size_t touch, const Positions& x) const;
     ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
     void find_all_touches();
@@ -109,10 +112,9 @@ class Contacts final : public Term {
     std::vector<char> strong_;               ///< per pair: it ties more firmly than what the pattern leaves out may
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
-    std::vector<ClosestFeature> committed_; ///< per touch: where it was followed to at the last iteration
-    mutable std::vector<double> areas_;     ///< per touch [m^2]; -1: not asked for yet
-    std::vector<Vec3> sides_;               ///< per touch: where it came in, by edges and normal of its triangle
-    std::vector<double> clearance_;         ///< per touch: how far it was outside then, or less [m]; -1 inside
+    mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
+    std::vector<Start> starts_;         ///< per touch
+    std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1 inside
     Positions committed_x_;
     bool found_ = false;                ///< whether the touches of this stage are
     bool iterated_ = false;             ///< since the stage began: bones are where they will be

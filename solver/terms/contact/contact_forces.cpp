@@ -55,20 +55,18 @@ Vec3 Contacts::place_at(int target, int triangle, const Vec3& place, const Posit
     return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
 }
 
-/// Where the surface that a touch started from looks now.
-Vec3 Contacts::side_at(std::size_t i, const Positions& x) const {
-    const Touch& t = touches_[i];
-    return edges_of(bodies_[t.target].corners(t.feature.triangle, carriers(t.target, x))) * sides_[i];
-}
-
 ClosestFeature Contacts::feature_at(std::size_t i, const Positions& x) const {
     const Touch& t = touches_[i];
-    const ClosestFeature& was = committed_[i];
     const CollisionBody& target = bodies_[t.target];
-    const double step = std::max(was.away.norm(), 0.5 * target.mean_edge());
-    return follow_feature(target, carriers(t.target, x), was.triangle,
-                          place_at(t.target, was.triangle, was.place, x) + was.away, point_at(t, x), step,
-                          side_at(i, x));
+    const double* where = carriers(t.target, x);
+    const ClosestFeature& start = t.feature;
+    // From where it was at the start, moved along with the surface, straight to where it is: a function of x alone.
+    const std::array<Vec3, 3> corners = target.corners(start.triangle, where);
+    const Mat3 edges = edges_of(corners);
+    const Vec3 from = start.place[0] * corners[0] + start.place[1] * corners[1] + start.place[2] * corners[2] +
+                      edges * starts_[i].away;
+    const double step = std::max(start.away.norm(), 0.5 * target.mean_edge());
+    return follow_feature(target, where, start.triangle, from, point_at(t, x), step, edges * starts_[i].normal);
 }
 
 bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
@@ -127,7 +125,7 @@ void Contacts::find_all_touches() {
     found_ = true;
     search_.begin(before_);
     sweep(expected_);
-    touches_.clear(), pair_of_touch_.clear(), committed_.clear(), clearance_.clear(), areas_.clear(), sides_.clear();
+    touches_.clear(), pair_of_touch_.clear(), clearance_.clear(), areas_.clear(), starts_.clear();
     for (ContactElement& e : elements_) e.forget();
     strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
@@ -151,13 +149,13 @@ void Contacts::sweep(const std::vector<const double*>& later) {
 void Contacts::find_touches(std::size_t p, std::size_t first) {
     search_.find_near(pairs_[p], resting_share * bodies_[pairs_[p].target].mean_edge(), first, touches_);
     pair_of_touch_.resize(touches_.size(), p), areas_.resize(touches_.size(), -1);
-    for (std::size_t t = committed_.size(); t < touches_.size(); ++t) {
+    for (std::size_t t = clearance_.size(); t < touches_.size(); ++t) {
         const ClosestFeature& f = touches_[t].feature;
-        committed_.push_back(f);
         const CollisionBody& target = bodies_[touches_[t].target];
         const Mat3 edges = edges_of(target.corners(f.triangle, before_[at(touches_[t].target)]));
         const bool flat = !(std::abs(edges.determinant()) > 0);
-        sides_.push_back(flat ? Vec3(Vec3::Zero()) : Vec3(edges.inverse() * f.normal));
+        const Mat3 inverse = flat ? Mat3(Mat3::Zero()) : Mat3(edges.inverse());
+        starts_.push_back({inverse * f.away, inverse * f.normal});
         // Where the solve has moved on already nothing is sure.
         clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
     }
@@ -228,8 +226,8 @@ double Contacts::begin_iteration(const Positions& x) {
             clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
             return;
         }
-        committed_[i] = feature_at(i, x);
-        clearance_[i] = committed_[i].inside() ? -1 : committed_[i].away.norm();
+        const ClosestFeature f = feature_at(i, x);
+        clearance_[i] = f.inside() ? -1 : f.away.norm();
     });
     committed_x_ = x, iterated_ = true;
     return 0;
