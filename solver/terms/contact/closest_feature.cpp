@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sinew::solver {
 
@@ -52,6 +53,20 @@ Vec3 mean_normal(const CollisionBody& surface, const double* carriers, const Cor
     return sum;
 }
 
+/// Whether a place is so much nearer than its triangle's border that no triangle about it, even if it folds back below,
+/// can be nearer. Where not, those at its corners must be asked, not just those that share the edge that it lies on:
+/// a point that leaves by another face than it came in by would else feel its force until it is out, and lose it all
+/// at once.
+bool surely_nearest(const CollisionBody& surface, const double* carriers, const NearestPlace& place) {
+    const std::array<Vec3, 3> c = surface.corners(place.triangle, carriers);
+    const double twice_area = (c[1] - c[0]).cross(c[2] - c[0]).norm();
+    double to_border = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < 3; ++k)
+        to_border = std::min(to_border, place.place[static_cast<Eigen::Index>(k)] * twice_area /
+                                            (c[(k + 1) % 3] - c[(k + 2) % 3]).norm());
+    return std::sqrt(place.distance2) <= 0.5 * to_border;
+}
+
 /// A surface of a million triangles is crossed in far fewer steps.
 constexpr int most_walk_steps = 10'000;
 
@@ -80,18 +95,20 @@ Vec3 face_normal(const CollisionBody& surface, const double* carriers, int trian
 ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p,
                               const Vec3& side) {
     const bool any_side = side.isZero(0);
-    const double least = least_facing * side.norm();
+    const double least = least_facing * side.norm(), near = near_share * surface.mean_edge();
+    const auto belongs = [&](const NearestPlace& there) {
+        const double facing = face_normal(surface, carriers, there.triangle).dot(side);
+        return facing > least || (facing > -least && there.distance2 < near * near);
+    };
     NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
-    for (int step = 0; step < most_walk_steps; ++step) {
-        const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
-        if (on.count == 3) break;
+    for (int step = 0; step < most_walk_steps && !surely_nearest(surface, carriers, best); ++step) {
         const NearestPlace here = best;
-        for (const int t : surface.fan(on.vertex[0])) {
-            if (t == here.triangle || (on.count == 2 && !has(surface.triangles()[at(t)], on.vertex[1]))) continue;
-            const NearestPlace there = nearest_of(surface, carriers, t, p);
-            if (there.distance2 < best.distance2 && (any_side || face_normal(surface, carriers, t).dot(side) > least))
-                best = there;
-        }
+        for (const int vertex : surface.triangles()[at(here.triangle)])
+            for (const int t : surface.fan(vertex)) {
+                if (t == here.triangle) continue;
+                const NearestPlace there = nearest_of(surface, carriers, t, p);
+                if (there.distance2 < best.distance2 && (any_side || belongs(there))) best = there;
+            }
         if (best.triangle == here.triangle) break;
     }
     return feature_of(surface, carriers, best, p);

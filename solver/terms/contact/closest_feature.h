@@ -17,8 +17,9 @@ struct ClosestFeature {
     bool inside() const { return away.dot(normal) < 0; }
 };
 
-/// Faces that look so far away from a side (the cosine) belong to another one.
-constexpr double least_facing = 0.3;
+/// Faces that look so far away from a side (the cosine) belong to another one, but for those that are nearer than
+/// near_share of a mean edge: there a point slides around a sharp edge. Those that look back by as much always do.
+constexpr double least_facing = 0.3, near_share = 0.5;
 
 /// Down from a triangle to the nearest place that has none nearer about it, over faces that look to the same `side`
 /// alone: a point that has passed the middle of a bone is not drawn to the far side of it. Zero: over all faces.
