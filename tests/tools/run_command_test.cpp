@@ -199,6 +199,28 @@ TEST_CASE("one and two threads give the same bits, and so does a run of the last
     CHECK(last.lines().back().at("frames_simulated") == 6);
 }
 
+TEST_CASE("frames that are asked for in any order are run in that of time, and counted with those on the way",
+          "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string(), graph = write_graph(folder, small_graph());
+    const Said said = run_program({"run", graph, "--frames", "5,2", "--json", "--report", file});
+    REQUIRE(said.code == 0);
+    std::vector<int> frames;
+    for (const json& line : said.lines())
+        if (line.at("event") == "frame") frames.push_back(line.at("frame"));
+    CHECK(frames == std::vector{2, 5});
+    const json report = json::parse(read_text(file));
+    CHECK(report.at("totals").at("frames_simulated") == 5); // the start, 2, and 3 to 5
+    CHECK(report.at("totals").at("frames_reused") == 0);
+    CHECK(report.at("frames").size() == 2);
+    CHECK(report.at("frames").at(0).at("frame") == 2);
+    // What comes before the start is the start: nothing is simulated for it twice.
+    REQUIRE(run_program({"run", graph, "--frames=-1-2", "--quiet", "--report", file}).code == 0);
+    const json early = json::parse(read_text(file));
+    CHECK(early.at("totals").at("frames_simulated") == 2);
+    CHECK(early.at("totals").at("frames_reused") == 2);
+}
+
 TEST_CASE("without --out nothing is written", "[tools]") {
     const TemporaryFolder folder;
     const Said said = run_program({"run", write_graph(folder, small_graph()), "--frames", "1-2"});
