@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
+#include "nodes/tissue_rest.h"
+
+#include <cmath>
+
 using namespace bench;
 
 namespace {
@@ -100,6 +104,31 @@ TEST_CASE("fibres run from source to sink", "[nodes]") {
     }
     CHECK(along > 0.95);
     CHECK(t.fibers[0].weights == std::vector<double>(t.tets.tets.size(), 1.0));
+}
+
+TEST_CASE("fibres turn round when their end points are painted the other way in the same session", "[nodes]") {
+    Session s(tissue(layers + R"(, "fibers": [{"from": "fiber.outFiber"}])"));
+    const auto directions = [&] { return rest_of(s.get<nodes::Body>("t", "outBody")).fibers[0].directions; };
+    const solver::Points before = directions();
+    s.set("ends", "source", R"({"from": "right.outWeights"})");
+    s.set("ends", "sink", R"({"from": "left.outWeights"})");
+    const solver::Points after = directions();
+    REQUIRE(before.size() == after.size());
+    for (std::size_t e = 0; e < before.size(); ++e) CHECK(before[e].dot(after[e]) == Approx(-1).epsilon(1e-9));
+}
+
+TEST_CASE("end points count as painted from 0.9 and up to 0.1, those ends included", "[nodes]") {
+    CHECK((nodes::is_sink(0.9) && nodes::is_sink(1) && !nodes::is_sink(std::nextafter(0.9, 0))));
+    CHECK((nodes::is_source(0.1) && nodes::is_source(0) && !nodes::is_source(std::nextafter(0.1, 1))));
+}
+
+TEST_CASE("a layer painted anew in the same session weighs anew", "[nodes]") {
+    Session s(tissue(layers));
+    s.set("top", "weights", "[0.25]");
+    const auto weight = [&] { return rest_of(s.get<nodes::Body>("t", "outBody")).layer_weights[1][0]; };
+    CHECK(weight() == 0.25);
+    s.set("top", "weights", "[0.75]");
+    CHECK(weight() == 0.75);
 }
 
 TEST_CASE("keyed values change the body but mesh it only once", "[nodes]") {

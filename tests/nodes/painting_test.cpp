@@ -39,6 +39,8 @@ TEST_CASE("a constant map is adjusted by invert, scale and offset and kept withi
     CHECK(by_x(R"("value": 0.25)") == Line(5, 0.25));
     CHECK(by_x(R"("value": 0.25, "invert": true)") == Line(5, 0.75));
     CHECK(by_x(R"("value": 0.25, "scale": 2, "offset": 0.125)") == Line(5, 0.625));
+    // Invert first, then scale, then offset: (1 - 0.25) 0.5 + 0.125.
+    CHECK(by_x(R"("value": 0.25, "invert": true, "scale": 0.5, "offset": 0.125)") == Line(5, 0.5));
     CHECK(by_x(R"("value": 7)") == Line(5, 1));
     CHECK(by_x(R"("offset": -3)") == Line(5, 0));
 }
