@@ -219,6 +219,50 @@ TEST_CASE("with means, patches and fibres the gradient and Hessian converge to f
         }
 }
 
+TEST_CASE("fibres that are shorter than they pull to neither pull nor stiffen") {
+    const TetMesh mesh = box_mesh({0.2, 0.1, 0.1}, 2, 1, 1);
+    for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
+        auto rest = tissue(mesh, ElasticLaw::neo_hookean);
+        rest->element = kind;
+        rest->fibers = {
+            {Points(mesh.tets.size(), Vec3(0, 1, 1).normalized()), std::vector<double>(mesh.tets.size(), 1.0)}};
+        const Scene scene(SceneDescription{{rest}, {}});
+        StepInputs in = still_inputs();
+        std::vector<double> gradient[2];
+        std::vector<double> hessian[2];
+        double energy[2];
+        for (const bool excited : {false, true}) {
+            TissueInputs values = material(1e4, 0.3);
+            values.fibers = {{2e4, 0.9, excited ? 0.7 : 0.0, 1}};
+            in.bodies = {values};
+            const State s = initial_state(scene, in);
+            Potential potential(scene);
+            ImplicitForm form;
+            backward_euler_form(s, in.step_size, form);
+            potential.take(s, in);
+            potential.begin_step(s, in);
+            potential.begin_stage(s, form, s.bones);
+            std::vector<double> x = s.x;
+            for (double& c : x) c *= 0.85;
+            energy[excited] = potential.evaluate(x, &gradient[excited], nullptr);
+            BlockMatrix h(potential.pattern());
+            potential.assemble(x, false, h);
+            hessian[excited] = {h.values.begin(), h.values.end()};
+        }
+        CHECK(energy[1] == Approx(energy[0]).epsilon(1e-14));
+        REQUIRE(hessian[0].size() == hessian[1].size());
+        double largest = 0, worst = 0, worst_force = 0;
+        for (std::size_t i = 0; i < hessian[0].size(); ++i) {
+            largest = std::max(largest, std::abs(hessian[0][i]));
+            worst = std::max(worst, std::abs(hessian[1][i] - hessian[0][i]));
+        }
+        for (std::size_t i = 0; i < gradient[0].size(); ++i)
+            worst_force = std::max(worst_force, std::abs(gradient[1][i] - gradient[0][i]));
+        CHECK(worst <= 1e-12 * largest);
+        CHECK(worst_force <= 1e-12);
+    }
+}
+
 TEST_CASE(
     "quadratic tets: the gravity cantilever is within 4 % of the converged value on 192 tets and 1.2 % on 1,536") {
     const auto reference = accuracy()["cantilever_gravity"]["continuum"];

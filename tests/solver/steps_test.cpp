@@ -110,3 +110,21 @@ TEST_CASE("BDF2 goes on over steps that grow by less than it is stable for") {
     CHECK((has_bdf2_history(s, 0.1) && has_bdf2_history(s, 1) && has_bdf2_history(s, 2.39)));
     CHECK_FALSE((has_bdf2_history(s, 2.41) || has_bdf2_history(s, 3) || has_bdf2_history(s, 20)));
 }
+
+TEST_CASE("layers share out masses in their order, each by its weight times its envelope") {
+    const TetMesh mesh = regular_tet(0.1);
+    TissueInputs values = material(1e5, 0.3, 1000);
+    MaterialValues second = values.layers[0], third = values.layers[0];
+    second.mass_density = 3000, second.envelope = 0.5;
+    third.mass_density = 500, third.envelope = 1;
+    values.layers.push_back(second), values.layers.push_back(third);
+    Trial t(mesh, ElasticLaw::neo_hookean, ElementKind::linear, nowhere, values);
+    t.rest->layer_weights = {{1.0}, {0.5}, {0.4}};
+    t.use_backward_euler(0.01);
+    t.start();
+    t.values().forces.assign(4, Vec3(0, 0, 0.25)); // 1 N in all
+    REQUIRE(t.step());
+    // A quarter of 3000 over 1000 is 1500, and 0.4 of 500 over that 1100 kg/m^3.
+    const double mass = 1100 * 0.001 / (6 * std::sqrt(2.0));
+    CHECK(mean_z(t.state.v) == Approx(0.01 / mass).epsilon(1e-9));
+}
