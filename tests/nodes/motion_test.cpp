@@ -263,6 +263,10 @@ TEST_CASE("a channel maps recorded numbers to the range of an attribute", "[node
     CHECK(s.get<double>("flex", "outValue", 3) == 1);
     CHECK(s.get<double>("flex", "outValue", 4) == 1);
     CHECK(s.get<double>("extend", "outValue", 3) == 0);
+    s.set("flex", "inMin", "67.5"); // what lies below counts as this
+    CHECK(s.get<double>("flex", "outValue", 1) == 0.2);
+    CHECK(s.get<double>("flex", "outValue", 3) == 1);
+    s.set("flex", "inMin", "0");
     CHECK(s.get<double>("raw", "outValue", 1.5) == 33.75);
     CHECK(s.get<double>("raw", "outValue", 4.3) == 200);
     CHECK(s.get<nodes::Fiber>("fiber", "outFiber", 2).values.excitation == s.get<double>("flex", "outValue", 2));
