@@ -201,6 +201,21 @@ TEST_CASE("an attachment hands on weights for every vertex", "[nodes]") {
     CHECK(s.counter.warnings.empty());
 }
 
+TEST_CASE("an attachment hands on its values, and what each end is painted on", "[nodes]") {
+    Session s(attached(both + R"(, "stiffness": 2e5, "envelope": 0.25, "damping": 30, "maxDistance": 3,
+        "maintainOffset": false, "targetWeightsOn": "faces", "targetWeights": [1])"));
+    const auto a = s.get<nodes::Attachment>("a", "outAttachment");
+    CHECK((a.values.stiffness == 2e5 && a.values.envelope == 0.25 && a.values.damping == 30));
+    CHECK((a.rest.max_distance == 3 && !a.rest.maintain_offset));
+    CHECK(a.rest.source_painted == solver::PaintedOn::vertices);
+    CHECK(a.rest.target_painted == solver::PaintedOn::faces);
+    s.set("a", "targetWeightsOn", "\"vertices\"");
+    s.set("a", "weightsOn", "\"faces\"");
+    const auto other = s.get<nodes::Attachment>("a", "outAttachment");
+    CHECK(other.rest.source_painted == solver::PaintedOn::faces);
+    CHECK(other.rest.target_painted == solver::PaintedOn::vertices);
+}
+
 TEST_CASE("attachments that cannot hold are refused", "[nodes]") {
     std::string text;
     CHECK(codes(attached(both + R"(, "weights": [1, 1, 0])"), "a", "outAttachment", &text) == Codes{"FE204"});
