@@ -258,6 +258,22 @@ TEST_CASE("a --set changes the result, and a wrong one is the graph's error", "[
     CHECK(run_program({"run", graph, "--set", "flesh.youngsModulus"}).code == 2);
 }
 
+TEST_CASE("a frame's digest is that of all that is pulled", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const auto of = [&](const std::string& setting) {
+        std::vector<std::string> words{
+            "run", graph, "--json", "--frames", "2", "--pull", "lowerMove.outMatrix", "--pull", "upperMove.outMatrix"};
+        if (!setting.empty()) words.insert(words.end(), {"--set", setting});
+        return digests(run_program(words));
+    };
+    const auto plain = of("");
+    REQUIRE(plain.size() == 1);
+    CHECK(of("") == plain);
+    CHECK(of("lowerMove.translate=[0, 1, 0]") != plain);
+    CHECK(of("upperMove.translate=[0, 1, 0]") != plain);
+}
+
 TEST_CASE("numbers that are pulled are printed, files that are pulled are written", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();
@@ -367,6 +383,10 @@ TEST_CASE("frames that have not converged are counted, and --strict makes them a
     std::vector<std::string> strict = words;
     strict.emplace_back("--strict");
     CHECK(run_program(strict).code == 3);
+    strict.insert(strict.end(), {"--frames", "2"}); // one is enough
+    const Said single = run_program(strict);
+    CHECK(single.code == 3);
+    CHECK(single.lines().back().at("unconverged") == 1);
 }
 
 TEST_CASE("a frame that converges with inverted tets is warned about, and the report says where", "[tools]") {
