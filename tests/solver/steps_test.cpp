@@ -1,6 +1,8 @@
 // Steps that fail, and what a frame of several sub-steps says of itself.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/integrate/implicit_form.h"
+#include "solver/integrate/values_between.h"
+#include "solver/residual_body.h"
 #include "tests/support/trial.h"
 
 using namespace sinew::test;
@@ -127,4 +129,191 @@ TEST_CASE("layers share out masses in their order, each by its weight times its 
     // A quarter of 3000 over 1000 is 1500, and 0.4 of 500 over that 1100 kg/m^3.
     const double mass = 1100 * 0.001 / (6 * std::sqrt(2.0));
     CHECK(mean_z(t.state.v) == Approx(0.01 / mass).epsilon(1e-9));
+}
+
+TEST_CASE("halves of a step see what is keyed at their own times, whether gamma is told or guessed") {
+    // Gravity grows from 0 to 8 m/s^2 over the step. TR-BDF2 integrates what is linear exactly, in halves too.
+    for (const bool told : {false, true}) {
+        Trial t(regular_tet(0.1), ElasticLaw::neo_hookean, ElementKind::linear, nowhere, material(1e6, 0.3));
+        t.in.integrator = Integrator::tr_bdf2;
+        t.in.step_size = step_size;
+        t.in.tolerance_factor = 1e-4;
+        t.start();
+        REQUIRE(t.step()); // at rest, without gravity: what is keyed is known from here on
+        t.place(everywhere, [](const Vec3& p) { return Vec3(3 * p.x(), 0.5 * p.y(), p.z()); });
+        t.in.max_newton_iterations = 4;
+        t.in.max_halvings = 12;
+        t.in.gravity = Vec3(0, 0, -gravity);
+        StepInputs now = t.in;
+        if (told) {
+            StepInputs within = t.in;
+            within.gravity *= tr_bdf2_gamma;
+            now.at_gamma = std::make_shared<const StepInputs>(within);
+        }
+        const State halves = advance(*t.workspace, t.state, std::span(&now, 1));
+        INFO((told ? "told" : "guessed"));
+        REQUIRE(halves.record.converged);
+        CHECK(halves.record.halvings > 0);
+        CHECK(mean_z(halves.v) == Approx(-0.5 * gravity * step_size).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("schemes refer strains to a mean of earlier shapes, whose weights are 1 together") {
+    State s;
+    s.x.assign(12, 0.0), s.v.assign(12, 0.0);
+    s.history.x = s.x, s.history.v = s.v;
+    s.history.step_size = 0.5;
+    ImplicitForm form;
+    for (const double ratio : {0.5, 1.0, 2.0}) {
+        bdf2_form(s, 0.5 * ratio, form);
+        CHECK(form.strain.start == Approx((1 + ratio) * (1 + ratio) / (1 + 2 * ratio)).epsilon(1e-14));
+        CHECK(form.strain.between == Approx(-ratio * ratio / (1 + 2 * ratio)).epsilon(1e-14));
+    }
+    tr_bdf2_bdf2_form(s, s.x, s.v, 0.1, nullptr, form);
+    const double root = std::sqrt(2.0); // gamma = 2 - sqrt 2
+    CHECK(form.strain.between == Approx((root + 1) / 2).epsilon(1e-14));
+    CHECK(form.strain.start == Approx(-(root - 1) / 2).epsilon(1e-14));
+    CHECK(form.velocity_factor == Approx(2 / (0.1 * (2 - root))).epsilon(1e-14));
+}
+
+TEST_CASE("between two times each value is its share of both, and what comes or goes waits for the end") {
+    const TetMesh mesh = regular_tet(0.1);
+    SceneDescription d;
+    auto body = tissue(mesh, ElasticLaw::stvk);
+    body->fibers = {{{Vec3(1, 0, 0)}, {1.0}}};
+    d.bodies = {body, bone(mesh.vertices, body->triangles)};
+    AttachmentRest tie;
+    tie.source = 0, tie.target = 1, tie.source_weights = {1};
+    d.attachments = {tie, tie};
+    const Scene scene(d);
+    const auto inputs = [&](double x) {
+        StepInputs in = still_inputs();
+        TissueInputs values = material(100 * x, 0.1 * x, 1000 * x);
+        values.layers[0].envelope = 0.25 * x;
+        values.compression_resistance = 7 * x, values.transverse_anisotropy = 0.2 * x;
+        values.fibers = {{10 * x, 0.1 * x, 0.2 * x, 0.3 * x}};
+        values.forces.assign(4, Vec3(x, 2 * x, 3 * x));
+        in.bodies = {values, BoneInputs{mesh.vertices}};
+        in.gravity = Vec3(x, 2 * x, 3 * x);
+        in.mass_damping = 4 * x, in.stiffness_damping = 5 * x;
+        in.attachments = {{10 * x, 0.2 * x, 30 * x}, {10 * x, 0.2 * x, 30 * x}};
+        return in;
+    };
+    StepInputs before = inputs(1), after = inputs(3), out;
+    before.attachments[1].envelope = 0; // made within the step
+    values_between(scene, before, after, 0.25, out);
+    const double x = 1.5;
+    CHECK((out.gravity - Vec3(x, 2 * x, 3 * x)).norm() < 1e-15);
+    CHECK((out.mass_damping == Approx(4 * x) && out.stiffness_damping == Approx(5 * x)));
+    const auto& t = std::get<TissueInputs>(out.bodies[0]);
+    const MaterialValues& m = t.layers[0];
+    CHECK((m.youngs_modulus == Approx(100 * x) && m.poissons_ratio == Approx(0.1 * x)));
+    CHECK((m.mass_density == Approx(1000 * x) && m.envelope == Approx(0.25 * x)));
+    CHECK((t.compression_resistance == Approx(7 * x) && t.transverse_anisotropy == Approx(0.2 * x)));
+    const FiberValues& f = t.fibers[0];
+    CHECK((f.strength == Approx(10 * x) && f.contraction_limit == Approx(0.1 * x)));
+    CHECK((f.excitation == Approx(0.2 * x) && f.envelope == Approx(0.3 * x)));
+    for (const Vec3& load : t.forces) CHECK((load - Vec3(x, 2 * x, 3 * x)).norm() < 1e-15);
+    const AttachmentInputs& a = out.attachments[0];
+    CHECK((a.stiffness == Approx(10 * x) && a.envelope == Approx(0.2 * x) && a.damping == Approx(30 * x)));
+    const AttachmentInputs& made = out.attachments[1];
+    CHECK((made.stiffness == Approx(30) && made.envelope == Approx(0.6) && made.damping == Approx(90)));
+    // No loads are loads of zero.
+    std::get<TissueInputs>(before.bodies[0]).forces.clear();
+    values_between(scene, before, after, 0.25, out);
+    for (const Vec3& load : std::get<TissueInputs>(out.bodies[0]).forces)
+        CHECK((load - 0.75 * Vec3(1, 2, 3)).norm() < 1e-15);
+    std::get<TissueInputs>(before.bodies[0]).forces.assign(4, Vec3(4, 0, 0));
+    std::get<TissueInputs>(after.bodies[0]).forces.clear();
+    values_between(scene, before, after, 0.25, out);
+    REQUIRE(std::get<TissueInputs>(out.bodies[0]).forces.size() == 4);
+    for (const Vec3& load : std::get<TissueInputs>(out.bodies[0]).forces) CHECK((load - Vec3(3, 0, 0)).norm() < 1e-15);
+}
+
+TEST_CASE("a body's forces are judged against the largest of those at work: loads, weight or inertia") {
+    const TetMesh mesh = regular_tet(0.1);
+    const double mass = 1000 * 0.001 / (6 * std::sqrt(2.0)) / 4; // of a vertex
+    const auto at_work = [&](const Vec3& load, double g, double accelerated) {
+        Trial t(mesh, ElasticLaw::stvk, ElementKind::linear, nowhere, material(1, 0.3, 1000)); // next to no stiffness
+        if (accelerated != 0) t.use_backward_euler(0.1);
+        t.in.gravity = Vec3(0, 0, -g);
+        t.values().forces.assign(4, load);
+        t.start();
+        for (double& v : t.state.v) v = 0;
+        for (std::size_t i = 2; i < 12; i += 3) t.state.v[i] = accelerated * 0.1;
+        Trial::Judge judge(t, t.state);
+        std::vector<double> gradient;
+        std::vector<BodyForces> forces;
+        judge.potential.begin_iteration(t.state.x);
+        judge.potential.evaluate(t.state.x, &gradient, &forces);
+        return forces.at(0).at_work;
+    };
+    CHECK(at_work({0.3, 0, -0.4}, 0, 0) == Approx(0.5 * 2).epsilon(1e-12)); // four loads of 0.5 N: sqrt(4 0.25)
+    CHECK(at_work({0, 0, 0}, 10, 0) == Approx(10 * mass * 2).epsilon(1e-12));
+    CHECK(at_work({0, 0, 0}, 0, 5) == Approx(5 * mass * 2).epsilon(1e-12));
+    CHECK(at_work({0.3, 0, -0.4}, 10, 5) == Approx(1).epsilon(1e-12));
+}
+
+TEST_CASE("mass damping adds its rate of each mass to the Hessian") {
+    const double mass = 1000 * 0.001 / (6 * std::sqrt(2.0)) / 4; // of a vertex
+    const auto diagonal = [](double damping) {
+        Trial t(regular_tet(0.1), ElasticLaw::stvk, ElementKind::linear, nowhere, material(1e4, 0.3, 1000));
+        t.use_backward_euler(0.1);
+        t.in.mass_damping = damping;
+        t.start();
+        Trial::Judge judge(t, t.state);
+        std::vector<double> gradient;
+        judge.potential.evaluate(t.state.x, &gradient, nullptr);
+        BlockMatrix h(judge.potential.pattern());
+        judge.potential.assemble(t.state.x, false, h);
+        std::vector<double> out;
+        for (int i = 0; i < 4; ++i) {
+            const double* block = h.block(static_cast<std::size_t>(judge.potential.pattern().find(i, i)));
+            for (int c = 0; c < 3; ++c) out.push_back(block[4 * c]);
+        }
+        return out;
+    };
+    const std::vector<double> without = diagonal(0), with = diagonal(3);
+    for (std::size_t i = 0; i < 12; ++i) CHECK(with[i] - without[i] == Approx(3 * 10 * mass).epsilon(1e-9));
+}
+
+TEST_CASE("the body that is named with the residual is the one farthest from balance, wherever it stands") {
+    struct Found {
+        double residual;
+        int body;
+    };
+    const auto look = [](const std::vector<double>& stretches) {
+        SceneDescription d;
+        StepInputs in = still_inputs();
+        in.max_newton_iterations = 0; // each body is judged as it is
+        for (std::size_t i = 0; i < stretches.size(); ++i) {
+            TetMesh mesh = regular_tet(0.1);
+            for (Vec3& p : mesh.vertices) p.x() += static_cast<double>(i);
+            d.bodies.emplace_back(tissue(mesh, ElasticLaw::neo_hookean));
+            in.bodies.emplace_back(material(1e5, 0.3));
+        }
+        const auto scene = std::make_shared<const Scene>(d);
+        Workspace w(scene);
+        State s = initial_state(*scene, in);
+        for (std::size_t v = 0; v < s.x.size() / 3; ++v) {
+            s.x[3 * v + 2] *= stretches[v / 4];
+            s.v[3 * v] = v % 4 == 0 ? 1 : 0; // it deforms on its way, too
+        }
+        s = advance(w, s, std::span(&in, 1));
+        REQUIRE_FALSE(s.record.converged);
+        return Found{s.record.residual, residual_body(w)};
+    };
+    std::vector<double> order{1.001, 1.05, 1.5};
+    do {
+        std::size_t worst = 0;
+        std::vector<double> alone;
+        for (const double stretch : order) alone.push_back(look({stretch}).residual);
+        for (std::size_t i = 0; i < 3; ++i)
+            if (alone[i] > alone[worst]) worst = i;
+        const Found found = look(order);
+        INFO(alone[0] << " " << alone[1] << " " << alone[2]);
+        CHECK(found.body == static_cast<int>(worst));
+        CHECK(found.residual == Approx(alone[worst]).epsilon(1e-9));
+        CHECK(*std::min_element(alone.begin(), alone.end()) < 0.995 * alone[worst]);
+    } while (std::next_permutation(order.begin(), order.end()));
 }
