@@ -292,8 +292,8 @@ struct Pressed {
 } // namespace
 
 TEST_CASE("contact: what is measured is the sum and the most of what is shown, and contacts are kept in order") {
-    Pressed p({0, 0, 0}, 0.001, 0, 0.008);
-    p.step(3);
+    Pressed p({0, 0, 0}, 0.001, 0, 0.005);
+    p.step(1);
     const Marks marks = marks_of(*p.workspace, p.state, p.in);
     REQUIRE(marks.size() == 1);
     REQUIRE(marks[0].marks.size() >= 3);
