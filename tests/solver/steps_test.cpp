@@ -5,6 +5,8 @@
 #include "solver/residual_body.h"
 #include "tests/support/trial.h"
 
+#include <random>
+
 using namespace sinew::test;
 
 namespace {
@@ -316,4 +318,29 @@ TEST_CASE("the body that is named with the residual is the one farthest from bal
         CHECK(found.residual == Approx(alone[worst]).epsilon(1e-9));
         CHECK(*std::min_element(alone.begin(), alone.end()) < 0.995 * alone[worst]);
     } while (std::next_permutation(order.begin(), order.end()));
+}
+
+TEST_CASE("each of Newton's iterations ends lower than it began, from wherever it starts") {
+    for (const ElasticLaw law : laws)
+        for (const unsigned seed : {1u, 2u, 3u}) {
+            Trial t(box_mesh({0.2, 0.2, 0.2}, 2, 2, 2), law, ElementKind::linear, at_root, material(1e4, 0.3));
+            t.start();
+            std::mt19937 random(seed);
+            std::uniform_real_distribution<double> jitter(-0.06, 0.06); // of cells of 0.1: tets invert
+            t.place([](const Vec3& p) { return !at_root(p); },
+                    [&](const Vec3& p) { return Vec3(p + Vec3(jitter(random), jitter(random), jitter(random))); });
+            const State start = t.state;
+            Trial::Judge judge(t, start);
+            const auto potential = [&](const State& s) { return judge.potential.evaluate(s.x, nullptr, nullptr); };
+            double before = potential(start);
+            for (int iterations = 1; iterations < 30; ++iterations) {
+                t.in.max_newton_iterations = iterations;
+                const State s = advance(*t.workspace, start, std::span(&t.in, 1));
+                const double now = potential(s);
+                INFO("law " << static_cast<int>(law) << ", seed " << seed << ", iteration " << iterations);
+                CHECK(now <= before * (1 + 1e-12));
+                before = now;
+                if (s.record.converged) break;
+            }
+        }
 }
