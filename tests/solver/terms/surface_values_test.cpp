@@ -84,7 +84,8 @@ TEST_CASE("pieces of a surface are found, and those with a border are not closed
 TEST_CASE("pressure tells the volume of closed surfaces, and the largest net force on a body") {
     SceneDescription d;
     d.bodies = {box(ElementKind::linear, 0, anywhere), box(ElementKind::quadratic, 1, on_top),
-                box(ElementKind::linear, 2, on_top)};
+                box(ElementKind::linear, 2, [](const Vec3& p) { return p.z() < 0.1 + 1e-9; })}; // a cup
+    REQUIRE(std::get<0>(d.bodies[2])->triangles.size() == 6 + 16);
     d.parts = {on_surface(pressure_type, 0, {{300, {}}}), on_surface(pressure_type, 1, {{-200, {}}}),
                on_surface(pressure_type, 2, {{100, {}}})};
     const Boxes all(d, {{1}, {1}, {1}}), half(d, {{1}, {0.5}, {1.5}});
