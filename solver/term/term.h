@@ -107,8 +107,8 @@ class Term {
     virtual void remember(const Positions& /*x*/, bool /*keeps_history*/, TermMemory&) const {}
     /// Energy without damping [J].
     virtual double stored_energy(const Positions& x) = 0;
-    /// Appends its type's measures, in that order, at the x of the last stored_energy. `reactions`: the gradient of the
-    /// whole potential, 3 a vertex, at held vertices [N].
+    /// Appends its type's measures, in that order, at x, where forces were evaluated last. `reactions`: the gradient of
+    /// the whole potential, 3 a vertex, at held vertices [N].
     virtual void measure(const Positions&, std::span<const double> /*reactions*/, std::vector<Measured>&) const {}
     virtual bool wants_reactions() const { return false; }
     virtual void marks(const Positions&, Marks&) const {}

@@ -1,5 +1,6 @@
 // Digests, values, curves, units, diagnostics, declarations.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/limits.h"
 #include "engine/text.h"
 #include "engine/units.h"
 #include "tests/support/engine_toys.h"
@@ -103,6 +104,14 @@ TEST_CASE("smooth curves never leave the range of their neighbours and are conti
     CHECK(left == Approx(right).margin(1e-4));
 }
 
+TEST_CASE("smooth curves through unevenly spaced keys are those of Fritsch and Butland") {
+    // By hand: the slopes at frame 1 are 1 and 1/3 over spans of 1 and 3, so its tangent is 12 / (7 / 1 + 5 / (1/3)).
+    const Curve c{Interpolation::smooth, {{0, {0}}, {1, {1}}, {4, {2}}}};
+    CHECK(c.at(0.5)[0] == Approx(19.0 / 44).epsilon(1e-14));
+    CHECK(c.at(2)[0] == Approx(1 + 7.0 / 27 + 8.0 / 33).epsilon(1e-14));
+    CHECK(c.at(3.25)[0] == Approx(1 + 27.0 / 32 + 27.0 / 352).epsilon(1e-14));
+}
+
 TEST_CASE("given tangents are followed and may overshoot") {
     const Curve c{Interpolation::smooth, {{0, {0}, {}, {2}}, {4, {0}, {-2}, {}}}};
     CHECK(c.at(2)[0] == Approx(2).epsilon(1e-14)); // Hermite: h/8 (m0 - m1)
@@ -126,6 +135,66 @@ TEST_CASE("units convert between names of one dimension") {
     CHECK_FALSE(unit_factor("deg", "1"));
     for (const char* wrong : {"", "m^", "m^^2", "(m", "m)", "m/", "/m", "kmm", "m 2", "m**s"})
         CHECK_FALSE(parse_unit(wrong));
+}
+
+TEST_CASE("every unit is what the tables say") {
+    struct Row {
+        const char *unit, *si;
+        double factor;
+    };
+    constexpr double pi = 3.14159265358979323846;
+    // The International System of Units (BIPM, 9th edition), tables 2, 4, 7 and 8; inch and foot of 1959.
+    const Row rows[] = {{"1", "1", 1},
+                        {"%", "1", 0.01},
+                        {"m", "m", 1},
+                        {"dm", "m", 0.1},
+                        {"cm", "m", 0.01},
+                        {"mm", "m", 0.001},
+                        {"um", "m", 1e-6},
+                        {"\u00b5m", "m", 1e-6},
+                        {"km", "m", 1000},
+                        {"in", "m", 0.0254},
+                        {"ft", "m", 0.3048},
+                        {"L", "m^3", 1e-3},
+                        {"mL", "m^3", 1e-6},
+                        {"kg", "kg", 1},
+                        {"g", "kg", 1e-3},
+                        {"mg", "kg", 1e-6},
+                        {"t", "kg", 1000},
+                        {"s", "s", 1},
+                        {"ms", "s", 1e-3},
+                        {"us", "s", 1e-6},
+                        {"min", "s", 60},
+                        {"Hz", "1/s", 1},
+                        {"kHz", "1/s", 1000},
+                        {"N", "kg*m/s^2", 1},
+                        {"mN", "kg*m/s^2", 1e-3},
+                        {"rad", "rad", 1},
+                        {"frame", "frame", 1}};
+    for (const Row& r : rows) {
+        INFO(r.unit);
+        CHECK(unit_factor(r.unit, r.si).value_or(0) == Approx(r.factor).epsilon(1e-15));
+    }
+    const Row derived[] = {{"kN", "kg*m/s^2", 1000},    {"J", "kg*m^2/s^2", 1},     {"mJ", "kg*m^2/s^2", 1e-3},
+                           {"kJ", "kg*m^2/s^2", 1000},  {"W", "kg*m^2/s^3", 1},     {"Pa", "kg/(m*s^2)", 1},
+                           {"hPa", "kg/(m*s^2)", 100},  {"kPa", "kg/(m*s^2)", 1e3}, {"MPa", "kg/(m*s^2)", 1e6},
+                           {"GPa", "kg/(m*s^2)", 1e9},  {"bar", "kg/(m*s^2)", 1e5}, {"deg", "rad", pi / 180},
+                           {"\u00b0", "rad", pi / 180}, {"turn", "rad", 2 * pi},    {"frames", "frame", 1},
+                           {"ms^-1", "Hz", 1000},       {"cm^-2", "m^-2", 1e4},     {"g*mm^-3", "kg*m^-3", 1e6}};
+    for (const Row& r : derived) {
+        INFO(r.unit);
+        CHECK(unit_factor(r.unit, r.si).value_or(0) == Approx(r.factor).epsilon(1e-15));
+    }
+}
+
+TEST_CASE("an open end of limits is outside, a closed one inside") {
+    const Limits closed{.min = -1, .max = 0.5}, open{.min = -1, .max = 0.5, .open_min = true, .open_max = true};
+    for (const double v : {-1.0, 0.5}) {
+        CHECK(inside(closed, v));
+        CHECK_FALSE(inside(open, v));
+    }
+    for (const double v : {std::nextafter(-1.0, 0.0), std::nextafter(0.5, 0.0)}) CHECK(inside(open, v));
+    for (const double v : {std::nextafter(-1.0, -2.0), std::nextafter(0.5, 1.0)}) CHECK_FALSE(inside(closed, v));
 }
 
 TEST_CASE("the nearest name forgives a third of the letters") {

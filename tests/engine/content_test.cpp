@@ -147,3 +147,16 @@ TEST_CASE("matrices between two keys") {
     CHECK(part[0] == Approx(std::sqrt(0.5)).margin(1e-15));
     CHECK(part[4] == Approx(std::sqrt(0.5)).margin(1e-15));
 }
+
+TEST_CASE("matrices between two keys turn about the axis of the screw that joins them, and stretch evenly") {
+    const double half = std::sqrt(0.5);
+    const Matrix4 rest{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    // A quarter turn about the line through (1, 0) along z, two along it, and three times as long in x.
+    const Matrix4 end{0, -1, 0, 1, 3, 0, 0, -1, 0, 0, 1, 2, 0, 0, 0, 1};
+    const Matrix4 part = matrix_between(rest, end, 0.5);
+    const Matrix4 expected{2 * half, -half, 0, 1 - half, 2 * half, half, 0, -half, 0, 0, 1, 1, 0, 0, 0, 1};
+    for (std::size_t i = 0; i < 16; ++i) {
+        INFO(i);
+        CHECK(part[i] == Approx(expected[i]).margin(1e-14));
+    }
+}

@@ -327,6 +327,76 @@ TEST_CASE("a file enters by its content: a copy elsewhere is found, a change is 
     CHECK(codes_of([&] { e.pull({g, {"f", "out"}, 1, {}}); }) == "IO401");
 }
 
+TEST_CASE("a file is read again if its size or its time has changed, and only then") {
+    namespace fs = std::filesystem;
+    auto counts = std::make_shared<Counts>();
+    const TemporaryFile a("a.txt");
+    a.write("12345");
+    const auto written = fs::last_write_time(a.path);
+    const auto g =
+        graph(registry(counts), R"("f": {"type": "fileSize", "inputs": {"file": ")" + a.path.string() + "\"}}");
+    Evaluator e;
+    CHECK(number(e, g, {"f", "out"}, 1) == 5);
+    a.write("54321"); // of the same size
+    fs::last_write_time(a.path, written + std::chrono::seconds(3));
+    number(e, g, {"f", "out"}, 1);
+    CHECK(counts->computes == 2);
+    a.write("1234567"); // at the same time
+    fs::last_write_time(a.path, written + std::chrono::seconds(3));
+    CHECK(number(e, g, {"f", "out"}, 1) == 7);
+    CHECK(counts->computes == 3);
+}
+
+TEST_CASE("two outputs of one type on one node are not taken for each other") {
+    Registry r;
+    static const Output<double> low{.name = "low", .doc = "One."}, high{.name = "high", .doc = "Two."},
+        out{.name = "out", .doc = "The same."};
+    static const Wire<double> in_wire{.name = "in", .doc = "What to pass on."};
+    r.add({.name = "pair",
+           .doc = "A pair.",
+           .outputs = {describe(low), describe(high)},
+           .compute = [](const Reads&, Writes& w) { w.set(low, 1.0), w.set(high, 2.0); }});
+    r.add({.name = "pass",
+           .doc = "Passes on.",
+           .inputs = {describe(in_wire)},
+           .outputs = {describe(out)},
+           .compute = [](const Reads& in, Writes& w) { w.set(out, in[in_wire]); }});
+    const auto g = graph(std::make_shared<const Registry>(std::move(r)), R"("p": {"type": "pair"},
+        "a": {"type": "pass", "inputs": {"in": {"from": "p.low"}}}, "b": {"type": "pass", "inputs": {"in": {"from": "p.high"}}})");
+    Evaluator e;
+    CHECK(number(e, g, {"a", "out"}, 1) == 1);
+    CHECK(number(e, g, {"b", "out"}, 1) == 2);
+}
+
+TEST_CASE("another version or numerics of a type is computed anew") {
+    int computes = 0;
+    static const Output<double> out{.name = "out", .doc = "The number."};
+    const auto with = [&](int version, int numerics) {
+        Registry r;
+        r.add({.name = "t",
+               .version = version,
+               .numerics = numerics,
+               .doc = "A type.",
+               .outputs = {describe(out)},
+               .compute = [&computes](const Reads&, Writes& w) { w.set(out, static_cast<double>(++computes)); }});
+        return graph(std::make_shared<const Registry>(std::move(r)), R"("t": {"type": "t"})");
+    };
+    Evaluator e;
+    CHECK(number(e, with(1, 1), {"t", "out"}, 1) == 1);
+    CHECK(number(e, with(1, 2), {"t", "out"}, 1) == 2);
+    CHECK(number(e, with(2, 1), {"t", "out"}, 1) == 3);
+    CHECK(number(e, with(1, 1), {"t", "out"}, 1) == 1);
+}
+
+TEST_CASE("a curve that leaves the limits between its keys is refused where it does") {
+    const auto g = graph(registry(), R"("n": {"type": "number", "inputs": {"value": {"interp": "smooth",
+        "keys": [[1, 1, {"out": -8}], [5, 1, {"in": 8}]]}}})");
+    Evaluator e;
+    CHECK(number(e, g, {"n", "out"}, 1) == 1);
+    CHECK(number(e, g, {"n", "out"}, 5) == 1);
+    CHECK(codes_of([&] { number(e, g, {"n", "out"}, 3); }) == "DG013"); // 1 + h/8 (m0 - m1) = -7
+}
+
 TEST_CASE("what failed in a command is not computed again in it, and fails alike") {
     auto counts = std::make_shared<Counts>();
     const auto types = registry(counts);

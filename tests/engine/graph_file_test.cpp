@@ -1,6 +1,7 @@
 // Graph files: every diagnostic with its line and column, all problems at once, and what is written reads
 // back.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/json_text.h"
 #include "tests/support/engine_toys.h"
 
 #include <catch2/catch.hpp>
@@ -73,6 +74,26 @@ TEST_CASE("syntax errors have line and column") {
     CHECK(places(problems_of("{\"a\": \"\xff\"}")) == "DG001@1:8");
     CHECK(places(problems_of("{\"ö\": }")) == "DG001@1:7"); // columns count characters, not bytes
     CHECK(problems_of("{\"a\": nul}")[0].message == "expected a value, found \"n\"");
+}
+
+TEST_CASE("columns count characters of two, three and four bytes as one") {
+    CHECK(places(problems_of("{\"\u20ac\": }")) == "DG001@1:7");
+    CHECK(places(problems_of("{\"\U0001f600\": }")) == "DG001@1:7");
+    CHECK(places(problems_of("{\"\u00f6\u20ac\U0001f600\": }")) == "DG001@1:9");
+}
+
+TEST_CASE("escapes in strings and pointers stand for their characters") {
+    const JsonDocument text =
+        parse_json(R"(["\ud83d\ude00", "\u20ac", "\u00f6", "\u0041", "\ud800\udc00", "\udbff\udfff"])");
+    REQUIRE(text.problems.empty());
+    const char* expected[] = {"\xF0\x9F\x98\x80", "\xE2\x82\xAC",    "\xC3\xB6", "A",
+                              "\xF0\x90\x80\x80", "\xF4\x8F\xBF\xBF"}; // UTF-8, RFC 3629
+    const auto& list = *text.root.as<Json::List>();
+    for (std::size_t i = 0; i < list.size(); ++i) CHECK(*list[i].as<std::string>() == expected[i]);
+    // RFC 6901: ~1 is a slash and ~0 a tilde.
+    const JsonDocument object = parse_json(R"({"a/b": {"c~d": 7, "c": 8}, "a": 9})");
+    CHECK(*object.root.nearest("/a~1b/c~0d").as<std::int64_t>() == 7);
+    CHECK(*object.root.nearest("/a~1b/c").as<std::int64_t>() == 8);
 }
 
 TEST_CASE("duplicate keys, depth and huge numbers are errors") {

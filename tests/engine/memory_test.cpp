@@ -1,6 +1,7 @@
 // Budgets of memory: where the default comes from, that they hold at every moment, and that nothing is simulated twice
 // however small they are.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/store.h"
 #include "engine/memory_limit.h"
 #include "tests/support/engine_toys.h"
 #include "tests/tools/temporary_folder.h"
@@ -106,6 +107,24 @@ TEST_CASE("without any room the newest state of each simulation stays, and what 
     CHECK(number(none, g, {"third", "out"}, 30) == number(plenty, g, {"third", "out"}, 30));
     CHECK(none.made_again() > before);
     CHECK(gauge.steps == 3 * 30 - 1);
+}
+
+TEST_CASE("of states alike in spacing the one that was not used for longest gives way") {
+    const Digest root = Hasher().add("root").finish();
+    const auto key = [](int offset) { return Hasher().add(offset).finish(); };
+    const auto put = [&](StateStore& store, int offset) {
+        store.put(key(offset), root, offset, {Value::of(1.0 * offset), {}}, std::nullopt, {});
+    };
+    StateStore one(1 << 20, 1);
+    put(one, 0);
+    StateStore store(3 * one.bytes(), 1);
+    for (const int offset : {0, 1, 2}) put(store, offset);
+    CHECK(store.find(key(0)));
+    put(store, 3); // the steps lost are two for each; used last at 4, 2 and 3
+    CHECK((store.contains(key(0)) && !store.contains(key(1)) && store.contains(key(2)) && store.contains(key(3))));
+    CHECK(store.bytes() == 3 * one.bytes());
+    put(store, 4); // now 0 costs three steps of age 3, 2 three of age 4 and 3 two of age 2
+    CHECK((store.contains(key(0)) && !store.contains(key(2)) && store.contains(key(3)) && store.contains(key(4))));
 }
 
 TEST_CASE("a host that sends values frame by frame has each simulation step once a frame in any budget") {

@@ -31,6 +31,29 @@ TEST_CASE("a simulation starts where the graph's timing does") {
     CHECK(write_graph(*loaded("\"startFrame\": 1").graph).find("startFrame") != std::string::npos);
 }
 
+TEST_CASE("a simulation whose start is the timing's reads start and frame rate anew where they change") {
+    Registry r;
+    static const Output<double> out{.name = "out", .doc = "The start frame, and a second a frame."};
+    SimulationType<ToyState> t;
+    t.base = {.name = "timed", .doc = "Counts time.", .outputs = {describe(out)}};
+    t.initial = [](const Reads& in) { return ToyState{100 * in.frame(), 0, 0, 0}; };
+    t.advance = [](const ToyState& before, std::span<const SubstepReads> in) {
+        return ToyState{before.x + 1 / in.back().end.fps(), 0, 0, before.steps + 1};
+    };
+    t.publish = [](const ToyState& s, const Reads&, Writes& w) { w.set(out, s.x); };
+    t.save = [](const ToyState&) { return std::vector<std::byte>(); };
+    t.load = [](std::span<const std::byte>) { return ToyState{}; };
+    r.add(std::move(t));
+    const auto g = graph(std::make_shared<const Registry>(std::move(r)), R"("s": {"type": "timed"})");
+    const auto with = [&](double fps, int start) { return Edit(g).set_timing({fps, start, 100}).commit().graph; };
+    Evaluator e({}, 1);
+    CHECK(number(e, with(8, 1), {"s", "out"}, 1) == 100);
+    CHECK(number(e, with(8, 1), {"s", "out"}, 7) == 100.75);
+    CHECK(number(e, with(8, 3), {"s", "out"}, 3) == 300);
+    CHECK(number(e, with(8, 3), {"s", "out"}, 7) == 300.5);
+    CHECK(number(e, with(4, 1), {"s", "out"}, 7) == 101.5);
+}
+
 TEST_CASE("a start frame that differs from the timing's is warned about, with what it costs") {
     CHECK(loaded("\"startFrame\": 1001").notes.empty());
     const auto early = loaded("\"startFrame\": 1").notes;

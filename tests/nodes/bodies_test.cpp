@@ -2,6 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
+#include "nodes/tissue_rest.h"
+
+#include <cmath>
+
 using namespace bench;
 
 namespace {
@@ -102,6 +106,31 @@ TEST_CASE("fibres run from source to sink", "[nodes]") {
     CHECK(t.fibers[0].weights == std::vector<double>(t.tets.tets.size(), 1.0));
 }
 
+TEST_CASE("fibres turn round when their end points are painted the other way in the same session", "[nodes]") {
+    Session s(tissue(layers + R"(, "fibers": [{"from": "fiber.outFiber"}])"));
+    const auto directions = [&] { return rest_of(s.get<nodes::Body>("t", "outBody")).fibers[0].directions; };
+    const solver::Points before = directions();
+    s.set("ends", "source", R"({"from": "right.outWeights"})");
+    s.set("ends", "sink", R"({"from": "left.outWeights"})");
+    const solver::Points after = directions();
+    REQUIRE(before.size() == after.size());
+    for (std::size_t e = 0; e < before.size(); ++e) CHECK(before[e].dot(after[e]) == Approx(-1).epsilon(1e-9));
+}
+
+TEST_CASE("end points count as painted from 0.9 and up to 0.1, those ends included", "[nodes]") {
+    CHECK((nodes::is_sink(0.9) && nodes::is_sink(1) && !nodes::is_sink(std::nextafter(0.9, 0))));
+    CHECK((nodes::is_source(0.1) && nodes::is_source(0) && !nodes::is_source(std::nextafter(0.1, 1))));
+}
+
+TEST_CASE("a layer painted anew in the same session weighs anew", "[nodes]") {
+    Session s(tissue(layers));
+    s.set("top", "weights", "[0.25]");
+    const auto weight = [&] { return rest_of(s.get<nodes::Body>("t", "outBody")).layer_weights[1][0]; };
+    CHECK(weight() == 0.25);
+    s.set("top", "weights", "[0.75]");
+    CHECK(weight() == 0.75);
+}
+
 TEST_CASE("keyed values change the body but mesh it only once", "[nodes]") {
     MeshingCounter counter;
     engine::Evaluator evaluator({}, 1, &counter);
@@ -170,6 +199,21 @@ TEST_CASE("an attachment hands on weights for every vertex", "[nodes]") {
     CHECK(a.values.stiffness == Approx(1e6));
     CHECK(a.source_body == nodes::id_of(s.get<nodes::Body>("t", "outBody")));
     CHECK(s.counter.warnings.empty());
+}
+
+TEST_CASE("an attachment hands on its values, and what each end is painted on", "[nodes]") {
+    Session s(attached(both + R"(, "stiffness": 2e5, "envelope": 0.25, "damping": 30, "maxDistance": 3,
+        "maintainOffset": false, "targetWeightsOn": "faces", "targetWeights": [1])"));
+    const auto a = s.get<nodes::Attachment>("a", "outAttachment");
+    CHECK((a.values.stiffness == 2e5 && a.values.envelope == 0.25 && a.values.damping == 30));
+    CHECK((a.rest.max_distance == 3 && !a.rest.maintain_offset));
+    CHECK(a.rest.source_painted == solver::PaintedOn::vertices);
+    CHECK(a.rest.target_painted == solver::PaintedOn::faces);
+    s.set("a", "targetWeightsOn", "\"vertices\"");
+    s.set("a", "weightsOn", "\"faces\"");
+    const auto other = s.get<nodes::Attachment>("a", "outAttachment");
+    CHECK(other.rest.source_painted == solver::PaintedOn::faces);
+    CHECK(other.rest.target_painted == solver::PaintedOn::vertices);
 }
 
 TEST_CASE("attachments that cannot hold are refused", "[nodes]") {

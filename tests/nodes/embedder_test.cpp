@@ -107,6 +107,7 @@ TEST_CASE("a tissue's collision surface follows an affine motion exactly, with l
                   "materials": [{"from": "flesh.outMaterial"}], "collisionShape": {"from": "shell.outMesh"}}},
             "a": {"type": "affine", "inputs": {"body": {"from": "s.outBody"}}},
             "e": {"type": "zEmbedder", "inputs": {"solved": {"from": "a.outSolved"}, "body": {"from": "s.outBody"}}},
+            "blend": {"type": "zEmbedder", "inputs": {"envelope": 0.25, "solved": {"from": "a.outSolved"}, "body": {"from": "s.outBody"}}},
             "without": {"type": "zEmbedder", "inputs": {"solved": {"from": "b.outSolved"}, "body": {"from": "t.outBody"}}},
             "b": {"type": "affine", "inputs": {"body": {"from": "t.outBody"}}}}})";
         const auto graph = engine::read_graph(registry_with_affine(), text, "test.json").graph;
@@ -119,6 +120,9 @@ TEST_CASE("a tissue's collision surface follows an affine motion exactly, with l
         REQUIRE(list("e").meshes.size() == 1);
         CHECK(list("e").meshes[0].topology->digest == shell.topology->digest);
         CHECK(largest_difference(*list("e").meshes[0].points, affine(*shell.points)) < 1e-10);
+        solver::Points quarter = affine(*shell.points);
+        for (std::size_t i = 0; i < quarter.size(); ++i) quarter[i] = 0.25 * quarter[i] + 0.75 * (*shell.points)[i];
+        CHECK(largest_difference(*list("blend").meshes[0].points, quarter) < 1e-10);
         CHECK(list("without").meshes.empty());
         CHECK(counter.warnings.empty());
     }

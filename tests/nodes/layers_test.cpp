@@ -187,6 +187,19 @@ TEST_CASE("pressure and surface tension of a layer with a mesh act at the vertic
         for (std::size_t v = 0; v < points.size(); ++v)
             CHECK(layers[1].weights[v] == (std::abs(points[v].x()) < 0.6 ? 0.5 : 0));
     }
+    // Painted vertex by vertex: each weight where the mesh is.
+    const std::size_t count = rest_of(body).surface.size();
+    std::string each;
+    const auto weight = [](std::size_t v) { return 0.25 + 0.5 * static_cast<double>(v % 2); };
+    for (std::size_t v = 0; v < count; ++v) each += (v ? ", " : "[") + std::to_string(weight(v));
+    s.set("core", "weights", each + "]");
+    const auto painted = s.get<nodes::Body>("t", "outBody");
+    for (const nodes::Force& f : painted.forces) {
+        const auto& layer = dynamic_cast<const solver::SurfaceLayers&>(*f.rest).layers[1];
+        for (std::size_t v = 0; v < count; ++v)
+            CHECK(layer.weights[v] == (std::abs(rest_of(painted).surface[v].x()) < 0.6 ? weight(v) : 0));
+    }
+    s.set("core", "weights", "[0.5]");
     const engine::Digest before = body.forces[0].digest;
     s.set("place", "translate", "[0.5, 0, 0]");
     CHECK(s.get<nodes::Body>("t", "outBody").forces[0].digest != before);

@@ -55,6 +55,21 @@ TEST_CASE("a transform scales, then turns in the named order, then translates", 
     CHECK(s.get<Matrix4>("u", "outMatrix") == Matrix4{0, -3, 0, 1, 0, 0, -4, 2, 2, 0, 0, 3, 0, 0, 0, 1});
 }
 
+TEST_CASE("quarter turns leave no dust, whichever way round they are written", "[nodes]") {
+    const auto turned = [](double x, double y, double z) {
+        return nodes::compose({0, 0, 0}, {x, y, z}, {1, 1, 1}, "xyz", {0, 0, 0});
+    };
+    const Matrix4 z_90{0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+        z_270{0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}, z_180{-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+        x_90{1, 0, 0, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, 0, 0, 1}, y_90{0, 0, 1, 0, 0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 0, 1};
+    for (const double degrees : {90.0, 450.0, -270.0}) CHECK(turned(0, 0, degrees) == z_90);
+    for (const double degrees : {-90.0, 270.0, 630.0}) CHECK(turned(0, 0, degrees) == z_270);
+    for (const double degrees : {180.0, -180.0, 540.0}) CHECK(turned(0, 0, degrees) == z_180);
+    for (const double degrees : {360.0, -720.0}) CHECK(turned(degrees, degrees, degrees) == nodes::identity_matrix);
+    CHECK(turned(90, 0, 0) == x_90);
+    CHECK(turned(0, 90, 0) == y_90);
+}
+
 TEST_CASE("a rotation leaves its pivot in place and parents apply last", "[nodes]") {
     Session s(R"("up": {"type": "transform", "inputs": {"translate": [0, 10, 0]}},
                  "t": {"type": "transform", "inputs": {"rotate": [0, 0, 37], "rotatePivot": [4, 5, 6],
@@ -248,6 +263,10 @@ TEST_CASE("a channel maps recorded numbers to the range of an attribute", "[node
     CHECK(s.get<double>("flex", "outValue", 3) == 1);
     CHECK(s.get<double>("flex", "outValue", 4) == 1);
     CHECK(s.get<double>("extend", "outValue", 3) == 0);
+    s.set("flex", "inMin", "67.5"); // what lies below counts as this
+    CHECK(s.get<double>("flex", "outValue", 1) == 0.2);
+    CHECK(s.get<double>("flex", "outValue", 3) == 1);
+    s.set("flex", "inMin", "0");
     CHECK(s.get<double>("raw", "outValue", 1.5) == 33.75);
     CHECK(s.get<double>("raw", "outValue", 4.3) == 200);
     CHECK(s.get<nodes::Fiber>("fiber", "outFiber", 2).values.excitation == s.get<double>("flex", "outValue", 2));

@@ -39,6 +39,8 @@ TEST_CASE("a constant map is adjusted by invert, scale and offset and kept withi
     CHECK(by_x(R"("value": 0.25)") == Line(5, 0.25));
     CHECK(by_x(R"("value": 0.25, "invert": true)") == Line(5, 0.75));
     CHECK(by_x(R"("value": 0.25, "scale": 2, "offset": 0.125)") == Line(5, 0.625));
+    // Invert first, then scale, then offset: (1 - 0.25) 0.5 + 0.125.
+    CHECK(by_x(R"("value": 0.25, "invert": true, "scale": 0.5, "offset": 0.125)") == Line(5, 0.5));
     CHECK(by_x(R"("value": 7)") == Line(5, 1));
     CHECK(by_x(R"("offset": -3)") == Line(5, 0));
 }
@@ -56,6 +58,14 @@ TEST_CASE("a sphere is full inside its radius and fades over its falloff", "[nod
     CHECK(w[0] == 1);
     CHECK(w[1] == 1);
     CHECK((1 > w[2] && w[2] > w[3] && w[3] > w[4] && w[4] > 0));
+    // Flat at both ends: 1 - 3 s^2 + 2 s^3 at the share s of the falloff.
+    Session s(weights(R"("mode": "sphere", "center": [0, 0, 0], "radius": 1, "falloff": 4)"));
+    const auto map = s.get<NumberList>("w", "outWeights");
+    const auto points = *s.get<nodes::Mesh>("strip", "outMesh").points;
+    for (std::size_t i = 0; i < map.size(); ++i) {
+        const double share = std::max(0.0, (points[i].norm() - 1) / 4);
+        CHECK(map[i] == Approx(1 - 3 * share * share + 2 * share * share * share).margin(1e-15));
+    }
 }
 
 TEST_CASE("near falls with the distance to another mesh, and counts its inside as touching", "[nodes]") {

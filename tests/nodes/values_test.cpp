@@ -140,6 +140,59 @@ TEST_CASE("a mesh's digest sees points and connectivity, and only its maker pays
     CHECK(moved.digest() == fresh.digest());
 }
 
+TEST_CASE("tets are told apart by what of them is solid, and by their element") {
+    const auto tets = [](double coverage) {
+        solver::TetMesh mesh;
+        mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+        mesh.tets = {{0, 1, 2, 3}};
+        mesh.coverage = {coverage};
+        return nodes::TetMeshValue::from(std::move(mesh));
+    };
+    CHECK(tets(0.5).digest == tets(0.5).digest);
+    CHECK(tets(0.5).digest != tets(1).digest);
+    CHECK(tets(1).with_element(solver::ElementKind::quadratic).digest != tets(1).digest);
+    CHECK(tets(1).with_element(solver::ElementKind::linear).digest == tets(1).digest);
+}
+
+TEST_CASE("a scene's key changes with each of its fields") {
+    nodes::SceneKey key;
+    key.bodies = {Digest{1, 1}, Digest{2, 2}}, key.attachments = {Digest{3, 3}}, key.links = {{0, 1}};
+    key.forces = {Digest{4, 4}}, key.reach = {{0, 1}};
+    const Digest before = key.digest();
+    const auto changes = [&](const std::function<void(nodes::SceneKey&)>& edit) {
+        nodes::SceneKey other = key;
+        edit(other);
+        return other.digest() != before;
+    };
+    CHECK_FALSE(changes([](nodes::SceneKey&) {}));
+    CHECK(changes([](nodes::SceneKey& k) { k.scale = 1; }));
+    CHECK(changes([](nodes::SceneKey& k) { std::swap(k.bodies[0], k.bodies[1]); }));
+    CHECK(changes([](nodes::SceneKey& k) { k.bodies.pop_back(); }));
+    CHECK(changes([](nodes::SceneKey& k) { k.attachments[0] = Digest{5, 5}; }));
+    CHECK(changes([](nodes::SceneKey& k) { std::swap(k.links[0][0], k.links[0][1]); }));
+    CHECK(changes([](nodes::SceneKey& k) { k.forces[0] = Digest{5, 5}; }));
+    CHECK(changes([](nodes::SceneKey& k) { k.reach[0] = {0}; }));
+}
+
+TEST_CASE("a body is another one with another value of a force, of contact or of its start") {
+    const auto id = [](const std::string& inputs) {
+        return nodes::id_of(
+            bench::Session(R"("ball": {"type": "polySphere"}, "flesh": {"type": "zMaterial", "inputs": {"pressure": 5}},
+            "b": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])" +
+                           inputs + "}}")
+                .get<nodes::Body>("b", "outBody"));
+    };
+    const BodyId plain = id("");
+    CHECK(id("") == plain);
+    for (const char* inputs :
+         {R"(, "pressureEnvelope": 0.5)", R"(, "contactFriction": 0.5)", R"(, "collisionSets": "1")",
+          R"(, "initialVelocity": [0, 1, 0])", R"(, "initialAngularVelocity": [0, 1, 0])"}) {
+        INFO(inputs);
+        CHECK(id(inputs) != plain);
+        CHECK(id(inputs).rest == plain.rest);
+    }
+}
+
 TEST_CASE("a body is found by its rest data, then by its values, then by its earlier place", "[nodes]") {
     const Digest a{1, 1}, b{2, 2}, p{3, 3}, q{4, 4};
     const std::vector<BodyId> bodies{{a, p}, {b, p}, {b, q}, {a, p}};

@@ -3,6 +3,7 @@
 #include "solver/error.h"
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/lattice.h"
+#include "solver/newton/potential.h"
 #include "solver/terms/attachment/anchors.h"
 #include "solver/terms/attachment/springs.h"
 #include "tests/support/solver_scenes.h"
@@ -429,5 +430,57 @@ TEST_CASE("an attachment's damping is scaled by its envelope, like its stiffness
         v = (v - h * 9.81 - h * k * scale * x) / (1 + h * c * scale + h * h * k * scale);
         x += h * v;
         CHECK(position(s, 0).z() - mesh.vertices[0].z() == Approx(x).epsilon(1e-8));
+    }
+}
+
+TEST_CASE("both ends of an attachment are judged against its elastic forces, not against its brakes") {
+    // A tet and its copy 5 cm beside it, tied vertex by vertex: each spring is 5 cm long, each vertex gets a quarter.
+    const TetMesh mesh = regular_tet(0.1);
+    TetMesh beside = mesh;
+    for (Vec3& p : beside.vertices) p.x() += 0.05;
+    const double k = 1e6, force = k * std::sqrt(3.0) * 0.01 * 0.05;
+    struct Case {
+        bool is_source_first;
+        double damping;
+        bool trapezoid; ///< of TR-BDF2, where brakes begin with the speed that there was
+    };
+    for (const auto& [is_source_first, damping, trapezoid] :
+         {Case{true, 0, false}, {false, 0, false}, {true, 1e7, false}, {false, 1e7, false}, {true, 1e7, true}}) {
+        SceneDescription d;
+        d.bodies = {tissue(mesh, ElasticLaw::neo_hookean), tissue(beside, ElasticLaw::neo_hookean)};
+        AttachmentRest a;
+        a.source = is_source_first ? 0 : 1, a.target = is_source_first ? 1 : 0;
+        a.source_weights = {1};
+        a.correspondence = Correspondence::vertex_id;
+        a.maintain_offset = false;
+        d.attachments = {a};
+        const Scene scene(d);
+        StepInputs in = still_inputs();
+        in.bodies = {material(1, 0.3, 1e-6), material(1, 0.3, 1e-6)}; // nothing else counts
+        in.attachments = {{k, 1, damping}};
+        in.step_size = 0.1;
+        State s = initial_state(scene, in);
+        for (std::size_t v = 4; v < 8; ++v) s.v[3 * v + 1] = 1;
+        Potential potential(scene);
+        ImplicitForm form;
+        s.history.acceleration.assign(s.x.size(), 0.0);
+        if (trapezoid)
+            tr_bdf2_trapezoid_form(s, in.step_size, nullptr, form);
+        else
+            backward_euler_form(s, in.step_size, form);
+        potential.take(s, in);
+        potential.begin_step(s, in);
+        potential.begin_stage(s, form, s.bones);
+        std::vector<double> x = s.x, gradient;
+        for (std::size_t v = 4; v < 8; ++v) x[3 * v + 1] += 0.001; // so that brakes brake
+        std::vector<BodyForces> forces;
+        potential.begin_iteration(x);
+        potential.evaluate(x, &gradient, &forces);
+        const double pull = force * std::hypot(0.05, 0.001) / 0.05;
+        for (const BodyForces& f : forces) CHECK(f.at_work == Approx(0.5 * pull).epsilon(1e-6));
+        if (damping == 0)
+            for (const BodyForces& f : forces) CHECK(f.sum == Approx(0.5 * pull).epsilon(1e-3));
+        else
+            CHECK(forces[0].sum > pull);
     }
 }

@@ -118,6 +118,25 @@ TEST_CASE("eval prints meshes by size, box and digest, and numbers as they are",
     CHECK(has(run_program({"eval", graph, "plateMsh.outMesh"}).err, "Did you mean 'plateMesh'?"));
 }
 
+TEST_CASE("eval prints volumes of what is solid, and lengths of curves", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["tets"] =
+        json::parse(R"({"type": "zTet", "inputs": {"mesh": {"from": "blockMesh.outMesh"}, "tetSize": 1.7}})");
+    graph["nodes"]["line"] =
+        json::parse(R"({"type": "curve", "inputs": {"points": [0, 0, 0, 3, 0, 0, 3, 4, 0, 3, 4, 0.5]}})");
+    const std::string file = write_graph(folder, graph);
+    const json tets = run_program({"eval", file, "tets.outTets", "--json"}).lines().front().at("value");
+    CHECK(tets.at("solid_volume").get<double>() == Approx(4 * 8 * 4).epsilon(1e-6)); // tets reach beyond the block
+    const json box = tets.at("box");
+    double around = 1;
+    for (std::size_t c = 0; c < 3; ++c) around *= box.at("max").at(c).get<double>() - box.at("min").at(c).get<double>();
+    CHECK(around > 1.2 * 128);
+    const json line = run_program({"eval", file, "line.outCurve", "--json"}).lines().front().at("value");
+    CHECK(line.at("points") == 4);
+    CHECK(line.at("length").get<double>() == Approx(7.5).epsilon(1e-15));
+}
+
 TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());

@@ -82,6 +82,8 @@ TEST_CASE("check doubts attachments of whole bodies and names what to paint", "[
     graph["nodes"]["grip"]["inputs"].erase("weights");
     CHECK(said_of(graph) == "FE264 grip.weights: ties the whole surface of ball | paint where it holds on: a node "
                             "weights with the mesh of ball, for example with mode near\n");
+    // Half as stiff is still everywhere; the least place without is a part.
+    CHECK(said_of(graph, {"grip.weights=[0.5]"}).starts_with("FE264 grip.weights: ties the whole surface of ball"));
     // A bone within flesh is held all around.
     graph["nodes"]["grip"]["inputs"]["source"] = {{"from", "plate.outBody"}};
     graph["nodes"]["grip"]["inputs"]["target"] = {{"from", "ball.outBody"}};
@@ -113,6 +115,10 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
     pair["nodes"]["glue"]["inputs"]["source"]["from"] = "second.outBody";
     pair["nodes"]["glue"]["inputs"]["target"]["from"] = "ball.outBody";
     pair["nodes"]["solver"]["inputs"]["attachments"].push_back({{"from", "glue.outAttachment"}});
+    CHECK(said_of(pair).empty());
+    // The other way round it ties as well.
+    pair["nodes"]["glue"]["inputs"]["source"]["from"] = "ball.outBody";
+    pair["nodes"]["glue"]["inputs"]["target"]["from"] = "second.outBody";
     CHECK(said_of(pair).empty());
 }
 

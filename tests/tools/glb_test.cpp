@@ -295,6 +295,11 @@ TEST_CASE("sizes of a GLB are known before it is written", "[tools]") {
     const auto file = static_cast<double>(test::encode_glb(a).size());
     CHECK(cli::glb_size(costs, 3) < file);
     CHECK(cli::glb_size(costs, 3) > 0.5 * file); // small bodies: most of the rest is the document
+    // By hand: positions and normals of 12 bytes each, triangles of 12; a deforming body has them again for each frame
+    // but the first, with 400 bytes of text; and once a time for each frame, and a weight for each frame and target.
+    CHECK(cli::glb_size({{100, 50, false}}, 3) == 2400 + 600);
+    CHECK(cli::glb_size({{100, 50, true}}, 3) == 2400 + 600 + 2 * (2400 + 400) + 4 * 3 + 4 * 3 * 2);
+    CHECK(cli::glb_size({{100, 50, true}, {10, 5, false}, {7, 0, true}}, 1) == 2400 + 600 + 240 + 60 + 4);
     // A million vertices, 24 bytes each and frame: 178 frames are 4.27 GB, the limit is 4.29.
     const std::vector<cli::GlbCost> large{{1'000'000, 1'000'000, true}};
     CHECK_NOTHROW(cli::check_glb_size(large, 178));

@@ -157,6 +157,23 @@ TEST_CASE("sharp edges are split and smooth ones are not", "[tools]") {
     const ShadingMesh smooth = split_creases(ball.points, ball.triangles);
     CHECK(smooth.triangles == ball.triangles);
     CHECK(smooth.source.size() == ball.points.size());
+    // A triangle without area between two in one plane is no crease: a square, cut from corner to corner through 4.
+    const Points square{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, 0.5, 0}};
+    CHECK(split_creases(square, {{0, 1, 2}, {0, 2, 4}, {0, 4, 3}, {4, 2, 3}}).source.size() == 5);
+}
+
+TEST_CASE("sRGB and linear light are each other's inverse, by the standard's two pieces", "[tools]") {
+    // IEC 61966-2-1.
+    for (const auto& [srgb, linear] : {std::pair{0.0f, 0.0f},
+                                       {0.02f, 0.00154799f},
+                                       {0.04f, 0.00309598f},
+                                       {0.1f, 0.01002283f},
+                                       {0.2f, 0.03310477f},
+                                       {0.5f, 0.21404114f},
+                                       {1.0f, 1.0f}}) {
+        CHECK(to_linear(srgb) == Approx(linear).epsilon(1e-5));
+        CHECK(to_srgb(linear) == Approx(srgb).epsilon(1e-5));
+    }
 }
 
 TEST_CASE("letters are drawn where they should be, with smooth edges, at any size", "[tools]") {

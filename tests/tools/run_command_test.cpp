@@ -199,6 +199,28 @@ TEST_CASE("one and two threads give the same bits, and so does a run of the last
     CHECK(last.lines().back().at("frames_simulated") == 6);
 }
 
+TEST_CASE("frames that are asked for in any order are run in that of time, and counted with those on the way",
+          "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string(), graph = write_graph(folder, small_graph());
+    const Said said = run_program({"run", graph, "--frames", "5,2", "--json", "--report", file});
+    REQUIRE(said.code == 0);
+    std::vector<int> frames;
+    for (const json& line : said.lines())
+        if (line.at("event") == "frame") frames.push_back(line.at("frame"));
+    CHECK(frames == std::vector{2, 5});
+    const json report = json::parse(read_text(file));
+    CHECK(report.at("totals").at("frames_simulated") == 5); // the start, 2, and 3 to 5
+    CHECK(report.at("totals").at("frames_reused") == 0);
+    CHECK(report.at("frames").size() == 2);
+    CHECK(report.at("frames").at(0).at("frame") == 2);
+    // What comes before the start is the start: nothing is simulated for it twice.
+    REQUIRE(run_program({"run", graph, "--frames=-1-2", "--quiet", "--report", file}).code == 0);
+    const json early = json::parse(read_text(file));
+    CHECK(early.at("totals").at("frames_simulated") == 2);
+    CHECK(early.at("totals").at("frames_reused") == 2);
+}
+
 TEST_CASE("without --out nothing is written", "[tools]") {
     const TemporaryFolder folder;
     const Said said = run_program({"run", write_graph(folder, small_graph()), "--frames", "1-2"});
@@ -234,6 +256,22 @@ TEST_CASE("a --set changes the result, and a wrong one is the graph's error", "[
     CHECK(wrong.err.find("DG013") != std::string::npos);
     CHECK(run_program({"run", graph, "--set", "flesh=1"}).code == 2);
     CHECK(run_program({"run", graph, "--set", "flesh.youngsModulus"}).code == 2);
+}
+
+TEST_CASE("a frame's digest is that of all that is pulled", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    const auto of = [&](const std::string& setting) {
+        std::vector<std::string> words{
+            "run", graph, "--json", "--frames", "2", "--pull", "lowerMove.outMatrix", "--pull", "upperMove.outMatrix"};
+        if (!setting.empty()) words.insert(words.end(), {"--set", setting});
+        return digests(run_program(words));
+    };
+    const auto plain = of("");
+    REQUIRE(plain.size() == 1);
+    CHECK(of("") == plain);
+    CHECK(of("lowerMove.translate=[0, 1, 0]") != plain);
+    CHECK(of("upperMove.translate=[0, 1, 0]") != plain);
 }
 
 TEST_CASE("numbers that are pulled are printed, files that are pulled are written", "[tools]") {
@@ -345,6 +383,10 @@ TEST_CASE("frames that have not converged are counted, and --strict makes them a
     std::vector<std::string> strict = words;
     strict.emplace_back("--strict");
     CHECK(run_program(strict).code == 3);
+    strict.insert(strict.end(), {"--frames", "2"}); // one is enough
+    const Said single = run_program(strict);
+    CHECK(single.code == 3);
+    CHECK(single.lines().back().at("unconverged") == 1);
 }
 
 TEST_CASE("a frame that converges with inverted tets is warned about, and the report says where", "[tools]") {

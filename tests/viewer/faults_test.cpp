@@ -113,6 +113,31 @@ TEST_CASE("a small body that comes late counts for the bounds") {
     CHECK(bounds(scene) == std::array<std::array<float, 3>, 2>{{{3, 0, 0}, {4, 1, 1}}});
 }
 
+TEST_CASE("of two frames the first is believed, whichever way the second one flies") {
+    for (const float far : {1e6f, -1e6f}) {
+        ViewScene scene = test::made_scene(30, 2);
+        for (float& c : points(scene, 1)) c += far;
+        find_faults(scene);
+        CHECK(scene.frames[0].faults.empty());
+        CHECK_FALSE(scene.frames[1].faults.empty());
+    }
+}
+
+TEST_CASE("bounds leave out frames that must not be believed, unless all are such") {
+    ViewScene scene = test::made_scene(30, 3);
+    const auto good = bounds(scene);
+    for (float& c : points(scene, 1)) c *= 1000;
+    const auto all = bounds(scene);
+    CHECK(all[1][0] > 100 * good[1][0]);
+    scene.frames[1].faults.push_back("ball flies apart");
+    for (std::size_t c = 0; c < 3; ++c) {
+        CHECK(bounds(scene)[0][c] == Approx(good[0][c]).epsilon(0.1)); // the frame between has its own part of them
+        CHECK(bounds(scene)[1][c] == Approx(good[1][c]).epsilon(0.1));
+    }
+    for (ViewFrame& f : scene.frames) f.faults = {"x"};
+    CHECK(bounds(scene) == all);
+}
+
 TEST_CASE("marks travel as seven numbers each, a block for each frame and kind") {
     ViewScene scene = test::made_scene(10, 2);
     scene.frames[1].marks = {{"field", "wind", "N/m^3", {{{1, 2, 3}, {0, 1, 0}, 0.5f}, {{4, 5, 6}, {1, 0, 0}, -0.25f}}},

@@ -8,6 +8,8 @@ import { LatticeFields } from "../../tools/viewer/page/src/fields.js";
 import { InsideTest } from "./inside.mjs";
 import { Player } from "../../tools/viewer/page/src/player.js";
 import { Store } from "../../tools/viewer/page/src/store.js";
+import { timelinePanel } from "../../tools/viewer/page/src/timeline.js";
+import { frameSummary, phaseTimes, timelineRows } from "../../tools/viewer/page/src/timeline_rows.js";
 
 const rest = [0, 0, 0, 2, 0, 0, 0, 2, 0, 0, 0, 2];
 /** One tet moved by a matrix (rows) and a shift. */
@@ -43,6 +45,71 @@ test("colours run from one end of a scale to the other, and stay there", () => {
     for (const t of [0, 0.25, 0.5, 0.75, 1]) {
         const [r, , b] = colourAt(quantities.excitation.scale, t);
         assert.ok(b > r + 0.15, `excitation ${t} is blue`);
+    }
+});
+
+test("a colour is that of the value's place between least and most", () => {
+    const table = tableOf("amount"), out = [0, 0, 0];
+    for (const [value, least, most, entry] of [[3, 3, 7, 0], [5, 3, 7, 128], [7, 3, 7, 255], [4, 3, 7, 64], [-1, -5, 3, 128], [-4, -5, -1, 64]]) {
+        writeColour(table, value, least, most, out, 0);
+        assert.deepEqual(out, [...table.slice(3 * entry, 3 * entry + 3)], `${value} between ${least} and ${most}`);
+    }
+});
+
+test("numbers of a run become those of the legend: metres millimetres, shares per cent", () => {
+    const factors = Object.fromEntries(Object.entries(quantities).map(([name, q]) => [name, `${q.factor} ${q.unit}`.trim()]));
+    assert.deepEqual(factors, { volume: "100 %", stretch: "100 %", area: "100 %", difference: "1000 mm", weights: "1", excitation: "100 %", distance: "1000 mm" });
+});
+
+/** Frames 1, 2 and 5 of a run with two bodies, of which one is not there at frame 2. */
+function smallRun() {
+    const frame = (number, more) => ({ frame: number, reused: false, wall_s: 0.5, newton: number, residual: 1e-7, energy: 2, minJ: 0.5, substeps: 1, converged: true,
+        phases: { assembly: 0.25, factor: 0.125, solve: 0.0625, other: 0 }, terms: { spring: { stretch_m: 0.004 * number }, touch: { force_N: number } }, ...more });
+    const measures = [{ term: "spring", name: "stretch_m", title: "largest stretch", unit: "m" }, { term: "touch", name: "force_N", title: "force", unit: "N" }];
+    const bodies = [{ volume: [1, 1.5, 0.75], isThere: (f) => f !== 1 }, { volume: [1.125, 0.875, 1], isThere: () => true }];
+    return { frames: [frame(1), frame(2), frame(5, { phases: undefined })], measures, bodies };
+}
+const rowOf = (scene, key) => timelineRows(scene).find((r) => r.key === key);
+
+test("rows of the time line hold the run's numbers in their units", () => {
+    const run = smallRun();
+    assert.deepEqual(rowOf(run, "spring.stretch_m").values, [4, 8, 20]);
+    assert.equal(rowOf(run, "spring.stretch_m").unit, "mm");
+    assert.deepEqual(rowOf(run, "touch.force_N").values, [1, 2, 5]);
+    assert.equal(rowOf(run, "touch.force_N").unit, "N");
+    // The change farthest from 0, of the bodies that are there.
+    assert.deepEqual(rowOf(run, "volume").values, [12.5, -12.5, -25]);
+    assert.deepEqual(rowOf(run, "minJ").values, [0.5, 0.5, 0.5]);
+    assert.deepEqual(phaseTimes(run.frames[0]), [250, 125, 62.5, 0]);
+    assert.deepEqual(phaseTimes(run.frames[2]), [0, 0, 0, 500]);
+    assert.deepEqual(rowOf(run, "time").values, [437.5, 437.5, 500]);
+    assert.equal(frameSummary(run, 2).at(-1), "500 ms");
+});
+
+test("another run is laid beside by frame numbers, not by places", () => {
+    const run = smallRun();
+    run.other = smallRun();
+    run.other.frames = [run.other.frames[1], run.other.frames[0], { ...run.other.frames[2], frame: 9 }];
+    run.other.bodies = [];
+    assert.deepEqual(rowOf(run, "touch.force_N").others, [1, 2, NaN]);
+    assert.deepEqual(rowOf(run, "spring.stretch_m").others, [4, 8, NaN]);
+});
+
+test("frames that are missing leave gaps on the time line", () => {
+    const context = new Proxy({}, { get: (t, name) => (name === "measureText" ? (text) => ({ width: 6 * text.length }) : () => {}), set: () => true });
+    const element = () => ({ style: {}, classList: { toggle() {} }, append() {}, replaceChildren() {}, addEventListener() {}, setAttribute() {},
+        getContext: () => context, getBoundingClientRect: () => ({ left: 7 }), clientWidth: 900, clientHeight: 400 });
+    const globals = { document: { createElement: element, documentElement: {} }, window: { devicePixelRatio: 1 }, ResizeObserver: class { observe() {} },
+        getComputedStyle: () => ({ getPropertyValue: () => "#000" }) };
+    Object.assign(globalThis, globals);
+    try {
+        const panel = timelinePanel(smallRun(), new Store({ frame: 0 }), null);
+        panel.opened();
+        const [first, second, third] = [0, 1, 2].map(panel.xOf);
+        assert.ok(second > first);
+        assert.ok(Math.abs(third - second - 3 * (second - first)) < 1e-9, `${first} ${second} ${third}`);
+    } finally {
+        for (const name of Object.keys(globals)) delete globalThis[name];
     }
 });
 

@@ -17,7 +17,7 @@ constexpr Measure measures[] = {
 
 const TermType surface_tension_type{
     .name = "surfaceTension",
-    .numerics = 2,
+    .numerics = 3,
     .values = values,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
@@ -57,15 +57,7 @@ double SurfaceTension::energy(const Positions& x, bool with_forces) {
     return energy;
 }
 
-double SurfaceTension::stored_energy(const Positions& x) {
-    const double stored = energy(x, false);
-    area_ = 0;
-    for_each([&](auto& tets) {
-        tets.stencils().move(x);
-        area_ += tets.area();
-    });
-    return stored;
-}
+double SurfaceTension::stored_energy(const Positions& x) { return energy(x, false); }
 
 void SurfaceTension::add_gradient(std::span<double> gradient) const {
     if (acts()) for_each([&](const auto& tets) { tets.stencils().add_gradient(gradient); });
@@ -94,8 +86,13 @@ void SurfaceTension::add_squared_stiffnesses(std::span<double> squares) const {
     if (acts()) for_each([&](const auto& tets) { tets.add_squared_stiffnesses(squares); });
 }
 
-void SurfaceTension::measure(const Positions&, std::span<const double>, std::vector<Measured>& out) const {
-    out.push_back({&measures[0], area_});
+void SurfaceTension::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
+    double area = 0;
+    for_each([&](auto& tets) {
+        tets.stencils().move(x);
+        area += tets.area();
+    });
+    out.push_back({&measures[0], area});
 }
 
 void SurfaceTension::marks(const Positions& x, Marks& out) const {

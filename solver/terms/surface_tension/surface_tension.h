@@ -47,9 +47,8 @@ class SurfaceTension final : public Term {
     }
 
     LayeredSurfaces surfaces_;
-    TenseTets<4> linear_;
-    TenseTets<quadratic_nodes> quadratic_;
-    double area_ = 0; ///< at the last stored_energy
+    mutable TenseTets<4> linear_; ///< with their buffers
+    mutable TenseTets<quadratic_nodes> quadratic_;
     mutable std::vector<double> squares_, places_;
 };
 

@@ -98,6 +98,22 @@ TEST_CASE("fibre ends stay ends, on finer and on coarser meshes", "[mesh][transf
     CHECK(std::count(ends.begin(), ends.end(), 1.0) == 1);
 }
 
+TEST_CASE("fibre ends begin at 0.9 and 0.1, and one that has been taken marks no second vertex", "[mesh][transfer]") {
+    const auto at = [](int corner) {
+        MapTransfer::Place p;
+        p.corners = {corner, corner, corner}, p.barycentric = Vec3(1, 0, 0);
+        return p;
+    };
+    MapTransfer same;
+    for (int v = 0; v < 4; ++v) same.on_old.push_back(at(v)), same.on_new.push_back(at(v));
+    CHECK(transfer_ends(same, {0.9, 0.1, std::nextafter(0.9, 0), std::nextafter(0.1, 1)}) ==
+          std::vector<double>{1, 0, 0.5, 0.5});
+    // Old vertex 0 is nearest to new vertex 0, and has new vertex 1 nearest to itself; 1 is taken by none.
+    const MapTransfer crossed{{at(0), at(2)}, {at(1), at(1), at(1)}};
+    CHECK(transfer_ends(crossed, {1, 0.5, 0.5}) == std::vector<double>{1, 0.5});
+    CHECK(transfer_ends(crossed, {0.5, 1, 0.5}) == std::vector<double>{0.5, 1});
+}
+
 TEST_CASE("maps and meshes that do not fit are refused", "[mesh][transfer]") {
     const SurfaceMesh a = make_plane(1, 1, 2, 2), b = make_plane(1, 1, 3, 3);
     CHECK_THROWS_AS(transfer_map(between(a, b), std::vector<double>(b.points.size(), 1.0)), Error);

@@ -259,6 +259,13 @@ TEST_CASE("STL: ascii and binary are welded to the same mesh", "[mesh][files]") 
     REQUIRE(refusal(infinite, "a.stl").code == "FE202");
 }
 
+TEST_CASE("STL: binary files with something behind their triangles are read, down to a single one", "[mesh][files]") {
+    const SurfaceMesh one = SurfaceMesh::from_triangles({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+    const std::string binary = write_stl(one);
+    REQUIRE(binary.size() == 84 + 50);
+    require_same(parse_surface(binary + "some more", "a.stl"), one);
+}
+
 TEST_CASE("STL: zero and minus zero are one place", "[mesh][files]") {
     const std::string facet =
         "facet normal 0 0 0 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet\n"
