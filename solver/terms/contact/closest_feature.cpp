@@ -101,14 +101,21 @@ ClosestFeature follow_feature(const CollisionBody& surface, const double* carrie
         return facing > least || (facing > -least && there.distance2 < near * near);
     };
     NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
-    for (int step = 0; step < most_walk_steps && !surely_nearest(surface, carriers, best); ++step) {
+    for (int step = 0; step < most_walk_steps; ++step) {
+        const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
         const NearestPlace here = best;
-        for (const int vertex : surface.triangles()[at(here.triangle)])
+        const auto ask_about = [&](int vertex, int other) {
             for (const int t : surface.fan(vertex)) {
-                if (t == here.triangle) continue;
+                if (t == here.triangle || (other >= 0 && !has(surface.triangles()[at(t)], other))) continue;
                 const NearestPlace there = nearest_of(surface, carriers, t, p);
                 if (there.distance2 < best.distance2 && (any_side || belongs(there))) best = there;
             }
+        };
+        if (on.count < 3) ask_about(on.vertex[0], on.count == 2 ? on.vertex[1] : -1);
+        if (best.triangle != here.triangle) continue;
+        const bool behind = face_normal(surface, carriers, here.triangle).dot(p - here.point) < 0;
+        if (!behind || surely_nearest(surface, carriers, here)) break;
+        for (const int vertex : surface.triangles()[at(here.triangle)]) ask_about(vertex, -1);
         if (best.triangle == here.triangle) break;
     }
     return feature_of(surface, carriers, best, p);
