@@ -11,9 +11,9 @@ namespace sinew::solver {
 
 namespace {
 
-NearestPlace nearest_of(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p) {
+NearestPlace nearest_of(const CollisionBody& surface, const Points& places, int triangle, const Vec3& p) {
     const TrianglePoint q =
-        closest_on_triangle(p, surface.corners(triangle, carriers), surface.triangles()[at(triangle)]);
+        closest_on_triangle(p, surface.corners(triangle, places), surface.triangles()[at(triangle)]);
     return {triangle, q.barycentric, q.point, (p - q.point).squaredNorm()};
 }
 
@@ -34,17 +34,17 @@ Corners corners_of(const Triangle& t, const Vec3& place) {
 
 /// Mean normal of the faces about an edge or vertex, weighed by their angles there (Baerentzen and Aanaes 2005): its
 /// sign against the way to a point says on which side of a closed surface that is.
-Vec3 mean_normal(const CollisionBody& surface, const double* carriers, const Corners& on) {
+Vec3 mean_normal(const CollisionBody& surface, const Points& places, const Corners& on) {
     Vec3 sum = Vec3::Zero();
     for (const int t : surface.fan(on.vertex[0])) {
         const Triangle& corners = surface.triangles()[at(t)];
         if (on.count == 2 && !has(corners, on.vertex[1])) continue;
-        const Vec3 n = face_normal(surface, carriers, t);
+        const Vec3 n = face_normal(surface, places, t);
         if (on.count == 2) {
             sum += n;
             continue;
         }
-        const std::array<Vec3, 3> c = surface.corners(t, carriers);
+        const std::array<Vec3, 3> c = surface.corners(t, places);
         std::size_t k = 0;
         while (corners[k] != on.vertex[0]) ++k;
         const Vec3 u = c[(k + 1) % 3] - c[k], v = c[(k + 2) % 3] - c[k];
@@ -57,8 +57,8 @@ Vec3 mean_normal(const CollisionBody& surface, const double* carriers, const Cor
 /// can be nearer. Where not, those at its corners must be asked, not just those that share the edge that it lies on:
 /// a point that leaves by another face than it came in by would else feel its force until it is out, and lose it all
 /// at once.
-bool surely_nearest(const CollisionBody& surface, const double* carriers, const NearestPlace& place) {
-    const std::array<Vec3, 3> c = surface.corners(place.triangle, carriers);
+bool surely_nearest(const CollisionBody& surface, const Points& places, const NearestPlace& place) {
+    const std::array<Vec3, 3> c = surface.corners(place.triangle, places);
     const double twice_area = (c[1] - c[0]).cross(c[2] - c[0]).norm();
     double to_border = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < 3; ++k)
@@ -72,56 +72,62 @@ constexpr int most_walk_steps = 10'000;
 
 } // namespace
 
-void NearestPlace::offer(const CollisionBody& surface, const double* carriers, int t, const Vec3& p) {
-    const NearestPlace there = nearest_of(surface, carriers, t, p);
+void NearestPlace::offer(const CollisionBody& surface, const Points& places, int t, const Vec3& p) {
+    const NearestPlace there = nearest_of(surface, places, t, p);
     if (there.distance2 < distance2 || (there.distance2 == distance2 && (triangle < 0 || t < triangle))) *this = there;
 }
 
-ClosestFeature feature_of(const CollisionBody& surface, const double* carriers, const NearestPlace& nearest,
+ClosestFeature feature_of(const CollisionBody& surface, const Points& places, const NearestPlace& nearest,
                           const Vec3& p) {
     ClosestFeature out{nearest.triangle, nearest.place, p - nearest.point, Vec3::Zero()};
     const Corners on = corners_of(surface.triangles()[at(nearest.triangle)], nearest.place);
-    out.normal = on.count == 3 ? face_normal(surface, carriers, nearest.triangle) : mean_normal(surface, carriers, on);
+    out.normal = on.count == 3 ? face_normal(surface, places, nearest.triangle) : mean_normal(surface, places, on);
     return out;
 }
 
-Vec3 face_normal(const CollisionBody& surface, const double* carriers, int triangle) {
-    const auto [a, b, c] = surface.corners(triangle, carriers);
+Vec3 face_normal(const CollisionBody& surface, const Points& places, int triangle) {
+    const auto [a, b, c] = surface.corners(triangle, places);
     const Vec3 n = (b - a).cross(c - a);
     const double length = n.norm();
     return length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p,
+ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& p,
                               const Vec3& side) {
     const bool any_side = side.isZero(0);
     const double least = least_facing * side.norm(), near = near_share * surface.mean_edge();
     const auto belongs = [&](const NearestPlace& there) {
-        const double facing = face_normal(surface, carriers, there.triangle).dot(side);
+        const double facing = face_normal(surface, places, there.triangle).dot(side);
         return facing > least || (facing > -least && there.distance2 < near * near);
     };
-    NearestPlace best = nearest_of(surface, carriers, from_triangle, p);
+    NearestPlace best = nearest_of(surface, places, from_triangle, p);
     for (int step = 0; step < most_walk_steps; ++step) {
         const Corners on = corners_of(surface.triangles()[at(best.triangle)], best.place);
         const NearestPlace here = best;
-        const auto ask_about = [&](int vertex, int other) {
+        /// The triangles at a vertex: with another one given only those at both, without those at vertices asked
+        /// already.
+        const auto ask_about = [&](int vertex, int other, int asked, int asked_too) {
             for (const int t : surface.fan(vertex)) {
-                if (t == here.triangle || (other >= 0 && !has(surface.triangles()[at(t)], other))) continue;
-                const NearestPlace there = nearest_of(surface, carriers, t, p);
+                const Triangle& corners = surface.triangles()[at(t)];
+                if (t == here.triangle || (other >= 0 && !has(corners, other))) continue;
+                if ((asked >= 0 && has(corners, asked)) || (asked_too >= 0 && has(corners, asked_too))) continue;
+                const NearestPlace there = nearest_of(surface, places, t, p);
                 if (there.distance2 < best.distance2 && (any_side || belongs(there))) best = there;
             }
         };
-        if (on.count < 3) ask_about(on.vertex[0], on.count == 2 ? on.vertex[1] : -1);
+        if (on.count < 3) ask_about(on.vertex[0], on.count == 2 ? on.vertex[1] : -1, -1, -1);
         if (best.triangle != here.triangle) continue;
-        const bool behind = face_normal(surface, carriers, here.triangle).dot(p - here.point) < 0;
-        if (!behind || surely_nearest(surface, carriers, here)) break;
-        for (const int vertex : surface.triangles()[at(here.triangle)]) ask_about(vertex, -1);
+        const bool behind = face_normal(surface, places, here.triangle).dot(p - here.point) < 0;
+        if (!behind || surely_nearest(surface, places, here)) break;
+        const Triangle& corners = surface.triangles()[at(here.triangle)];
+        ask_about(corners[0], -1, -1, -1), ask_about(corners[1], -1, corners[0], -1);
+        ask_about(corners[2], -1, corners[0], corners[1]);
         if (best.triangle == here.triangle) break;
     }
-    return feature_of(surface, carriers, best, p);
+    return feature_of(surface, places, best, p);
 }
 
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
+ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& from,
                               const Vec3& to, double step, const Vec3& side) {
     constexpr double most_steps = 64;
     const double way = (to - from).norm();
@@ -129,9 +135,9 @@ ClosestFeature follow_feature(const CollisionBody& surface, const double* carrie
     int triangle = from_triangle;
     for (int s = 1; s < steps; ++s)
         triangle =
-            follow_feature(surface, carriers, triangle, from + (s / static_cast<double>(steps)) * (to - from), side)
+            follow_feature(surface, places, triangle, from + (s / static_cast<double>(steps)) * (to - from), side)
                 .triangle;
-    return follow_feature(surface, carriers, triangle, to, side);
+    return follow_feature(surface, places, triangle, to, side);
 }
 
 } // namespace sinew::solver

@@ -23,12 +23,12 @@ constexpr double least_facing = 0.3, near_share = 0.5;
 
 /// Down from a triangle to the nearest place that has none nearer about it, over faces that look to the same `side`
 /// alone: a point that has passed the middle of a bone is not drawn to the far side of it. Zero: over all faces.
-/// `carriers` of the surface.
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& p,
+/// `places` of the surface's points.
+ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& p,
                               const Vec3& side = Vec3::Zero());
 /// The same where the point has moved far: along the way from `from` to `to`, both relative to where the surface is
 /// now, in steps no longer than `step`.
-ClosestFeature follow_feature(const CollisionBody& surface, const double* carriers, int from_triangle, const Vec3& from,
+ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& from,
                               const Vec3& to, double step, const Vec3& side);
 /// The nearest place of one triangle, and whether it is nearer than `nearest` is, to which it is put then. Of two that
 /// are as near, the lower number wins.
@@ -36,22 +36,22 @@ struct NearestPlace {
     int triangle = -1;
     Vec3 place = Vec3::Zero(), point = Vec3::Zero();
     double distance2 = 0;
-    void offer(const CollisionBody& surface, const double* carriers, int triangle, const Vec3& p);
+    void offer(const CollisionBody& surface, const Points& places, int triangle, const Vec3& p);
 };
 /// That place as a feature.
-ClosestFeature feature_of(const CollisionBody& surface, const double* carriers, const NearestPlace& nearest,
+ClosestFeature feature_of(const CollisionBody& surface, const Points& places, const NearestPlace& nearest,
                           const Vec3& p);
 
 /// The nearest of all triangles that `allowed` lets pass, up to a distance; triangle = -1 if there is none. `boxes`
-/// were fitted to the same carriers.
+/// were fitted to the same places.
 template <class Allowed>
-ClosestFeature find_feature(const CollisionBody& surface, const double* carriers, const CollisionBoxes& boxes,
-                            const Vec3& p, double max_distance, const Allowed& allowed, int guess = -1) {
+ClosestFeature find_feature(const CollisionBody& surface, const CollisionBoxes& boxes, const Vec3& p,
+                            double max_distance, const Allowed& allowed, int guess = -1) {
     NearestPlace best;
     best.distance2 = max_distance * max_distance;
     const std::vector<BvhNode>& nodes = boxes.nodes();
     if (nodes.empty()) return {};
-    if (guess >= 0 && allowed(guess)) best.offer(surface, carriers, guess, p);
+    if (guess >= 0 && allowed(guess)) best.offer(surface, boxes.places(), guess, p);
     int stack[128]; // the tree of 2^31 triangles is 30 levels deep
     int depth = 0;
     stack[depth++] = 0;
@@ -61,7 +61,7 @@ ClosestFeature find_feature(const CollisionBody& surface, const double* carriers
         if (squared_distance(node, p) > best.distance2) continue;
         if (node.count > 0) {
             for (int i = node.first; i < node.first + node.count; ++i)
-                if (const int t = surface.bvh().order[at(i)]; allowed(t)) best.offer(surface, carriers, t, p);
+                if (const int t = surface.bvh().order[at(i)]; allowed(t)) best.offer(surface, boxes.places(), t, p);
             continue;
         }
         // The nearer child is looked at first.
@@ -70,14 +70,14 @@ ClosestFeature find_feature(const CollisionBody& surface, const double* carriers
         stack[depth++] = one, stack[depth++] = other;
     }
     if (best.triangle < 0) return {};
-    return feature_of(surface, carriers, best, p);
+    return feature_of(surface, boxes.places(), best, p);
 }
-inline ClosestFeature find_feature(const CollisionBody& surface, const double* carriers, const CollisionBoxes& boxes,
-                                   const Vec3& p, double max_distance) {
-    return find_feature(surface, carriers, boxes, p, max_distance, [](int) { return true; });
+inline ClosestFeature find_feature(const CollisionBody& surface, const CollisionBoxes& boxes, const Vec3& p,
+                                   double max_distance) {
+    return find_feature(surface, boxes, p, max_distance, [](int) { return true; });
 }
 
 /// Unit normal of a triangle; zero if it has no area.
-Vec3 face_normal(const CollisionBody& surface, const double* carriers, int triangle);
+Vec3 face_normal(const CollisionBody& surface, const Points& places, int triangle);
 
 } // namespace sinew::solver

@@ -48,6 +48,10 @@ class CollisionBody {
         const Triangle& t = triangles_[at(triangle)];
         return {place(t[0], carriers), place(t[1], carriers), place(t[2], carriers)};
     }
+    std::array<Vec3, 3> corners(int triangle, const Points& places) const {
+        const Triangle& t = triangles_[at(triangle)];
+        return {places[at(t[0])], places[at(t[1])], places[at(t[2])]};
+    }
     /// What carries a point, by number: a set of vertices, such as those of a tet. -1 for bones.
     int carrier(int point) const { return carriers_of_point_[at(point)]; }
     /// Likewise of the corners of a triangle; empty for bones.

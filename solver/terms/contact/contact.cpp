@@ -74,7 +74,7 @@ Contacts::Contacts(const Scene& scene)
     , bodies_(scene)
     , search_(bodies_) {
     bones_.resize(bodies_.count());
-    reach_.resize(bodies_.count()), moves_.resize(bodies_.count());
+    reach_.resize(bodies_.count()), moves_.resize(bodies_.count()), places_.resize(bodies_.count());
 }
 
 Changes Contacts::take(const StepInputs& inputs, const State& before) {
@@ -118,7 +118,7 @@ void Contacts::add_couplings(Couplings& couplings) const {
                 if (v != w) couplings.emplace_back(v, w);
 }
 
-KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const Positions& x) const {
+KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const {
     const Touch& t = touches_[i];
     const ContactPair& pair = pair_of(i);
     const double k = stiffness(i);
@@ -134,13 +134,13 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const
     if (t.kept < 0 || (pair.slides && pair.friction <= 0)) return out;
     const KeptContact& was = kept_.contacts[at(t.kept)];
     const Vec3 anchor_place(was.anchor[0], was.anchor[1], was.anchor[2]);
-    const Vec3 p = point_at(t, x), way = p - place_at(t.target, was.anchor_triangle, anchor_place, x);
+    const Vec3 p = point_at(t), way = p - place_at(t.target, was.anchor_triangle, anchor_place);
     if (!pair.slides) out.force = k * way.norm();
     const Vec3 n = f.normal.normalized(), along = way - n * n.dot(way);
     const double most = pair.friction * out.force, length = along.norm();
     if (pair.slides && k * length > most) {
         const Vec3 behind = p - f.away - (most / k / length) * along;
-        const ClosestFeature end = follow_feature(bodies_[t.target], carriers(t.target, x), f.triangle, behind);
+        const ClosestFeature end = follow_feature(bodies_[t.target], places_[at(t.target)], f.triangle, behind);
         out.anchor_triangle = end.triangle, out.anchor = {end.place[0], end.place[1], end.place[2]};
     } else {
         out.anchor_triangle = was.anchor_triangle, out.anchor = was.anchor;
@@ -149,7 +149,7 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f, const
 }
 
 /// What is coupled changes only where something ties firmly that is not: each change costs an analysis.
-void Contacts::remember_couplings(const Positions& x) const {
+void Contacts::remember_couplings() const {
     next_.couplings.clear();
     if (std::find(strong_.begin(), strong_.end(), 1) == strong_.end()) {
         next_.couplings = kept_.couplings;
@@ -159,7 +159,7 @@ void Contacts::remember_couplings(const Positions& x) const {
         return std::binary_search(kept_.couplings.begin(), kept_.couplings.end(), c);
     };
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        const int triangle = feature_at(i, x).triangle;
+        const int triangle = feature_at(i).triangle;
         if (!strong_[pair_of_touch_[i]] && !visit_couplings(bodies_, touches_[i], triangle, false, is_coupled))
             continue;
         visit_couplings(bodies_, touches_[i], triangle, true, [&](const CoupledCarriers& c) {
@@ -172,36 +172,35 @@ void Contacts::remember_couplings(const Positions& x) const {
 
 void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     next_.contacts.clear(), next_.couplings.clear();
-    measure_moves(x);
+    find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (surely_outside(i)) continue;
+        const ClosestFeature& f = now_[i];
+        if (f.triangle < 0) continue;
         const Touch& t = touches_[i];
         const ContactPair& pair = pair_of(i);
-        const ClosestFeature f = feature_at(i, x);
         bool out = !f.inside();
         if (t.kept >= 0 && !pair.slides) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
             const Vec3 place(was.anchor[0], was.anchor[1], was.anchor[2]);
-            const Vec3 way = point_at(t, x) - place_at(t.target, was.anchor_triangle, place, x);
-            out = way.dot(face_normal(bodies_[t.target], carriers(t.target, x), was.anchor_triangle)) > 0;
+            const Vec3 way = point_at(t) - place_at(t.target, was.anchor_triangle, place);
+            out = way.dot(face_normal(bodies_[t.target], places_[at(t.target)], was.anchor_triangle)) > 0;
         }
         if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
-        next_.contacts.push_back(kept_contact(i, f, x));
+        next_.contacts.push_back(kept_contact(i, f));
     }
     std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });
-    remember_couplings(x);
+    remember_couplings();
     keep_contacts(next_, memory);
 }
 
 void Contacts::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
     double count = 0, deepest = 0, force = 0;
-    measure_moves(x);
+    find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (surely_outside(i)) continue;
-        const ClosestFeature f = feature_at(i, x);
-        if (!f.inside()) continue;
+        const ClosestFeature& f = now_[i];
+        if (f.triangle < 0 || !f.inside()) continue;
         const double depth = f.away.norm();
         count += 1, deepest = std::max(deepest, depth);
         force += stiffness(i) * depth;
@@ -211,11 +210,12 @@ void Contacts::measure(const Positions& x, std::span<const double>, std::vector<
 
 void Contacts::marks(const Positions& x, Marks& out) const {
     MarkGroup group{contact_type.name, "force", "N", {}};
+    look_at(x);
     for (const KeptContact& c : kept_.contacts) {
-        const Vec3 p = bodies_[c.source].place(c.point, carriers(c.source, x));
+        const Vec3 p = places_[at(c.source)][at(c.point)];
         const Vec3 place(c.place[0], c.place[1], c.place[2]);
         group.marks.push_back(
-            {static_cast<int>(bodies_.part(c.source)), p, place_at(c.target, c.triangle, place, x), c.force});
+            {static_cast<int>(bodies_.part(c.source)), p, place_at(c.target, c.triangle, place), c.force});
     }
     out.push_back(std::move(group));
 }

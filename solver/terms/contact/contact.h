@@ -65,12 +65,13 @@ class Contacts final : public Term {
     }
     const double* carriers_before(int body) const;
     const ContactPair& pair_of(std::size_t touch) const { return pairs_[pair_of_touch_[touch]]; }
-    Vec3 point_at(const Touch& t, const Positions& x) const {
-        return bodies_[t.source].place(t.point, carriers(t.source, x));
-    }
-    Vec3 place_at(int target, int triangle, const Vec3& place, const Positions& x) const;
-    void measure_moves(const Positions& x) const;
-    /// After measure_moves.
+    Vec3 point_at(const Touch& t) const { return places_[at(t.source)][at(t.point)]; }
+    Vec3 place_at(int target, int triangle, const Vec3& place) const;
+    void place_points(int body, const double* carriers) const;
+    /// Places all points, and measures how far bodies have moved since the last iteration.
+    void look_at(const Positions& x) const;
+    void find_features(const Positions& x) const;
+    /// After look_at.
     bool surely_outside(std::size_t touch) const {
         const Touch& t = touches_[touch];
         return clearance_[touch] > moves_[at(t.source)] + moves_[at(t.target)];
@@ -81,17 +82,17 @@ class Contacts final : public Term {
         if (area < 0) area = search_.area(pair_of(touch), touches_[touch]);
         return pair_of(touch).stiffness * area;
     }
-    ClosestFeature feature_at(std::size_t touch, const Positions& x) const;
+    ClosestFeature feature_at(std::size_t touch) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
     void find_all_touches();
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
-    Vec3 reach(const Tether& tether, const Positions& x) const;
-    Force tether_force(const Tether& tether, const Positions& x, double* stored) const;
+    Vec3 reach(const Tether& tether) const;
+    Force tether_force(const Tether& tether, double* stored) const;
     double evaluate(const Positions& x, bool with_damping);
-    void remember_couplings(const Positions& x) const;
-    KeptContact kept_contact(std::size_t touch, const ClosestFeature& f, const Positions& x) const;
+    void remember_couplings() const;
+    KeptContact kept_contact(std::size_t touch, const ClosestFeature& f) const;
 
     const Scene& scene_;
     CollisionBodies bodies_;
@@ -103,7 +104,8 @@ class Contacts final : public Term {
 
     // Of the stage:
     const Stage* stage_ = nullptr;
-    std::vector<Points> bones_; ///< per body of contact: where a bone's vertices are
+    mutable std::vector<Points> places_; ///< per body of contact: of its points, where they were looked at last
+    std::vector<Points> bones_;          ///< per body of contact: where a bone's vertices are
     std::vector<ContactPair> pairs_;
     std::vector<const double*> before_;      ///< per body: what carries it, at the start of the step
     std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for
@@ -119,7 +121,8 @@ class Contacts final : public Term {
     bool found_ = false;                ///< whether the touches of this stage are
     bool iterated_ = false;             ///< since the stage began: bones are where they will be
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
-    std::vector<ClosestFeature> now_;   ///< per touch, at the last evaluation
+    mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
+    mutable Positions looked_at_;
     std::vector<Force> forces_, tether_forces_;
     std::vector<ContactElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;

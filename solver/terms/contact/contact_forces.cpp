@@ -50,15 +50,15 @@ const double* Contacts::carriers_before(int body) const {
     return b.deforms() ? stage_->before.x.data() : stage_->before.bones[at(b.body())].data()->data();
 }
 
-Vec3 Contacts::place_at(int target, int triangle, const Vec3& place, const Positions& x) const {
-    const std::array<Vec3, 3> c = bodies_[target].corners(triangle, carriers(target, x));
+Vec3 Contacts::place_at(int target, int triangle, const Vec3& place) const {
+    const std::array<Vec3, 3> c = bodies_[target].corners(triangle, places_[at(target)]);
     return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
 }
 
-ClosestFeature Contacts::feature_at(std::size_t i, const Positions& x) const {
+ClosestFeature Contacts::feature_at(std::size_t i) const {
     const Touch& t = touches_[i];
     const CollisionBody& target = bodies_[t.target];
-    const double* where = carriers(t.target, x);
+    const Points& where = places_[at(t.target)];
     const ClosestFeature& start = t.feature;
     // From where it was at the start, moved along with the surface, straight to where it is: a function of x alone.
     const std::array<Vec3, 3> corners = target.corners(start.triangle, where);
@@ -66,20 +66,28 @@ ClosestFeature Contacts::feature_at(std::size_t i, const Positions& x) const {
     const Vec3 from = start.place[0] * corners[0] + start.place[1] * corners[1] + start.place[2] * corners[2] +
                       edges * starts_[i].away;
     const double step = std::max(start.away.norm(), 0.5 * target.mean_edge());
-    return follow_feature(target, where, start.triangle, from, point_at(t, x), step, edges * starts_[i].normal);
+    return follow_feature(target, where, start.triangle, from, point_at(t), step, edges * starts_[i].normal);
 }
 
 bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
     return f.inside() && (touches_[i].kept < 0 || pair_of(i).slides);
 }
 
-void Contacts::measure_moves(const Positions& x) const {
+void Contacts::place_points(int body, const double* carriers) const {
+    Points& places = places_[at(body)];
+    places.resize(bodies_[body].point_count());
+    parallel_for(places.size(), 512,
+                 [&](std::size_t p) { places[p] = bodies_[body].place(static_cast<int>(p), carriers); });
+}
+
+void Contacts::look_at(const Positions& x) const {
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         if (!body.deforms()) {
             moves_[b] = iterated_ ? 0 : reach_[b];
             continue;
         }
+        place_points(static_cast<int>(b), x.data());
         const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
         moves_[b] = body.leverage() *
                     largest_move(x.data() + first, committed_x_.data() + first, scene_.vertex_count(body.body()));
@@ -114,9 +122,11 @@ void Contacts::begin_stage(const Stage& stage) {
             for (std::size_t v = 0; v < places.size(); ++v) places[v] += weight * then[v];
         }
         reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
+        place_points(static_cast<int>(b), places.data()->data());
         expected_.push_back(places.data()->data());
     }
     committed_x_ = stage.before.x, iterated_ = false, found_ = false;
+    looked_at_.clear();
 }
 
 /// Who may touch, once somebody asks for forces: marks need no search.
@@ -160,6 +170,7 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
         clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
     }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
+    looked_at_.clear();
     if (elements_.size() < touches_.size()) elements_.resize(touches_.size());
 }
 
@@ -220,15 +231,14 @@ void Contacts::make_tethers() {
 
 double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
-    measure_moves(x);
-    parallel_for(touches_.size(), 64, [&](std::size_t i) {
-        if (surely_outside(i)) {
+    find_features(x);
+    look_at(x);
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        if (now_[i].triangle < 0)
             clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
-            return;
-        }
-        const ClosestFeature f = feature_at(i, x);
-        clearance_[i] = f.inside() ? -1 : f.away.norm();
-    });
+        else
+            clearance_[i] = now_[i].inside() ? -1 : now_[i].away.norm();
+    }
     committed_x_ = x, iterated_ = true;
     return 0;
 }
@@ -251,19 +261,20 @@ bool Contacts::widen(const Positions& x) {
     sweep(expected_);
     const std::size_t known = touches_.size();
     for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
+    look_at(x);
     for (std::size_t i = known; i < touches_.size(); ++i)
-        if (presses(i, feature_at(i, x))) return true;
+        if (presses(i, feature_at(i))) return true;
     return false;
 }
 
-Vec3 Contacts::reach(const Tether& tether, const Positions& x) const {
+Vec3 Contacts::reach(const Tether& tether) const {
     const Touch& t = touches_[tether.touch];
-    return point_at(t, x) - place_at(t.target, tether.triangle, tether.place, x);
+    return point_at(t) - place_at(t.target, tether.triangle, tether.place);
 }
 
 /// With `stored` only what it stores, there.
-Contacts::Force Contacts::tether_force(const Tether& tether, const Positions& x, double* stored) const {
-    const Vec3 way = reach(tether, x), held = tether.holds * way;
+Contacts::Force Contacts::tether_force(const Tether& tether, double* stored) const {
+    const Vec3 way = reach(tether), held = tether.holds * way;
     const double length = held.norm();
     Force out;
     if (tether.stiffness * length <= tether.most) {
@@ -283,20 +294,31 @@ Contacts::Force Contacts::tether_force(const Tether& tether, const Positions& x,
     return out;
 }
 
+/// The nearest places at x, of all touches that are not surely outside.
+void Contacts::find_features(const Positions& x) const {
+    if (x == looked_at_ && !x.empty()) return;
+    look_at(x);
+    parallel_for(touches_.size(), 64, [&](std::size_t i) {
+        if (surely_outside(i))
+            now_[i].triangle = -1;
+        else
+            now_[i] = feature_at(i);
+    });
+    looked_at_ = x;
+}
+
 double Contacts::evaluate(const Positions& x, bool with_damping) {
     find_all_touches();
-    measure_moves(x);
+    find_features(x);
     parallel_for(touches_.size(), 64, [&](std::size_t i) {
         forces_[i] = {};
-        if (surely_outside(i)) return;
-        now_[i] = feature_at(i, x);
-        if (!presses(i, now_[i])) return;
+        if (now_[i].triangle < 0 || !presses(i, now_[i])) return;
         const double k = stiffness(i);
         forces_[i] = {0.5 * k * now_[i].away.squaredNorm(), k * now_[i].away};
     });
     parallel_for(tethers_.size(), 64, [&](std::size_t i) {
         double stored = 0;
-        tether_forces_[i] = tether_force(tethers_[i], x, &stored);
+        tether_forces_[i] = tether_force(tethers_[i], &stored);
         if (!with_damping) tether_forces_[i].energy = stored;
     });
     return ordered_sum(forces_.size(), [&](std::size_t i) { return forces_[i].energy; }) +
@@ -339,15 +361,14 @@ void Contacts::add_held_gradient(std::span<double> by_vertices) const {
 }
 
 void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
-    measure_moves(x);
+    find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (surely_outside(i)) continue;
         const Touch& t = touches_[i];
-        const ClosestFeature f = feature_at(i, x);
-        if (!presses(i, f)) continue;
+        const ClosestFeature& f = now_[i];
+        if (f.triangle < 0 || !presses(i, f)) continue;
         elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], f.triangle, scene_.numbering(), *pattern_);
         const ContactBlocks blocks =
-            contact_hessian(bodies_[t.target].corners(f.triangle, carriers(t.target, x)), f.place, f.away, project);
+            contact_hessian(bodies_[t.target].corners(f.triangle, places_[at(t.target)]), f.place, f.away, project);
         if (!elements_[i].coupled() && is_strong(elements_[i], f.place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks, stiffness(i), a);
@@ -357,7 +378,7 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         const Touch& t = touches_[tether.touch];
         tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
                                 *pattern_);
-        const Vec3 held = tether.holds * reach(tether, x);
+        const Vec3 held = tether.holds * reach(tether);
         const double length = held.norm();
         Mat3 by_way = stage_->form.velocity_factor * tether.brakes;
         if (tether.stiffness * length <= tether.most)

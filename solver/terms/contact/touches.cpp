@@ -30,12 +30,11 @@ TouchSearch::TouchSearch(const CollisionBodies& bodies)
     , ahead_(bodies.count()) {}
 
 void TouchSearch::begin(const std::vector<const double*>& carriers) {
-    carriers_ = carriers;
     ++step_;
     parallel_for(bodies_.count(), 1, [&](std::size_t b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         last_[b] = boxes_[b].places();
-        boxes_[b].fit(body, carriers_[b]);
+        boxes_[b].fit(body, carriers[b]);
         if (last_[b].size() == body.point_count()) behind_[b].set(last_[b], boxes_[b].places());
         body.areas(boxes_[b].places(), areas_[b]);
     });
@@ -86,8 +85,8 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
         if (c.source != pair.source || c.target != pair.target) continue;
         Touch t{c.source, c.point, c.target, static_cast<int>(k), {}};
         const CollisionBody& target = bodies_[c.target];
-        const double* where = carriers(c.target);
-        const Vec3 p = bodies_[c.source].place(c.point, carriers(c.source));
+        const Points& where = boxes_[at(c.target)].places();
+        const Vec3 p = boxes_[at(c.source)].places()[at(c.point)];
         // It may have slid around an edge in the meantime, but not to the far side.
         const Vec3 side = face_normal(target, where, c.triangle);
         t.feature = follow_feature(target, where, c.triangle, p);
@@ -124,8 +123,8 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t 
             return true;
         };
         const double look = std::max(look_farther * distance, 2 * target.mean_edge());
-        const ClosestFeature f = find_feature(target, carriers(pair.target), boxes_[at(pair.target)], now[p], look,
-                                              far_along, known[p].triangle);
+        const ClosestFeature f =
+            find_feature(target, boxes_[at(pair.target)], now[p], look, far_along, known[p].triangle);
         const double far = f.triangle < 0 ? look : f.inside() ? 0 : f.away.norm();
         known[p] = {far, f.triangle};
         if (f.triangle >= 0 && far <= distance && !f.inside()) found_[p] = f;
@@ -145,7 +144,7 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
         const Vec3& place = own.places()[p];
         if ((place.array() < boxes.low().array()).any() || (place.array() > boxes.high().array()).any()) return;
         if (!tree.inside(place)) return;
-        found[p] = find_feature(target, carriers(pair.target), boxes, place, 1e300);
+        found[p] = find_feature(target, boxes, place, 1e300);
     });
     for (std::size_t p = 0; p < found.size(); ++p)
         if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))

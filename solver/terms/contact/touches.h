@@ -56,7 +56,6 @@ class TouchSearch {
     explicit TouchSearch(const CollisionBodies& bodies);
     /// `carriers`: of each body, 3 numbers a vertex of what carries it.
     void begin(const std::vector<const double*>& carriers);
-    const double* carriers(int body) const { return carriers_[at(body)]; }
     /// The contacts of the state that belong to the pair; those deeper than its longest are left out.
     void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
     /// Says where everything is later, or may be.
@@ -71,7 +70,6 @@ class TouchSearch {
 
   private:
     const CollisionBodies& bodies_;
-    std::vector<const double*> carriers_;
     std::vector<CollisionBoxes> boxes_;
     std::vector<std::vector<double>> areas_;
     /// What was found out about distances in earlier steps and still holds, less what bodies have moved since against
