@@ -159,7 +159,8 @@ struct Standing {
         scene = std::make_unique<Scene>(d);
         bodies = std::make_unique<CollisionBodies>(*scene);
         search = std::make_unique<TouchSearch>(*bodies);
-        search->begin(std::vector<const double*>(tissues.size(), scene->numbering().rest.data()));
+        const std::vector<const double*> carriers(tissues.size(), scene->numbering().rest.data());
+        search->begin(carriers), search->sweep(carriers);
     }
 };
 

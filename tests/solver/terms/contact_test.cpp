@@ -139,7 +139,7 @@ std::vector<TermExample> sinew::test::contact_examples() {
     for (const ElementKind kind : both_elements)
         for (const bool on_bone : {false, true})
             for (const auto& [what, values, held] :
-                 {std::tuple{", sliding", with(1e5), false}, std::tuple{", sliding, held", with(1e5), true},
+                 {std::tuple{", sliding", with(1e5), false}, std::tuple{", sliding, held", with(3e5), true},
                   std::tuple{", friction and damping", with(1e5, 0.4, 50), false},
                   std::tuple{", fixed, damped", with(1e5, 0, 50, false), false}}) {
                 TermExample e;
