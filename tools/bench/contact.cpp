@@ -8,6 +8,7 @@
 #include "tools/bench/cantilever.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -52,49 +53,128 @@ const Peer* peer_of(const std::string& scene) {
     return it == std::end(peers) ? nullptr : it;
 }
 
-/// Of every body: tissues their centre of mass, by the volumes of their tets at rest; bones their lowest point.
-struct Places {
-    std::vector<solver::Vec3> centres; ///< of tissues, in their order
-    std::vector<int> tissues;          ///< places in zSolver.bodies
-    double floor = std::numeric_limits<double>::infinity();
-};
+double cantilever_step(const RunOptions& options) {
+    options.tell("cantilever, n 40, E 1e5");
+    return run_cantilever({.n = 40, .youngs_modulus = 1e5}, options.stop).seconds_per_step_median;
+}
 
+const solver::TetMesh* tets_of(const nodes::Solved& solved, std::size_t body) {
+    const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&solved.rests[body]->data);
+    return tissue ? &(*tissue)->tets : nullptr;
+}
+
+const solver::Vec3& corner(const solver::TetMesh& tets, const solver::Points& points, std::size_t tet, std::size_t c) {
+    return points[static_cast<std::size_t>(tets.tets[tet][c])];
+}
+
+/// By the volumes of the tets at rest.
 solver::Vec3 centre_of_mass(const solver::TetMesh& rest, const solver::Points& now) {
     solver::Vec3 sum = solver::Vec3::Zero();
     double total = 0;
     for (std::size_t t = 0; t < rest.tets.size(); ++t) {
-        const auto at = [&](const solver::Points& p, int corner) -> const solver::Vec3& {
-            return p[static_cast<std::size_t>(rest.tets[t][static_cast<std::size_t>(corner)])];
-        };
+        const auto at = [&](std::size_t c) -> const solver::Vec3& { return corner(rest, rest.vertices, t, c); };
         const double share = rest.coverage.empty() ? 1 : rest.coverage[t];
-        const double volume = share * solver::tet_volume(at(rest.vertices, 0), at(rest.vertices, 1),
-                                                         at(rest.vertices, 2), at(rest.vertices, 3));
-        sum += volume / 4 * (at(now, 0) + at(now, 1) + at(now, 2) + at(now, 3));
+        const double volume = share * solver::tet_volume(at(0), at(1), at(2), at(3));
+        for (std::size_t c = 0; c < 4; ++c) sum += volume / 4 * corner(rest, now, t, c);
         total += volume;
     }
     return sum / total;
 }
 
-Places places_of(const nodes::Solved& solved, int up) {
-    Places out;
-    for (std::size_t b = 0; b < solved.rests.size(); ++b) {
-        const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&solved.rests[b]->data);
-        if (tissue) {
-            out.centres.push_back(centre_of_mass((*tissue)->tets, solved.positions[b]));
-            out.tissues.push_back(static_cast<int>(b));
-        } else {
-            for (const solver::Vec3& p : solved.positions[b]) out.floor = std::min(out.floor, p[up]);
-        }
+/// How far bodies have moved that should stay: the last tissue, or the last on the first.
+class Watch {
+  public:
+    Watch(Stays stays, const nodes::Solved& start, int up);
+    /// Ways across since the start, in scene units: of what `ContactRow::drift_m` and `centre_m` say.
+    std::array<double, 2> ways(const nodes::Solved& now) const;
+
+  private:
+    /// A lowest vertex of the upper body and what of the lower one lies under it.
+    struct Stand {
+        std::size_t vertex, tet;
+        std::array<double, 4> shares;
+    };
+    solver::Vec3 centre(const nodes::Solved& at) const;
+    solver::Vec3 stand(const nodes::Solved& at) const;
+    double across(solver::Vec3 way) const {
+        way[up_] = 0;
+        return way.norm();
     }
+    Stays stays_;
+    int up_;
+    std::size_t upper_ = 0, lower_ = 0; ///< places among the bodies
+    std::vector<Stand> stands_;
+    solver::Vec3 centre_, stand_;
+};
+
+double extreme(const solver::Points& points, int axis, bool highest) {
+    double out = points.front()[axis];
+    for (const solver::Vec3& p : points) out = highest ? std::max(out, p[axis]) : std::min(out, p[axis]);
     return out;
 }
 
-/// Way across since the start of what should stay, in scene units.
-double way_across(Stays stays, const Places& start, const Places& now, int up) {
-    solver::Vec3 way = now.centres.back() - start.centres.back();
-    if (stays == Stays::upper_on_lower) way -= now.centres.front() - start.centres.front();
-    way[up] = 0;
-    return way.norm();
+Watch::Watch(Stays stays, const nodes::Solved& start, int up)
+    : stays_(stays)
+    , up_(up) {
+    for (std::size_t b = start.rests.size(); b-- > 0;)
+        if (tets_of(start, b)) lower_ = b, upper_ = std::max(upper_, b);
+    if (stays_ == Stays::upper_on_lower) {
+        const solver::Points& upper = start.positions[upper_];
+        const solver::Points& lower = start.positions[lower_];
+        const solver::TetMesh& tets = *tets_of(start, lower_);
+        const double bottom = extreme(upper, up_, false), top = extreme(lower, up_, true);
+        const double size = top - extreme(lower, up_, false);
+        for (std::size_t v = 0; v < upper.size(); ++v) {
+            if (upper[v][up_] > bottom + 1e-6 * size) continue;
+            solver::Vec3 under = upper[v];
+            under[up_] = top - 1e-6 * size;
+            for (std::size_t t = 0; t < tets.tets.size(); ++t) {
+                const auto at = [&](std::size_t c) -> const solver::Vec3& { return corner(tets, lower, t, c); };
+                const double whole = solver::tet_volume(at(0), at(1), at(2), at(3));
+                const std::array shares{solver::tet_volume(under, at(1), at(2), at(3)) / whole,
+                                        solver::tet_volume(at(0), under, at(2), at(3)) / whole,
+                                        solver::tet_volume(at(0), at(1), under, at(3)) / whole,
+                                        solver::tet_volume(at(0), at(1), at(2), under) / whole};
+                if (*std::min_element(shares.begin(), shares.end()) < 0) continue;
+                stands_.push_back({v, t, shares});
+                break;
+            }
+        }
+    }
+    centre_ = centre(start), stand_ = stand(start);
+}
+
+solver::Vec3 Watch::centre(const nodes::Solved& at) const {
+    const solver::Vec3 upper = centre_of_mass(*tets_of(at, upper_), at.positions[upper_]);
+    if (stays_ == Stays::body) return upper;
+    return upper - centre_of_mass(*tets_of(at, lower_), at.positions[lower_]);
+}
+
+solver::Vec3 Watch::stand(const nodes::Solved& at) const {
+    solver::Vec3 sum = solver::Vec3::Zero();
+    for (const Stand& s : stands_) {
+        sum += at.positions[upper_][s.vertex];
+        for (std::size_t c = 0; c < 4; ++c)
+            sum -= s.shares[c] * corner(*tets_of(at, lower_), at.positions[lower_], s.tet, c);
+    }
+    return stands_.empty() ? sum : solver::Vec3(sum / static_cast<double>(stands_.size()));
+}
+
+std::array<double, 2> Watch::ways(const nodes::Solved& now) const {
+    const double centre_way = across(centre(now) - centre_);
+    return {stays_ == Stays::body ? centre_way : across(stand(now) - stand_), centre_way};
+}
+
+/// Places among the bodies of tissues whose centre is below all bones.
+std::vector<std::size_t> below_all_bones(const nodes::Solved& now, int up) {
+    double floor = std::numeric_limits<double>::infinity();
+    std::vector<std::size_t> out;
+    for (std::size_t b = 0; b < now.rests.size(); ++b)
+        if (!tets_of(now, b)) floor = std::min(floor, extreme(now.positions[b], up, false));
+    for (std::size_t b = 0; b < now.rests.size(); ++b)
+        if (const solver::TetMesh* tets = tets_of(now, b); tets && floor < std::numeric_limits<double>::infinity())
+            if (centre_of_mass(*tets, now.positions[b])[up] < floor) out.push_back(b);
+    return out;
 }
 
 /// Frame after frame into the row; stops where an error does.
@@ -106,9 +186,11 @@ void run_frames(const ContactScene& scene, const RunOptions& options, Stays stay
     const auto pull = [&](const char* output, int frame) {
         return evaluator.pull({scene.graph, {scene.solver, output}, static_cast<double>(frame), options.stop});
     };
-    const Places start = places_of(pull("outSolved", scene.first).as<nodes::Solved>(), up);
+    const engine::Value start = pull("outSolved", scene.first);
+    engine::Value last = start;
+    std::optional<Watch> watch;
+    if (stays != Stays::nothing) watch.emplace(stays, start.as<nodes::Solved>(), up);
     const auto begin = Clock::now();
-    Places now = start;
     for (int frame = scene.first + 1; frame <= scene.last; ++frame) {
         const auto before = Clock::now();
         const engine::Value report = pull("outReport", frame);
@@ -124,37 +206,36 @@ void run_frames(const ContactScene& scene, const RunOptions& options, Stays stay
         row.inverted = std::max(row.inverted, r.inverted), row.least_j = std::min(row.least_j, r.min_j);
         row.contacts = std::max(row.contacts, static_cast<int>(solver::value_of(r.measured, "contact", "contacts")));
         row.depth_m = std::max(row.depth_m, solver::value_of(r.measured, "contact", "max_depth_m"));
-        now = places_of(pull("outSolved", frame).as<nodes::Solved>(), up);
-        if (stays != Stays::nothing && !start.centres.empty())
-            row.drift_m = std::max(row.drift_m.value_or(0), way_across(stays, start, now, up) / scene.units_per_metre);
+        last = pull("outSolved", frame);
+        if (watch) {
+            const auto [drift, centre] = watch->ways(last.as<nodes::Solved>());
+            row.drift_m = std::max(row.drift_m.value_or(0), drift / scene.units_per_metre);
+            row.centre_m = std::max(row.centre_m.value_or(0), centre / scene.units_per_metre);
+        }
         if (std::chrono::duration<double>(Clock::now() - begin).count() > scene.longest_s && frame < scene.last) {
             row.ended = "stopped after frame " + std::to_string(frame) + " of " + std::to_string(scene.last) +
                         ": more than " + number(scene.longest_s) + " s";
             break;
         }
     }
-    for (std::size_t k = 0; k < now.centres.size(); ++k)
-        if (now.centres[k][up] < now.floor)
-            row.fallen.push_back(scene.bodies[static_cast<std::size_t>(now.tissues[k])]);
+    std::vector<std::string> names; // of the bodies that take part
+    for (const std::string& body : scene.bodies)
+        if (evaluator.pull({scene.graph, {body, "outBody"}, static_cast<double>(scene.first), options.stop})
+                .as<nodes::Body>()
+                .enable)
+            names.push_back(body);
+    for (const std::size_t b : below_all_bones(last.as<nodes::Solved>(), up)) row.fallen.push_back(names.at(b));
 }
 
 } // namespace
 
-bool has_peer(const std::string& scene) {
-    const Peer* peer = peer_of(scene);
-    return peer && peer->seconds > 0;
-}
-
-double contact_yardstick(const RunOptions& options) {
-    options.tell("cantilever, n 40, E 1e5");
-    return run_cantilever({.n = 40, .youngs_modulus = 1e5}, options.stop).seconds_per_step_median;
-}
-
-ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& options, std::optional<double> cantilever_s) {
+ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& options) {
     ContactRow row;
     row.scene = std::filesystem::path(scene.graph->file()).stem().string();
-    options.tell(row.scene);
     const Peer* peer = peer_of(row.scene);
+    const bool with_peer = peer && peer->seconds > 0, scaled = with_peer && !options.quick;
+    if (scaled) row.cantilever_s = cantilever_step(options) / 2;
+    options.tell(row.scene);
     std::vector<double> seconds;
     try {
         run_frames(scene, options, peer ? peer->stays : Stays::nothing, row, seconds);
@@ -170,11 +251,10 @@ ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& option
         row.median_s = median(seconds);
         row.longest_s = *std::max_element(seconds.begin(), seconds.end());
     }
-    if (has_peer(row.scene)) {
-        row.peer_s = peer->seconds, row.peer_newton = peer->newton;
-        if (cantilever_s && row.frames > 0)
-            row.ratio = row.median_s / (peer->seconds * *cantilever_s / recorded_cantilever_s);
-    }
+    if (with_peer) row.peer_s = peer->seconds, row.peer_newton = peer->newton;
+    if (scaled) *row.cantilever_s += cantilever_step(options) / 2;
+    if (scaled && row.frames > 0)
+        row.ratio = row.median_s / (peer->seconds * *row.cantilever_s / recorded_cantilever_s);
     return row;
 }
 
@@ -192,7 +272,7 @@ std::string list_of(const std::vector<std::string>& words) {
 
 } // namespace
 
-Table contact_table(const ContactBench& result) {
+Table contact_table(const std::vector<ContactRow>& rows) {
     Table t{{"scene",
              "tets",
              "unknowns",
@@ -214,7 +294,7 @@ Table contact_table(const ContactBench& result) {
              "drift [mm]",
              "fell through"},
             {}};
-    for (const ContactRow& r : result.rows)
+    for (const ContactRow& r : rows)
         t.rows.push_back({r.scene,
                           std::to_string(r.tets),
                           std::to_string(r.unknowns),
@@ -234,16 +314,17 @@ Table contact_table(const ContactBench& result) {
                           std::to_string(r.inverted),
                           std::to_string(r.unconverged),
                           number_or_dash(r.drift_m, 1e3, 2),
+                          number_or_dash(r.centre_m, 1e3, 2),
                           r.fallen.empty() ? "none" : list_of(r.fallen)});
     return t;
 }
 
-nlohmann::ordered_json contact_json(const ContactBench& result) {
+nlohmann::ordered_json contact_json(const std::vector<ContactRow>& rows) {
     const auto or_null = [](const std::optional<double>& value) {
         return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
     };
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
-    for (const ContactRow& r : result.rows)
+    for (const ContactRow& r : rows)
         out.push_back({{"scene", r.scene},
                        {"tets", r.tets},
                        {"unknowns", r.unknowns},
@@ -253,6 +334,7 @@ nlohmann::ordered_json contact_json(const ContactBench& result) {
                        {"s_per_frame_longest", r.longest_s},
                        {"peer_s_median", or_null(r.peer_s)},
                        {"ratio", or_null(r.ratio)},
+                       {"cantilever_s", or_null(r.cantilever_s)},
                        {"assembly_s", r.assembly_s},
                        {"factor_s", r.factor_s},
                        {"solve_s", r.solve_s},
@@ -269,18 +351,25 @@ nlohmann::ordered_json contact_json(const ContactBench& result) {
                        {"inverted", r.inverted},
                        {"min_J", r.least_j},
                        {"drift_m", or_null(r.drift_m)},
+                       {"centre_m", or_null(r.centre_m)},
                        {"fallen", r.fallen},
                        {"ended", r.ended}});
     return out;
 }
 
-std::string contact_summary(const ContactBench& result) {
-    std::string out = "a frame is all of its evaluation; drift: way across of what should stay";
-    if (result.cantilever_s)
-        out += "; ratio: median over that of stark 0.1.0 (2 threads), scaled by the cantilever, " +
-               number(1e3 * *result.cantilever_s, 3) + " ms now and " + number(1e3 * recorded_cantilever_s, 3) +
-               " ms when that was recorded";
-    for (const ContactRow& r : result.rows) {
+std::string contact_summary(const std::vector<ContactRow>& rows) {
+    std::string out =
+        "a frame is all of its evaluation; drift: farthest way across of what should stay, of what stands on "
+        "another where it stands";
+    std::vector<double> steps;
+    for (const ContactRow& r : rows)
+        if (r.cantilever_s) steps.push_back(*r.cantilever_s);
+    if (!steps.empty())
+        out += "; ratio: median over that of stark 0.1.0 (2 threads), scaled by the cantilever beside each, " +
+               number(1e3 * *std::min_element(steps.begin(), steps.end()), 3) + " to " +
+               number(1e3 * *std::max_element(steps.begin(), steps.end()), 3) + " ms now and " +
+               number(1e3 * recorded_cantilever_s, 3) + " ms when that was recorded";
+    for (const ContactRow& r : rows) {
         if (r.is_sound()) continue;
         out += "\n" + r.scene + ":";
         if (!r.ended.empty()) out += " " + r.ended + ";";

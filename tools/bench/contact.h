@@ -37,35 +37,28 @@ struct ContactRow {
     double depth_m = 0; ///< deepest of all frames
     int inverted = 0;   ///< most at one frame
     double least_j = 1;
-    /// Farthest way across of what should stay where it is, see contact_drift [m]; nothing for other scenes.
-    std::optional<double> drift_m;
+    /// Farthest way across of what should stay where it is [m]; nothing for other scenes. `drift_m`: of a body's centre
+    /// of mass; of a body that stands on another, of its lowest vertices against what they stand on. `centre_m`: of the
+    /// centre, against that of the one below if it stands on one; what leans without slipping moves it too.
+    std::optional<double> drift_m, centre_m;
     std::vector<std::string> fallen; ///< tissues whose centre of mass ended below all bones
     std::string ended;               ///< empty: it ran to the end; else why it did not, with the code of an error
     /// Median of the other engine [s] as recorded, its Newton iterations, and ours over its time scaled to this
     /// machine.
     std::optional<double> peer_s, peer_newton, ratio;
+    std::optional<double> cantilever_s; ///< a step of the yardstick, mean of before and after the scene
     /// Whether it ran to the end, converged, and nothing is inside out or fell through.
     bool is_sound() const { return ended.empty() && unconverged == 0 && inverted == 0 && fallen.empty(); }
 };
 
-struct ContactBench {
-    std::optional<double> cantilever_s; ///< a step of the yardstick in this run; nothing if it was not measured
-    std::vector<ContactRow> rows;
-};
+/// Runs on the calling thread's TBB arena. Where the other engine's time is known, and not in a quick run, a cantilever
+/// of 24,000 tets is measured before and after, to tell how fast the machine is just then. Errors of the graph and of
+/// the solver end the row, they are not thrown. Throws engine::Cancelled.
+ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& options);
 
-/// Whether the scenes of that name have times of the other engine.
-bool has_peer(const std::string& scene);
-
-/// A step of the cantilever with 24,000 tets, E 1e5: how fast the machine is just now.
-double contact_yardstick(const RunOptions& options);
-
-/// Errors of the graph and of the solver end the row, they are not thrown. Throws engine::Cancelled. `cantilever_s` as
-/// in ContactBench.
-ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& options, std::optional<double> cantilever_s);
-
-Table contact_table(const ContactBench& result);
-nlohmann::ordered_json contact_json(const ContactBench& result);
+Table contact_table(const std::vector<ContactRow>& rows);
+nlohmann::ordered_json contact_json(const std::vector<ContactRow>& rows);
 /// What the columns need to be said beside them, and what is wrong with which scene.
-std::string contact_summary(const ContactBench& result);
+std::string contact_summary(const std::vector<ContactRow>& rows);
 
 } // namespace sinew::bench

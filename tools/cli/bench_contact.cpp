@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <tbb/task_arena.h>
 
 namespace sinew::cli {
 
@@ -36,24 +35,14 @@ ExitCode bench_contact(const Invocation& in) {
     const std::vector<std::string> files = graph_files(in.arguments.operands_from(1));
     if (files.empty()) throw UsageError("contact needs graph files, or folders with graph files in them.");
     std::vector<bench::ContactScene> scenes; // all are read before the first runs
-    bool with_peer = false;
     for (const std::string& file : files) {
-        const std::string name = std::filesystem::path(file).stem().string();
-        if (!options.wants(name)) continue;
-        scenes.push_back(scene_of(in, file));
-        with_peer = with_peer || bench::has_peer(name);
+        if (options.wants(std::filesystem::path(file).stem().string())) scenes.push_back(scene_of(in, file));
     }
     if (scenes.empty()) throw UsageError("--only: no graph has '" + options.filter + "' in its name.");
-    bench::ContactBench result;
-    if (with_peer && !options.quick)
-        tbb::task_arena(thread_count(in)).execute([&] { result.cantilever_s = bench::contact_yardstick(options); });
-    for (const bench::ContactScene& scene : scenes)
-        result.rows.push_back(bench::run_contact_scene(scene, options, result.cantilever_s));
-    nlohmann::ordered_json extra;
-    extra["cantilever_s"] = result.cantilever_s ? nlohmann::ordered_json(*result.cantilever_s) : nullptr;
-    print_result(in, "contact", bench::contact_table(result), bench::contact_json(result),
-                 bench::contact_summary(result), &extra);
-    const bool sound = std::all_of(result.rows.begin(), result.rows.end(), [](const auto& r) { return r.is_sound(); });
+    std::vector<bench::ContactRow> rows;
+    for (const bench::ContactScene& scene : scenes) rows.push_back(bench::run_contact_scene(scene, options));
+    print_result(in, "contact", bench::contact_table(rows), bench::contact_json(rows), bench::contact_summary(rows));
+    const bool sound = std::all_of(rows.begin(), rows.end(), [](const auto& r) { return r.is_sound(); });
     return sound ? done : solve_failed;
 }
 
