@@ -335,7 +335,7 @@ TEST_CASE("a quick cantilever is small, unless a size is given", "[tools]") {
 TEST_CASE("bench says what each benchmark does, with an example, and refuses flags that it would not read", "[tools]") {
     const std::string help = run_program({"bench", "--help"}).out;
     for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers",
-                                   "scaling", "idle-cost", "hard", "scene", "elements", "report"}) {
+                                   "scaling", "idle-cost", "hard", "scene", "contact", "elements", "report"}) {
         INFO(name);
         CHECK(has(help, name + ":"));
         CHECK(has(help, "sinew bench " + name + " "));

@@ -40,6 +40,23 @@ std::vector<std::string> words(const Invocation& in, std::string_view flag, cons
     return out;
 }
 
+std::vector<std::string> graph_files(const std::vector<std::string>& paths) {
+    std::vector<std::string> out;
+    for (const std::string& path : paths) {
+        if (!std::filesystem::is_directory(path)) {
+            out.push_back(path);
+            continue;
+        }
+        std::vector<std::string> inside;
+        for (const auto& entry : std::filesystem::directory_iterator(path))
+            if (entry.path().extension() == ".json") inside.push_back(entry.path().string());
+        if (inside.empty()) throw UsageError("'" + path + "' has no graph files (*.json) in it.");
+        std::sort(inside.begin(), inside.end());
+        out.insert(out.end(), inside.begin(), inside.end());
+    }
+    return out;
+}
+
 std::optional<std::filesystem::path> output_folder(const Invocation& in) {
     const auto name = in.arguments.value("--output");
     if (!name) return {};

@@ -21,6 +21,8 @@ std::vector<double> tet_scales(const Invocation& in, const std::vector<double>& 
 /// The words of the list that a flag gives, each one of `known`; `otherwise` without the flag. Throws UsageError.
 std::vector<std::string> words(const Invocation& in, std::string_view flag, const std::vector<std::string>& known,
                                std::vector<std::string> otherwise);
+/// The files, and the graph files of folders by name. Throws UsageError for a folder without any.
+std::vector<std::string> graph_files(const std::vector<std::string>& paths);
 /// The folder that --output names, if given: made, and found to be writable, before anything is measured. Throws
 /// Failure IO405.
 std::optional<std::filesystem::path> output_folder(const Invocation& in);
@@ -49,6 +51,7 @@ ExitCode bench_levers(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
 ExitCode bench_hard(const Invocation& in);
 ExitCode bench_scene(const Invocation& in);
+ExitCode bench_contact(const Invocation& in);
 ExitCode bench_elements(const Invocation& in);
 ExitCode bench_report(const Invocation& in);
 

@@ -6,8 +6,6 @@
 #include "tools/cli/bench_common.h"
 #include "tools/cli/open_graph.h"
 
-#include <algorithm>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -28,24 +26,6 @@ std::vector<std::string> all_solvers() {
 }
 
 int turns(const Invocation& in) { return in.arguments.has("--quick") ? 1 : 5; }
-
-/// The files, and the graph files of folders by name.
-std::vector<std::string> graph_files(const std::vector<std::string>& paths) {
-    std::vector<std::string> out;
-    for (const std::string& path : paths) {
-        if (!std::filesystem::is_directory(path)) {
-            out.push_back(path);
-            continue;
-        }
-        std::vector<std::string> inside;
-        for (const auto& entry : std::filesystem::directory_iterator(path))
-            if (entry.path().extension() == ".json") inside.push_back(entry.path().string());
-        if (inside.empty()) throw UsageError("'" + path + "' has no graph files (*.json) in it.");
-        std::sort(inside.begin(), inside.end());
-        out.insert(out.end(), inside.begin(), inside.end());
-    }
-    return out;
-}
 
 } // namespace
 

@@ -30,6 +30,7 @@ constexpr Benchmark benchmarks[] = {
     {"idle-cost", bench_idle_cost, "--quick --only"},
     {"hard", bench_hard, "--quick --only"},
     {"scene", bench_scene, "--quick --steps --solvers --elements --sizes", true},
+    {"contact", bench_contact, "--quick --steps --only", true},
     {"elements", bench_elements, "--quick --steps --only --sizes --output", true},
     {"report", bench_report, "--quick --steps --only --output", true},
 };
@@ -87,19 +88,21 @@ Command bench_command() {
           "features cost; hard: collapsed, scrambled, overstretched, torn about and spoilt bodies under every law, "
           "element and integrator, exit code 3 if an answer is wrong; scene: the frames of graphs under each linear "
           "solver and under the yardstick "
-          "Plain, with their own tets or others; elements: linear and quadratic tets of several sizes, error "
+          "Plain, with their own tets or others; contact: graphs of bodies that touch, once each: times, iterations, "
+          "deepest contact, drift and what fell through, exit code 3 if an answer is wrong, and beside the times of "
+          "another engine where they are known; elements: linear and quadratic tets of several sizes, error "
           "against time, on the motion of a graph, or without one on bodies whose answer is known; "
           "report: all of them but meshing as a page with pictures"},
          {"FILES",
-          "meshing: mesh files, or folders whose mesh files are taken; scene: graph files, or folders whose graph "
-          "files "
-          "are taken; elements: a graph file or none; report: graph files, a scene each",
+          "meshing: mesh files, or folders whose mesh files are taken; scene, contact: graph files, or folders "
+          "whose graph files are taken; elements: a graph file or none; report: graph files, a scene each",
           false, true}},
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
          {"--only", "LETTERS",
-          "accuracy, convergence, work-precision, levers, scaling, idle-cost, hard: only what has these letters in its "
-          "name; elements: the one tissue that takes part, without a graph as the others; report: the sections to "
+          "accuracy, convergence, work-precision, levers, scaling, idle-cost, hard, contact: only what has these "
+          "letters in "
+          "its name; elements: the one tissue that takes part, without a graph as the others; report: the sections to "
           "measure anew, a list of accuracy, convergence, hard, work-precision, levers, cantilever, scene, rigs, "
           "scaling, idle-cost"},
          {"--output", "PATH",
@@ -113,7 +116,7 @@ Command bench_command() {
          {"--E", "LIST", "cantilever: Young's moduli in Pa; default: 1e5,1e6"},
          {"--law", "LAW", "cantilever: an isotropic law of zTissue.material; default: NeoHookean"},
          {"--steps", "N",
-          "cantilever: steps; default: 20; scene, report: frames after the first; default: all; "
+          "cantilever: steps; default: 20; scene, contact, report: frames after the first; default: all; "
           "elements: default: 12"},
          {"--parts", "LIST", "meshing: cubes along a mesh's longest side; default: 20"},
          {"--refine", "N", "meshing: halve the cubes N times all over the surface; default: 0"},
@@ -140,6 +143,7 @@ Command bench_command() {
         "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "
         "frames\n"
         "sinew bench scene graphs/scenes --steps 8 --solvers Direct,Iterative,Auto --sizes 1,0.5 --elements linear\n"
+        "sinew bench contact graphs/bench --only tilt                 # tilted cubes that fall on a floor\n"
         "sinew bench elements graphs/scenes/arm.json --only biceps     # linear and quadratic tets of six sizes\n"
         "sinew bench elements --only cantilever                        # the same against a known answer\n"
         "sinew bench report graphs/scenes/arm.json -o docs/benchmarks.md   # more than two hours\n"
