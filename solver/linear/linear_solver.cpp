@@ -18,6 +18,8 @@ int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 40, 5.
 constexpr double kept_factor_tolerance = 1e-2;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
 constexpr double kept_factor_solves = 3;
+/// The same with an overlay, which no factor knows: about as many iterations as with multigrid.
+constexpr double overlay_solves = 30;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
 /// take as many.
 constexpr double worn_out = 0.5;
@@ -29,8 +31,8 @@ constexpr int most_iterations = 5000;
 } // namespace
 
 /// Cycles that this solve may take before the step has cost more than it would with a factor.
-int LinearSolver::allowed_cycles(int newton_iteration) const {
-    const double by_factor = costs_.factor + kept_factor_solves * (newton_iteration + 1) * costs_.factor_solve;
+int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
+    const double by_factor = costs_.factor + solves * (newton_iteration + 1) * costs_.factor_solve;
     return static_cast<int>(std::clamp((by_factor - spent_ - costs_.hierarchy) / costs_.cycle, 0.0, 1000.0));
 }
 
@@ -130,9 +132,12 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
         factorize_and_solve(a, b, x, tolerance, outcome, plain);
         return outcome;
     }
-    const int allowed = automatic ? allowed_cycles(newton_iteration) : most_iterations;
-    if (automatic && (newton_iteration >= patience(costs_.factor / costs_.cycle) || allowed == 0))
-        memory.factor_steps_left = kept_steps;
+    const bool has_overlay = !a.overlay.empty();
+    const int allowed = automatic ? allowed_cycles(newton_iteration, has_overlay ? overlay_solves : kept_factor_solves)
+                                  : most_iterations;
+    // Where contacts come and go it is they that hold Newton's method up, not inexact directions.
+    const bool impatient = !has_overlay && newton_iteration >= patience(costs_.factor / costs_.cycle);
+    if (automatic && (impatient || allowed == 0)) memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;

@@ -54,7 +54,7 @@ class LinearSolver {
                                 double tolerance, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        double tolerance, int most);
-    int allowed_cycles(int newton_iteration) const;
+    int allowed_cycles(int newton_iteration, double solves) const;
     const BlockPattern& pattern_;
     UnknownPlaces places_;
     LinearCosts costs_;
