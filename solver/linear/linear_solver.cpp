@@ -37,7 +37,7 @@ int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
 }
 
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                       double tolerance, Outcome& outcome, bool plain) {
+                                       double tolerance, bool projected, Outcome& outcome, bool plain) {
     {
         const Stopwatch timer(outcome.seconds_factor);
         if (!factors_ || plain != plain_factors_) {
@@ -52,7 +52,9 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
     if (!outcome.definite) return;
     if (!a.overlay.empty()) {
         iterate_with_factor(a, b, x, tolerance, most_iterations, outcome);
-        return;
+        if (outcome.definite || !projected) return;
+        // It is definite by construction: rounding it was. The factor's own answer still gives descent.
+        outcome.definite = true;
     }
     const Stopwatch timer(outcome.seconds_solve);
     factors_->solve(b.data(), x.data());
@@ -103,7 +105,7 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
         if (r.converged || (!r.definite && !projected)) return;
     }
     // What single precision cannot tell.
-    factorize_and_solve(a, b, x, tolerance, outcome);
+    factorize_and_solve(a, b, x, tolerance, projected, outcome);
 }
 
 ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b,
@@ -129,7 +131,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     const bool automatic = method == LinearMethod::automatic;
     const bool plain = method == LinearMethod::plain;
     if (plain || method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
-        factorize_and_solve(a, b, x, tolerance, outcome, plain);
+        factorize_and_solve(a, b, x, tolerance, projected, outcome, plain);
         return outcome;
     }
     const bool has_overlay = !a.overlay.empty();
@@ -155,7 +157,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     if (automatic)
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
     else
-        factorize_and_solve(a, b, x, tolerance, outcome);
+        factorize_and_solve(a, b, x, tolerance, projected, outcome);
     return outcome;
 }
 

@@ -46,7 +46,7 @@ class LinearSolver {
     enum class Kept { none, full, single };
     bool make_single(const BlockMatrix& a, Outcome& outcome);
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                             double tolerance, Outcome& outcome, bool plain = false);
+                             double tolerance, bool projected, Outcome& outcome, bool plain = false);
     ConjugateGradients::Result iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
                                                    std::vector<double>& x, double tolerance, int most,
                                                    Outcome& outcome);

@@ -29,14 +29,13 @@ class Overlay {
     /// After the last element: sorts them by rows.
     void finish(int rows);
     bool empty() const { return blocks_.empty(); }
-    std::size_t count() const { return blocks_.size(); }
     /// y += O x, 3 numbers a row; the same bits for any number of threads.
     void add_product(const double* x, double* y) const;
 
   private:
     std::vector<Blocks> blocks_;              ///< per element
     std::vector<Carrier> carriers_;           ///< of all elements
-    std::vector<std::size_t> first_{};        ///< per element, of its carriers
+    std::vector<std::size_t> first_;          ///< per element, of its carriers
     std::vector<int> start_, entries_, next_; ///< per row, of carriers_
     std::vector<int> element_;                ///< per carrier
     std::vector<int> rows_;                   ///< that have entries

@@ -22,6 +22,24 @@ struct Bvh {
 /// + 1.
 Bvh build_bvh(const Points& box_min, const Points& box_max);
 
+/// Boxes of `nodes`, which have the tree's structure, around items elsewhere: `fit(item, node)` makes a leaf's box,
+/// which begins empty, large enough for an item.
+template <class Fit>
+void refit(const Bvh& tree, std::vector<BvhNode>& nodes, const Fit& fit) {
+    nodes = tree.nodes;
+    // Children stand behind their parents.
+    for (std::size_t n = nodes.size(); n-- > 0;) {
+        BvhNode& node = nodes[n];
+        if (node.count == 0) {
+            const BvhNode &one = nodes[n + 1], &other = nodes[static_cast<std::size_t>(node.first)];
+            node.min = one.min.cwiseMin(other.min), node.max = one.max.cwiseMax(other.max);
+            continue;
+        }
+        node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
+        for (int i = node.first; i < node.first + node.count; ++i) fit(tree.order[static_cast<std::size_t>(i)], node);
+    }
+}
+
 /// Squared distance from p to the node's box; 0 inside.
 inline double squared_distance(const BvhNode& node, const Vec3& p) {
     const Vec3 d = (node.min - p).cwiseMax(p - node.max).cwiseMax(0.0);

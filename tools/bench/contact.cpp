@@ -292,6 +292,7 @@ Table contact_table(const std::vector<ContactRow>& rows) {
              "inverted",
              "unconverged",
              "drift [mm]",
+             "centre [mm]",
              "fell through"},
             {}};
     for (const ContactRow& r : rows)

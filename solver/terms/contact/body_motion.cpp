@@ -47,25 +47,15 @@ void BodyMotion::set(const Points& from, const Points& to) {
 }
 
 void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
-    nodes_ = body.bvh().nodes;
     to_modelled_ = nearest_motion(from, body.modelled());
     turned_.assign(from.begin(), from.end());
     for (Vec3& p : turned_) p = to_modelled_ * p;
     for (Vec3& p : later_) p = to_modelled_ * p;
-    // Children stand behind their parents.
-    for (std::size_t n = nodes_.size(); n-- > 0;) {
-        BvhNode& node = nodes_[n];
-        if (node.count == 0) {
-            const BvhNode &one = nodes_[n + 1], &other = nodes_[at(node.first)];
-            node.min = one.min.cwiseMin(other.min), node.max = one.max.cwiseMax(other.max);
-            continue;
-        }
-        node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
-        for (int i = node.first; i < node.first + node.count; ++i)
-            for (const int v : body.triangles()[at(body.bvh().order[at(i)])])
-                for (const Points* points : {&turned_, &later_})
-                    node.min = node.min.cwiseMin((*points)[at(v)]), node.max = node.max.cwiseMax((*points)[at(v)]);
-    }
+    refit(body.bvh(), nodes_, [&](int triangle, BvhNode& node) {
+        for (const int v : body.triangles()[at(triangle)])
+            for (const Points* points : {&turned_, &later_})
+                node.min = node.min.cwiseMin((*points)[at(v)]), node.max = node.max.cwiseMax((*points)[at(v)]);
+    });
 }
 
 bool BodyMotion::meets(const Vec3& one, const Vec3& other, double margin) const {

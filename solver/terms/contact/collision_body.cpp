@@ -179,23 +179,12 @@ double CollisionBody::facing_area(int point, const Vec3& normal, double whole, c
 }
 
 void CollisionBoxes::fit(const CollisionBody& body, const double* carriers) {
-    const Bvh& bvh = body.bvh();
-    nodes_ = bvh.nodes;
     places_.resize(body.point_count());
     for (std::size_t v = 0; v < places_.size(); ++v) places_[v] = body.place(static_cast<int>(v), carriers);
-    // Children stand behind their parents.
-    for (std::size_t n = nodes_.size(); n-- > 0;) {
-        BvhNode& node = nodes_[n];
-        if (node.count == 0) {
-            const BvhNode &one = nodes_[n + 1], &other = nodes_[at(node.first)];
-            node.min = one.min.cwiseMin(other.min), node.max = one.max.cwiseMax(other.max);
-            continue;
-        }
-        node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
-        for (int i = node.first; i < node.first + node.count; ++i)
-            for (const int v : body.triangles()[at(bvh.order[at(i)])])
-                node.min = node.min.cwiseMin(places_[at(v)]), node.max = node.max.cwiseMax(places_[at(v)]);
-    }
+    refit(body.bvh(), nodes_, [&](int triangle, BvhNode& node) {
+        for (const int v : body.triangles()[at(triangle)])
+            node.min = node.min.cwiseMin(places_[at(v)]), node.max = node.max.cwiseMax(places_[at(v)]);
+    });
     low_ = nodes_.front().min, high_ = nodes_.front().max;
 }
 

@@ -16,8 +16,8 @@ extern const TermType contact_type;
 /// surface whose end slips where it would pull with more than mu times the force that the contact pressed with at the
 /// end of the step before: it neither creeps nor drags below that.
 ///
-/// Which points may come in is settled at the start of a step: those near enough for how fast the bodies move. Where a
-/// solution has moved farther than that, the set is made larger, and the solve goes on.
+/// Which points may come in is settled at the start of a step: those whose way comes near to what the other body's
+/// triangles sweep. Where a solution has moved bodies elsewhere, the set is made larger, and the solve goes on.
 class Contacts final : public Term {
   public:
     explicit Contacts(const Scene& scene);
@@ -111,6 +111,7 @@ class Contacts final : public Term {
     std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for
     std::vector<std::vector<double>> swept_; ///< per body: the same as it was when it was looked for last
     std::vector<double> reach_;              ///< how far each bone moves [m]
+    std::vector<double> off_;                ///< per body: how far it is from where it was looked for [m]
     std::vector<char> strong_;               ///< per pair: it ties more firmly than what the pattern leaves out may
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;

@@ -232,7 +232,6 @@ void Contacts::make_tethers() {
 double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
     find_features(x);
-    look_at(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (now_[i].triangle < 0)
             clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
@@ -247,15 +246,15 @@ bool Contacts::widen(const Positions& x) {
     find_all_touches();
     // Where nothing is farther from where it was looked for than the margin, all is known.
     expected_.clear();
-    std::vector<double>& off = moves_;
+    off_.resize(bodies_.count());
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         expected_.push_back(carriers(static_cast<int>(b), x));
         const std::span<const double> own = body.own(expected_.back());
-        off[b] = body.leverage() * largest_move(own.data(), swept_[b].data(), own.size() / 3);
+        off_[b] = body.leverage() * largest_move(own.data(), swept_[b].data(), own.size() / 3);
     }
     if (std::all_of(pairs_.begin(), pairs_.end(), [&](const ContactPair& pair) {
-            return off[at(pair.source)] + off[at(pair.target)] <= resting_share * bodies_[pair.target].mean_edge();
+            return off_[at(pair.source)] + off_[at(pair.target)] <= resting_share * bodies_[pair.target].mean_edge();
         }))
         return false;
     sweep(expected_);

@@ -6,6 +6,7 @@
 #include "solver/terms/contact/contact.h"
 
 #include <algorithm>
+#include <tuple>
 
 namespace sinew::solver {
 
@@ -80,10 +81,13 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
 
 void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
                             std::vector<Touch>& out) const {
-    for (std::size_t k = 0; k < kept.size(); ++k) {
-        const KeptContact& c = kept[k];
-        if (c.source != pair.source || c.target != pair.target) continue;
-        Touch t{c.source, c.point, c.target, static_cast<int>(k), {}};
+    const auto by_pair = [](const auto& a, const auto& b) {
+        return std::tie(a.source, a.target) < std::tie(b.source, b.target);
+    };
+    auto it = std::lower_bound(kept.begin(), kept.end(), pair, by_pair);
+    for (; it != kept.end() && it->source == pair.source && it->target == pair.target; ++it) {
+        const KeptContact& c = *it;
+        Touch t{c.source, c.point, c.target, static_cast<int>(it - kept.begin()), {}};
         const CollisionBody& target = bodies_[c.target];
         const Points& where = boxes_[at(c.target)].places();
         const Vec3 p = boxes_[at(c.source)].places()[at(c.point)];

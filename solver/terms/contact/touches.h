@@ -56,7 +56,7 @@ class TouchSearch {
     explicit TouchSearch(const CollisionBodies& bodies);
     /// `carriers`: of each body, 3 numbers a vertex of what carries it.
     void begin(const std::vector<const double*>& carriers);
-    /// The contacts of the state that belong to the pair; those deeper than its longest are left out.
+    /// The contacts of the state, sorted as there, that belong to the pair; those deeper than its longest are left out.
     void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
     /// Says where everything is later, or may be.
     void sweep(const std::vector<const double*>& later);
