@@ -74,6 +74,8 @@ constexpr std::string_view word_of(solver::AttachmentMode mode) {
         return "none";
     case solver::AttachmentMode::fixed:
         return "fixed";
+    case solver::AttachmentMode::sliding:
+        return "sliding";
     }
     return "";
 }

@@ -72,7 +72,6 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
     const auto all = in[attachments];
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Attachment& a = all[i];
-        if (a.rest.mode == solver::AttachmentMode::none) continue;
         const std::size_t next = setup.key.links.size();
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
         const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], "source");
@@ -257,7 +256,8 @@ void check_all_tied(const Reads& in, const Setup& setup) {
     };
     for (std::size_t i = 0; i < setup.attachments.size(); ++i) {
         const solver::AttachmentInputs& values = setup.attachments[i].get().values;
-        if (values.stiffness <= 0 || values.envelope <= 0) continue;
+        // One that slides leaves ways free.
+        if (values.stiffness <= 0 || values.envelope <= 0 || values.holds <= 0) continue;
         const auto [from, to] = setup.key.links[i];
         group[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
     }
@@ -279,7 +279,11 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     SolveReport r;
     r.bodies = scene.body_count();
     r.dofs = 3 * scene.vertex_count();
-    r.attachments = static_cast<std::int64_t>(setup.attachments.size());
+    bool holds = false, slides = false;
+    for (const Attachment& a : setup.attachments) {
+        holds = holds || a.values.holds > 0, slides = slides || a.values.slides > 0;
+        r.attachments += a.values.mode() != solver::AttachmentMode::none;
+    }
     std::vector<std::string> laws;
     bool fibers = false, resists = false, conserves = false;
     for (int i = 0; i < scene.body_count(); ++i) {
@@ -302,7 +306,8 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     if (moves) r.terms.push_back("inertia");
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");
     if (fibers) r.terms.push_back("fiber");
-    if (!setup.attachments.empty()) r.terms.push_back("attachment");
+    if (holds) r.terms.push_back("attachment");
+    if (slides) r.terms.push_back("sliding");
     for (const Force& f : setup.forces)
         if (std::find(r.terms.begin(), r.terms.end(), f.type->name) == r.terms.end())
             r.terms.emplace_back(f.type->name);

@@ -146,7 +146,6 @@ int find_body(std::span<const BodyId> bodies, const BodyId& wanted, int hint) {
 
 Digest static_digest(const solver::AttachmentRest& rest) {
     return Hasher()
-        .add(static_cast<int>(rest.mode))
         .add(static_cast<int>(rest.correspondence))
         .add(rest.maintain_offset)
         .add_doubles(rest.source_weights)

@@ -87,7 +87,8 @@ WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const sol
     for (const solver::TissueBatches& tissue : scene.system().tissues) look_at_tets(setup, scene, state, tissue, out);
     const solver::AttachmentMemory attachments = attachments_kept(state.memories);
     for (std::size_t a = 0; a < attachments.anchors.size() && a < setup.key.links.size(); ++a)
-        look_at_anchors(setup, scene, state, attachments.anchors[a], a, out);
+        if (setup.attachments[a].get().values.mode() == solver::AttachmentMode::fixed)
+            look_at_anchors(setup, scene, state, attachments.anchors[a], a, out);
     return out;
 }
 

@@ -28,8 +28,10 @@ const Wire<Body> target{
 const Input<std::string> mode{
     .name = "attachmentMode",
     .def = std::string(word_of(solver::AttachmentMode::fixed)),
-    .doc = "fixed holds the surface at its places on the target; none switches the attachment off.",
-    .keyable = false,
+    .doc = "fixed holds the surface at the places on the target that it finds at the start frame; sliding lets it move "
+           "along the target's surface, as far as that has target weight, and holds it along the normal alone; none "
+           "switches the attachment off. May be keyed, with effect on whole steps; sliding begins at the closest "
+           "places then, at the distance then.",
     .options = words(options_of<solver::AttachmentMode>),
 };
 const Input<double> stiffness{
@@ -44,12 +46,14 @@ const Input<double> damping{
     .def = 0,
     .unit = "N*s/m^3",
     .limits = {.min = 0},
-    .doc = "Force per attached area and relative speed; calms an attachment that swings.",
+    .doc = "Force per attached area and relative speed, sliding along the normal alone; calms an attachment that "
+           "swings.",
 };
 const Input<bool> maintain_offset{
     .name = "maintainOffset",
     .def = true,
-    .doc = "Keeps the distance that there is at the start frame; off pulls the surface onto the target.",
+    .doc = "Keeps the distance that there is at the start frame; off pulls the surface onto the target. Sliding keeps "
+           "the height over the target that there is when it begins.",
     .keyable = false,
 };
 const Input<std::string> correspondence{
@@ -112,15 +116,17 @@ bool is_blank(const NumberList& map) {
     return std::all_of(map.begin(), map.end(), [](double w) { return w <= 0; });
 }
 
+solver::AttachmentMode mode_of(const Reads& in, const Body& from, const Body& to) {
+    if (!from.is_bone() || !to.is_bone()) return meaning(options_of<solver::AttachmentMode>, in[mode]);
+    in.warn(target.name, "FE207",
+            in.source_name(source.name) + " and " + in.source_name(target.name) +
+                " are both bones, so the attachment has no effect",
+            "Attach a tissue to a bone.");
+    return solver::AttachmentMode::none;
+}
+
 solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to) {
     solver::AttachmentRest rest;
-    const bool both_bones = from.is_bone() && to.is_bone();
-    if (both_bones)
-        in.warn(target.name, "FE207",
-                in.source_name(source.name) + " and " + in.source_name(target.name) +
-                    " are both bones, so the attachment has no effect",
-                "Attach a tissue to a bone.");
-    rest.mode = both_bones ? solver::AttachmentMode::none : meaning(options_of<solver::AttachmentMode>, in[mode]);
     rest.correspondence = meaning(options_of<solver::Correspondence>, in[correspondence]);
     rest.maintain_offset = in[maintain_offset];
     rest.source_weights = painted_map(in, weights, weights_on, from, in.source_name(source.name));
@@ -132,7 +138,6 @@ solver::AttachmentRest rest_of(const Reads& in, const Body& from, const Body& to
 }
 
 void check_reach(const Reads& in, const solver::AttachmentRest& rest, const Body& from, const Body& to) {
-    if (rest.mode == solver::AttachmentMode::none) return;
     if (is_blank(rest.source_weights))
         in.fail(weights.name, "FE212", "nothing of " + in.source_name(source.name) + " has a weight above 0",
                 "Paint what is to be attached.");
@@ -156,8 +161,9 @@ void compute(const Reads& in, Writes& out) {
         in.fail(target.name, "FE219", in.source_name(source.name) + " cannot be attached to itself",
                 "Connect another body.");
     a.rest = rest_of(in, from, to);
-    check_reach(in, a.rest, from, to);
     a.values = {in[stiffness], in[envelope], in[damping]};
+    a.values.set_mode(mode_of(in, from, to));
+    if (a.values.mode() != solver::AttachmentMode::none) check_reach(in, a.rest, from, to);
     out.set(out_attachment, std::move(a));
 }
 

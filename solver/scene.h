@@ -50,12 +50,10 @@ struct BoneRest {
 
 using BodyRest = std::variant<std::shared_ptr<const TissueRest>, std::shared_ptr<const BoneRest>>;
 
-enum class AttachmentMode { none, fixed };
 enum class Correspondence { closest_point, vertex_id };
 
 struct AttachmentRest {
     int source = -1, target = -1; ///< body indices
-    AttachmentMode mode = AttachmentMode::fixed;
     Correspondence correspondence = Correspondence::closest_point;
     /// Painted on the surface's vertices or triangles: a number for each, one for all, or none for 1 everywhere.
     std::vector<double> source_weights; ///< > 0 = attached

@@ -70,15 +70,27 @@ struct BoneInputs {
 
 using BodyInputs = std::variant<TissueInputs, BoneInputs>;
 
+enum class AttachmentMode { none, fixed, sliding };
+
 struct AttachmentInputs {
     double stiffness = 1e8; ///< [N/m^3]
     double envelope = 1;
     double damping = 0; ///< [N s/m^3]
+    double holds = 1;   ///< switch: 1 = at the places found at the start frame
+    double slides = 0;  ///< switch: 1 = along the target's surface
+    void set_mode(AttachmentMode mode) {
+        holds = mode == AttachmentMode::fixed ? 1 : 0, slides = mode == AttachmentMode::sliding ? 1 : 0;
+    }
+    AttachmentMode mode() const {
+        return holds > 0 ? AttachmentMode::fixed : slides > 0 ? AttachmentMode::sliding : AttachmentMode::none;
+    }
     static constexpr auto fields() {
         using T = AttachmentInputs;
         return std::to_array<Field<T>>({{"stiffness", "N/m^3", &T::stiffness},
                                         {"envelope", "1", &T::envelope},
-                                        {"damping", "N*s/m^3", &T::damping}});
+                                        {"damping", "N*s/m^3", &T::damping},
+                                        {"holds", "1", &T::holds},
+                                        {"slides", "1", &T::slides}});
     }
 };
 

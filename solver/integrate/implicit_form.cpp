@@ -44,4 +44,15 @@ std::array<const std::vector<Points>*, 3> bones_weighed(const ImplicitForm& form
     return {first, &before.bones, &after};
 }
 
+void place_bone(const ImplicitForm& form, const std::array<const std::vector<Points>*, 3>& weighed, std::size_t body,
+                Points& out) {
+    out.assign((*weighed[2])[body].size(), Vec3::Zero());
+    for (std::size_t time = 0; time < 3; ++time) {
+        const double weight = form.bone_position[time];
+        if (weight == 0) continue;
+        const Points& then = (*weighed[time])[body];
+        for (std::size_t v = 0; v < out.size(); ++v) out[v] += weight * then[v];
+    }
+}
+
 } // namespace sinew::solver

@@ -64,4 +64,8 @@ void set_bone_weights(const std::vector<Points>& at_gamma, double step_size, dou
 std::array<const std::vector<Points>*, 3> bones_weighed(const ImplicitForm& form, const State& before,
                                                         const std::vector<Points>& after);
 
+/// Where a bone is in the stage; `weighed`: as bones_weighed gives them.
+void place_bone(const ImplicitForm& form, const std::array<const std::vector<Points>*, 3>& weighed, std::size_t body,
+                Points& out);
+
 } // namespace sinew::solver

@@ -47,6 +47,7 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
         AttachmentInputs& m = out.attachments[k];
         // A coupling made or released within the step: half of it would throw bodies back that it no longer brakes.
         if ((a.stiffness * a.envelope == 0) != (m.stiffness * m.envelope == 0)) continue;
+        if (a.mode() != m.mode()) continue; // a switch acts over a whole step
         mix_fields(a, m, share);
     }
     for (std::size_t k = 0; k < out.parts.size(); ++k) {
@@ -73,6 +74,7 @@ void values_within(const Scene& scene, const StepInputs& known, const StepInputs
         t->compression_resistance = end.compression_resistance;
         t->transverse_anisotropy = end.transverse_anisotropy;
     }
+    for (std::size_t k = 0; k < out.attachments.size(); ++k) out.attachments[k].set_mode(after.attachments[k].mode());
     for (std::size_t k = 0; k < out.parts.size(); ++k) {
         const auto may_mix = scene.description().parts[k].type->may_mix;
         if (may_mix && !may_mix(out.parts[k], after.parts[k])) out.parts[k] = after.parts[k];

@@ -3,6 +3,7 @@
 
 #include "solver/mesh/triangle_math.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -67,6 +68,13 @@ bool surely_nearest(const CarriedSurface& surface, const Points& places, const N
     return std::sqrt(place.distance2) <= 0.5 * to_border;
 }
 
+/// Two edges of a triangle and its unit normal.
+Mat3 edges_of(const std::array<Vec3, 3>& c) {
+    Mat3 out;
+    out << c[1] - c[0], c[2] - c[0], (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    return out;
+}
+
 /// A surface of a million triangles is crossed in far fewer steps.
 constexpr int most_walk_steps = 10'000;
 
@@ -93,7 +101,7 @@ Vec3 face_normal(const CarriedSurface& surface, const Points& places, int triang
 }
 
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& p,
-                              const Vec3& side) {
+                              const Vec3& side, const std::vector<char>* allowed) {
     const bool any_side = side.isZero(0);
     const double least = least_facing * side.norm(), near = near_share * surface.mean_edge();
     const auto belongs = [&](const NearestPlace& there) {
@@ -111,6 +119,7 @@ ClosestFeature follow_feature(const CarriedSurface& surface, const Points& place
                 const Triangle& corners = surface.triangles()[at(t)];
                 if (t == here.triangle || (other >= 0 && !has(corners, other))) continue;
                 if ((asked >= 0 && has(corners, asked)) || (asked_too >= 0 && has(corners, asked_too))) continue;
+                if (allowed && !(*allowed)[at(t)]) continue;
                 const NearestPlace there = nearest_of(surface, places, t, p);
                 if (there.distance2 < best.distance2 && (any_side || belongs(there))) best = there;
             }
@@ -127,17 +136,49 @@ ClosestFeature follow_feature(const CarriedSurface& surface, const Points& place
     return feature_of(surface, places, best, p);
 }
 
-ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& from,
-                              const Vec3& to, double step, const Vec3& side) {
+FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& corners) {
+    const Mat3 edges = edges_of(corners);
+    if (!(std::abs(edges.determinant()) > 0)) return {feature};
+    const Mat3 inverse = edges.inverse();
+    return {feature, inverse * feature.away, inverse * feature.normal};
+}
+
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
+                              const Vec3& p, const std::vector<char>* allowed) {
     constexpr double most_steps = 64;
-    const double way = (to - from).norm();
-    const int steps = static_cast<int>(std::clamp(std::ceil(way / std::max(step, 1e-300)), 1.0, most_steps));
-    int triangle = from_triangle;
+    const ClosestFeature& was = start.feature;
+    const std::array<Vec3, 3> corners = surface.corners(was.triangle, places);
+    const Mat3 edges = edges_of(corners);
+    const Vec3 from =
+        was.place[0] * corners[0] + was.place[1] * corners[1] + was.place[2] * corners[2] + edges * start.away;
+    const Vec3 side = edges * start.normal, way = p - from;
+    const double longest = std::max(was.away.norm(), 0.5 * surface.mean_edge());
+    const int steps = static_cast<int>(std::clamp(std::ceil(way.norm() / std::max(longest, 1e-300)), 1.0, most_steps));
+    int triangle = was.triangle;
     for (int s = 1; s < steps; ++s)
         triangle =
-            follow_feature(surface, places, triangle, from + (s / static_cast<double>(steps)) * (to - from), side)
+            follow_feature(surface, places, triangle, from + (s / static_cast<double>(steps)) * way, side, allowed)
                 .triangle;
-    return follow_feature(surface, places, triangle, to, side);
+    return follow_feature(surface, places, triangle, p, side, allowed);
+}
+
+ClosestFeature nearest_allowed(const CarriedSurface& surface, const Points& places, const ClosestFeature& nearest,
+                               const ClosestFeature& known, const Vec3& p, const std::vector<char>& allowed) {
+    constexpr std::size_t most = 256; // of a rim that is so far away the nearest place is of little use
+    std::array<int, most> seen{};
+    std::size_t count = 0;
+    NearestPlace best{known.triangle, known.place, p - known.away, known.away.squaredNorm()};
+    seen[count++] = nearest.triangle;
+    for (std::size_t i = 0; i < count; ++i) {
+        if (allowed[at(seen[i])]) best.offer(surface, places, seen[i], p);
+        for (const int v : surface.triangles()[at(seen[i])])
+            for (const int t : surface.fan(v)) {
+                const auto end = seen.begin() + static_cast<std::ptrdiff_t>(count);
+                if (count == most || std::find(seen.begin(), end, t) != end) continue;
+                if (nearest_of(surface, places, t, p).distance2 <= best.distance2) seen[count++] = t;
+            }
+    }
+    return feature_of(surface, places, best, p);
 }
 
 } // namespace sinew::solver

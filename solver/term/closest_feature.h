@@ -23,13 +23,27 @@ constexpr double least_facing = 0.3, near_share = 0.5;
 
 /// Down from a triangle to the nearest place that has none nearer about it, over faces that look to the same `side`
 /// alone: a point that has passed the middle of a bone is not drawn to the far side of it. Zero: over all faces.
-/// `places` of the surface's points.
+/// `places` of the surface's points. `allowed`: flags of the triangles that it may lie on, from_triangle among them;
+/// null: all.
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& p,
-                              const Vec3& side = Vec3::Zero());
-/// The same where the point has moved far: along the way from `from` to `to`, both relative to where the surface is
-/// now, in steps no longer than `step`.
-ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& from,
-                              const Vec3& to, double step, const Vec3& side);
+                              const Vec3& side = Vec3::Zero(), const std::vector<char>* allowed = nullptr);
+/// Where following begins: a feature, and in terms of two edges and the normal of its triangle, and so moving along
+/// with it, the way from there to the point and the side that it looks to.
+struct FeatureStart {
+    ClosestFeature feature;
+    Vec3 away = Vec3::Zero(), normal = Vec3::Zero();
+};
+/// `corners` of the feature's triangle when it was found.
+FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& corners);
+/// From where the point was at the start, moved along with the surface, straight to p, in steps so short that it does
+/// not jump over faces: a function of where things are now alone.
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
+                              const Vec3& p, const std::vector<char>* allowed = nullptr);
+/// The nearest place on triangles that are allowed, for a point that is beyond their rim: of those that one reaches
+/// from `nearest`, the nearest feature of the whole surface, over triangles no farther from p than `known`, an allowed
+/// feature. Where the rim turns inwards that is not always the one that `known` was followed to.
+ClosestFeature nearest_allowed(const CarriedSurface& surface, const Points& places, const ClosestFeature& nearest,
+                               const ClosestFeature& known, const Vec3& p, const std::vector<char>& allowed);
 /// The nearest place of one triangle, and whether it is nearer than `nearest` is, to which it is put then. Of two that
 /// are as near, the lower number wins.
 struct NearestPlace {

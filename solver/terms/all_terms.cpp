@@ -7,13 +7,15 @@
 #include "solver/terms/field/field.h"
 #include "solver/terms/hold/hold.h"
 #include "solver/terms/pressure/pressure.h"
+#include "solver/terms/sliding/sliding.h"
 #include "solver/terms/surface_tension/surface_tension.h"
 
 namespace sinew::solver {
 
 std::span<const TermType* const> all_terms() {
     static constexpr const TermType* terms[] = {
-        &elastic_type, &attachment_type, &field_type, &pressure_type, &surface_tension_type, &hold_type, &contact_type,
+        &elastic_type,  &attachment_type,      &sliding_type, &field_type,
+        &pressure_type, &surface_tension_type, &hold_type,    &contact_type,
     };
     return terms;
 }

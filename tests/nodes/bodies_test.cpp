@@ -193,7 +193,7 @@ TEST_CASE("an attachment hands on weights for every vertex", "[nodes]") {
     const auto a = s.get<nodes::Attachment>("a", "outAttachment");
     CHECK(a.rest.source_weights == s.get<engine::NumberList>("left", "outWeights"));
     CHECK(a.rest.target_weights == std::vector<double>(8, 1.0));
-    CHECK(a.rest.mode == solver::AttachmentMode::fixed);
+    CHECK(a.values.mode() == solver::AttachmentMode::fixed);
     CHECK(a.rest.correspondence == solver::Correspondence::closest_point);
     CHECK(a.rest.maintain_offset);
     CHECK(a.values.stiffness == Approx(1e6));
@@ -233,7 +233,7 @@ TEST_CASE("attachments that cannot hold are refused", "[nodes]") {
 TEST_CASE("an attachment between two bones warns and does nothing", "[nodes]") {
     Session s(attached(R"("source": {"from": "bone.outBody"}, "target": {"from": "other.outBody"})") +
               R"(, "other": {"type": "zBone", "inputs": {"mesh": {"from": "beam.outMesh"}}})");
-    CHECK(s.get<nodes::Attachment>("a", "outAttachment").rest.mode == solver::AttachmentMode::none);
+    CHECK(s.get<nodes::Attachment>("a", "outAttachment").values.mode() == solver::AttachmentMode::none);
     REQUIRE(s.counter.warnings.size() == 1);
     CHECK(s.counter.warnings[0].code == "FE207");
     CHECK(s.counter.warnings[0].node == "a");

@@ -26,7 +26,7 @@ TEST_CASE("each choice of the solver has a word of its own, and the word means t
     check_words<solver::ElasticLaw>(std::size(solver::elastic_laws));
     check_words<solver::ElementKind>(2);
     check_words<solver::Fill>(3);
-    check_words<solver::AttachmentMode>(2);
+    check_words<solver::AttachmentMode>(3);
     check_words<solver::Correspondence>(2);
     check_words<solver::Integrator>(4);
     check_words<solver::LinearMethod>(4);

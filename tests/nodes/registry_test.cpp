@@ -16,8 +16,8 @@ const std::vector<std::string> all_types = {
     "polyHelix",    "polyPlane",       "polySphere",     "radialField",     "tetMeshFile",      "tetWriter",
     "trackChannel", "transferWeights", "transform",      "turbulenceField", "uniformField",     "volumeAxisField",
     "vortexField",  "weights",         "zAttachment",    "zBone",           "zDelaunayTetMesh", "zEmbedder",
-    "zFiber",       "zHold",           "zIsoMesh",       "zMaterial",       "zSolver",          "zTet",
-    "zTissue"};
+    "zFiber",       "zGoalAttachment", "zHold",          "zIsoMesh",        "zMaterial",        "zSolver",
+    "zTet",         "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -84,6 +84,8 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"vortexField", node("vortexField", "")},
         {"zAttachment",
          node("zAttachment", R"("source": {"from": "tissue.outBody"}, "target": {"from": "bone.outBody"})")},
+        {"zGoalAttachment",
+         node("zGoalAttachment", R"("source": {"from": "tissue.outBody"}, "target": {"from": "bone.outBody"})")},
         {"zBone", node("zBone", R"("mesh": {"from": "cube.outMesh"})")},
         {"zEmbedder", node("zEmbedder", R"("solved": {"from": "solver.outSolved"}, "body": {"from": "tissue.outBody"},
                                                "meshes": [{"from": "cube.outMesh"}])")},

@@ -40,6 +40,7 @@ struct TermExample {
 std::vector<TermExample> term_examples();
 std::vector<TermExample> elastic_examples();
 std::vector<TermExample> attachment_examples();
+std::vector<TermExample> sliding_examples();
 std::vector<TermExample> field_examples();
 std::vector<TermExample> pressure_examples();
 std::vector<TermExample> surface_tension_examples();

@@ -172,7 +172,7 @@ class Doubts {
                 for (const nodes::BodyId& id : force->bodies) set(held, find_body(ids, id));
         std::vector<std::array<int, 2>> links;
         for (const Plug& plug : plugs(solver, "attachments"))
-            if (const auto a = value<nodes::Attachment>(plug); a && a->rest.mode != solver::AttachmentMode::none)
+            if (const auto a = value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none)
                 links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
         for (bool grows = true; grows;) {
             grows = false;
@@ -253,7 +253,8 @@ class Doubts {
     void whole_body(const std::string& name, const nodes::Attachment& a, const std::vector<Member>& members,
                     const std::vector<nodes::BodyId>& ids) {
         const int source = find_body(ids, a.source_body);
-        if (source < 0 || members[at(source)].body.is_bone() || a.rest.mode == solver::AttachmentMode::none) return;
+        if (source < 0 || members[at(source)].body.is_bone() || a.values.mode() != solver::AttachmentMode::fixed)
+            return;
         const auto& weights = a.rest.source_weights;
         if (std::any_of(weights.begin(), weights.end(), [](double w) { return w <= 0; })) return;
         doubt("FE264", name, "weights", "ties the whole surface of " + members[at(source)].name,

@@ -4,6 +4,7 @@
 #include "tools/cli/json_text.h"
 
 #include "nodes/marks.h"
+#include "nodes/options.h"
 #include "nodes/values.h"
 
 #include <algorithm>
@@ -80,7 +81,7 @@ Json describe(const nodes::Body& body) {
 Json describe(const nodes::Attachment& a) {
     std::size_t held = 0;
     for (const double w : a.rest.source_weights) held += w > 0;
-    return {{"attachmentMode", a.rest.mode == solver::AttachmentMode::fixed ? "fixed" : "none"},
+    return {{"attachmentMode", nodes::word_of(a.values.mode())},
             {a.rest.source_painted == solver::PaintedOn::faces ? "source_triangles" : "source_vertices", held},
             {"stiffness", a.values.stiffness},
             {"damping", a.values.damping},

@@ -167,17 +167,19 @@ class Collector {
         const engine::NodeType& type = *e_.graph->find(source.meshes.node)->type;
         const std::size_t header = engine::wrap_state(type, {}, {}).size();
         const nodes::SimulationState state = nodes::load_simulation(std::span(saved).subspan(header));
-        const std::vector<std::string> names = acting_attachments(*e_.graph, source.meshes.node, solved,
-                                                                  [&](const Plug& plug) { return pull(plug, frame); });
+        const std::vector<ActingAttachment> acting = acting_attachments(
+            *e_.graph, source.meshes.node, solved, [&](const Plug& plug) { return pull(plug, frame); });
         const solver::AttachmentMemory attachments = solver::attachments_kept(state.state.memories);
         for (std::size_t a = 0; a < attachments.anchors.size() && a < state.scene.links.size(); ++a) {
+            // What slides or is off has no places to draw lines to; marks show where it slides.
+            if (a < acting.size() && !acting[a].holds) continue;
             const auto [from, to] = state.scene.links[a];
             if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
             const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
                               target_body = source.solved[static_cast<std::size_t>(to)];
             ViewAttachment view = attachment_of(attachments.anchors[a], *solved.rests[static_cast<std::size_t>(from)],
                                                 *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
-            view.node = a < names.size() ? names[a] : "";
+            view.node = a < acting.size() ? acting[a].node : "";
             view.source = static_cast<int>(source.bodies[source_body]);
             view.target = static_cast<int>(source.bodies[target_body]);
             scene_.attachments.push_back(std::move(view));

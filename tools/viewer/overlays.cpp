@@ -115,17 +115,16 @@ void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out) {
     }
 }
 
-std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
-                                            const nodes::Solved& solved, const Puller& pull) {
-    std::vector<std::string> out;
+std::vector<ActingAttachment> acting_attachments(const engine::Graph& graph, const std::string& solver,
+                                                 const nodes::Solved& solved, const Puller& pull) {
+    std::vector<ActingAttachment> out;
     for (const Plug& plug : connections(graph, solver, "attachments")) {
         const engine::Value value = pull(plug);
         const auto& a = value.as<nodes::Attachment>();
-        // The same choice as zSolver's: switched on, and both ends simulated (twins are simulated too).
-        const bool acts = a.rest.mode != solver::AttachmentMode::none &&
-                          nodes::find_body(solved.bodies, a.source_body) != nodes::body_missing &&
+        // The same choice as zSolver's: both ends are simulated (twins are simulated too).
+        const bool acts = nodes::find_body(solved.bodies, a.source_body) != nodes::body_missing &&
                           nodes::find_body(solved.bodies, a.target_body) != nodes::body_missing;
-        if (acts) out.push_back(plug.node);
+        if (acts) out.push_back({plug.node, a.values.mode() == solver::AttachmentMode::fixed});
     }
     return out;
 }

@@ -30,9 +30,13 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
 /// Adds the marks of a solver, to groups of the same kind where there are some.
 void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out);
 
-/// The zAttachment nodes that act in `solver`, in the order of its anchors.
-std::vector<std::string> acting_attachments(const engine::Graph& graph, const std::string& solver,
-                                            const nodes::Solved& solved, const Puller& pull);
+struct ActingAttachment {
+    std::string node;
+    bool holds = true; ///< at the places that it found at the start frame; else it slides, or is off
+};
+/// The attachments that take part in `solver`, in the order of its anchors.
+std::vector<ActingAttachment> acting_attachments(const engine::Graph& graph, const std::string& solver,
+                                                 const nodes::Solved& solved, const Puller& pull);
 
 /// Anchors in scene units, some hundreds evenly chosen where there are more; node and bodies are left for the caller.
 ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& source,

@@ -183,16 +183,19 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {
     return point + frame_of(anchor.target, positions) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
 }
 
-AttachmentMemory make_anchors(const Scene& scene, const std::vector<Points>& surfaces) {
+AttachmentMemory make_anchors(const Scene& scene, const std::vector<AttachmentInputs>& inputs,
+                              const std::vector<Points>& surfaces) {
     const auto& attachments = scene.description().attachments;
     AttachmentMemory out;
     out.anchors.resize(attachments.size()), out.starts.resize(attachments.size());
     Bodies bodies(scene, surfaces);
     for (std::size_t a = 0; a < attachments.size(); ++a) {
-        if (attachments[a].mode == AttachmentMode::none) continue;
+        if (scene.bone(attachments[a].source) && scene.bone(attachments[a].target)) continue; // has no effect
         try {
             out.anchors[a] = anchors_of(scene, attachments[a], surfaces, bodies, out.starts[a]);
         } catch (Error& e) {
+            const bool needless = e.code == "FE212" || e.code == "FE240";
+            if (needless && inputs[a].mode() == AttachmentMode::none) continue;
             e.attachment = static_cast<int>(a);
             throw;
         }

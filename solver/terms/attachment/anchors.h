@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/scene.h"
+#include "solver/step_inputs.h"
 #include "solver/term/memory.h"
 
 #include <array>
@@ -48,8 +49,9 @@ Vec3 bone_point(const AnchorEnd& end, const Points& positions);
 /// Position of an anchor whose target is a bone: the point on its triangle plus the offset, turned with the triangle.
 Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
 
-/// Anchors of all attachments, those of mode none without any. `surfaces[body]` are the surface positions of every body
-/// at the start frame [m]; areas are those at rest.
+/// Anchors of all attachments, whatever their mode is, which may change; `inputs`, one an attachment, at the start
+/// frame: what is off then may lack a hold, and has no anchors. `surfaces[body]` are the surface positions of every
+/// body at the start frame [m]; areas are those at rest.
 ///
 /// The source's painted triangles are cut to the size of the tets that carry either end, and sampled (solver/surface).
 /// Each sample holds on to the closest point of the target; if that is forbidden, to the closest allowed one up to
@@ -62,11 +64,15 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
 /// triangle's own frame, which is exact for rigid motion.
 /// Throws Error, its attachment set: FE204 (weights), FE212 (nothing painted), FE240 (nothing of it finds a hold),
 /// FE232 (too many samples).
-AttachmentMemory make_anchors(const Scene& scene, const std::vector<Points>& surfaces);
+AttachmentMemory make_anchors(const Scene& scene, const std::vector<AttachmentInputs>& inputs,
+                              const std::vector<Points>& surfaces);
 
 /// To and from the bytes of a term's memory.
 void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory);
 /// Empty where none of `memories` is that of attachments. Throws Error IO403 where the bytes end too early.
 AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories);
+/// Throws Error IO403 where what was kept is of another scene, FE240 (attachment set) where an attachment is on that
+/// found no hold at the start frame.
+void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentMemory& kept);
 
 } // namespace sinew::solver

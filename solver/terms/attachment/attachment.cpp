@@ -25,22 +25,22 @@ const TermType attachment_type{
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         return scene.description().attachments.empty() ? nullptr : std::make_unique<Attachments>(scene);
     },
-    .start = [](const Scene& scene, const StepInputs&, const std::vector<Points>& surfaces,
-                TermMemory& memory) { keep_attachments(make_anchors(scene, surfaces), memory); },
+    .start = [](const Scene& scene, const StepInputs& inputs, const std::vector<Points>& surfaces,
+                TermMemory& memory) { keep_attachments(make_anchors(scene, inputs.attachments, surfaces), memory); },
     .memory_version = 1,
     .has_memory = true,
 };
 
-Changes Attachments::take(const StepInputs&, const State& before) {
+Changes Attachments::take(const StepInputs& inputs, const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
-    if (springs_ && memory && *memory == memory_) return {};
+    wanted_.clear();
+    for (const AttachmentInputs& a : inputs.attachments) wanted_.push_back(a.mode() == AttachmentMode::fixed);
+    if (springs_ && memory && *memory == memory_ && wanted_ == on_) return {};
     AttachmentMemory kept = attachments_kept(before.memories);
-    // A state may come from a file.
-    if (kept.anchors.size() != scene_.description().attachments.size())
-        throw Error("IO403", "a saved simulation state holds " + std::to_string(kept.anchors.size()) +
-                                 " attachments, the scene has " +
-                                 std::to_string(scene_.description().attachments.size()));
-    memory_ = *memory;
+    check_kept(scene_, inputs.attachments, kept);
+    for (std::size_t a = 0; a < wanted_.size(); ++a)
+        if (!wanted_[a]) kept.anchors[a].clear();
+    memory_ = *memory, on_ = wanted_;
     springs_ = std::make_unique<Springs>(scene_, std::move(kept.anchors));
     return {.couplings = true};
 }

@@ -36,6 +36,7 @@ class Attachments final : public Term {
     const Scene& scene_;
     TermMemory memory_; ///< that the springs are made of
     std::unique_ptr<Springs> springs_;
+    std::vector<char> on_, wanted_;       ///< per attachment: it has springs, or shall have
     std::vector<double> gradient_;        ///< 3 a vertex
     mutable std::vector<double> of_body_; ///< squares, per body of the scene
 };

@@ -18,19 +18,6 @@ Triangle sorted(Triangle t) {
     return t;
 }
 
-/// Which triangles of the target may be held on to: painted at all their corners.
-std::vector<char> allowed_triangles(const TargetSearch& in) {
-    const AttachmentRest& a = in.attachment;
-    const CornerWeights paint = corner_weights(in.target, in.triangles, a.target_weights, a.target_painted);
-    std::vector<char> allowed(in.triangles.size());
-    for (std::size_t t = 0; t < allowed.size(); ++t)
-        allowed[t] = std::all_of(paint[t].begin(), paint[t].end(), [](double w) { return w > 0; });
-    if (std::find(allowed.begin(), allowed.end(), 1) == allowed.end())
-        throw Error("FE240", "no face of the target has a target weight above 0 at all its vertices",
-                    "paint the target where the source may attach");
-    return allowed;
-}
-
 double mean_edge(const TargetSearch& in, const std::vector<char>& allowed) {
     double sum = 0, count = 0;
     for (std::size_t t = 0; t < allowed.size(); ++t)
@@ -40,7 +27,7 @@ double mean_edge(const TargetSearch& in, const std::vector<char>& allowed) {
 }
 
 void find_closest(const TargetSearch& in, const std::vector<SurfaceSample>& samples, FoundTargets& out) {
-    const std::vector<char> allowed = allowed_triangles(in);
+    const std::vector<char> allowed = allowed_triangles(in.attachment, in.target, in.triangles);
     const bool everywhere = std::find(allowed.begin(), allowed.end(), 0) == allowed.end();
     out.max_distance = in.attachment.max_distance > 0 ? in.attachment.max_distance
                                                       : 2 * std::min(mean_edge(in, allowed), in.source_edge);
@@ -88,6 +75,18 @@ void find_same_vertices(const TargetSearch& in, const std::vector<SurfaceSample>
 }
 
 } // namespace
+
+std::vector<char> allowed_triangles(const AttachmentRest& attachment, const Points& target,
+                                    const std::vector<Triangle>& triangles) {
+    const CornerWeights paint = corner_weights(target, triangles, attachment.target_weights, attachment.target_painted);
+    std::vector<char> allowed(triangles.size());
+    for (std::size_t t = 0; t < allowed.size(); ++t)
+        allowed[t] = std::all_of(paint[t].begin(), paint[t].end(), [](double w) { return w > 0; });
+    if (std::find(allowed.begin(), allowed.end(), 1) == allowed.end())
+        throw Error("FE240", "no face of the target has a target weight above 0 at all its vertices",
+                    "paint the target where the source may attach");
+    return allowed;
+}
 
 FoundTargets find_targets(const TargetSearch& in, const std::vector<SurfaceSample>& samples) {
     FoundTargets out;

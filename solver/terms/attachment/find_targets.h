@@ -27,6 +27,10 @@ struct FoundTargets {
     double max_distance = 0;         ///< in use [m]
 };
 
+/// Which triangles of a target may be held on to: those painted at all their corners. Throws Error FE204, FE240 (none).
+std::vector<char> allowed_triangles(const AttachmentRest& attachment, const Points& target,
+                                    const std::vector<Triangle>& triangles);
+
 /// Throws Error FE204 (weights or meshes that do not fit), FE217 (faces that do not match), FE240 (no sample finds a
 /// hold).
 FoundTargets find_targets(const TargetSearch& in, const std::vector<SurfaceSample>& samples);

@@ -6,6 +6,7 @@
 
 #include <cstring>
 #include <span>
+#include <string>
 #include <type_traits>
 
 namespace sinew::solver {
@@ -65,6 +66,22 @@ AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories) {
     }
     if (!bytes.empty()) throw Error("IO403", "the attachments of a saved simulation state have bytes left over");
     return out;
+}
+
+void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentMemory& kept) {
+    const auto& attachments = scene.description().attachments;
+    // A state may come from a file.
+    if (kept.anchors.size() != attachments.size())
+        throw Error("IO403", "a saved simulation state holds " + std::to_string(kept.anchors.size()) +
+                                 " attachments, the scene has " + std::to_string(attachments.size()));
+    for (std::size_t a = 0; a < attachments.size(); ++a) {
+        const bool has_effect = scene.tissue(attachments[a].source) || scene.tissue(attachments[a].target);
+        if (!has_effect || inputs[a].mode() == AttachmentMode::none || !kept.anchors[a].empty()) continue;
+        Error e("FE240", "it is switched on, but at the start frame nothing of it found a hold",
+                "paint source and target where they face each other");
+        e.attachment = static_cast<int>(a);
+        throw e;
+    }
 }
 
 } // namespace sinew::solver

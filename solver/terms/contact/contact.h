@@ -51,10 +51,6 @@ class Contacts final : public Term {
         Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
         Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
     };
-    /// Where a touch began, in terms of two edges and the normal of its triangle, and so moving along with it.
-    struct Start {
-        Vec3 away, normal;
-    };
     struct Force {
         double energy = 0;
         Vec3 by_point = Vec3::Zero(); ///< derivative by the point's place [N]
@@ -116,7 +112,7 @@ class Contacts final : public Term {
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
     mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
-    std::vector<Start> starts_;         ///< per touch
+    std::vector<FeatureStart> starts_;  ///< per touch
     std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1 inside
     Positions committed_x_;
     bool found_ = false;                ///< whether the touches of this stage are

@@ -28,13 +28,6 @@ bool is_strong(const PointTriangleElement& element, const Vec3& place, double st
     return one * other > strong * strong;
 }
 
-/// Two edges of a triangle and its unit normal.
-Mat3 edges_of(const std::array<Vec3, 3>& c) {
-    Mat3 out;
-    out << c[1] - c[0], c[2] - c[0], (c[1] - c[0]).cross(c[2] - c[0]).normalized();
-    return out;
-}
-
 double largest_move(const double* a, const double* b, std::size_t vertices) {
     double largest = 0;
     for (std::size_t v = 0; v < vertices; ++v)
@@ -57,16 +50,7 @@ Vec3 Contacts::place_at(int target, int triangle, const Vec3& place) const {
 
 ClosestFeature Contacts::feature_at(std::size_t i) const {
     const Touch& t = touches_[i];
-    const CollisionBody& target = bodies_[t.target];
-    const Points& where = places_[at(t.target)];
-    const ClosestFeature& start = t.feature;
-    // From where it was at the start, moved along with the surface, straight to where it is: a function of x alone.
-    const std::array<Vec3, 3> corners = target.corners(start.triangle, where);
-    const Mat3 edges = edges_of(corners);
-    const Vec3 from = start.place[0] * corners[0] + start.place[1] * corners[1] + start.place[2] * corners[2] +
-                      edges * starts_[i].away;
-    const double step = std::max(start.away.norm(), 0.5 * target.mean_edge());
-    return follow_feature(target, where, start.triangle, from, point_at(t), step, edges * starts_[i].normal);
+    return follow_feature(bodies_[t.target], places_[at(t.target)], starts_[i], point_at(t));
 }
 
 bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
@@ -114,13 +98,7 @@ void Contacts::begin_stage(const Stage& stage) {
             continue;
         }
         Points& places = bones_[b];
-        places.assign(stage.bones_after[at(body.body())].size(), Vec3::Zero());
-        for (std::size_t time = 0; time < 3; ++time) {
-            const double weight = stage.form.bone_position[time];
-            if (weight == 0) continue;
-            const Points& then = (*weighed[time])[at(body.body())];
-            for (std::size_t v = 0; v < places.size(); ++v) places[v] += weight * then[v];
-        }
+        place_bone(stage.form, weighed, at(body.body()), places);
         reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
         place_points(static_cast<int>(b), places.data()->data());
         expected_.push_back(places.data()->data());
@@ -162,10 +140,7 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
     for (std::size_t t = clearance_.size(); t < touches_.size(); ++t) {
         const ClosestFeature& f = touches_[t].feature;
         const CollisionBody& target = bodies_[touches_[t].target];
-        const Mat3 edges = edges_of(target.corners(f.triangle, before_[at(touches_[t].target)]));
-        const bool flat = !(std::abs(edges.determinant()) > 0);
-        const Mat3 inverse = flat ? Mat3(Mat3::Zero()) : Mat3(edges.inverse());
-        starts_.push_back({inverse * f.away, inverse * f.normal});
+        starts_.push_back(start_of(f, target.corners(f.triangle, before_[at(touches_[t].target)])));
         // Where the solve has moved on already nothing is sure.
         clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
     }

@@ -1,0 +1,122 @@
+// Sliding attachments: points of one body's surface keep their distance from the surface of another, and move along it
+// freely, but only over the part that is painted. The points are those of attachments (attachment/anchors.h).
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/term/point_triangle_element.h"
+#include "solver/term/type.h"
+#include "solver/terms/attachment/attachment.h"
+#include "solver/terms/sliding/sliding_memory.h"
+#include "solver/terms/sliding/sliding_target.h"
+
+#include <memory>
+
+namespace sinew::solver {
+
+extern const TermType sliding_type;
+
+/// Energy 1/2 k A w (d^2 - h^2 + (h - g)^2) a point: d its distance to the part of the target that it may lie on, h its
+/// signed height over the target, g the height that it keeps. Over the part where it may be d^2 = h^2, and it is held
+/// along the normal alone; beyond its rim d^2 - h^2 draws it back. Damping opposes the relative velocity along the
+/// normal.
+/// Which face, edge or vertex is nearest is settled at the start of a step, and again where a solution has moved points
+/// elsewhere: between, they see its plane, line or point, which go on beyond it. Where a surface turns inwards the
+/// height is not smooth, and Newton's method would go to and fro.
+/// The nearest place is followed from where it was at the end of the step before, so a point stays on its side of a
+/// thin target. It begins, at the height kept from then on (0 without maintainOffset), at the nearest place of the step
+/// at which an attachment comes to slide.
+class Slides final : public Term {
+  public:
+    explicit Slides(const Scene& scene)
+        : scene_(scene) {}
+
+    Changes take(const StepInputs& inputs, const State& before) override;
+    void add_couplings(Couplings& couplings) const override;
+    void bind(const BlockPattern& pattern) override;
+    void begin_stage(const Stage& stage) override;
+    double energy(const Positions& x, bool with_forces) override;
+    void add_gradient(std::span<double> gradient) const override;
+    void add_held_gradient(std::span<double> by_vertices) const override;
+    void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
+    void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
+    void add_squared_stiffnesses(std::span<double> squares) const override;
+    void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
+    bool widen(const Positions& x) override;
+    double stored_energy(const Positions& x) override;
+    void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
+
+  private:
+    /// A point that slides.
+    struct Slide {
+        int attachment;
+        std::size_t target;     ///< of targets_
+        std::size_t first_term; ///< of rides_
+        int terms;              ///< none: a bone carries it
+        double area_weight;     ///< [m^2]
+        AnchorEnd source;
+    };
+    /// What is nearest, as settled.
+    struct Nearest {
+        Feature allowed, any; ///< of where it may lie, of the whole target
+        bool apart = false;   ///< they are not the same
+        friend bool operator==(const Nearest&, const Nearest&) = default;
+    };
+    struct Now {
+        ClosestFeature allowed; ///< where it may lie
+        Height height;          ///< unused where none is kept
+    };
+    /// Damping along the normal against a place of the target, by a spring between velocities.
+    struct Brake {
+        int triangle = -1;
+        Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+        Vec3 drift = Vec3::Zero(); ///< relative velocity minus velocity factor x the way [m/s]
+    };
+
+    void make_slides(const AttachmentMemory& attachments);
+    void begin_sliding(std::size_t attachment, const State& before);
+    std::span<const RideTerm> ride(const Slide& s) const { return {rides_.data() + s.first_term, at(s.terms)}; }
+    const std::vector<char>* allowed(const Slide& s) const {
+        return allowed_[at(s.attachment)].empty() ? nullptr : &allowed_[at(s.attachment)];
+    }
+    double stiffness(const Slide& s) const { return pulls_[at(s.attachment)].stiffness * s.area_weight; }
+    Vec3 point_of(const Slide& s, const Positions& x, const std::vector<Points>& bones) const;
+    void place_bones(const Stage& stage);
+    void make_brakes();
+    void look_at(const Positions& x) const;
+    Nearest find_nearest(std::size_t slide, const Vec3& p) const;
+    Vec3 way_of_brake(std::size_t slide) const;
+    double evaluate(const Positions& x, bool with_damping) const;
+    double residual(std::size_t slide) const;
+
+    struct Pull {
+        double stiffness = 0, viscous = 0; ///< [N/m^3], of damping x velocity factor likewise
+    };
+
+    const Scene& scene_;
+    const BlockPattern* pattern_ = nullptr;
+    TermMemory anchors_;            ///< that the slides are made of
+    std::vector<char> on_, wanted_; ///< per attachment: it slides, or shall
+    std::vector<Slide> slides_;
+    std::vector<RideTerm> rides_;
+    std::vector<std::unique_ptr<SlidingTarget>> targets_;
+    std::vector<std::vector<char>> allowed_; ///< per attachment, of the target's triangles; empty: all
+    SlidingMemory kept_;                     ///< at the start of the step
+
+    // Of the stage:
+    const Stage* stage_ = nullptr;
+    std::vector<Pull> pulls_;     ///< per attachment
+    std::vector<Points> bones_;   ///< per body, where they are in the stage
+    std::vector<double> heights_; ///< per slide: that it keeps [m]
+    std::vector<FeatureStart> starts_;
+    std::vector<Nearest> nearest_;
+    int rounds_ = 0;            ///< how often what is nearest was settled anew
+    std::vector<Brake> brakes_; ///< empty: none is damped
+    mutable Positions looked_at_;
+    mutable std::vector<Vec3> points_;
+    mutable std::vector<Now> now_;
+    std::vector<PointTriangleElement> elements_, height_elements_, brake_elements_;
+    std::vector<double> gradient_;          ///< 3 a vertex
+    mutable std::vector<std::size_t> next_; ///< scratch, per attachment
+    mutable SlidingMemory remembered_;      ///< scratch
+};
+
+} // namespace sinew::solver

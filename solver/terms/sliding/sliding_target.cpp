@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/terms/sliding/sliding_target.h"
+
+#include "solver/mesh/surface_mesh.h"
+#include "solver/parallel.h"
+#include "solver/terms/attachment/find_targets.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::solver {
+
+namespace {
+
+bool has(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
+
+int faces_at_edge(const CarriedSurface& surface, int a, int b) {
+    const std::span<const int> fan = surface.fan(a);
+    return static_cast<int>(
+        std::count_if(fan.begin(), fan.end(), [&](int t) { return has(surface.triangles()[at(t)], b); }));
+}
+
+/// Coordinates of what of p lies in the plane of a triangle, none exactly 0, which would mean a border; of one without
+/// area those of its first corner.
+Vec3 place_in_plane(const std::array<Vec3, 3>& c, const Vec3& p) {
+    const Vec3 u = c[1] - c[0], v = c[2] - c[0], w = p - c[0];
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), wu = w.dot(u), wv = w.dot(v);
+    const double det = uu * vv - uv * uv;
+    constexpr double least_area = 1e-10; // squared, of an upright triangle: beyond, coordinates are mostly rounding
+    if (!(det > least_area * (uu + vv) * (uu + vv))) return Vec3::UnitX();
+    const double s = (vv * wu - uv * wv) / det, t = (uu * wv - uv * wu) / det;
+    Vec3 out(1 - s - t, s, t);
+    for (double& x : out)
+        if (x == 0) x = 1e-300;
+    return out;
+}
+
+/// Likewise on the line from a to b: the share of b.
+double place_on_line(const Vec3& a, const Vec3& b, const Vec3& p) {
+    const double length2 = (b - a).squaredNorm();
+    if (!(length2 > 0)) return 0;
+    const double share = (b - a).dot(p - a) / length2;
+    return share == 0 || share == 1 ? share + 1e-15 : share;
+}
+
+} // namespace
+
+SlidingTarget::SlidingTarget(const Scene& scene, int body)
+    : surface_(scene, body, 0)
+    , is_open_(!is_closed(surface_.triangles())) {}
+
+std::vector<char> SlidingTarget::allowed(const Scene& scene, const AttachmentRest& a) const {
+    if (a.target_weights.empty()) return {};
+    const TissueRest* tissue = scene.tissue(a.target);
+    const std::vector<char> whole = allowed_triangles(a, tissue ? tissue->surface : scene.bone(a.target)->surface,
+                                                      tissue ? tissue->triangles : scene.bone(a.target)->triangles);
+    if (std::find(whole.begin(), whole.end(), 0) == whole.end()) return {};
+    std::vector<char> out;
+    for (const int t : surface_.parts_of()) out.push_back(whole[at(t)]);
+    return out;
+}
+
+void SlidingTarget::place(const double* carriers) {
+    places_.resize(surface_.point_count());
+    parallel_for(places_.size(), 512,
+                 [&](std::size_t p) { places_[p] = surface_.place(static_cast<int>(p), carriers); });
+}
+
+bool SlidingTarget::on_rim(int triangle, const Vec3& place) const {
+    if (!is_open_) return false;
+    const Triangle& t = surface_.triangles()[at(triangle)];
+    int on[3], count = 0;
+    for (int c = 0; c < 3; ++c)
+        if (place[c] != 0) on[count++] = t[at(c)];
+    if (count == 3) return false;
+    if (count == 2) return faces_at_edge(surface_, on[0], on[1]) == 1;
+    for (const int f : surface_.fan(on[0]))
+        for (const int v : surface_.triangles()[at(f)])
+            if (v != on[0] && faces_at_edge(surface_, on[0], v) == 1) return true;
+    return false;
+}
+
+Feature SlidingTarget::feature_of(const ClosestFeature& nearest) const {
+    Feature out;
+    out.triangle = nearest.triangle;
+    for (std::size_t c = 0; c < 3; ++c) out.on[c] = nearest.place[static_cast<Eigen::Index>(c)] != 0;
+    out.inside = nearest.inside(), out.rim = on_rim(nearest.triangle, nearest.place);
+    return out;
+}
+
+ClosestFeature SlidingTarget::place_on(const Feature& feature, const Vec3& p) const {
+    const std::array<Vec3, 3> c = surface_.corners(feature.triangle, places_);
+    ClosestFeature out;
+    out.triangle = feature.triangle;
+    std::array<std::size_t, 3> on{};
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+        if (feature.on[k]) on[count++] = k;
+    if (count == 3) {
+        out.place = place_in_plane(c, p);
+    } else {
+        const double share = count == 2 ? place_on_line(c[on[0]], c[on[1]], p) : 0;
+        out.place[static_cast<Eigen::Index>(on[0])] = 1 - share;
+        if (count == 2) out.place[static_cast<Eigen::Index>(on[1])] = share;
+    }
+    out.away = p - out.place[0] * c[0] - out.place[1] * c[1] - out.place[2] * c[2];
+    return out;
+}
+
+Height SlidingTarget::height_over(const Feature& nearest, const Vec3& p) const {
+    Height out;
+    Feature feature = nearest;
+    if (nearest.rim) feature.on = {true, true, true};
+    const ClosestFeature f = place_on(feature, p);
+    out.triangle = f.triangle, out.place = f.place;
+    if (feature.on == std::array{true, true, true}) {
+        out.normal = face_normal(surface_, places_, f.triangle);
+        out.value = out.normal.dot(f.away);
+        return out;
+    }
+    const double distance = f.away.norm(), sign = nearest.inside ? -1 : 1;
+    // Closer than this the way there has no direction.
+    if (distance > 1e-12 * surface_.mean_edge())
+        out.value = sign * distance, out.normal = sign / distance * f.away;
+    else
+        out.normal = face_normal(surface_, places_, f.triangle);
+    return out;
+}
+
+PointTriangleBlocks SlidingTarget::bend(const Height& h, bool project) const {
+    PointTriangleBlocks out{};
+    if (!(std::abs(h.value) > 1e-9 * surface_.mean_edge())) {
+        for (Mat3& block : out) block.setZero();
+        return out;
+    }
+    out = point_triangle_hessian(surface_.corners(h.triangle, places_), h.place, h.value * h.normal, project);
+    const double weights[4] = {1, -h.place[0], -h.place[1], -h.place[2]};
+    std::size_t entry = 0;
+    for (int c = 0; c < 4; ++c)
+        for (int d = c; d < 4; ++d, ++entry) out[entry] -= weights[c] * weights[d] * h.normal * h.normal.transpose();
+    return out;
+}
+
+} // namespace sinew::solver
