@@ -156,6 +156,12 @@ TEST_CASE("marks travel as seven numbers each, a block for each frame and kind")
     };
     CHECK(numbers(0) == std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});
     CHECK(numbers(1) == std::vector<float>{7, 8, 9, 7, 8, 9, 2000});
+    CHECK_FALSE(groups[0].contains("bodies"));
+
+    scene.frames[1].marks = {{"contact", "force", "N", {{{1, 2, 3}, {0, 1, 0}, 5, {1, 0}}, {{4, 5, 6}, {1, 0, 0}, 6}}}};
+    const PageData touching = page_data(scene);
+    const auto group = nlohmann::json::parse(touching.header)["frames"][1]["marks"][0];
+    CHECK(unpack_f32(touching.blocks[group["bodies"].get<std::size_t>()]) == std::vector<float>{1, 0, -1, -1});
 }
 
 TEST_CASE("marks that cannot be drawn are left out, and their frame is named") {

@@ -142,6 +142,14 @@ void choose_bodies(const Arguments& arguments, viewer::ViewScene& scene) {
         a.target = place[static_cast<std::size_t>(a.target)];
     }
     std::erase_if(scene.attachments, [](const auto& a) { return a.source < 0 || a.target < 0; });
+    // Marks that are about bodies, none of which is drawn, go with them.
+    for (viewer::ViewFrame& frame : scene.frames)
+        for (viewer::ViewMarks& group : frame.marks)
+            std::erase_if(group.marks, [&](viewer::ViewMark& m) {
+                const bool about_some = m.bodies[0] >= 0 || m.bodies[1] >= 0;
+                for (int& b : m.bodies) b = b < 0 ? -1 : place[static_cast<std::size_t>(b)];
+                return about_some && m.bodies[0] < 0 && m.bodies[1] < 0;
+            });
 }
 
 struct Drawing {
@@ -273,7 +281,7 @@ Command snapshot_command() {
          {"--fps", "N", "of the movie; default: the scene's"},
          {"--size", "WxH", "of the whole picture; default: 1600x900"},
          {"--view", "VIEW", "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
-         {"--bodies", "LIST", "draw these bodies alone, for example biceps,humerus"},
+         {"--bodies", "LIST", "draw these bodies alone, and the marks that are about them, for example biceps,humerus"},
          {"--focus", "LIST", "let these bodies fill the picture; default: all that are drawn"},
          {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
          {"--overlays", "LIST",

@@ -38,6 +38,11 @@ Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
                                 {"body", name_at(r.bodies, w.source_body)},
                                 {"vertex", w.vertex},
                                 {"at", w.stretch_place}};
+    if (w.contact_body >= 0)
+        out["max_depth_m"] = {{"body", name_at(r.bodies, w.contact_body)},
+                              {"in", name_at(r.bodies, w.contact_target)},
+                              {"depth_m", w.depth},
+                              {"at", w.contact_place}};
     return out;
 }
 
