@@ -271,8 +271,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             const solver::StepInputs inputs = step_inputs(in, setup, 1);
             marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
                               setup.simulated, setup.key.scale);
-            contacts =
-                contact_list(solver::contacts_shown(stage->workspace, s.state), setup.simulated, setup.key.scale);
+            contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.key.scale);
         }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);

@@ -9,10 +9,9 @@
 
 namespace sinew::solver {
 
-void Contacts::list(const Positions& x, std::vector<ContactPoint>& out) const {
+void Contacts::list(std::vector<ContactPoint>& out) const {
     out.clear();
     out.reserve(kept_.contacts.size());
-    look_at(x);
     auto pair = pairs_.begin(); // in the order of the contacts
     for (const KeptContact& c : kept_.contacts) {
         while (pair != pairs_.end() && std::tie(pair->source, pair->target) < std::tie(c.source, c.target)) ++pair;
@@ -44,9 +43,9 @@ void Contacts::list(const Positions& x, std::vector<ContactPoint>& out) const {
     }
 }
 
-std::vector<ContactPoint> contacts_shown(Workspace& workspace, const State& state) {
+std::vector<ContactPoint> contacts_shown(Workspace& workspace) {
     std::vector<ContactPoint> out;
-    if (const Term* term = term_shown(workspace, contact_type)) static_cast<const Contacts*>(term)->list(state.x, out);
+    if (const Term* term = term_shown(workspace, contact_type)) static_cast<const Contacts*>(term)->list(out);
     return out;
 }
 

@@ -20,8 +20,8 @@ struct ContactPoint {
     Vec3 force = Vec3::Zero();
 };
 
-/// The contacts of `state`, after marks_of of the same workspace, state and inputs; empty at no cost where the scene
-/// has none. By source, target and point.
-std::vector<ContactPoint> contacts_shown(Workspace& workspace, const State& state);
+/// The contacts of the state that marks_of of this workspace has just looked at; empty at no cost where the scene has
+/// none. By source, target and point.
+std::vector<ContactPoint> contacts_shown(Workspace& workspace);
 
 } // namespace sinew::solver
