@@ -61,6 +61,13 @@ double measured(const HardTrial& t, const char* name) { return value_of(t.state.
 
 std::string off_by(double distance) { return "off by " + number(distance, 3) + " m"; }
 
+/// What a bone has gone through by more than a tet's width may stay hooked on it by points near its edges: in balance,
+/// and the report's depth tells of it.
+using enum HardTrial::Equilibria;
+std::string hooked(const HardTrial& t) {
+    return number(measured(t, "contacts"), 3) + " contacts, " + number(measured(t, "max_depth_m"), 3) + " m deep";
+}
+
 /// A beam that is held at its root, and a block below its far end.
 int beam_over_block(HardTrial& t) {
     t.make(box_mesh(Vec3::Zero(), {0.3, 0.1, 0.1}, 6, 2, 2), flesh(1e4), [](const Vec3& p) { return p.x() < 1e-9; });
@@ -78,9 +85,9 @@ void bone_crosses(HardTrial& t) {
         throw WrongAnswer{"the bone went through, and nothing touched it"};
     t.run(1, 1);
     t.move_bone(block, [](const Vec3& p) { return Vec3(p.x(), p.y() - 0.24, p.z()); });
-    t.run(2, 3);
+    t.run(8, 3);
     t.come_to_rest();
-    t.must(t.distance_from(in_place) < 1e-3, off_by(t.distance_from(in_place)));
+    t.must(t.distance_from(in_place) < 1e-3, off_by(t.distance_from(in_place)) + ", " + hooked(t), several);
 }
 
 void bone_turns_into(HardTrial& t) {
@@ -98,9 +105,9 @@ void bone_turns_into(HardTrial& t) {
     turn(M_PI / 6); // into it
     t.run(1, 1);
     turn(-M_PI / 6 - M_PI / 2);
-    t.run(2, 3);
+    t.run(8, 3);
     t.come_to_rest();
-    t.must(t.distance_from(in_place) < 1e-3, off_by(t.distance_from(in_place)));
+    t.must(t.distance_from(in_place) < 1e-3, off_by(t.distance_from(in_place)) + ", " + hooked(t), several);
 }
 
 void squashed_between_plates(HardTrial& t) {
@@ -158,15 +165,18 @@ void soft_under_rigid(HardTrial& t) {
     must_carry(t, 125, 125 / (spring * 0.25), 4);
 }
 
+/// A little deep all nearest places lead apart; where it is deeper some lead against each other.
+template <bool deeper>
 void begins_deep_inside(HardTrial& t) {
+    const Vec3 at = deeper ? Vec3(0.6, 0.1, 0.15) : Vec3(0.85, 0.25, 0.2);
     t.make(box_mesh(Vec3::Zero(), {1, 1, 1}, 2, 2, 2), flesh(1e5), nowhere);
-    const int other = add_body(t, box_mesh({0.85, 0.25, 0.2}, {1.85, 1.25, 1.2}, 2, 2, 2), flesh(1e5));
+    const int other = add_body(t, box_mesh(at, at + Vec3::Ones(), 2, 2, 2), flesh(1e5));
     touches(t, 0), touches(t, other);
     t.start();
     t.run(2, 4);
     t.come_to_rest();
     t.must(t.distortion() < 2e-3 && measured(t, "max_depth_m") < 1e-3,
-           "distorted by " + number(t.distortion(), 3) + " m, " + number(measured(t, "max_depth_m"), 3) + " m deep");
+           "distorted by " + number(t.distortion(), 3) + " m, " + hooked(t), deeper ? several : one);
 }
 
 /// Two sheets a centimetre thick; the upper one comes down by eighty times that in the first frame.
@@ -196,7 +206,9 @@ constexpr HardCase cases[] = {
     {"contact: masses 1e6 apart", "the heavy on the light", "weight over area", heavy_on_light},
     {"contact: stiffnesses 1e8 apart", "of contacts", "weight over area", stiffnesses_apart, false},
     {"contact: stiffnesses 1e8 apart", "of bodies", "weight over area", soft_under_rigid},
-    {"contact: two bodies 0.15 deep in each other", "", "apart, rest shape", begins_deep_inside},
+    {"contact: begins inside another body", "0.15 of its size deep", "apart, rest shape", begins_deep_inside<false>},
+    {"contact: begins inside another body", "0.4 of its size deep", "apart, rest shape", begins_deep_inside<true>,
+     false},
     {"contact: thin sheets", "at 20 m/s", "one upon the other", sheet_on_sheet, false},
 };
 

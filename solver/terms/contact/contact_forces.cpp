@@ -166,8 +166,8 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
         const bool flat = !(std::abs(edges.determinant()) > 0);
         const Mat3 inverse = flat ? Mat3(Mat3::Zero()) : Mat3(edges.inverse());
         starts_.push_back({inverse * f.away, inverse * f.normal});
-        // Where the solve has moved on already nothing is sure.
-        clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
+        // Where the solve has moved on already nothing is sure, nor where the place was followed.
+        clearance_.push_back(f.inside() || iterated_ || touches_[t].kept >= 0 ? -1 : f.away.norm());
     }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
     looked_at_.clear();
@@ -233,10 +233,9 @@ double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (now_[i].triangle < 0)
-            clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
-        else
-            clearance_[i] = now_[i].inside() ? -1 : now_[i].away.norm();
+        // Never raised again: where it was followed to is a nearest place, but not always the nearest of all.
+        if (now_[i].triangle >= 0 && now_[i].inside()) clearance_[i] = -1;
+        clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
     }
     committed_x_ = x, iterated_ = true;
     return 0;
