@@ -129,27 +129,7 @@ void choose_bodies(const Arguments& arguments, viewer::ViewScene& scene) {
     if (const auto focus = named_bodies(arguments, "--focus", scene))
         for (std::size_t b = 0; b < scene.bodies.size(); ++b) scene.bodies[b].is_framed = focus->contains(b);
     const auto kept = named_bodies(arguments, "--bodies", scene);
-    if (!kept) return;
-    std::vector<int> place(scene.bodies.size(), -1);
-    std::vector<viewer::ViewBody> bodies;
-    for (const std::size_t b : *kept) {
-        place[b] = static_cast<int>(bodies.size());
-        bodies.push_back(std::move(scene.bodies[b]));
-    }
-    scene.bodies = std::move(bodies);
-    for (viewer::ViewAttachment& a : scene.attachments) {
-        a.source = place[static_cast<std::size_t>(a.source)];
-        a.target = place[static_cast<std::size_t>(a.target)];
-    }
-    std::erase_if(scene.attachments, [](const auto& a) { return a.source < 0 || a.target < 0; });
-    // Marks that are about bodies, none of which is drawn, go with them.
-    for (viewer::ViewFrame& frame : scene.frames)
-        for (viewer::ViewMarks& group : frame.marks)
-            std::erase_if(group.marks, [&](viewer::ViewMark& m) {
-                const bool about_some = m.bodies[0] >= 0 || m.bodies[1] >= 0;
-                for (int& b : m.bodies) b = b < 0 ? -1 : place[static_cast<std::size_t>(b)];
-                return about_some && m.bodies[0] < 0 && m.bodies[1] < 0;
-            });
+    if (kept) viewer::keep_bodies(scene, *kept);
 }
 
 struct Drawing {
