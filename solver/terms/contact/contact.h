@@ -2,8 +2,8 @@
 // that grows with its depth. Both sides feel it through what carries them, and the sums vanish.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/term/point_triangle_element.h"
 #include "solver/term/type.h"
-#include "solver/terms/contact/contact_element.h"
 #include "solver/terms/contact/contact_list.h"
 #include "solver/terms/contact/touches.h"
 
@@ -129,7 +129,7 @@ class Contacts final : public Term {
     mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
     mutable Positions looked_at_;
     std::vector<Force> forces_, tether_forces_;
-    std::vector<ContactElement> elements_, tether_elements_; ///< kept for their room
+    std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;
     std::vector<double> gradient_; ///< 3 a vertex
 };

@@ -20,7 +20,7 @@ std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0
 
 /// Whether a stiffness ties what carries a contact so firmly to each other that a factor which does not know of it is
 /// of little use.
-bool is_strong(const ContactElement& element, const Vec3& place, double stiffness, const BlockMatrix& a) {
+bool is_strong(const PointTriangleElement& element, const Vec3& place, double stiffness, const BlockMatrix& a) {
     constexpr double strong = 0.7;
     const auto [source, target] = element.stiffness_below(place, a);
     const double one = source > 0 ? stiffness / (source + stiffness) : 1,
@@ -96,8 +96,8 @@ void Contacts::look_at(const Positions& x) const {
 
 void Contacts::bind(const BlockPattern& pattern) {
     pattern_ = &pattern;
-    for (ContactElement& e : elements_) e.forget();
-    for (ContactElement& e : tether_elements_) e.forget();
+    for (PointTriangleElement& e : elements_) e.forget();
+    for (PointTriangleElement& e : tether_elements_) e.forget();
 }
 
 void Contacts::begin_stage(const Stage& stage) {
@@ -136,7 +136,7 @@ void Contacts::find_all_touches() {
     search_.begin(before_);
     sweep(expected_);
     touches_.clear(), pair_of_touch_.clear(), clearance_.clear(), areas_.clear(), starts_.clear();
-    for (ContactElement& e : elements_) e.forget();
+    for (PointTriangleElement& e : elements_) e.forget();
     strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const std::size_t first = touches_.size();
@@ -207,7 +207,7 @@ void Contacts::make_tethers() {
     }
     tether_forces_.resize(tethers_.size());
     if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
-    for (ContactElement& e : tether_elements_) e.forget();
+    for (PointTriangleElement& e : tether_elements_) e.forget();
     const auto weighed = bones_weighed(form, stage_->before, stage_->bones_after);
     for (Tether& tether : tethers_) {
         if (tether.brakes.isZero(0)) continue;
@@ -332,15 +332,15 @@ double Contacts::energy(const Positions& x, bool with_forces) {
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (forces_[i].by_point.isZero(0)) continue;
         const Touch& t = touches_[i];
-        elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], now_[i].triangle, scene_.numbering(),
-                         *pattern_);
+        elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], now_[i].triangle,
+                         scene_.numbering(), *pattern_);
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
     }
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
-                                *pattern_);
+        tether_elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+                                scene_.numbering(), *pattern_);
         tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
     return energy;
@@ -364,9 +364,10 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         const Touch& t = touches_[i];
         const ClosestFeature& f = now_[i];
         if (f.triangle < 0 || !presses(i, f)) continue;
-        elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], f.triangle, scene_.numbering(), *pattern_);
-        const ContactBlocks blocks =
-            contact_hessian(bodies_[t.target].corners(f.triangle, places_[at(t.target)]), f.place, f.away, project);
+        elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], f.triangle,
+                         scene_.numbering(), *pattern_);
+        const PointTriangleBlocks blocks = point_triangle_hessian(
+            bodies_[t.target].corners(f.triangle, places_[at(t.target)]), f.place, f.away, project);
         if (!elements_[i].coupled() && is_strong(elements_[i], f.place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks, stiffness(i), a);
@@ -374,8 +375,8 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set(bodies_[t.source], t.point, bodies_[t.target], tether.triangle, scene_.numbering(),
-                                *pattern_);
+        tether_elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+                                scene_.numbering(), *pattern_);
         const Vec3 held = tether.holds * reach(tether);
         const double length = held.norm();
         Mat3 by_way = stage_->form.velocity_factor * tether.brakes;
@@ -384,7 +385,7 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         else if (length > 0)
             by_way += tether.most / length * (tether.holds - held * held.transpose() / (length * length));
         const std::array<double, 4> weights = corner_weights_of(tether.place);
-        ContactBlocks blocks;
+        PointTriangleBlocks blocks;
         std::size_t entry = 0;
         for (std::size_t c = 0; c < 4; ++c)
             for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] = weights[c] * weights[d] * by_way;

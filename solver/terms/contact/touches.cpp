@@ -140,7 +140,7 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t 
 void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
     if (pair.source == pair.target) return;
-    const CollisionBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
+    const SurfaceBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
     if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
     const SurfaceTree tree(boxes.places(), target.triangles());
     std::vector<ClosestFeature> found(source.point_count());

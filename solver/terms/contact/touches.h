@@ -2,8 +2,8 @@
 // enough to come in.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/term/closest_feature.h"
 #include "solver/terms/contact/body_motion.h"
-#include "solver/terms/contact/closest_feature.h"
 #include "solver/terms/contact/collision_bodies.h"
 #include "solver/terms/contact/contact_memory.h"
 
@@ -70,7 +70,7 @@ class TouchSearch {
 
   private:
     const CollisionBodies& bodies_;
-    std::vector<CollisionBoxes> boxes_;
+    std::vector<SurfaceBoxes> boxes_;
     std::vector<std::vector<double>> areas_;
     /// What was found out about distances in earlier steps and still holds, less what bodies have moved since against
     /// each other. It saves searches and changes none of their results.

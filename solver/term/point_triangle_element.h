@@ -3,17 +3,18 @@
 #pragma once
 #include "solver/linear/block_matrix.h"
 #include "solver/numbering.h"
-#include "solver/terms/contact/collision_body.h"
-#include "solver/terms/contact/point_triangle.h"
+#include "solver/term/carried_surface.h"
+#include "solver/term/point_triangle.h"
 
 #include <vector>
 
 namespace sinew::solver {
 
-class ContactElement {
+class PointTriangleElement {
   public:
-    /// Makes it stand for a point and a triangle; nothing where it does already.
-    void set(const CollisionBody& source, int point, const CollisionBody& target, int triangle,
+    /// Makes it stand for a point, which rides as given, and a triangle; nothing where it does already, which the
+    /// point's number tells.
+    void set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
              const Numbering& numbering, const BlockPattern& pattern);
     /// Forgets which entries of the pattern it writes to.
     void forget() { point_ = triangle_ = -1; }
@@ -25,7 +26,7 @@ class ContactElement {
     /// Adds blocks by corners times a factor: to the pattern's blocks those among what carries the point and those
     /// among what carries the triangle, or one of its corners, as far as the pattern couples them; the others to the
     /// overlay.
-    void add_hessian(const ContactBlocks& blocks, double factor, BlockMatrix& a) const;
+    void add_hessian(const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) const;
     /// The diagonal that the matrix has where the point and the triangle are, mean over directions and weighed by what
     /// carries them [N/m]; infinite where it is held.
     std::array<double, 2> stiffness_below(const Vec3& place, const BlockMatrix& a) const;

@@ -2,7 +2,7 @@
 // was. Following stays with the part of the surface where the point came in, however deep it is.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/terms/contact/collision_body.h"
+#include "solver/term/carried_surface.h"
 
 #include <utility>
 
@@ -24,11 +24,11 @@ constexpr double least_facing = 0.3, near_share = 0.5;
 /// Down from a triangle to the nearest place that has none nearer about it, over faces that look to the same `side`
 /// alone: a point that has passed the middle of a bone is not drawn to the far side of it. Zero: over all faces.
 /// `places` of the surface's points.
-ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& p,
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& p,
                               const Vec3& side = Vec3::Zero());
 /// The same where the point has moved far: along the way from `from` to `to`, both relative to where the surface is
 /// now, in steps no longer than `step`.
-ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& from,
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& from,
                               const Vec3& to, double step, const Vec3& side);
 /// The nearest place of one triangle, and whether it is nearer than `nearest` is, to which it is put then. Of two that
 /// are as near, the lower number wins.
@@ -36,16 +36,16 @@ struct NearestPlace {
     int triangle = -1;
     Vec3 place = Vec3::Zero(), point = Vec3::Zero();
     double distance2 = 0;
-    void offer(const CollisionBody& surface, const Points& places, int triangle, const Vec3& p);
+    void offer(const CarriedSurface& surface, const Points& places, int triangle, const Vec3& p);
 };
 /// That place as a feature.
-ClosestFeature feature_of(const CollisionBody& surface, const Points& places, const NearestPlace& nearest,
+ClosestFeature feature_of(const CarriedSurface& surface, const Points& places, const NearestPlace& nearest,
                           const Vec3& p);
 
 /// The nearest of all triangles that `allowed` lets pass, up to a distance; triangle = -1 if there is none. `boxes`
 /// were fitted to the same places.
 template <class Allowed>
-ClosestFeature find_feature(const CollisionBody& surface, const CollisionBoxes& boxes, const Vec3& p,
+ClosestFeature find_feature(const CarriedSurface& surface, const SurfaceBoxes& boxes, const Vec3& p,
                             double max_distance, const Allowed& allowed, int guess = -1) {
     NearestPlace best;
     best.distance2 = max_distance * max_distance;
@@ -72,12 +72,12 @@ ClosestFeature find_feature(const CollisionBody& surface, const CollisionBoxes& 
     if (best.triangle < 0) return {};
     return feature_of(surface, boxes.places(), best, p);
 }
-inline ClosestFeature find_feature(const CollisionBody& surface, const CollisionBoxes& boxes, const Vec3& p,
+inline ClosestFeature find_feature(const CarriedSurface& surface, const SurfaceBoxes& boxes, const Vec3& p,
                                    double max_distance) {
     return find_feature(surface, boxes, p, max_distance, [](int) { return true; });
 }
 
 /// Unit normal of a triangle; zero if it has no area.
-Vec3 face_normal(const CollisionBody& surface, const Points& places, int triangle);
+Vec3 face_normal(const CarriedSurface& surface, const Points& places, int triangle);
 
 } // namespace sinew::solver

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/terms/contact/contact_element.h"
+#include "solver/term/point_triangle_element.h"
 
 #include "solver/index.h"
 
@@ -7,18 +7,16 @@
 
 namespace sinew::solver {
 
-void ContactElement::set(const CollisionBody& source, int point, const CollisionBody& target, int triangle,
-                         const Numbering& numbering, const BlockPattern& pattern) {
+void PointTriangleElement::set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
+                               const Numbering& numbering, const BlockPattern& pattern) {
     if (point == point_ && triangle == triangle_) return;
     point_ = point, triangle_ = triangle;
     nodes_.clear(), entries_.clear(), free_.clear();
-    const auto add = [&](const CollisionBody& body, int p, int corner) {
-        if (!body.deforms()) return;
-        for (const RideTerm& t : body.ride(p))
-            nodes_.push_back({corner, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
+    const auto add = [&](std::span<const RideTerm> terms, int corner) {
+        for (const RideTerm& t : terms) nodes_.push_back({corner, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
     };
-    add(source, point, 0);
-    for (int c = 0; c < 3; ++c) add(target, target.triangles()[at(triangle)][at(c)], c + 1);
+    add(ride, 0);
+    for (int c = 0; c < 3; ++c) add(target.free_ride(target.triangles()[at(triangle)][at(c)]), c + 1);
     const auto coupled_among = [&](int first_corner, int last_corner) {
         for (const Node& row : nodes_)
             for (const Node& column : nodes_) {
@@ -47,12 +45,13 @@ void ContactElement::set(const CollisionBody& source, int point, const Collision
     }
 }
 
-void ContactElement::add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const {
+void PointTriangleElement::add_gradient(const std::array<double, 4>& by_corners, const Vec3& g,
+                                        double* by_vertices) const {
     for (const Node& n : nodes_)
         Eigen::Map<Vec3>(by_vertices + 3 * at(n.vertex)) += by_corners[at(n.corner)] * n.weight * g;
 }
 
-void ContactElement::add_hessian(const ContactBlocks& blocks, double factor, BlockMatrix& a) const {
+void PointTriangleElement::add_hessian(const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) const {
     for (const Entry& e : entries_) {
         const Node &row = nodes_[at(e.row)], &column = nodes_[at(e.column)];
         const double weight = factor * row.weight * column.weight;
@@ -65,7 +64,7 @@ void ContactElement::add_hessian(const ContactBlocks& blocks, double factor, Blo
                 to[3 * r + c] += weight * (row.corner <= column.corner ? block(r, c) : block(c, r));
     }
     if (coupled_) return;
-    ContactBlocks across;
+    PointTriangleBlocks across;
     std::size_t entry = 0;
     for (std::size_t c = 0; c < 4; ++c)
         for (std::size_t d = c; d < 4; ++d, ++entry)
@@ -73,7 +72,7 @@ void ContactElement::add_hessian(const ContactBlocks& blocks, double factor, Blo
     a.overlay.add(free_, across);
 }
 
-std::array<double, 2> ContactElement::stiffness_below(const Vec3& place, const BlockMatrix& a) const {
+std::array<double, 2> PointTriangleElement::stiffness_below(const Vec3& place, const BlockMatrix& a) const {
     std::array<double, 2> out{0, 0};
     for (const Node& n : nodes_) {
         const std::size_t side = n.corner == 0 ? 0 : 1;

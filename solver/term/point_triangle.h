@@ -7,13 +7,14 @@
 
 namespace sinew::solver {
 
-using ContactBlocks = Overlay::Blocks;
+using PointTriangleBlocks = Overlay::Blocks;
 
 /// Second derivatives of d^2/2. `place`: barycentric coordinates of q, zeros on edges and vertices; `away` = p - q.
 /// `project`: without the part that bends, which leaves a positive semi-definite matrix.
 ///
 /// With q = q(s) of one or two coordinates s along the feature (none at a vertex) and f = |p - q(s)|^2/2, the Hessian
 /// of the minimum is f_xx - f_xs f_ss^-1 f_sx.
-ContactBlocks contact_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away, bool project);
+PointTriangleBlocks point_triangle_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away,
+                                           bool project);
 
 } // namespace sinew::solver

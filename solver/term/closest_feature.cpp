@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/terms/contact/closest_feature.h"
+#include "solver/term/closest_feature.h"
 
 #include "solver/mesh/triangle_math.h"
 
@@ -11,7 +11,7 @@ namespace sinew::solver {
 
 namespace {
 
-NearestPlace nearest_of(const CollisionBody& surface, const Points& places, int triangle, const Vec3& p) {
+NearestPlace nearest_of(const CarriedSurface& surface, const Points& places, int triangle, const Vec3& p) {
     const TrianglePoint q =
         closest_on_triangle(p, surface.corners(triangle, places), surface.triangles()[at(triangle)]);
     return {triangle, q.barycentric, q.point, (p - q.point).squaredNorm()};
@@ -22,7 +22,7 @@ bool has(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == verte
 /// The corners that carry a place.
 struct Corners {
     int count = 0;
-    int vertex[3];
+    int vertex[3] = {-1, -1, -1};
 };
 
 Corners corners_of(const Triangle& t, const Vec3& place) {
@@ -34,7 +34,7 @@ Corners corners_of(const Triangle& t, const Vec3& place) {
 
 /// Mean normal of the faces about an edge or vertex, weighed by their angles there (Baerentzen and Aanaes 2005): its
 /// sign against the way to a point says on which side of a closed surface that is.
-Vec3 mean_normal(const CollisionBody& surface, const Points& places, const Corners& on) {
+Vec3 mean_normal(const CarriedSurface& surface, const Points& places, const Corners& on) {
     Vec3 sum = Vec3::Zero();
     for (const int t : surface.fan(on.vertex[0])) {
         const Triangle& corners = surface.triangles()[at(t)];
@@ -57,7 +57,7 @@ Vec3 mean_normal(const CollisionBody& surface, const Points& places, const Corne
 /// can be nearer. Where not, those at its corners must be asked, not just those that share the edge that it lies on:
 /// a point that leaves by another face than it came in by would else feel its force until it is out, and lose it all
 /// at once.
-bool surely_nearest(const CollisionBody& surface, const Points& places, const NearestPlace& place) {
+bool surely_nearest(const CarriedSurface& surface, const Points& places, const NearestPlace& place) {
     const std::array<Vec3, 3> c = surface.corners(place.triangle, places);
     const double twice_area = (c[1] - c[0]).cross(c[2] - c[0]).norm();
     double to_border = std::numeric_limits<double>::infinity();
@@ -72,12 +72,12 @@ constexpr int most_walk_steps = 10'000;
 
 } // namespace
 
-void NearestPlace::offer(const CollisionBody& surface, const Points& places, int t, const Vec3& p) {
+void NearestPlace::offer(const CarriedSurface& surface, const Points& places, int t, const Vec3& p) {
     const NearestPlace there = nearest_of(surface, places, t, p);
     if (there.distance2 < distance2 || (there.distance2 == distance2 && (triangle < 0 || t < triangle))) *this = there;
 }
 
-ClosestFeature feature_of(const CollisionBody& surface, const Points& places, const NearestPlace& nearest,
+ClosestFeature feature_of(const CarriedSurface& surface, const Points& places, const NearestPlace& nearest,
                           const Vec3& p) {
     ClosestFeature out{nearest.triangle, nearest.place, p - nearest.point, Vec3::Zero()};
     const Corners on = corners_of(surface.triangles()[at(nearest.triangle)], nearest.place);
@@ -85,14 +85,14 @@ ClosestFeature feature_of(const CollisionBody& surface, const Points& places, co
     return out;
 }
 
-Vec3 face_normal(const CollisionBody& surface, const Points& places, int triangle) {
+Vec3 face_normal(const CarriedSurface& surface, const Points& places, int triangle) {
     const auto [a, b, c] = surface.corners(triangle, places);
     const Vec3 n = (b - a).cross(c - a);
     const double length = n.norm();
     return length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
-ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& p,
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& p,
                               const Vec3& side) {
     const bool any_side = side.isZero(0);
     const double least = least_facing * side.norm(), near = near_share * surface.mean_edge();
@@ -127,7 +127,7 @@ ClosestFeature follow_feature(const CollisionBody& surface, const Points& places
     return feature_of(surface, places, best, p);
 }
 
-ClosestFeature follow_feature(const CollisionBody& surface, const Points& places, int from_triangle, const Vec3& from,
+ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& from,
                               const Vec3& to, double step, const Vec3& side) {
     constexpr double most_steps = 64;
     const double way = (to - from).norm();

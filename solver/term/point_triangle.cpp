@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/terms/contact/point_triangle.h"
+#include "solver/term/point_triangle.h"
 
 #include <cstddef>
 
 namespace sinew::solver {
 
-ContactBlocks contact_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away, bool project) {
+PointTriangleBlocks point_triangle_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away,
+                                           bool project) {
     const double L[4] = {1, -place[0], -place[1], -place[2]};
     // Ways along the feature: from its first corner to its others.
     int on[3], count = 0;
@@ -31,7 +32,7 @@ ContactBlocks contact_hessian(const std::array<Vec3, 3>& corners, const Vec3& pl
             if (c - 1 == on[0]) mixed[c][w] += away;
             if (c - 1 == on[w + 1]) mixed[c][w] -= away;
         }
-    ContactBlocks out;
+    PointTriangleBlocks out;
     std::size_t entry = 0;
     for (int i = 0; i < 4; ++i)
         for (int j = i; j < 4; ++j, ++entry) {
