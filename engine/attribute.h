@@ -5,6 +5,8 @@
 #include "engine/value.h"
 
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <string_view>
 #include <typeindex>
 #include <vector>
@@ -49,6 +51,9 @@ struct Input {
     std::vector<Preset> presets = {};           ///< T = double
     /// T = double: the graph's timing is the default instead of `def`. Another literal is warned about (DG031).
     FromTiming from_timing = FromTiming::nothing;
+    /// An Input<bool> of the same node. At times where that is off this one must not be read, and is part of no frame's
+    /// key.
+    std::string_view when = "";
 };
 
 /// An attribute that only a connection can feed (mesh, body, material …).
@@ -67,6 +72,10 @@ struct WireList {
     std::string_view doc = "";
     std::size_t min_count = 0;
     Affects affects = Affects::result;
+    /// An Input<bool> of the same node. What the values hold aside (ValueTraits::hash_aside) must not be read at times
+    /// where that is off, and is part of no frame's key then. Types that hold nothing aside cannot have it; who wants
+    /// a whole input to come and go takes Input::when.
+    std::string_view aside_when = "";
 };
 
 template <class T>
@@ -91,6 +100,7 @@ struct AttributeInfo {
     std::vector<std::string_view> options;
     std::vector<Preset> presets;
     FromTiming from_timing = FromTiming::nothing;
+    std::string_view when, aside_when; ///< names of switches; empty: always
     /// Values between two keys are that of the first; options are keyed by their number.
     bool is_stepped() const {
         return kind == AttributeKind::literal && (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
@@ -105,7 +115,7 @@ AttributeInfo describe(const Input<T>& a) {
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     i.def = Value::of<T>(a.def);
     i.required = a.required, i.affects = a.affects, i.options = a.options, i.presets = a.presets;
-    i.from_timing = a.from_timing;
+    i.from_timing = a.from_timing, i.when = a.when;
     i.keyable = a.keyable && !(std::is_same_v<T, std::string> && a.options.empty()) && !std::is_same_v<T, File> &&
                 !std::is_same_v<T, NumberList>;
     return i;
@@ -123,6 +133,9 @@ AttributeInfo describe(const WireList<T>& a) {
     AttributeInfo i;
     i.kind = AttributeKind::wire_list;
     i.name = a.name, i.doc = a.doc, i.min_count = a.min_count, i.required = a.min_count > 0, i.affects = a.affects;
+    if constexpr (!requires(Hasher & h, const T& v) { ValueTraits<T>::hash_aside(h, v); })
+        if (!a.aside_when.empty()) throw std::logic_error(std::string(a.name) + ": its values hold nothing aside");
+    i.aside_when = a.aside_when;
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     return i;
 }

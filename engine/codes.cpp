@@ -116,6 +116,7 @@ constexpr CodeInfo table[] = {
      "Close the surface, or leave collisionVolume at auto."},
     {"FE255", "collision sets that cannot be used",
      "Write whole numbers, separated by spaces, shared with another body."},
+    {"FE256", "collision sets that leave a body alone", "Give both bodies of a pair a number in common."},
     {"FE260", "tissue that nothing holds", "Attach it to a bone, hold a part of it, or switch gravity off."},
     {"FE261", "size that flesh hardly has", "Set zSolver.scale to the number of scene units in a metre."},
     {"FE262", "tets larger than thin parts", "Choose a smaller tet size, or refine where the parts are thin."},

@@ -47,6 +47,15 @@ void check_attribute(const NodeType& t, const AttributeInfo& a, std::set<std::st
     if (!a.unit.empty() && !parse_unit(a.unit)) contradiction(t, a.name, "\"" + std::string(a.unit) + "\" is no unit");
     if (a.affects == Affects::initial_state && !t.simulation)
         contradiction(t, a.name, "only a simulation has an initial state");
+    for (const std::string_view name : {a.when, a.aside_when}) {
+        if (name.empty()) continue;
+        const AttributeInfo* s = t.find_input(name);
+        if (!s || s->kind != AttributeKind::literal || !s->def.is<bool>() || s->affects != Affects::result ||
+            !s->when.empty())
+            contradiction(t, a.name,
+                          "what switches it is an Input<bool> of the same node that affects the result and that "
+                          "nothing else switches");
+    }
     if (a.kind == AttributeKind::literal) check_literal(t, a);
 }
 

@@ -30,6 +30,9 @@ struct File {
 ///   static std::size_t bytes(const T&);                  // memory held, for the store's budget
 /// and where a value holds what `hash` leaves out (because simulations are keyed by it and do not read that):
 ///   static void hash_rest(Hasher&, const T&);            // all that is left out
+/// and where simulations read a part of it only while a switch of theirs is on (WireList::aside_when), which `hash`
+/// leaves out as well:
+///   static void hash_aside(Hasher&, const T&);           // that part
 template <class T>
 struct ValueTraits;
 
@@ -50,6 +53,8 @@ class Value {
     Digest digest() const { return box_ ? box_->digest : Digest{}; }
     /// Of everything that the value holds; differs from `digest` for types with a ValueTraits::hash_rest.
     Digest whole_digest() const { return box_ ? box_->whole : Digest{}; }
+    /// Of the part that stands aside; all zero for types without a ValueTraits::hash_aside.
+    Digest aside_digest() const { return box_ ? box_->aside : Digest{}; }
     std::size_t bytes() const { return box_ ? box_->bytes : 0; }
     std::type_index type() const { return box_ ? box_->type : std::type_index(typeid(void)); }
     std::string_view type_name() const { return box_ ? box_->type_name : std::string_view("nothing"); }
@@ -58,7 +63,7 @@ class Value {
     struct Box {
         std::type_index type;
         std::string_view type_name;
-        Digest digest, whole;
+        Digest digest, whole, aside;
         std::size_t bytes;
         explicit Box(std::type_index t)
             : type(t)
@@ -76,9 +81,16 @@ class Value {
             h.add(type_name);
             ValueTraits<T>::hash(h, v);
             digest = whole = h.finish();
+            if constexpr (requires { ValueTraits<T>::hash_aside(h, v); }) {
+                Hasher part;
+                part.add(type_name);
+                ValueTraits<T>::hash_aside(part, v);
+                aside = part.finish();
+                whole = Hasher().add(digest).add(aside).finish();
+            }
             if constexpr (requires { ValueTraits<T>::hash_rest(h, v); }) {
                 Hasher all;
-                all.add(digest);
+                all.add(whole);
                 ValueTraits<T>::hash_rest(all, v);
                 whole = all.finish();
             }

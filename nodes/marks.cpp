@@ -5,10 +5,14 @@
 
 namespace sinew::nodes {
 
-MarkList mark_list(solver::Marks groups, double units_per_metre) {
+MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, double units_per_metre) {
     MarkList out;
     for (solver::MarkGroup& group : groups) {
-        for (solver::Mark& m : group.marks) m.from *= units_per_metre, m.to *= units_per_metre;
+        for (solver::Mark& m : group.marks) {
+            m.from *= units_per_metre, m.to *= units_per_metre;
+            for (int& body : m.bodies)
+                if (body >= 0) body = simulated[static_cast<std::size_t>(body)];
+        }
         const auto at = std::find_if(out.groups.begin(), out.groups.end(), [&](const solver::MarkGroup& g) {
             return g.term == group.term && g.what == group.what && g.unit == group.unit;
         });
@@ -29,7 +33,7 @@ void ValueTraits<nodes::MarkList>::hash(Hasher& h, const nodes::MarkList& v) {
     for (const solver::MarkGroup& group : v.groups) {
         h.add(group.term).add(group.what).add(group.unit).add(static_cast<std::uint64_t>(group.marks.size()));
         for (const solver::Mark& m : group.marks) {
-            h.add(m.part).add(m.value);
+            h.add(m.part).add(m.value).add_ints(m.bodies);
             for (const solver::Vec3* p : {&m.from, &m.to}) h.add_doubles(std::span<const double>(p->data(), 3));
         }
     }

@@ -4,16 +4,19 @@
 #include "engine/value.h"
 #include "solver/term/marks.h"
 
+#include <vector>
+
 namespace sinew::nodes {
 
 /// Points and lines with a number each, one group for each force's kind and quantity. Positions in scene units; values
-/// in the group's unit, which is SI.
+/// in the group's unit, which is SI. Bodies are places in zSolver.bodies.
 struct MarkList {
     solver::Marks groups;
 };
 
 /// From metres to scene units; groups of the same kind become one, where the first of them stands.
-MarkList mark_list(solver::Marks groups, double units_per_metre);
+/// \param simulated places in zSolver.bodies of those of the scene
+MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, double units_per_metre);
 
 } // namespace sinew::nodes
 

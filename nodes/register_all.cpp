@@ -55,6 +55,7 @@ void add_z_embedder(engine::Registry&);
 // output
 void add_mesh_writer(engine::Registry&);
 void add_tet_writer(engine::Registry&);
+void add_contact_writer(engine::Registry&);
 
 namespace {
 
@@ -134,6 +135,7 @@ void register_all(engine::Registry& registry) {
                       add_z_iso_mesh,
                       add_z_delaunay_tet_mesh,
                       add_tet_writer,
+                      add_contact_writer,
                       add_transfer_weights,
                       add_combine_weights,
                       add_aim})

@@ -10,7 +10,7 @@ namespace sinew::nodes {
 
 namespace {
 
-constexpr std::uint64_t format_mark = 0x33307a5f77656e69; // "inew_z03"
+constexpr std::uint64_t format_mark = 0x34307a5f77656e69; // "inew_z04"
 
 [[noreturn]] void refuse(const std::string& what) {
     engine::Diagnostic d;
@@ -31,6 +31,7 @@ std::vector<std::byte> save(const SimulationState& state) {
     w.put_list(state.scene.links);
     w.put_list(state.scene.forces);
     for (const std::vector<int>& bodies : state.scene.reach) w.put_list(bodies);
+    w.put(state.scene.contacts);
     w.put(state.residual_body);
     const std::vector<std::byte> inner = solver::save(state.state);
     w.bytes.insert(w.bytes.end(), inner.begin(), inner.end());
@@ -48,6 +49,8 @@ SimulationState load_simulation(std::span<const std::byte> bytes) {
         out.scene.links = r.get_list<std::array<int, 2>>();
         out.scene.forces = r.get_list<engine::Digest>();
         for (std::size_t i = 0; i < out.scene.forces.size(); ++i) out.scene.reach.push_back(r.get_list<int>());
+        out.scene.contacts = r.get<std::uint64_t>();
+        if (out.scene.contacts > out.scene.forces.size()) refuse("it has more contacts than forces");
         out.residual_body = r.get<int>();
         out.state = solver::load(r.rest);
     } catch (const engine::BadBytes& e) {

@@ -5,6 +5,7 @@
 #include "nodes/contact_inputs.h"
 #include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/terms/contact/contact_rest.h"
 
 #include <algorithm>
 #include <numeric>
@@ -92,7 +93,7 @@ void take_force(Setup& setup, const Force& f, int entry, std::vector<int> bodies
 }
 
 /// Bodies are found as those of attachments are. A force all of whose bodies are disabled takes no part.
-void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
+void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Reads* contact) {
     const auto all = in[z_solver::forces];
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Force& f = all[i];
@@ -110,17 +111,29 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known) {
     }
     for (std::size_t b = 0; b < setup.simulated.size(); ++b)
         for (const Force& f : setup.body(b).forces) take_force(setup, f, -1, {static_cast<int>(b)});
-    for (std::size_t b = 0; in[collision_detection] && b < setup.simulated.size(); ++b) {
-        if (!setup.body(b).contact) continue;
-        setup.contacts.push_back(std::make_shared<const Force>(contact_in_solver(in, *setup.body(b).contact)));
+    if (!contact) return;
+    const Reads& source = in[collision_detection] ? in : *contact;
+    const auto bodies_then = source[z_solver::bodies];
+    for (std::size_t b = 0; b < setup.simulated.size(); ++b) {
+        const Body& body = bodies_then[static_cast<std::size_t>(setup.simulated[b])];
+        if (!body.contact) continue;
+        setup.contacts.push_back(std::make_shared<const Force>(contact_in_solver(source, *body.contact)));
         take_force(setup, *setup.contacts.back(), -1, {static_cast<int>(b)});
     }
+    setup.key.contacts = setup.contacts.size();
+}
+
+/// Contact may come in and go; all else must stay as it is.
+SceneKey without_contacts(SceneKey key) {
+    key.forces.resize(key.forces.size() - key.contacts);
+    key.reach.resize(key.forces.size());
+    key.contacts = 0;
+    return key;
 }
 
 /// Of attachments and forces that hold on to one of several bones of the same rest data, it may turn out only when
 /// those part which one was meant. Until then they moved alike, so nothing that the state holds changes.
-bool same_but_for_twins(const Setup& setup, const SceneKey& known) {
-    const SceneKey& now = setup.key;
+bool same_but_for_twins(const Setup& setup, const SceneKey& now, const SceneKey& known) {
     const auto fits = [&](int a, int b) {
         const auto i = static_cast<std::size_t>(a), j = static_cast<std::size_t>(b);
         return i == j || (now.bodies[i] == now.bodies[j] && setup.body(i).is_bone());
@@ -135,9 +148,8 @@ bool same_but_for_twins(const Setup& setup, const SceneKey& known) {
     return linked_as_known == known;
 }
 
-void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& known) {
-    const SceneKey& now = setup.key;
-    if (now == known || (now.bodies == known.bodies && same_but_for_twins(setup, known))) return;
+void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& now, const SceneKey& known) {
+    if (now == known || (now.bodies == known.bodies && same_but_for_twins(setup, now, known))) return;
     const std::string hint = "Meshes, tets and painted maps must not change over time; key stiffness, excitation or "
                              "bone motion instead.";
     for (std::size_t i = 0; i < now.bodies.size() && now.bodies.size() == known.bodies.size(); ++i)
@@ -182,15 +194,51 @@ solver::Points to_scene_units(solver::Points points, double units) {
     return points;
 }
 
-Setup read_setup(const Reads& in, const SceneKey* known) {
+const Reads* contact_of(const Reads& frame) { return frame[collision_detection] ? &frame : nullptr; }
+
+Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     Setup setup;
     setup.key.scale = in[scale];
     take_bodies(in, setup);
     if (!known) refuse_twins(in, setup);
     take_attachments(in, setup, known);
-    take_forces(in, setup, known);
-    if (known) refuse_changes(in, setup, *known);
+    take_forces(in, setup, known, contact);
+    if (!known) return setup;
+    if (setup.key.contacts == known->contacts)
+        refuse_changes(in, setup, setup.key, *known);
+    else
+        refuse_changes(in, setup, without_contacts(setup.key), without_contacts(*known));
     return setup;
+}
+
+void warn_of_lone_sets(const Reads& in, const Setup& setup) {
+    struct Member {
+        std::size_t body;
+        const solver::ContactRest* rest;
+        solver::ContactValues values;
+    };
+    std::vector<Member> members;
+    for (std::size_t i = setup.forces.size() - setup.contacts.size(); i < setup.forces.size(); ++i) {
+        const Force& f = setup.forces[i];
+        members.push_back({static_cast<std::size_t>(setup.key.reach[i].front()),
+                           static_cast<const solver::ContactRest*>(f.rest.get()),
+                           solver::get_fields<solver::ContactValues>(f.values)});
+    }
+    for (const Member& m : members) {
+        if (m.rest->sets.empty() || m.values.collides < 0.5 || m.values.collides_with_itself >= 0.5) continue;
+        std::size_t others = 0, partners = 0;
+        for (const Member& o : members) {
+            if (o.body == m.body || (setup.body(o.body).is_bone() && setup.body(m.body).is_bone())) continue;
+            ++others, partners += solver::share_a_set(*m.rest, *o.rest) ? 1 : 0;
+        }
+        if (others == 0 || partners > 0) continue;
+        std::string sets;
+        for (const int s : m.rest->sets) sets += (sets.empty() ? "" : " ") + std::to_string(s);
+        in.warn(bodies.name, "FE256",
+                body_name(in, setup, m.body) + ".collisionSets is \"" + sets +
+                    "\", which no other body that could touch it shares, so it touches nothing",
+                "Give both bodies of a pair a number in common, or switch collisions of the body off.");
+    }
 }
 
 solver::SceneDescription describe_scene(const Setup& setup) {

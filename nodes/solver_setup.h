@@ -29,10 +29,16 @@ struct Setup {
     }
 };
 
-/// Reads bodies and attachments. `known`: the key at the start frame, or nullptr at the start frame itself.
+/// Reads bodies and attachments. `known`: the key at the start frame, or nullptr at the start frame itself. `contact`:
+/// what says how bodies collide in the frame where `in` does not, its collisionDetection being off; null where the
+/// frame has no contact.
 /// Fails with FE209 (an attachment's body is not connected), FE211 (static data changed since the start
 /// frame), FE213 (one body twice).
-Setup read_setup(const engine::Reads& in, const SceneKey* known);
+Setup read_setup(const engine::Reads& in, const SceneKey* known, const engine::Reads* contact);
+/// The frame's collisionDetection: `frame`, if it is on.
+const engine::Reads* contact_of(const engine::Reads& frame);
+/// Warns (FE256) of bodies that no other one can touch, because no other one shares a number of their collisionSets.
+void warn_of_lone_sets(const engine::Reads& in, const Setup& setup);
 /// The scene in metres.
 solver::SceneDescription describe_scene(const Setup& setup);
 /// Values of one step out of `steps_per_frame`; metres.

@@ -1,5 +1,5 @@
 // Digests and sizes of the values on wires. A value's digest covers all that a consumer can see, save the
-// wall clock and Body::collision (why: values.h).
+// wall clock and what Body holds for zEmbedder and for contact (why: values.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/values.h"
 
@@ -66,6 +66,7 @@ void add(Hasher& h, const SceneKey& k) {
     h.add_ints(numbers(k.links));
     h.add(static_cast<std::uint64_t>(k.forces.size()));
     for (std::size_t i = 0; i < k.forces.size(); ++i) h.add(k.forces[i]).add_ints(k.reach[i]);
+    h.add(k.contacts);
 }
 
 } // namespace
@@ -125,7 +126,6 @@ BodyId id_of(const Body& body) {
     std::visit([&](const auto& v) { add(h, v); }, body.values);
     for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
-    if (body.contact) h.add(static_digest(*body.contact)).add_doubles(body.contact->values);
     return {body.rest->digest, h.finish()};
 }
 
@@ -227,6 +227,10 @@ void ValueTraits<nodes::Body>::hash_rest(Hasher& h, const nodes::Body& v) {
         h.add_ints({w.vertex, n}).add_doubles({w.weight, n});
     }
 }
+void ValueTraits<nodes::Body>::hash_aside(Hasher& h, const nodes::Body& v) {
+    h.add(v.contact.has_value());
+    if (v.contact) h.add(static_digest(*v.contact)).add_doubles(v.contact->values);
+}
 std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
     // The rest data is one object for all frames, so a frame pays for its values only.
     if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));
@@ -258,6 +262,7 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     h.add(w.body).add(w.tet).add(w.j).add_doubles(w.tet_place);
     h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
     h.add(w.residual_body);
+    h.add(w.contact_body).add(w.contact_target).add(w.depth).add_doubles(w.contact_place);
 }
 std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
 

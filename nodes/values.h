@@ -99,7 +99,7 @@ struct CollisionSurface {
 
 /// How a body is recognised at the other end of a wire. Names never travel, so that renaming changes nothing:
 /// a body is its rest data and, where several share those (one mesh used for two bones), its values at that
-/// time.
+/// time, but for those of contact, which nobody may read where zSolver.collisionDetection is off.
 struct BodyId {
     engine::Digest rest, value;
     friend auto operator<=>(const BodyId&, const BodyId&) = default;
@@ -155,6 +155,8 @@ struct SceneKey {
     std::vector<std::array<int, 2>> links;           ///< source and target of each attachment, positions in `bodies`
     std::vector<engine::Digest> forces;              ///< of the further forces that take part
     std::vector<std::vector<int>> reach;             ///< of each, the bodies it acts on, positions in `bodies`
+    /// How many of `forces`, the last ones, are contacts: the one thing that may come and go over a run.
+    std::uint64_t contacts = 0;
     engine::Digest digest() const;
     friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
@@ -177,6 +179,10 @@ struct WorstPlaces {
     double stretch = 0; ///< [m]
     std::array<double, 3> stretch_place{};
     int residual_body = -1; ///< whose the record's residual is: place in zSolver.bodies
+    /// Of the deepest contact, places in zSolver.bodies: whose point, and whose surface.
+    int contact_body = -1, contact_target = -1;
+    double depth = 0; ///< [m]
+    std::array<double, 3> contact_place{};
 };
 
 /// What one frame's solve reported; the command line writes it into --report.
@@ -230,7 +236,8 @@ template <>
 struct ValueTraits<nodes::Body> {
     static constexpr std::string_view name = "body";
     static void hash(Hasher& h, const nodes::Body& v);
-    static void hash_rest(Hasher& h, const nodes::Body& v); ///< collision surface; a bone's points as modelled
+    static void hash_rest(Hasher& h, const nodes::Body& v);  ///< collision surface; a bone's points as modelled
+    static void hash_aside(Hasher& h, const nodes::Body& v); ///< what it brings to contact
     static std::size_t bytes(const nodes::Body& v);
 };
 } // namespace sinew::engine

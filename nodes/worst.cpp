@@ -92,4 +92,13 @@ WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const sol
     return out;
 }
 
+void find_deepest(const ContactList& contacts, WorstPlaces& worst) {
+    for (const solver::ContactPoint& c : contacts.contacts) {
+        if (worst.contact_body >= 0 && c.depth <= worst.depth) continue;
+        worst.contact_body = c.source, worst.contact_target = c.target;
+        worst.depth = c.depth;
+        worst.contact_place = {c.place.x(), c.place.y(), c.place.z()};
+    }
+}
+
 } // namespace sinew::nodes

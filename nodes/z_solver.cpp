@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/contacts.h"
 #include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
@@ -11,6 +12,7 @@
 #include "solver/marks_of.h"
 #include "solver/residual_body.h"
 #include "solver/terms/attachment/anchors.h"
+#include "solver/terms/contact/contact.h"
 
 #include <cstdio>
 
@@ -36,6 +38,13 @@ const Output<MarkList> out_marks{
     .name = "outMarks",
     .doc = "What forces show of themselves at this frame, for viewers: points and lines in scene units with a number "
            "each, in SI units. Empty if no force of the scene shows anything.",
+};
+
+const Output<ContactList> out_contacts{
+    .name = "outContacts",
+    .doc =
+        "Who touches whom at this frame: points, normals, depths, forces, the two bodies of each, sliding or held. In "
+        "a fixed order, bodies by their places in `bodies`. Connect to contactWriter.contacts for a table.",
 };
 
 /// The scene and its buffers: derived data that is kept from frame to frame only to save work.
@@ -67,6 +76,10 @@ auto solving(const Reads& in, const Setup& setup, Call&& call) {
             message = in.source_name(bodies.name,
                                      static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(e.body)])) +
                       ": " + message;
+        const bool of_contact =
+            e.part >= 0 && setup.forces[static_cast<std::size_t>(e.part)].get().type == &solver::contact_type;
+        if (e.code == "FE232" && of_contact && in[collision_subdivision])
+            in.fail(collision_point_spacing.name, e.code, std::move(message), e.hint);
         const int entry = e.part < 0 ? -1 : setup.force_entries[static_cast<std::size_t>(e.part)];
         if (entry >= 0)
             in.fail(forces.name, e.code, in.source_name(forces.name, static_cast<std::size_t>(entry)) + ": " + message,
@@ -159,7 +172,7 @@ bool without_inertia(const Reads& in) {
 
 SimulationState initial(const Reads& in) {
     if (!in[enable]) return {};
-    const Setup setup = read_setup(in, nullptr);
+    const Setup setup = read_setup(in, nullptr, contact_of(in));
     if (without_inertia(in)) check_all_tied(in, setup);
     auto stage = lease_stage(in, setup);
     const solver::StepInputs inputs = step_inputs(in, setup, 1);
@@ -168,6 +181,7 @@ SimulationState initial(const Reads& in) {
     SimulationState out{setup.key,
                         solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions); })};
     warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
+    warn_of_lone_sets(in, setup);
     return out;
 }
 
@@ -184,20 +198,29 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     std::vector<solver::StepInputs> inputs;
     Setup setup;
     SceneKey known = before.scene; // of the sub-step before: which of two alike bones is meant stays known
+    const Reads* contact = contact_of(now);
     for (const auto& [in, within] : times) {
-        setup = read_setup(in, &known);
+        setup = read_setup(in, &known, contact);
         if (setup.key != known) known = setup.key;
         if (without_inertia(in)) check_all_tied(in, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
         for (const Reads& stage : within)
-            inputs.back().at_gamma =
-                std::make_shared<const solver::StepInputs>(step_inputs(stage, read_setup(stage, &known), times.size()));
+            inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(
+                step_inputs(stage, read_setup(stage, &known, contact), times.size()));
     }
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
+    const bool contact_came = setup.key.contacts > before.scene.contacts;
     SimulationState after{setup.key, solving(now, setup, [&] {
-                              return solver::advance(stage->workspace, before.state, inputs, control_of(now));
+                              if (setup.key.contacts == before.scene.contacts)
+                                  return solver::advance(stage->workspace, before.state, inputs, control_of(now));
+                              const std::size_t same = before.scene.forces.size() - before.scene.contacts;
+                              return solver::advance(
+                                  stage->workspace,
+                                  solver::with_other_parts(*stage->scene, before.state, same, inputs.front()), inputs,
+                                  control_of(now));
                           })};
+    if (contact_came) warn_of_lone_sets(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)
         after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
     warn_if_unconverged(now, after);
@@ -234,11 +257,12 @@ int nearest_vertex(const solver::Points& points, const std::array<double, 3>& pl
 
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
     const bool runs = in[enable];
-    const Setup setup = read_setup(in, runs ? &s.scene : nullptr);
+    const Setup setup = read_setup(in, runs ? &s.scene : nullptr, runs ? contact_of(in) : nullptr);
     MeshList meshes = unsolved_meshes(setup);
     Solved solved;
     SolveReport report;
     MarkList marks;
+    ContactList contacts;
     if (runs) {
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
@@ -246,7 +270,8 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
         if (!setup.forces.empty()) {
             const solver::StepInputs inputs = step_inputs(in, setup, 1);
             marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
-                              setup.key.scale);
+                              setup.simulated, setup.key.scale);
+            contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.key.scale);
         }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);
@@ -262,6 +287,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             solved.rests.push_back(b.rest);
         }
         report.worst = find_worst(setup, *stage->scene, s.state);
+        find_deepest(contacts, report.worst);
         report.worst.residual_body = s.residual_body;
         if (report.worst.attachment >= 0)
             report.worst.vertex = nearest_vertex(
@@ -271,6 +297,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
     out.set(out_solved, std::move(solved));
     out.set(out_report, std::move(report));
     out.set(out_marks, std::move(marks));
+    out.set(out_contacts, std::move(contacts));
 }
 
 } // namespace
@@ -278,7 +305,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 6;
+    type.base.numerics = 7;
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),
@@ -301,7 +328,8 @@ void add_z_solver(Registry& registry) {
                         describe(collision_point_spacing),
                         describe(max_contact_length),
                         describe(contact_damping)};
-    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks)};
+    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks),
+                         describe(out_contacts)};
     type.initial = initial;
     type.advance = advance;
     type.publish = publish;

@@ -13,6 +13,7 @@ inline const WireList<Body> bodies{
     .name = "bodies",
     .doc = "The bones and tissues of the simulation; outMeshes follows this order.",
     .min_count = 1,
+    .aside_when = "collisionDetection",
 };
 inline const WireList<Attachment> attachments{
     .name = "attachments",
@@ -127,14 +128,15 @@ inline const Input<bool> collision_detection{
     .def = false,
     .doc = "The master switch: on, bodies whose surfaces meet push each other apart, see their collisions, "
            "collisionVolume, contactSliding, contactStiffness, contactFriction and collisionSets. What is inside of "
-           "another body at the start frame is pushed out through the nearest place.",
-    .keyable = false,
+           "another body at the start frame, or where it is switched on, is pushed out through the nearest place. May "
+           "be keyed: a frame at which it is off costs nothing of it, and attributes of contact then change nothing.",
 };
 inline const Input<bool> collision_subdivision{
     .name = "collisionSubdivision",
     .def = false,
     .doc = "On tests points between vertices too, so that edges do not pass each other.",
     .keyable = false,
+    .when = "collisionDetection",
 };
 inline const Input<double> collision_point_spacing{
     .name = "collisionPointSpacing",
@@ -144,6 +146,7 @@ inline const Input<double> collision_point_spacing{
     .doc = "With collisionSubdivision, the largest distance between points that are tested along an edge; in metres, "
            "whatever the scale.",
     .keyable = false,
+    .when = "collisionDetection",
 };
 inline const Input<double> max_contact_length{
     .name = "maxContactLength",
@@ -151,6 +154,7 @@ inline const Input<double> max_contact_length{
     .unit = "m",
     .limits = {.min = 0},
     .doc = "A contact that is deeper is dropped; 0 keeps all. In metres, whatever the scale.",
+    .when = "collisionDetection",
 };
 inline const Input<double> contact_damping{
     .name = "contactDamping",
@@ -158,6 +162,7 @@ inline const Input<double> contact_damping{
     .unit = "N*s/m^3",
     .limits = {.min = 0},
     .doc = "Brakes how fast contacts open and close, as pressure per speed; in fixed contacts all relative motion.",
+    .when = "collisionDetection",
 };
 
 } // namespace sinew::nodes::z_solver

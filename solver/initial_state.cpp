@@ -74,4 +74,32 @@ State initial_state(const Scene& scene, const StepInputs& inputs, std::span<cons
     return s;
 }
 
+State with_other_parts(const Scene& scene, const State& before, std::size_t same, const StepInputs& inputs) {
+    check_inputs(scene, inputs);
+    State s = before;
+    std::vector<PartValues> parts;
+    keep_places(scene, inputs.parts, parts);
+    same = std::min({same, s.parts.size(), parts.size()});
+    std::copy_n(s.parts.begin(), same, parts.begin());
+    s.parts = std::move(parts);
+    if (s.history.values) {
+        std::vector<PartValues>& last = s.history.values->parts;
+        last.resize(same);
+        last.insert(last.end(), inputs.parts.begin() + static_cast<std::ptrdiff_t>(same), inputs.parts.end());
+    }
+    for (const TermType* type : all_terms()) {
+        if (!type->begin) continue;
+        const auto is_of_type = [&](const Part& part) { return part.type == type; };
+        const std::vector<Part>& all = scene.description().parts;
+        const auto first_other = all.begin() + static_cast<std::ptrdiff_t>(same);
+        if (std::any_of(all.begin(), first_other, is_of_type)) continue; // it is there already
+        std::erase_if(s.memories, [&](const TermMemory& m) { return m.term == type->name; });
+        if (std::none_of(first_other, all.end(), is_of_type)) continue;
+        TermMemory memory{std::string(type->name), type->memory_version, {}};
+        type->begin(scene, inputs, s, memory);
+        s.memories.push_back(std::move(memory));
+    }
+    return s;
+}
+
 } // namespace sinew::solver

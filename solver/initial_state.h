@@ -20,4 +20,9 @@ struct InitialMotion {
 /// `motions`: one a body, or none for bodies at rest.
 State initial_state(const Scene& scene, const StepInputs& inputs, std::span<const InitialMotion> motions = {});
 
+/// `before` as a state of a scene that is alike but for parts at the end of its list: it has the first `same` of those
+/// that `before` belongs to, and its own after them. What comes in is started where things are (TermType::begin); what
+/// went is forgotten. `inputs`: of the first step that follows.
+State with_other_parts(const Scene& scene, const State& before, std::size_t same, const StepInputs& inputs);
+
 } // namespace sinew::solver

@@ -304,6 +304,8 @@ Marks marks_of(Workspace& workspace, const State& state, const StepInputs& input
     return out;
 }
 
+const Term* term_shown(Workspace& workspace, const TermType& type) { return workspace.impl().potential.find(type); }
+
 Points surface_positions(const Scene& scene, const State& state, int body) {
     const TissueRest* tissue = scene.tissue(body);
     if (!tissue) return state.bones[static_cast<std::size_t>(body)];

@@ -72,6 +72,8 @@ void Core::keep(const Digest& key, const std::optional<Digest>& by_content, cons
         const Digest plug = plug_key(key, type.outputs[i].name);
         is_known = is_known && contents.find(plug);
         contents.put(plug, entry->outputs[i].digest());
+        if (const Digest aside = entry->outputs[i].aside_digest(); aside != Digest{})
+            contents.put(aside_key(plug), aside);
     }
     if (by_content && values.find(*by_content) == entry) return values.alias(key, *by_content);
     if (is_known) ++made_again; // its row outlived it

@@ -15,7 +15,9 @@ namespace sinew::engine {
 namespace {
 
 ContentOf table_only(Core& core) {
-    return [&core](const Digest& plug, const Digest&, int) { return core.contents.find(plug); };
+    return [&core](const Digest& plug, const Digest&, int, DigestPart part) {
+        return core.contents.find(part == DigestPart::aside ? aside_key(plug) : plug);
+    };
 }
 
 std::string joined(const std::vector<std::string>& words) {

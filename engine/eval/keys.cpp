@@ -113,7 +113,7 @@ std::optional<Digest> Keys::of(const Source& source, double frame, Needs& needs)
 
 // Literals, keyed values and connections of equal content give equal digests, so that replacing one by
 // another does not move the chain.
-std::optional<Digest> Keys::content(const Slot& slot, double time, Needs& needs) {
+std::optional<Digest> Keys::content(const Slot& slot, double time, Needs& needs, bool with_aside) {
     if (slot.kind == Slot::Kind::constant || slot.kind == Slot::Kind::curve) return slot.digest_at(time);
     Hasher h;
     h.add(std::uint64_t{slot.sources.size()});
@@ -127,9 +127,12 @@ std::optional<Digest> Keys::content(const Slot& slot, double time, Needs& needs)
             continue;
         }
         const auto& output = program_.place(source.node).type->outputs[static_cast<std::size_t>(source.output)];
-        const auto content = content_(plug_key(*key, output.name), *key, source.output);
-        if (content) {
+        const Digest plug = plug_key(*key, output.name);
+        const auto content = content_(plug, *key, source.output, DigestPart::content);
+        const auto aside = with_aside ? content_(plug, *key, source.output, DigestPart::aside) : Digest{};
+        if (content && aside) {
             h.add(*content);
+            if (with_aside) h.add(*aside);
             single = content;
         } else {
             complete = false;
@@ -140,12 +143,26 @@ std::optional<Digest> Keys::content(const Slot& slot, double time, Needs& needs)
     return slot.kind == Slot::Kind::wire ? single : h.finish();
 }
 
+// By content, so that it does not matter whether a literal, keys or a connection says so.
+std::optional<bool> Keys::is_on(const Place& p, std::string_view input, double time, Needs& needs) {
+    for (const Slot& s : p.slots)
+        if (s.info->name == input) {
+            const auto content = this->content(s, time, needs);
+            return content ? std::optional(*content != Value::of<bool>(false).digest()) : std::nullopt;
+        }
+    return true;
+}
+
 std::optional<Digest> Keys::inputs_digest(const Place& p, double time, bool initial, Needs& needs) {
     Hasher h;
     bool complete = true;
     for (const Slot& s : p.slots) {
         if (!s.read_by_compute() || (s.info->affects == Affects::initial_state && !initial)) continue;
-        const auto content = this->content(s, time, needs);
+        const auto matters = s.info->when.empty() ? true : is_on(p, s.info->when, time, needs);
+        const auto with_aside = s.info->aside_when.empty() ? false : is_on(p, s.info->aside_when, time, needs);
+        complete = complete && matters && with_aside;
+        if (matters && !*matters) continue;
+        const auto content = this->content(s, time, needs, with_aside.value_or(false));
         complete = complete && content;
         if (content) h.add(s.info->name).add(*content);
     }

@@ -26,8 +26,12 @@ struct SubstepTimes {
     double end = 0;
 };
 
+/// Which of a value's digests: Value::digest, Value::aside_digest.
+enum class DigestPart { content, aside };
+
 /// The content digest behind a plug key, if it is known.
-using ContentOf = std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output)>;
+using ContentOf =
+    std::function<std::optional<Digest>(const Digest& plug_key, const Digest& node_key, int output, DigestPart part)>;
 
 /// What every key of a node of this type begins with.
 Hasher identity(const NodeType& type);
@@ -53,12 +57,14 @@ class Keys {
     const Digest& frame_key(int simulation, int frame) const;
     /// When a step to `frame` reads its inputs; the start reads once.
     std::vector<SubstepTimes> read_times(int simulation, int frame) const;
-    /// The content digest of all that one slot holds at a time.
-    std::optional<Digest> content(const Slot& slot, double time, Needs& needs);
+    /// The content digest of all that one slot holds at a time; of lists with what stands aside where that is asked
+    /// for.
+    std::optional<Digest> content(const Slot& slot, double time, Needs& needs, bool with_aside = false);
 
   private:
     std::optional<Digest> known(const Site& site) const;
     Digest combine(const Site& site) const;
+    std::optional<bool> is_on(const Place& p, std::string_view input, double time, Needs& needs);
     std::optional<Digest> inputs_digest(const Place& p, double time, bool initial, Needs& needs);
     std::optional<Digest> link(int simulation, int frame, Needs& needs);
 

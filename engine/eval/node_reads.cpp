@@ -20,6 +20,9 @@ std::size_t NodeReads::slot(std::string_view attribute) const {
         if (info.affects == Affects::nothing) refuse("affects nothing and so must not be read");
         const bool later = context_.phase == Phase::advance || context_.phase == Phase::publish;
         if (info.affects == Affects::initial_state && later) refuse("belongs to the initial state only");
+        for (std::size_t k = 0; !info.when.empty() && k < p.slots.size(); ++k)
+            if (p.slots[k].info->name == info.when && !values_[k].empty() && !values_[k].front().as<bool>())
+                refuse("is switched off");
         return i;
     }
     refuse("it did not declare");

@@ -16,13 +16,15 @@ Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double 
     , stop(std::move(s))
     , frame(f)
     , keys(*program,
-           [this](const Digest& plug, const Digest& node, int output) -> std::optional<Digest> {
+           [this](const Digest& plug, const Digest& node, int output, DigestPart part) -> std::optional<Digest> {
                if (!stack_.empty()) { // the goal on top is the one that asks
                    const auto it = stack_.back()->pins_.find(node);
-                   if (it != stack_.back()->pins_.end())
-                       return it->second->outputs[static_cast<std::size_t>(output)].digest();
+                   if (it != stack_.back()->pins_.end()) {
+                       const Value& v = it->second->outputs[static_cast<std::size_t>(output)];
+                       return part == DigestPart::aside ? v.aside_digest() : v.digest();
+                   }
                }
-               return core.contents.find(plug);
+               return core.contents.find(part == DigestPart::aside ? aside_key(plug) : plug);
            })
     , failures_(std::move(failures)) {}
 

@@ -132,6 +132,8 @@ void ScratchPool::give(const Digest& key, std::shared_ptr<void> scratch) {
     if (kept_.size() > limit_) kept_.pop_back();
 }
 
+Digest aside_key(const Digest& plug) { return Hasher().add(plug).add("aside").finish(); }
+
 Digest plug_key(const Digest& node, std::string_view output) { return Hasher().add(node).add(output).finish(); }
 
 } // namespace sinew::engine

@@ -113,6 +113,8 @@ class ScratchPool {
     std::list<std::pair<Digest, std::shared_ptr<void>>> kept_; ///< most recently given first
 };
 
+/// Where the table keeps the digest of what a plug's value holds aside (Value::aside_digest).
+Digest aside_key(const Digest& plug);
 /// The key of one output of a node whose key is `node`.
 Digest plug_key(const Digest& node, std::string_view output);
 

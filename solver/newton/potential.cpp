@@ -256,4 +256,9 @@ void Potential::marks(const Positions& x, Marks& out) const {
     for (const auto& term : terms_) term->marks(x, out);
 }
 
+const Term* Potential::find(const TermType& type) const {
+    const auto at = std::find(types_.begin(), types_.end(), &type);
+    return at == types_.end() ? nullptr : terms_[static_cast<std::size_t>(at - types_.begin())].get();
+}
+
 } // namespace sinew::solver

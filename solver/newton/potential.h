@@ -90,6 +90,8 @@ class Potential {
     /// Least det F where the energy is taken, at x.
     double least_j(const Positions& x);
     void marks(const Positions& x, Marks& out) const;
+    /// Null: the scene does not use it.
+    const Term* find(const TermType& type) const;
 
   private:
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);

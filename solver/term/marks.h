@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/types.h"
 
+#include <array>
 #include <string_view>
 #include <vector>
 
@@ -13,6 +14,8 @@ struct Mark {
     int part = -1; ///< of the scene's parts, or of its attachments
     Vec3 from, to;
     double value = 0; ///< in the group's unit
+    /// Of the scene, whom it is about, where that is one or two of them: whose point, whose surface; -1: nobody.
+    std::array<int, 2> bodies{-1, -1};
 };
 
 struct MarkGroup {

@@ -20,6 +20,9 @@ struct TermType {
     std::unique_ptr<Term> (*make)(const Scene&) = nullptr;
     /// What it keeps at the start frame, from the inputs and the surfaces of all bodies then [m]; null: nothing.
     void (*start)(const Scene&, const StepInputs&, const std::vector<Points>& surfaces, TermMemory&) = nullptr;
+    /// The same for types whose parts may come in and go over a run: what it keeps where the first of them comes in, at
+    /// a state that does not know of it. Null: they take part from the start frame on, or never.
+    void (*begin)(const Scene&, const StepInputs&, const State&, TermMemory&) = nullptr;
     int memory_version = 0;
     bool has_memory = false;
     /// Flags vertices of a deformable body that a part holds (they are no unknowns); null: none. `body`: in

@@ -10,14 +10,45 @@ using namespace bench;
 
 namespace {
 
-const std::vector<std::string> all_types = {
-    "aim",          "airField",        "combineWeights", "curve",           "dragField",        "endPoints",
-    "gravityField", "meshFile",        "meshWriter",     "newtonField",     "polyCube",         "polyCylinder",
-    "polyHelix",    "polyPlane",       "polySphere",     "radialField",     "tetMeshFile",      "tetWriter",
-    "trackChannel", "transferWeights", "transform",      "turbulenceField", "uniformField",     "volumeAxisField",
-    "vortexField",  "weights",         "zAttachment",    "zBone",           "zDelaunayTetMesh", "zEmbedder",
-    "zFiber",       "zGoalAttachment", "zHold",          "zIsoMesh",        "zMaterial",        "zSolver",
-    "zTet",         "zTissue"};
+const std::vector<std::string> all_types = {"aim",
+                                            "airField",
+                                            "combineWeights",
+                                            "contactWriter",
+                                            "curve",
+                                            "dragField",
+                                            "endPoints",
+                                            "gravityField",
+                                            "meshFile",
+                                            "meshWriter",
+                                            "newtonField",
+                                            "polyCube",
+                                            "polyCylinder",
+                                            "polyHelix",
+                                            "polyPlane",
+                                            "polySphere",
+                                            "radialField",
+                                            "tetMeshFile",
+                                            "tetWriter",
+                                            "trackChannel",
+                                            "transferWeights",
+                                            "transform",
+                                            "turbulenceField",
+                                            "uniformField",
+                                            "volumeAxisField",
+                                            "vortexField",
+                                            "weights",
+                                            "zAttachment",
+                                            "zBone",
+                                            "zDelaunayTetMesh",
+                                            "zEmbedder",
+                                            "zFiber",
+                                            "zGoalAttachment",
+                                            "zHold",
+                                            "zIsoMesh",
+                                            "zMaterial",
+                                            "zSolver",
+                                            "zTet",
+                                            "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset", "rate",       "inMin",
@@ -53,6 +84,7 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"combineWeights",
          node("combineWeights", R"("weights": [{"from": "half.outWeights"}, {"from": "rest.outWeights"}],
              "mesh": {"from": "cube.outMesh"})")},
+        {"contactWriter", node("contactWriter", R"("contacts": {"from": "solver.outContacts"})")},
         {"curve", node("curve", R"("points": [0,0,0, 1,0,0])")},
         {"endPoints", node("endPoints", R"("mesh": {"from": "cube.outMesh"}, "source": {"from": "half.outWeights"},
                                                "sink": {"from": "rest.outWeights"})")},
@@ -182,9 +214,15 @@ TEST_CASE("every type computes in its smallest graph, and a change of any input 
             if (a.kind != engine::AttributeKind::literal || another(a).empty()) continue;
             if (name == "zSolver" && a.name == "startFrame") continue; // tested with the frames it moves
             INFO(a.name << " = " << another(a));
-            const auto edited = engine::Edit(s.graph).set_json({"n", std::string(a.name)}, another(a)).commit().graph;
-            const bool ready = s.evaluator.explain({edited, plug, frame}).readiness == engine::Readiness::ready;
-            CHECK(ready == (a.affects == engine::Affects::nothing));
+            const auto is_ready = [&](const std::shared_ptr<const engine::Graph>& graph) {
+                const auto edited = engine::Edit(graph).set_json({"n", std::string(a.name)}, another(a)).commit().graph;
+                return s.evaluator.explain({edited, plug, frame}).readiness == engine::Readiness::ready;
+            };
+            CHECK(is_ready(s.graph) == (a.affects == engine::Affects::nothing || !a.when.empty()));
+            if (a.when.empty()) continue;
+            const auto on = engine::Edit(s.graph).set_json({"n", std::string(a.when)}, "true").commit().graph;
+            s.evaluator.pull({on, plug, frame});
+            CHECK_FALSE(is_ready(on)); // off it changes nothing, on it does
         }
         CHECK(s.counter.warnings.empty());
     }

@@ -174,22 +174,35 @@ TEST_CASE("a scene's key changes with each of its fields") {
     CHECK(changes([](nodes::SceneKey& k) { k.reach[0] = {0}; }));
 }
 
-TEST_CASE("a body is another one with another value of a force, of contact or of its start") {
-    const auto id = [](const std::string& inputs) {
-        return nodes::id_of(
-            bench::Session(R"("ball": {"type": "polySphere"}, "flesh": {"type": "zMaterial", "inputs": {"pressure": 5}},
+TEST_CASE("a body is another one with another value of a force or of its start, and contact stands aside") {
+    const auto value = [](const std::string& inputs) {
+        return bench::Session(
+                   R"("ball": {"type": "polySphere"}, "flesh": {"type": "zMaterial", "inputs": {"pressure": 5}},
             "b": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])" +
-                           inputs + "}}")
-                .get<nodes::Body>("b", "outBody"));
+                   inputs + "}}")
+            .pull("b", "outBody");
     };
-    const BodyId plain = id("");
-    CHECK(id("") == plain);
-    for (const char* inputs :
-         {R"(, "pressureEnvelope": 0.5)", R"(, "contactFriction": 0.5)", R"(, "collisionSets": "1")",
-          R"(, "initialVelocity": [0, 1, 0])", R"(, "initialAngularVelocity": [0, 1, 0])"}) {
+    const auto id = [](const engine::Value& v) { return nodes::id_of(v.as<nodes::Body>()); };
+    const engine::Value plain = value("");
+    CHECK(id(value("")) == id(plain));
+    CHECK(value("").aside_digest() == plain.aside_digest());
+    for (const char* inputs : {R"(, "pressureEnvelope": 0.5)", R"(, "initialVelocity": [0, 1, 0])",
+                               R"(, "initialAngularVelocity": [0, 1, 0])"}) {
         INFO(inputs);
-        CHECK(id(inputs) != plain);
-        CHECK(id(inputs).rest == plain.rest);
+        const engine::Value v = value(inputs);
+        CHECK(id(v) != id(plain));
+        CHECK(id(v).rest == id(plain).rest);
+        CHECK(v.digest() != plain.digest());
+        CHECK(v.aside_digest() == plain.aside_digest());
+    }
+    for (const char* inputs :
+         {R"(, "contactFriction": 0.5)", R"(, "collisionSets": "1")", R"(, "collisions": false)"}) {
+        INFO(inputs);
+        const engine::Value v = value(inputs);
+        CHECK(id(v) == id(plain));
+        CHECK(v.digest() == plain.digest());
+        CHECK(v.aside_digest() != plain.aside_digest());
+        CHECK(v.whole_digest() != plain.whole_digest());
     }
 }
 

@@ -202,6 +202,16 @@ TEST_CASE("a bone that turns by 90 degrees in a frame carries its body along und
     CHECK(bench::hard_faults(results).rows.empty());
 }
 
+TEST_CASE("a bone that crosses a body in a frame is caught, and what is called converged is", "[tools][contact]") {
+    const auto results = bench::run_hard(quick("crosses a body"));
+    REQUIRE(results.size() == 8);
+    for (const bench::HardResult& r : results) {
+        INFO(r.setting.law.word << " " << r.setting.integrator.word << ": " << r.why);
+        CHECK(r.outcome != Outcome::wrong); // the judge asks for contacts and forces anew
+        CHECK(r.steps > 4);
+    }
+}
+
 TEST_CASE("sinew bench hard prints a table, JSON and an exit code", "[tools]") {
     const Said json = run_program({"bench", "hard", "--quick", "--only", "not a number", "--json"});
     CHECK(json.code == 0);

@@ -73,3 +73,58 @@ TEST_CASE("contact is there where it is switched on alone", "[tools][contact]") 
                                                    "ground.collisionSets=\"2 3\""});
     CHECK(apart.at("terms").at("contact").at("contacts") == 0);
 }
+
+TEST_CASE("a run writes the contacts of each frame, and the report says which bodies are deepest and where",
+          "[tools][contact]") {
+    json graph = falling(true);
+    graph["nodes"]["table"] = json::parse(
+        R"({"type": "contactWriter", "inputs": {"contacts": {"from": "solver.outContacts"}, "format": "json"}})");
+    const TemporaryFolder folder;
+    const std::string out = (folder / "out").string(), report = (folder / "report.json").string();
+    const std::string file = write_graph(folder, graph);
+    const Said said = run_program({"run", file, "--pull", "table.outFile", "--out", out, "--report", report});
+    INFO(said.err);
+    REQUIRE(said.code == 0);
+    const auto contacts_at = [&](const char* number) {
+        return json::parse(read_text(folder / "out" / (std::string("table.") + number + ".json"))).at("contacts");
+    };
+    CHECK(contacts_at("0001").empty());
+    const json frame = json::parse(read_text(report)).at("frames").back(), contacts = contacts_at("0040");
+    CHECK(frame.at("terms").at("contact").at("contacts") == contacts.size());
+    // In the order of zSolver.bodies: the ground carries both, the block the upper one.
+    double on_block = 0, between = 0, deepest = 0;
+    json at;
+    for (const json& c : contacts) {
+        const int source = c.at("source"), target = c.at("target");
+        const double up = c.at("force_N")[1];
+        if (source == 1 && target == 0)
+            on_block += up;
+        else if (source == 2 && target == 1)
+            between += up;
+        else if (source == 1 && target == 2)
+            between -= up;
+        else
+            FAIL("no such pair: " << c.dump());
+        CHECK(c.at("sliding") == true);
+        if (c.at("depth_m") > deepest) deepest = c.at("depth_m"), at = c;
+    }
+    CHECK(on_block == Approx(9800 * 1.25).epsilon(0.005));
+    CHECK(between == Approx(0.25 * 9800).epsilon(0.01));
+    const json where = frame.at("where").at("max_depth_m");
+    const std::vector<std::string> names{"ground", "block", "upper"};
+    CHECK(where.at("body") == names.at(at.at("source").get<std::size_t>()));
+    CHECK(where.at("in") == names.at(at.at("target").get<std::size_t>()));
+    CHECK(where.at("depth_m").get<double>() == Approx(frame.at("terms").at("contact").at("max_depth_m").get<double>()));
+    CHECK(where.at("at") == at.at("at"));
+
+    // By pairs, for people.
+    const Said eval = run_program({"eval", file, "solver.outContacts", "--frame", "40", "--json"});
+    REQUIRE(eval.code == 0);
+    const json pairs = json::parse(eval.out).at("value");
+    CHECK(pairs.at(0).at("source") == 1);
+    CHECK(pairs.at(0).at("target") == 0);
+    CHECK(pairs.at(0).at("force_N")[1].get<double>() == Approx(9800 * 1.25).epsilon(0.005));
+    std::size_t all = 0;
+    for (const json& pair : pairs) all += pair.at("contacts").get<std::size_t>();
+    CHECK(all == contacts.size());
+}

@@ -3,6 +3,7 @@
 #include "tools/viewer/collect.h"
 #include "tools/viewer/faults.h"
 #include "tools/viewer/page_data.h"
+#include "tools/viewer/shot.h"
 #include "tools/viewer/shot_overlays.h"
 
 #include <catch2/catch.hpp>
@@ -156,6 +157,12 @@ TEST_CASE("marks travel as seven numbers each, a block for each frame and kind")
     };
     CHECK(numbers(0) == std::vector<float>{1, 2, 3, 0, 1, 0, 0.5f, 4, 5, 6, 1, 0, 0, -0.25f});
     CHECK(numbers(1) == std::vector<float>{7, 8, 9, 7, 8, 9, 2000});
+    CHECK_FALSE(groups[0].contains("bodies"));
+
+    scene.frames[1].marks = {{"contact", "force", "N", {{{1, 2, 3}, {0, 1, 0}, 5, {1, 0}}, {{4, 5, 6}, {1, 0, 0}, 6}}}};
+    const PageData touching = page_data(scene);
+    const auto group = nlohmann::json::parse(touching.header)["frames"][1]["marks"][0];
+    CHECK(unpack_f32(touching.blocks[group["bodies"].get<std::size_t>()]) == std::vector<float>{1, 0, -1, -1});
 }
 
 TEST_CASE("marks that cannot be drawn are left out, and their frame is named") {
@@ -175,6 +182,32 @@ TEST_CASE("marks that cannot be drawn are left out, and their frame is named") {
     CHECK(all_notes(scene) ==
           "Frames 2-3: marks of field, wind have coordinates or values that are no numbers or beyond "
           "any; they are left out.\n");
+}
+
+TEST_CASE("of some bodies alone the marks about others go, and the rest name them by their new places") {
+    ViewScene scene = test::made_scene(10, 1);
+    const ViewBody body = scene.bodies.front();
+    scene.bodies.assign(4, body);
+    for (std::size_t b = 0; b < 4; ++b) scene.bodies[b].name = std::string(1, static_cast<char>('a' + b));
+    const auto mark = [](float value, int of, int in) { return ViewMark{{1, 2, 3}, {1, 2, 4}, value, {of, in}}; };
+    scene.frames[0].marks = {
+        {"contact", "force", "N", {mark(1, 0, 1), mark(2, 1, 3), mark(3, 3, 3), mark(4, 2, 1), mark(5, -1, -1)}}};
+    keep_bodies(scene, {1, 3});
+    REQUIRE(scene.bodies.size() == 2);
+    CHECK(scene.bodies[0].name == "b");
+    CHECK(scene.bodies[1].name == "d");
+    const std::vector<ViewMark>& left = scene.frames[0].marks[0].marks;
+    REQUIRE(left.size() == 5);
+    CHECK(left[0].bodies == std::array{-1, 0});
+    CHECK(left[1].bodies == std::array{0, 1});
+    CHECK(left[2].bodies == std::array{1, 1});
+    CHECK(left[3].bodies == std::array{-1, 0});
+    CHECK(left[4].bodies == std::array{-1, -1});
+    keep_bodies(scene, {1}); // "d"
+    REQUIRE(left.size() == 3);
+    CHECK(left[0].value == 2);
+    CHECK(left[1].value == 3);
+    CHECK(left[2].value == 5);
 }
 
 TEST_CASE("pictures draw marks in the colours of their unit's range over the frames without faults") {

@@ -415,6 +415,13 @@ constexpr HardCase cases[] = {
 
 } // namespace
 
-std::span<const HardCase> hard_cases() { return cases; }
+std::span<const HardCase> hard_cases() {
+    static const std::vector<HardCase> all = [] {
+        std::vector<HardCase> out(std::begin(cases), std::end(cases));
+        out.insert(out.end(), hard_contact_cases().begin(), hard_contact_cases().end());
+        return out;
+    }();
+    return all;
+}
 
 } // namespace sinew::bench

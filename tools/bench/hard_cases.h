@@ -16,6 +16,9 @@ struct HardCase {
     bool quick = true;        ///< also in a quick run
 };
 
+/// All of them.
 std::span<const HardCase> hard_cases();
+/// Of them those of contact.
+std::span<const HardCase> hard_contact_cases();
 
 } // namespace sinew::bench

@@ -55,6 +55,8 @@ StepCheck check_step(const Scene& scene, const State& before, const StepInputs& 
     potential.begin_stage(before, form, after.bones);
     std::vector<double> gradient(3 * n), direction(3 * n);
     std::vector<BodyForces> forces;
+    while (potential.widen(after.x)) {
+    } // contacts that the start of the step does not tell of
     potential.evaluate(after.x, &gradient, &forces);
     for (const BodyForces& f : forces) out.residual = std::max(out.residual, f.sum / f.at_work);
     BlockMatrix hessian(potential.pattern());

@@ -129,19 +129,7 @@ void choose_bodies(const Arguments& arguments, viewer::ViewScene& scene) {
     if (const auto focus = named_bodies(arguments, "--focus", scene))
         for (std::size_t b = 0; b < scene.bodies.size(); ++b) scene.bodies[b].is_framed = focus->contains(b);
     const auto kept = named_bodies(arguments, "--bodies", scene);
-    if (!kept) return;
-    std::vector<int> place(scene.bodies.size(), -1);
-    std::vector<viewer::ViewBody> bodies;
-    for (const std::size_t b : *kept) {
-        place[b] = static_cast<int>(bodies.size());
-        bodies.push_back(std::move(scene.bodies[b]));
-    }
-    scene.bodies = std::move(bodies);
-    for (viewer::ViewAttachment& a : scene.attachments) {
-        a.source = place[static_cast<std::size_t>(a.source)];
-        a.target = place[static_cast<std::size_t>(a.target)];
-    }
-    std::erase_if(scene.attachments, [](const auto& a) { return a.source < 0 || a.target < 0; });
+    if (kept) viewer::keep_bodies(scene, *kept);
 }
 
 struct Drawing {
@@ -273,7 +261,7 @@ Command snapshot_command() {
          {"--fps", "N", "of the movie; default: the scene's"},
          {"--size", "WxH", "of the whole picture; default: 1600x900"},
          {"--view", "VIEW", "front, back, left, right, top, bottom, corner (default) or AZIMUTH,ELEVATION in degrees"},
-         {"--bodies", "LIST", "draw these bodies alone, for example biceps,humerus"},
+         {"--bodies", "LIST", "draw these bodies alone, and the marks that are about them, for example biceps,humerus"},
          {"--focus", "LIST", "let these bodies fill the picture; default: all that are drawn"},
          {"--up", "y|z", "the axis that points up; default: against the scene's gravity"},
          {"--overlays", "LIST",

@@ -3,6 +3,7 @@
 
 #include "tools/cli/json_text.h"
 
+#include "nodes/contacts.h"
 #include "nodes/marks.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
@@ -116,6 +117,22 @@ Json describe(const nodes::MarkList& list) {
             json["unit"] = group.unit, json["least"] = least->value, json["most"] = most->value;
         }
         out.push_back(std::move(json));
+    }
+    return out;
+}
+
+/// One entry a pair of bodies, by their places in zSolver.bodies.
+Json describe(const nodes::ContactList& list) {
+    Json out = Json::array();
+    for (const nodes::ContactSum& pair : nodes::sums_of(list)) {
+        const solver::ContactPoint& deepest = list.contacts[pair.deepest];
+        out.push_back({{"source", pair.source},
+                       {"target", pair.target},
+                       {"contacts", pair.contacts},
+                       {"sliding", pair.sliding},
+                       {"max_depth_m", deepest.depth},
+                       {"deepest_at", coordinates(deepest.place)},
+                       {"force_N", coordinates(pair.force)}});
     }
     return out;
 }
@@ -239,6 +256,7 @@ Json describe_value(const engine::Value& v) {
     if (v.is<SolveReport>()) return describe(v.as<SolveReport>());
     if (v.is<Solved>()) return describe(v.as<Solved>());
     if (v.is<MarkList>()) return describe(v.as<MarkList>());
+    if (v.is<ContactList>()) return describe(v.as<ContactList>());
     if (v.is<FileContent>())
         return {{"ending", v.as<FileContent>().ending}, {"bytes", v.as<FileContent>().bytes.size()}};
     return Json::object();

@@ -38,6 +38,11 @@ Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
                                 {"body", name_at(r.bodies, w.source_body)},
                                 {"vertex", w.vertex},
                                 {"at", w.stretch_place}};
+    if (w.contact_body >= 0)
+        out["max_depth_m"] = {{"body", name_at(r.bodies, w.contact_body)},
+                              {"in", name_at(r.bodies, w.contact_target)},
+                              {"depth_m", w.depth},
+                              {"at", w.contact_place}};
     return out;
 }
 
@@ -61,19 +66,25 @@ std::string phases_text(const std::vector<solver::StepRecord>& steps) {
 
 /// ", largest attachment stretch 1.2 mm": what the terms measured, over all steps; of each part is in the report.
 std::string terms_text(const std::vector<solver::StepRecord>& steps) {
-    std::vector<solver::Measured> all = steps.front().measured;
-    for (std::size_t s = 1; s < steps.size(); ++s)
-        for (std::size_t m = 0; m < all.size() && m < steps[s].measured.size(); ++m) {
-            const double value = steps[s].measured[m].value;
-            switch (all[m].what->combine) {
+    // Terms may be switched on and off: each measure is found by what it is.
+    std::vector<solver::Measured> all;
+    for (const solver::StepRecord& step : steps)
+        for (const solver::Measured& m : step.measured) {
+            const auto same = [&](const solver::Measured& a) { return a.what == m.what && a.part == m.part; };
+            const auto found = std::find_if(all.begin(), all.end(), same);
+            if (found == all.end()) {
+                all.push_back(m);
+                continue;
+            }
+            switch (found->what->combine) {
             case solver::Combine::sum:
-                all[m].value += value;
+                found->value += m.value;
                 break;
             case solver::Combine::most:
-                all[m].value = std::max(all[m].value, value);
+                found->value = std::max(found->value, m.value);
                 break;
             case solver::Combine::last:
-                all[m].value = value;
+                found->value = m.value;
                 break;
             }
         }

@@ -104,14 +104,17 @@ class Collector {
         for (const Source& source : sources_)
             if (source.is_solver && !view.step)
                 view.step = pull({source.meshes.node, "outReport"}, frame).as<nodes::SolveReport>().record;
+        std::vector<Value> marks;
         for (const Source& source : sources_)
-            if (source.is_solver && e_.with_lattices)
-                add_marks(pull({source.meshes.node, "outMarks"}, frame).as<nodes::MarkList>(), view.marks);
+            marks.push_back(source.is_solver && e_.with_lattices ? pull({source.meshes.node, "outMarks"}, frame)
+                                                                 : Value());
         // All that can fail has been computed now, so a frame is added whole or not at all.
         stop_ = {};
         if (scene_.frames.empty())
             for (std::size_t i = 0; i < sources_.size(); ++i) begin(sources_[i], meshes[i], frame);
         for (std::size_t i = 0; i < sources_.size(); ++i) record(sources_[i], meshes[i], frame);
+        for (std::size_t i = 0; i < sources_.size(); ++i)
+            if (marks[i]) add_marks(marks[i].as<nodes::MarkList>(), sources_[i].bodies, view.marks);
         scene_.frames.push_back(view);
         if (e_.end_frame) e_.end_frame(view);
     }

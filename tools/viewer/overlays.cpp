@@ -99,7 +99,11 @@ std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node
     return maps;
 }
 
-void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out) {
+void add_marks(const nodes::MarkList& list, const std::vector<std::size_t>& bodies, std::vector<ViewMarks>& out) {
+    const auto body_of = [&](int k) {
+        const auto i = static_cast<std::size_t>(k);
+        return k >= 0 && i < bodies.size() ? static_cast<int>(bodies[i]) : -1;
+    };
     const auto single = [](const solver::Vec3& p) {
         return std::array{static_cast<float>(p[0]), static_cast<float>(p[1]), static_cast<float>(p[2])};
     };
@@ -111,7 +115,10 @@ void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out) {
         if (at == out.end())
             at = out.insert(at, {std::string(group.term), std::string(group.what), std::string(group.unit), {}});
         for (const solver::Mark& m : group.marks)
-            at->marks.push_back({single(m.from), single(m.to), static_cast<float>(m.value)});
+            at->marks.push_back({single(m.from),
+                                 single(m.to),
+                                 static_cast<float>(m.value),
+                                 {body_of(m.bodies[0]), body_of(m.bodies[1])}});
     }
 }
 

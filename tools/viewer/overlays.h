@@ -27,8 +27,9 @@ std::vector<ViewFibres> fibres_of(const engine::Graph& graph, const std::string&
 /// are the same everywhere are left out.
 std::vector<ViewMap> maps_of(const engine::Graph& graph, const std::string& node, const Puller& pull);
 
-/// Adds the marks of a solver, to groups of the same kind where there are some.
-void add_marks(const nodes::MarkList& list, std::vector<ViewMarks>& out);
+/// Adds the marks of a solver, to groups of the same kind where there are some. `bodies`: of the scene, for each of the
+/// solver's.
+void add_marks(const nodes::MarkList& list, const std::vector<std::size_t>& bodies, std::vector<ViewMarks>& out);
 
 struct ActingAttachment {
     std::string node;

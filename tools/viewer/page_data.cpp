@@ -243,14 +243,17 @@ Json frame_json(Writer& w, const ViewFrame& f) {
     if (!f.faults.empty()) out["faults"] = f.faults;
     for (const ViewMarks& group : f.marks) {
         if (group.marks.empty()) continue;
-        std::vector<float> numbers; // seven a mark
+        std::vector<float> numbers, bodies; // seven and two a mark
+        bool has_bodies = false;
         for (const ViewMark& m : group.marks) {
             numbers.insert(numbers.end(), m.from.begin(), m.from.end());
             numbers.insert(numbers.end(), m.to.begin(), m.to.end());
             numbers.push_back(m.value);
+            for (const int body : m.bodies) bodies.push_back(static_cast<float>(body)), has_bodies |= body >= 0;
         }
-        out["marks"].push_back(
-            {{"term", group.term}, {"what", group.what}, {"unit", group.unit}, {"numbers", w.floats(numbers)}});
+        Json json = {{"term", group.term}, {"what", group.what}, {"unit", group.unit}, {"numbers", w.floats(numbers)}};
+        if (has_bodies) json["bodies"] = w.floats(bodies);
+        out["marks"].push_back(std::move(json));
     }
     return out;
 }

@@ -5,6 +5,8 @@
 #include "tools/render/shading_mesh.h"
 #include "tools/viewer/shot_overlays.h"
 
+#include <utility>
+
 namespace sinew::viewer {
 
 namespace {
@@ -50,6 +52,29 @@ render::Shot shot_of(const ViewScene& scene, std::size_t frame, const std::set<s
     }
     shot.segments = overlay_segments(scene, frame, overlays);
     return shot;
+}
+
+void keep_bodies(ViewScene& scene, const std::set<std::size_t>& kept) {
+    std::vector<int> place(scene.bodies.size(), -1);
+    std::vector<ViewBody> bodies;
+    for (const std::size_t b : kept) {
+        place[b] = static_cast<int>(bodies.size());
+        bodies.push_back(std::move(scene.bodies[b]));
+    }
+    scene.bodies = std::move(bodies);
+    for (ViewAttachment& a : scene.attachments) {
+        a.source = place[static_cast<std::size_t>(a.source)];
+        a.target = place[static_cast<std::size_t>(a.target)];
+    }
+    std::erase_if(scene.attachments, [](const auto& a) { return a.source < 0 || a.target < 0; });
+    // Marks that are about bodies, none of which is drawn, go with them.
+    for (ViewFrame& frame : scene.frames)
+        for (ViewMarks& group : frame.marks)
+            std::erase_if(group.marks, [&](ViewMark& m) {
+                const bool about_some = m.bodies[0] >= 0 || m.bodies[1] >= 0;
+                for (int& b : m.bodies) b = b < 0 ? -1 : place[static_cast<std::size_t>(b)];
+                return about_some && m.bodies[0] < 0 && m.bodies[1] < 0;
+            });
 }
 
 } // namespace sinew::viewer

@@ -12,4 +12,8 @@ namespace sinew::viewer {
 /// shot_overlays.h) these are drawn too, and flesh lets them shine through.
 render::Shot shot_of(const ViewScene& scene, std::size_t frame, const std::set<std::string>& overlays = {});
 
+/// Leaves these bodies (indices) alone in the scene, with the attachments between them and the marks about some of
+/// them; marks that are about nobody stay.
+void keep_bodies(ViewScene& scene, const std::set<std::size_t>& kept);
+
 } // namespace sinew::viewer

@@ -117,6 +117,7 @@ struct ViewAttachment {
 struct ViewMark {
     std::array<float, 3> from{}, to{};
     float value = 0;
+    std::array<int, 2> bodies{-1, -1}; ///< of the scene, whom it is about; -1: nobody
 };
 
 /// What a force shows of itself: a field's arrows, what is held.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/contact/collision_bodies.h"
 
+#include "solver/error.h"
 #include "solver/terms/contact/contact.h"
 
 #include <algorithm>
@@ -10,23 +11,28 @@ namespace sinew::solver {
 
 namespace {
 
+/// A switch is a number between two times of which one has it on: on from halfway.
+bool on(double value) { return value >= 0.5; }
+
+} // namespace
+
 bool share_a_set(const ContactRest& a, const ContactRest& b) {
     if (a.sets.empty() || b.sets.empty()) return true;
     return std::any_of(a.sets.begin(), a.sets.end(),
                        [&](int s) { return std::find(b.sets.begin(), b.sets.end(), s) != b.sets.end(); });
 }
 
-/// A switch is a number between two times of which one has it on: on from halfway.
-bool on(double value) { return value >= 0.5; }
-
-} // namespace
-
 CollisionBodies::CollisionBodies(const Scene& scene) {
     const std::vector<Part>& parts = scene.description().parts;
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (parts[k].type != &contact_type) continue;
         const auto* rest = static_cast<const ContactRest*>(parts[k].rest.get());
-        bodies_.emplace_back(scene, parts[k].bodies.front(), *rest);
+        try {
+            bodies_.emplace_back(scene, parts[k].bodies.front(), *rest);
+        } catch (Error& e) {
+            e.body = parts[k].bodies.front(), e.part = static_cast<int>(k);
+            throw;
+        }
         rests_.push_back(rest);
         parts_.push_back(k);
     }

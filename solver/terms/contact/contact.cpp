@@ -24,14 +24,15 @@ void tidy(std::vector<CoupledCarriers>& pairs) {
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-/// Contacts of points that are inside already where the simulation starts.
-void start(const Scene& scene, const StepInputs& inputs, const std::vector<Points>& surfaces, TermMemory& memory) {
+/// Contacts of points that are inside already where contact begins. `x`: of what deforms; `bones`: per body.
+void begin_at(const Scene& scene, const StepInputs& inputs, const std::vector<double>& x,
+              const std::vector<Points>& bones, TermMemory& memory) {
     const CollisionBodies bodies(scene);
     TouchSearch search(bodies);
     std::vector<const double*> carriers;
     for (std::size_t b = 0; b < bodies.count(); ++b) {
         const CollisionBody& body = bodies[static_cast<int>(b)];
-        carriers.push_back(body.deforms() ? scene.numbering().rest.data() : surfaces[at(body.body())].data()->data());
+        carriers.push_back(body.deforms() ? x.data() : bones[at(body.body())].data()->data());
     }
     search.begin(carriers);
     ContactMemory kept;
@@ -52,6 +53,14 @@ void start(const Scene& scene, const StepInputs& inputs, const std::vector<Point
     keep_contacts(kept, memory);
 }
 
+void start(const Scene& scene, const StepInputs& inputs, const std::vector<Points>& surfaces, TermMemory& memory) {
+    begin_at(scene, inputs, scene.numbering().rest, surfaces, memory);
+}
+
+void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermMemory& memory) {
+    begin_at(scene, inputs, now.x, now.bones, memory);
+}
+
 } // namespace
 
 const TermType contact_type{
@@ -65,6 +74,7 @@ const TermType contact_type{
         return used ? std::make_unique<Contacts>(scene) : nullptr;
     },
     .start = start,
+    .begin = begin,
     .memory_version = 1,
     .has_memory = true,
 };
@@ -214,8 +224,11 @@ void Contacts::marks(const Positions& x, Marks& out) const {
     for (const KeptContact& c : kept_.contacts) {
         const Vec3 p = places_[at(c.source)][at(c.point)];
         const Vec3 place(c.place[0], c.place[1], c.place[2]);
-        group.marks.push_back(
-            {static_cast<int>(bodies_.part(c.source)), p, place_at(c.target, c.triangle, place), c.force});
+        group.marks.push_back({static_cast<int>(bodies_.part(c.source)),
+                               p,
+                               place_at(c.target, c.triangle, place),
+                               c.force,
+                               {bodies_[c.source].body(), bodies_[c.target].body()}});
     }
     out.push_back(std::move(group));
 }

@@ -4,6 +4,7 @@
 #pragma once
 #include "solver/term/point_triangle_element.h"
 #include "solver/term/type.h"
+#include "solver/terms/contact/contact_list.h"
 #include "solver/terms/contact/touches.h"
 
 namespace sinew::solver {
@@ -38,6 +39,9 @@ class Contacts final : public Term {
     double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
     void marks(const Positions& x, Marks& out) const override;
+    /// All contacts of the state that the stage ends at, after marks; by source, target and point. Bodies are the
+    /// scene's.
+    void list(std::vector<ContactPoint>& out) const;
 
   private:
     /// What holds a touching point to a place of the triangle that moves with it: a fixed contact, friction, damping.

@@ -141,8 +141,8 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
         const ClosestFeature& f = touches_[t].feature;
         const CollisionBody& target = bodies_[touches_[t].target];
         starts_.push_back(start_of(f, target.corners(f.triangle, before_[at(touches_[t].target)])));
-        // Where the solve has moved on already nothing is sure.
-        clearance_.push_back(f.inside() || iterated_ ? -1 : f.away.norm());
+        // Where the solve has moved on already nothing is sure, nor where the place was followed.
+        clearance_.push_back(f.inside() || iterated_ || touches_[t].kept >= 0 ? -1 : f.away.norm());
     }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
     looked_at_.clear();
@@ -208,10 +208,9 @@ double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
-        if (now_[i].triangle < 0)
-            clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
-        else
-            clearance_[i] = now_[i].inside() ? -1 : now_[i].away.norm();
+        // Never raised again: where it was followed to is a nearest place, but not always the nearest of all.
+        if (now_[i].triangle >= 0 && now_[i].inside()) clearance_[i] = -1;
+        clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
     }
     committed_x_ = x, iterated_ = true;
     return 0;

@@ -25,6 +25,9 @@ struct ContactRest final : PartRest {
     std::shared_ptr<const CollisionShape> shape; ///< null: the body's own surface
 };
 
+/// Whether their sets let two bodies collide.
+bool share_a_set(const ContactRest& a, const ContactRest& b);
+
 struct ContactValues {
     double collides = 1, collides_with_itself = 0, slides = 1; ///< switches: 1 = on
     double stiffness = 1e6;                                    ///< [N/m^3]

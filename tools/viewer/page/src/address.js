@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What is seen, in the page's address: #frame=64&camera=…&colour=stretch&show=fibres&select=biceps. A copied address
 // opens the page as it was. What is as in a fresh page is left out.
-import { hasData, initialState, overlayNames, setOverlay } from "./store.js";
+import { overlayNames } from "./overlays.js";
+import { hasData, initialState, setOverlay } from "./store.js";
 
 const number = (x) => String(Number(x.toPrecision(6)));
 
@@ -15,6 +16,7 @@ export function writeAddress(scene, state, camera, fresh = initialState(scene)) 
     if (state.colourBy !== fresh.colourBy) out.push(["colour", state.colourBy]);
     const shown = overlayNames.filter((name) => state.overlays[name]), usual = overlayNames.filter((name) => fresh.overlays[name]);
     if (shown.join() !== usual.join()) out.push(["show", shown.join(",")]);
+    if (state.marksOfSelection) out.push(["marks", "selection"]);
     if (state.selectedNode) out.push(["node", state.selectedNode]);
     else if (state.selectedBodies.length === 1) out.push(["body", scene.bodies[state.selectedBodies[0]].name]);
     return out.map(([key, value]) => `${key}=${encodeURIComponent(value).replaceAll("%2C", ",")}`).join("&");
@@ -39,6 +41,9 @@ export function followAddress(text, { scene, store, selection, world }) {
     const shown = words.has("show") ? words.get("show").split(",").filter(Boolean) : overlayNames.filter((name) => fresh.overlays[name]);
     for (const name of shown) if (!overlayNames.includes(name) || !hasData(scene, name)) problems.push(`There are no ${name} to show.`);
     for (const name of overlayNames) if (store.state.overlays[name] !== shown.includes(name)) setOverlay(store, scene, name, shown.includes(name));
+    const marks = words.get("marks");
+    if (marks !== null && marks !== "selection") problems.push(`There are no marks of ${marks}.`);
+    store.set({ marksOfSelection: marks === "selection" });
     const node = words.get("node"), body = scene.bodies.findIndex((b) => b.name === words.get("body"));
     if (node !== null && selection.nodes.has(node)) selection.selectNode(node);
     else if (body >= 0) selection.selectBody(body);
@@ -75,7 +80,7 @@ export function keepAddress(app) {
         if (problem) say(problem);
     };
     if (own) follow();
-    store.on(["frame", "playing", "compare", "colourBy", "overlays", "selectedBodies", "selectedNode"], soon);
+    store.on(["frame", "playing", "compare", "colourBy", "overlays", "marksOfSelection", "selectedBodies", "selectedNode"], soon);
     stage?.controls.addEventListener("change", soon);
     window.addEventListener("hashchange", () => location.hash.replace(/^#/, "") !== own && follow());
 }

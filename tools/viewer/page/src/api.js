@@ -3,7 +3,8 @@
 import { anchorPoints } from "./attachment_view.js";
 import { colourAt } from "./colour_maps.js";
 import { LatticeFields } from "./fields.js";
-import { overlayNames, setOverlay } from "./store.js";
+import { overlayNames } from "./overlays.js";
+import { setOverlay } from "./store.js";
 
 export function makeApi(app, loadMs) {
     const { scene, store, world, player, selection } = app;
@@ -66,6 +67,8 @@ export function makeApi(app, loadMs) {
             if (overlay === "attachments") return Array.from(world.allAttachments()[which].dots.geometry.attributes.color.array);
             return Array.from(world.fibres.get(bodyIndex(which)).fields[0].colours.array);
         },
+        /** How many marks are drawn. */
+        markCount: () => (api.draw(), world.marks.group.visible ? world.marks.shown.length : 0),
         /** Positions as they lie in the buffers: of a body's tet vertices, or of its first fibres' ends. */
         drawnTets: (body) => (api.draw(), Array.from(world.lattices.get(bodyIndex(body)).lines.geometry.attributes.position.array)),
         drawnFibres: (body) => (api.draw(), Array.from(world.fibres.get(bodyIndex(body)).fields[0].positions.array)),

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Keyboard short-cuts and the sheet that lists them.
 import { h, iconButton } from "./dom.js";
+import { overlay, overlayList } from "./overlays.js";
 import { hasData, setOverlay } from "./store.js";
 
-const nouns = { lattice: "tets", fibres: "fibres", attachments: "attachments", marks: "marks", volume: "tets, so no change of volume",
-    difference: "bodies that both runs have" };
+const nouns = { volume: "tets, so no change of volume", difference: "bodies that both runs have" };
 
 /** [keys, what they do, action]. `app` is what main.js has put together. */
 export function shortcuts(app) {
     const { scene, store, player, world } = app;
-    const none = (name) => app.say(`This page has no ${nouns[name]}.`);
+    const none = (name) => app.say(`This page has no ${overlay(name)?.noun ?? nouns[name]}.`);
     const flip = (name) => setOverlay(store, scene, name, !store.state.overlays[name]) || none(name);
     const surfaces = ["shaded", "edges", "wire"];
     return [
@@ -28,12 +28,9 @@ export function shortcuts(app) {
             store.set({ surface: surfaces[(surfaces.indexOf(store.state.surface) + 1) % 3] })],
         [["s"], "Smooth or flat shading", () => store.set({ smooth: !store.state.smooth })],
         [["x"], "See through the flesh, or not", () => store.set({ opacity: store.state.opacity < 1 ? 1 : 0.28, opacityIsAutomatic: false })],
-        [["l"], "Tet lattice", () => flip("lattice")],
+        ...overlayList.map(({ name, about, key }) => [[key], about, () => flip(name)]),
+        [["o"], "Marks of the selected bodies alone, or all", () => store.set({ marksOfSelection: !store.state.marksOfSelection })],
         [["c"], "Cut plane", () => store.set({ cut: { ...store.state.cut, on: !store.state.cut.on } })],
-        [["b"], "Fibres", () => flip("fibres")],
-        [["a"], "Attachments", () => flip("attachments")],
-        [["k"], "Marks of forces", () => flip("marks")],
-        [["g"], "Ground grid", () => flip("grid")],
         [["v"], "Volume change as colours", () => hasData(scene, "volume")
             ? store.set({ colourBy: store.state.colourBy === "volume" ? "material" : "volume" }) : none("volume")],
         ...(scene.other ? [

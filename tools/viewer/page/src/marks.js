@@ -5,7 +5,7 @@
 const prefix = "marks ";
 export const marksQuantity = (unit) => prefix + unit;
 export const isMarks = (quantity) => quantity.startsWith(prefix);
-const unitOf = (quantity) => quantity.slice(prefix.length);
+export const unitOf = (quantity) => quantity.slice(prefix.length);
 
 /** Lengths are shown in millimetres, as elsewhere on the page. */
 export const aboutMarks = {
@@ -50,6 +50,24 @@ export function usualMarkRanges(scene) {
         out[quantity] = low < high ? [low, high] : [0, 1];
     }
     return out;
+}
+
+/** Whether mark `i` of a group is one to show: with a filter those that are about a selected body, at either end. */
+export function isMarkShown(group, i, { marksOfSelection, selectedBodies }) {
+    if (!marksOfSelection || selectedBodies.length === 0) return true;
+    return Boolean(group.bodies) && [0, 1].some((end) => selectedBodies.includes(group.bodies[2 * i + end]));
+}
+
+/** The marks of a frame that are shown, one after the other: {group, i}. */
+export const shownMarks = (groups, state) =>
+    groups.flatMap((group) => Array.from({ length: group.numbers.length / 7 }, (_, i) => ({ group, i })).filter(({ i }) => isMarkShown(group, i, state)));
+
+/** What one mark says, for people: "Contact: force 12 N", and whom it is about: "biceps in humerus". */
+export function markLines({ group, i }, scene, show) {
+    const { unit, factor } = aboutMarks.of(group.unit), value = factor * group.numbers[7 * i + 6];
+    const term = group.term[0].toUpperCase() + group.term.slice(1);
+    const [a, b] = group.bodies ? [...group.bodies.slice(2 * i, 2 * i + 2)].map((k) => scene.bodies[k]?.name) : [];
+    return [`${term}: ${group.what} ${show(value)} ${unit}`, a && b ? (a === b ? `${a} in itself` : `${a} in ${b}`) : (a ?? b)].filter(Boolean);
 }
 
 /** The most marks of any frame. */

@@ -2,14 +2,19 @@
 // What lies under the pointer: the body, and the value that its colour stands for, in words and as a tick on the legend.
 import { quantities } from "./colour_maps.js";
 import { h, show } from "./dom.js";
+import { aboutMarks, isMarks, markLines, unitOf } from "./marks.js";
 
 const least = 60; // milliseconds of stillness before the scene is searched; more where a search takes long
 
 /** Shares to a hundredth of a percent: what positions on the page's grid can tell. */
 const inWords = (value, unit) => `${show(unit === "%" ? Math.round(100 * value) / 100 : value)} ${unit}`.trim();
 
+const factorOf = (quantity) => (isMarks(quantity) ? aboutMarks.of(unitOf(quantity)) : quantities[quantity]).factor;
+
 /** Lines for people about a hit of `World.probe`. */
-export function probeLines({ body, quantity, value, tet, vertex, excitation }) {
+export function probeLines(hit) {
+    if (hit.mark) return markLines(hit.mark, hit.scene, show);
+    const { body, quantity, value, tet, vertex, excitation } = hit;
     const lines = [body.name];
     if (quantity) {
         const { title, unit, factor } = quantities[quantity];
@@ -29,7 +34,7 @@ export function probe(scene, store, world, legend) {
             mark.hidden = !isIt;
             if (!isIt) continue;
             const [low, high] = [...card.querySelectorAll("input")].map((i) => Number(i.value));
-            mark.style.left = `${Math.round(1000 * Math.min(1, Math.max(0, (quantities[quantity].factor * value - low) / (high - low)))) / 10}%`;
+            mark.style.left = `${Math.round(1000 * Math.min(1, Math.max(0, (factorOf(quantity) * value - low) / (high - low)))) / 10}%`;
         }
     }
     function hide() {
@@ -63,6 +68,6 @@ export function probe(scene, store, world, legend) {
         if (e.pointerType === "touch") (at = [e.clientX, e.clientY]), search();
     });
     world.stage.controls.addEventListener("change", hide);
-    store.on(["frame", "colourBy", "overlays", "cut", "playing", "visible", "solo", "ranges", "map"], () => at && soon());
+    store.on(["frame", "colourBy", "overlays", "cut", "playing", "visible", "solo", "ranges", "map", "marksOfSelection", "selectedBodies"], () => at && soon());
     return tip;
 }

@@ -192,7 +192,10 @@ async function loadRun(header, blocks, onBody) {
             ({ hosts: await blocks.get(hosts), weights: await blocks.get(weights) })));
         scene.attachments.push({ ...a, from, to, offsets: await blocks.get(a.offsets) });
     }
-    for (const frame of scene.frames) for (const group of frame.marks ?? []) group.numbers = await blocks.get(group.numbers);
+    for (const frame of scene.frames) for (const group of frame.marks ?? []) {
+        group.numbers = await blocks.get(group.numbers);
+        if (group.bodies !== undefined) group.bodies = await blocks.get(group.bodies);
+    }
     if (scene.graph) scene.graph.svg = new TextDecoder().decode(await blocks.get(scene.graph.svg));
     return scene;
 }

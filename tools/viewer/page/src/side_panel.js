@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The left side: bodies, and what is shown of them.
 import { count, h, icon, iconButton, toggle } from "./dom.js";
-import { mostMarks } from "./marks.js";
+import { overlay, overlayList } from "./overlays.js";
 import { hasData, setOverlay } from "./store.js";
 
 function section(title, ...children) {
@@ -62,7 +62,7 @@ function choice(options, get, set, store, key) {
 
 function surfaceSection(scene, store) {
     const smooth = toggle("Smooth shading", (on) => store.set({ smooth: on }), "S");
-    const grid = toggle("Ground", (on) => setOverlay(store, scene, "grid", on), "G");
+    const ground = overlay("grid"), grid = toggle(ground.title, (on) => setOverlay(store, scene, ground.name, on), ground.key.toUpperCase());
     const slider = h("input", { type: "range", min: "0", max: "1", step: "0.01", "aria-label": "Opacity of tissues",
         oninput: () => store.set({ opacity: Number(slider.value), opacityIsAutomatic: false }) });
     const update = () => {
@@ -108,19 +108,16 @@ function colourSection(scene, store) {
 }
 
 function overlaySection(scene, store) {
-    const tets = scene.bodies.reduce((n, b) => n + (b.lattice ? b.lattice.count : 0), 0);
-    const fibres = scene.bodies.reduce((n, b) => n + b.fibres.reduce((k, f) => k + f.count, 0), 0);
-    const anchors = scene.attachments.reduce((n, a) => n + a.count, 0);
-    const entries = [["lattice", "Tets", tets, "L"], ["fibres", "Fibres", fibres, "B"], ["attachments", "Attachments", anchors, "A"],
-        ["marks", "Marks", mostMarks(scene), "K"]];
-    const toggles = entries.map(([name, label, n, key]) => {
-        const t = toggle(label, (on) => setOverlay(store, scene, name, on), key);
+    const toggles = overlayList.filter((o) => o.count).map(({ name, title, key, count: countOf }) => {
+        const n = countOf(scene), t = toggle(title, (on) => setOverlay(store, scene, name, on), key.toUpperCase());
         t.element.querySelector(".label").append(h("span", { class: "count" }, n ? count(n) : "none"));
         t.input.disabled = !hasData(scene, name);
         t.input.name = name;
         return [name, t];
     });
     const filled = toggle("Filled", (on) => store.set({ filledLattice: on }));
+    const ofSelection = toggle("Of the selection", (on) => store.set({ marksOfSelection: on }), "O");
+    ofSelection.input.name = "marksOfSelection";
     const whole = toggle("Beyond the flesh", (on) => store.set({ wholeTets: on }));
     const cut = toggle("Cut plane", (on) => store.set({ cut: { ...store.state.cut, on } }), "C");
     const flip = toggle("Other side", (on) => store.set({ cut: { ...store.state.cut, flip: on } }));
@@ -128,21 +125,24 @@ function overlaySection(scene, store) {
         oninput: () => store.set({ cut: { ...store.state.cut, at: Number(slider.value) } }) });
     const axes = choice([[0, "X"], [1, "Y"], [2, "Z"]], () => store.state.cut.axis, (axis) => store.set({ cut: { ...store.state.cut, axis } }), store, "cut");
     const more = h("div", { class: "nested" }, axes, slider, flip.element);
-    const fill = h("div", { class: "nested" }, filled.element, whole.element);
+    const fill = h("div", { class: "nested" }, filled.element, whole.element), whose = h("div", { class: "nested" }, ofSelection.element);
     const update = () => {
         const { overlays, cut: c, filledLattice } = store.state;
         for (const [name, t] of toggles) t.input.checked = overlays[name];
         filled.input.checked = filledLattice;
         whole.input.checked = store.state.wholeTets;
+        ofSelection.input.checked = store.state.marksOfSelection;
         cut.input.checked = c.on;
         flip.input.checked = c.flip;
         slider.value = c.at;
         more.hidden = !c.on;
         fill.hidden = !overlays.lattice;
+        whose.hidden = !overlays.marks;
     };
-    store.on(["overlays", "cut", "filledLattice", "wholeTets"], update);
+    store.on(["overlays", "cut", "filledLattice", "wholeTets", "marksOfSelection"], update);
     update();
-    const rows = toggles.map(([name, t]) => (name === "lattice" ? [t.element, fill] : t.element));
+    const nested = { lattice: fill, marks: whose };
+    const rows = toggles.map(([name, t]) => [t.element, nested[name]].filter(Boolean));
     return section("Overlays", ...rows.flat(), cut.element, more);
 }
 

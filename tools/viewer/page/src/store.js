@@ -3,6 +3,7 @@
 
 import { twinOf } from "./difference.js";
 import { usualMarkRanges } from "./marks.js";
+import { overlay, overlayList } from "./overlays.js";
 
 export class Store {
     constructor(state) {
@@ -26,8 +27,6 @@ export class Store {
     }
 }
 
-export const overlayNames = ["lattice", "fibres", "attachments", "marks", "grid"];
-
 /** Attachments and marks: what the run reaches, so that frames compare. */
 function usualRanges(scene) {
     const longest = 1000 * scene.frames.reduce((m, f) => Math.max(m, f.faults ? 0 : (f.terms?.attachment?.max_stretch_m ?? 0)), 0);
@@ -36,11 +35,9 @@ function usualRanges(scene) {
 
 /** Whether the page has anything to show for an overlay or a colouring. */
 export function hasData(scene, name) {
+    const over = overlay(name);
+    if (over) return over.has(scene);
     switch (name) {
-        case "lattice": return scene.bodies.some((b) => b.lattice);
-        case "fibres": return scene.bodies.some((b) => b.fibres.length > 0);
-        case "attachments": return scene.attachments.length > 0;
-        case "marks": return scene.frames.some((f) => f.marks?.length > 0);
         case "volume": case "stretch": return scene.bodies.some((b) => b.lattice && b.hostTet);
         case "area": return scene.bodies.some((b) => !b.isRigid);
         case "difference": return Boolean(scene.other) && scene.bodies.some((b) => twinOf(b, scene));
@@ -63,7 +60,8 @@ export function initialState(scene) {
         solo: -1,
         selectedBodies: [],
         selectedNode: null,
-        overlays: { lattice: false, fibres: false, attachments: false, marks: false, grid: true },
+        overlays: Object.fromEntries(overlayList.map((o) => [o.name, Boolean(o.fresh)])),
+        marksOfSelection: false, // of the selected bodies alone, where there are some
         filledLattice: true,
         wholeTets: false, // also where they reach beyond the flesh
         cut: { on: false, axis: 0, at: 0.5, flip: false },
@@ -87,7 +85,7 @@ export function setOverlay(store, scene, name, on) {
     const overlays = { ...store.state.overlays, [name]: on };
     const patch = { overlays };
     if (store.state.opacityIsAutomatic) {
-        const inner = overlays.lattice || overlays.fibres || overlays.attachments || overlays.marks;
+        const inner = overlayList.some((o) => o.inner && overlays[o.name]);
         patch.opacity = inner ? 0.28 : 1;
     }
     store.set(patch);

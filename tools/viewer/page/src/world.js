@@ -3,6 +3,7 @@
 import { Triangle, Vector3 } from "three";
 import { cutPlane } from "./body_material.js";
 import { quantities } from "./colour_maps.js";
+import { marksQuantity } from "./marks.js";
 import { RunView, stateOfOther } from "./run_view.js";
 import { samplePoints, Stage } from "./stage.js";
 import { isShown } from "./store.js";
@@ -105,9 +106,11 @@ export class World {
         return this.stage.pick(x, y, meshes).find((h) => !this.isCutAway(h, state)) ?? null;
     }
 
-    /** What is seen under a point of the page: {body, quantity, value, tet, vertex, excitation}, or null where nothing is.
-        Filled tets are seen through the flesh, so they come first. */
+    /** What is seen under a point of the page: {body, quantity, value, tet, vertex, excitation}, {mark, scene, quantity, value}
+        of the nearest mark, or null where nothing is. Marks and filled tets are seen through the flesh, so they come first. */
     probe(x, y) {
+        const mark = this.probeMarks(x, y);
+        if (mark) return mark;
         const hit = this.probeTets(x, y) ?? this.probeSurface(x, y);
         if (!hit) return null;
         const { overlays } = this.store.state, { frame } = this.stateAt(x, y), all = overlays.fibres ? hit.body.fibres.map((f) => f.excitation[frame] ?? 0) : [];
@@ -116,6 +119,17 @@ export class World {
     stateAt(x, y) {
         const { state } = this.store;
         return this.runAt(x, y) === this.run ? state : stateOfOther(state, this.scene, this.scene.other) ?? state;
+    }
+    probeMarks(x, y) {
+        const state = this.stateAt(x, y), run = this.runAt(x, y), side = run === this.run ? 0 : 1, reach = 8; // CSS pixels
+        if (!state.overlays.marks) return null;
+        if (this.dirty) this.refresh();
+        let best = null, nearest = reach;
+        for (const mark of run.marks.group.visible ? run.marks.shown : []) {
+            const [u, v] = this.stage.project(mark.group.numbers.subarray(7 * mark.i, 7 * mark.i + 3), side), far = Math.hypot(u - x, v - y);
+            if (far < nearest) (nearest = far), (best = mark);
+        }
+        return best && { mark: best, scene: run.scene, quantity: marksQuantity(best.group.unit), value: best.group.numbers[7 * best.i + 6] };
     }
     probeTets(x, y) {
         const state = this.stateAt(x, y);
