@@ -107,6 +107,7 @@ constexpr CodeInfo table[] = {
     {"FE244", "layer that is nowhere", "Model its mesh where the tissue is at rest, in the same units."},
     {"FE245", "pressure on a mesh that is open or inside out",
      "Close the mesh, or turn its faces; zIsoMesh does both."},
+    {"FE246", "mesh that reaches out of its tets", "Make tets around the whole mesh, for example by zTet."},
     {"FE250", "hold moved by what is not rigid", "Use a transform without scale, or a bone that keeps its shape."},
     {"FE251", "tets held by two", "Make one hold of the two, or leave more than a tet between what they hold."},
     {"FE252", "matrix whose last row is not 0 0 0 1",

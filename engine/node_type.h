@@ -150,6 +150,8 @@ struct NodeType {
     std::string_view name;
     int version = 1;  ///< raised when meaning or defaults change; older files migrate
     int numerics = 1; ///< raised when the same inputs give other bits; old keys die
+    /// What else bits hang on, on this machine: the kernels of a library that it works with. Other words, other keys.
+    std::string machine = {};
     std::string_view doc;
     std::vector<AttributeInfo> inputs = {}, outputs = {};
     bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it

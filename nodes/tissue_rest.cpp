@@ -20,6 +20,9 @@ bool is_constant(const NumberList& map) {
     return std::all_of(map.begin(), map.end(), [&](double w) { return w == map.front(); });
 }
 
+/// A vertex this near to its tet, in widths of the tet, lies on it: files and fitted tets round.
+constexpr double touching = 1e-3;
+
 /// Surface maps in the volume: extended harmonically, then the mean of each tet. One factorisation serves
 /// all; constant maps need none and stay exact.
 std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std::vector<const NumberList*>& maps) {
@@ -148,11 +151,16 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     t->layer_weights.resize(parts.materials.size());
     std::vector<std::size_t> empty = bound_layers(parts, border_shares(parts, fit, *t, quiet), *t);
     if (needs_direction(t->law)) t->stiff_directions = t->fibers.front().directions;
+    MadeTissue made;
+    made.empty_places = std::move(empty);
+    for (const double widths : solver::widths_outside(t->tets, t->embedding))
+        if (widths > touching) ++made.outside, made.farthest = std::max(made.farthest, widths);
     auto rest = std::make_shared<BodyRest>();
     rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     rest->mesh = *parts.mesh;
     rest->digest = static_digest(parts);
-    return {std::move(rest), std::move(empty)};
+    made.rest = std::move(rest);
+    return made;
 }
 
 } // namespace sinew::nodes

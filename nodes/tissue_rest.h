@@ -21,6 +21,8 @@ constexpr int tissue_numerics = 6;
 struct MadeTissue {
     std::shared_ptr<const BodyRest> rest;
     std::vector<std::size_t> empty_places; ///< layers whose mesh holds nothing of the tissue, in order
+    std::size_t outside = 0;               ///< vertices of the mesh outside of all tets
+    double farthest = 0;                   ///< of these from the tet that carries it, in widths of that tet
 };
 
 /// What the rest data is made from. References must outlive the call.

@@ -93,7 +93,7 @@ struct Made {
 };
 
 /// What passes for remeshing: volume within this share, and no place farther off than so many triangles.
-constexpr double usual_volume = 0.1, usual_triangles = 2;
+constexpr double usual_volume = 0.05, usual_triangles = 2;
 
 Digest key_of(const Reads& in) {
     return Hasher()

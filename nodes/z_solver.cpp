@@ -9,6 +9,7 @@
 #include "nodes/worst.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/integrate/implicit_form.h"
+#include "solver/linear/blas_kernel.h"
 #include "solver/marks_of.h"
 #include "solver/residual_body.h"
 #include "solver/terms/attachment/anchors.h"
@@ -305,7 +306,8 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 7;
+    type.base.numerics = 8;
+    type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),

@@ -64,10 +64,12 @@ const Input<double> envelope{
 const Input<std::string> fill_interior{
     .name = "fillInterior",
     .def = std::string(word_of(solver::Fill::filled_cavities)),
-    .doc = "Which tets are kept. SurfaceOnly: those that the surface passes through, a shell one tet thick. "
-           "FilledCavities: all inside the outer surface; closed surfaces inside others count for nothing, "
-           "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
-           "cavity, whichever way it is turned; the mesh must be watertight.",
+    .doc =
+        "Which tets are kept. SurfaceOnly: those that the surface passes through, a shell one tet thick, and one more "
+        "around each closed surface inside another, which bounds a cavity. FilledCavities: all inside the outer "
+        "surface; closed surfaces inside others count for nothing, "
+        "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
+        "cavity, whichever way it is turned; the mesh must be watertight.",
     .keyable = false,
     .options = words(options_of<solver::Fill>),
 };
@@ -161,7 +163,8 @@ void add_z_tet(Registry& registry) {
     type.name = "zTet";
     // 2: closed surfaces inside others are filled unless fillInterior says otherwise
     // 3: triangles and parts that face the wrong way are turned; too large tets refused
-    type.numerics = 4; // tets that the surface cuts know the moments of their part inside
+    // 4: tets that the surface cuts know the moments of their part inside
+    type.numerics = 5; // SurfaceOnly keeps the skins of cavities
     type.doc = "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
                "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
                "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "

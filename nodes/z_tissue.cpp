@@ -8,8 +8,10 @@
 #include "nodes/options.h"
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
+#include "solver/linear/blas_kernel.h"
 
 #include <algorithm>
+#include <cstdio>
 
 namespace sinew::nodes {
 
@@ -139,6 +141,17 @@ void warn_of_places(const Reads& in, const TissueParts& parts, const std::vector
                 "Model it where the tissue is at rest, in the same units.");
 }
 
+void warn_of_vertices_outside(const Reads& in, const TissueParts& parts, const MadeTissue& made) {
+    if (made.outside == 0) return;
+    char farthest[32];
+    std::snprintf(farthest, sizeof farthest, "%.2g", made.farthest);
+    in.warn(parts.tets ? tets.name : mesh.name, "FE246",
+            std::to_string(made.outside) + " of " + std::to_string(parts.mesh->points->size()) +
+                " vertices of the mesh lie outside of the tets, up to " + farthest +
+                " widths of a tet; what they do is drawn out from the nearest tet",
+            "Connect tets that reach around the whole mesh, for example from a zTet that reads the same mesh.");
+}
+
 void check_fibers(const Reads& in, const TissueParts& parts) {
     const std::size_t count = parts.mesh->points->size();
     for (std::size_t i = 0; i < parts.fibers.size(); ++i) {
@@ -209,6 +222,7 @@ void compute(const Reads& in, Writes& out) {
                        {{"FE227", fibers.name}});
     });
     warn_of_places(in, parts, kept->empty_places);
+    warn_of_vertices_outside(in, parts, *kept);
     const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
@@ -231,6 +245,7 @@ void add_z_tissue(Registry& registry) {
     NodeType type;
     type.name = "zTissue";
     type.numerics = tissue_numerics;
+    type.machine = solver::machine_numerics();
     type.doc = "A soft body: muscle, fat, an organ. Its mesh rides on tets that are simulated.";
     type.inputs = {describe(enable),
                    describe(mesh),

@@ -2,13 +2,16 @@
 // over pieces are taken afterwards, in order, by one thread.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/hand_over.h"
+#if defined(__SANITIZE_THREAD__)
+#include "solver/watched_loop.h"
+#endif
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 namespace sinew::solver {
 
@@ -19,12 +22,25 @@ void parallel_for(std::size_t count, std::size_t grain, const Body& body) {
         for (std::size_t i = 0; i < count; ++i) body(i);
         return;
     }
-    const HandOver hand_over;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
-        hand_over.begin_piece();
-        for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
-        hand_over.end_piece();
+#if defined(__SANITIZE_THREAD__)
+    watched_loop(count, grain, [&](std::size_t first, std::size_t end) {
+        for (std::size_t i = first; i != end; ++i) body(i);
     });
+#else
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, grain), [&](const tbb::blocked_range<std::size_t>& r) {
+        for (std::size_t i = r.begin(); i != r.end(); ++i) body(i);
+    });
+#endif
+}
+
+/// Sorts by <.
+template <class Iterator>
+void parallel_sort(Iterator first, Iterator end) {
+#if defined(__SANITIZE_THREAD__)
+    std::sort(first, end);
+#else
+    tbb::parallel_sort(first, end);
+#endif
 }
 
 /// Sums over [0, count), add(i, sums) adds the terms of i: chunks whose size depends on the count alone, then the

@@ -18,6 +18,7 @@ bool is_new(std::vector<Site>& all, const Site& s) { return std::find(all.begin(
 Hasher identity(const NodeType& t) {
     Hasher h;
     h.add(t.name).add(t.version).add(t.numerics);
+    if (!t.machine.empty()) h.add(t.machine);
     return h;
 }
 

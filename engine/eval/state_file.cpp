@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/state_file.h"
 
+#include "engine/eval/keys.h"
+
 #include <cstring>
 
 namespace sinew::engine {
@@ -20,7 +22,7 @@ std::uint64_t number_at(std::span<const std::byte> bytes, std::size_t at) {
     return v;
 }
 
-Digest type_digest(const NodeType& t) { return Hasher().add(t.name).add(t.version).add(t.numerics).finish(); }
+Digest type_digest(const NodeType& t) { return identity(t).finish(); }
 Digest payload_digest(std::span<const std::byte> payload) { return Hasher().add_bytes(payload).finish(); }
 
 } // namespace
@@ -43,7 +45,9 @@ UnwrappedState unwrap_state(const NodeType& type, const Digest& key, std::span<c
         return Digest{number_at(bytes, at), number_at(bytes, at + 8)};
     };
     if (digest(0) != type_digest(type))
-        return {{}, "the state was saved by another type, or by another version of " + std::string(type.name)};
+        return {{},
+                "the state was saved by another type, or by another version of " + std::string(type.name) +
+                    ", or with the kernels of another processor"};
     if (digest(1) != key) return {{}, "the state belongs to another graph or another frame"};
     const auto payload = bytes.subspan(header_size);
     if (digest(2) != payload_digest(payload)) return {{}, "the bytes are damaged"};

@@ -24,6 +24,16 @@ constexpr std::array<std::string_view, 9> without_avx = {"Prescott",     "Core2"
 
 std::string_view blas_kernel() { return openblas_get_corename(); }
 
+std::string machine_numerics() {
+    std::string out(blas_kernel());
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) out += " avx2";
+    if (__builtin_cpu_supports("fma")) out += " fma";
+    if (__builtin_cpu_supports("avx512f")) out += " avx512f";
+#endif
+    return out;
+}
+
 void choose_blas_kernel() {
 #if defined(__x86_64__)
     if (std::getenv("OPENBLAS_CORETYPE") || !gotoblas_dynamic_quit || !gotoblas_dynamic_init) return;

@@ -16,6 +16,7 @@ struct Flaw {
     std::size_t count = 0;
     std::vector<int> first;                ///< vertices or triangles
     std::vector<std::array<int, 2>> edges; ///< edges, or pairs of triangles
+    bool is_whole = true;                  ///< false: there may be more, only so much was looked at
     explicit operator bool() const { return count > 0; }
     void add(int place);
     void add(int a, int b);
@@ -34,6 +35,9 @@ struct MeshCheck {
                                 ///< triangles. Parts within others may be cavities
     Flaw flat_tets;             ///< of a tet mesh; only flat_tets() looks for them
     Flaw crossing_triangles;    ///< pairs that cross or overlap; only inspect_mesh looks for them
+    /// Closed once vertices at one place are one, of repeated triangles one is left, and triangles are turned alike:
+    /// what the makers of tets and iso meshes go by. Only inspect_mesh finds out.
+    bool encloses = false;
     std::size_t components = 0; ///< of triangles joined over edges
     double volume = 0;          ///< enclosed volume, negative if the mesh is inside out; meaningless if open
 

@@ -44,8 +44,8 @@ void check_surface(const MeshCheck& found) {
                     "Repair the mesh, or remesh it by zIsoMesh, whose results can always be filled.");
 }
 
-void refuse_crossings(const Points& points, const std::vector<Triangle>& triangles) {
-    if (const Flaw crossing = self_intersections(points, triangles))
+void refuse_crossings(const Points& points, const std::vector<Triangle>& triangles, const MeshingControl& control) {
+    if (const Flaw crossing = self_intersections(points, triangles, control.stop))
         throw Error("FE237",
                     "the mesh cannot be the boundary of tets: " +
                         describe(crossing, "pair of crossing triangles", "pairs of crossing triangles"),
@@ -125,7 +125,7 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
                     "refinement quality " + std::to_string(options.refinement_quality) + " is not between 0 and 1");
     const MeshCheck found = check_mesh(points, triangles);
     check_surface(found);
-    refuse_crossings(points, triangles);
+    refuse_crossings(points, triangles, control);
     std::vector<Triangle> outward = triangles;
     if (found.volume < 0)
         for (Triangle& t : outward) std::swap(t[1], t[2]);

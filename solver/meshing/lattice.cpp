@@ -3,11 +3,11 @@
 #include "solver/meshing/lattice.h"
 
 #include "solver/error.h"
+#include "solver/index.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/refined_cells.h"
-
-#include <tbb/parallel_sort.h>
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -55,7 +55,7 @@ TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces,
     for (const LatticePiece& p : pieces)
         for (const auto& key : p.corners) numbers.push_back(finest.vertex_number(key));
     std::vector<std::int64_t> sorted = numbers;
-    tbb::parallel_sort(sorted.begin(), sorted.end());
+    parallel_sort(sorted.begin(), sorted.end());
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
 
     TetMesh mesh;
@@ -121,11 +121,25 @@ std::string number(double x) {
     return text;
 }
 
+/// No coarser lattice is sound. Tets at the surface have about its area times their side of volume, and of that the
+/// least coverage counts; four times as much allows for how they lie. Thin sheets need so many tets that there is
+/// nothing to try.
+double coarsest_sound_side(const Solid& solid, const LatticeOptions& options) {
+    double area = 0;
+    for (const Triangle& t : solid.triangles) {
+        const Vec3 &a = solid.points[at(t[0])], &b = solid.points[at(t[1])], &c = solid.points[at(t[2])];
+        area += 0.5 * (b - a).cross(c - a).norm();
+    }
+    return 4 * most_excess / options.least_coverage * std::abs(enclosed_volume(solid.points, solid.triangles)) / area;
+}
+
 /// A size below `side` that would do, where one can be found quickly.
 std::string finer_advice(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
                          const MeshingControl& control) {
     const Vec3 size = solid.box.size();
     const double sensible = 4 * size.maxCoeff() * std::exp2(paint.highest());
+    // Refined, the tets at the surface are smaller by as much.
+    const double coarsest = coarsest_sound_side(solid, options) * std::exp2(paint.highest());
     for (double smaller = std::min(side / 2, sensible);; smaller /= 2) {
         // A number to be typed, rounded down.
         const double unit = std::pow(10.0, std::floor(std::log10(smaller)) - 1);
@@ -135,6 +149,7 @@ std::string finer_advice(const Solid& solid, const Paint& paint, double side, co
         constexpr double most_cubes = 300000;
         constexpr std::size_t most_pieces = 6000;
         if (along > options.max_resolution || ((size / typed).array() + 5).prod() > most_cubes) break;
+        if (smaller > coarsest) continue;
         const Lattice tried = lattice_of_side(solid, paint, typed, options, {control.stop, {}});
         if (tried.is_sound(options.least_coverage)) return "choose a tet size of " + number(typed) + " or less";
         if (tried.pieces.size() > most_pieces) break;

@@ -3,8 +3,7 @@
 #include "solver/meshing/lattice_cells.h"
 
 #include "solver/index.h"
-
-#include <tbb/parallel_sort.h>
+#include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,7 +63,7 @@ std::vector<Contact> find_all_contacts(const BccGrid& grid, const std::vector<st
     });
     std::vector<Contact> all;
     for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
-    tbb::parallel_sort(all.begin(), all.end());
+    parallel_sort(all.begin(), all.end());
     return all;
 }
 

@@ -4,11 +4,13 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/meshing/soup.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/box_intersection_d.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 
 namespace sinew::solver {
@@ -32,7 +34,8 @@ class Finder {
         for (const auto& [a, b, c] : triangles) triangles_.push_back({place[at(a)], place[at(b)], place[at(c)]});
     }
 
-    std::vector<std::array<int, 2>> pairs() const {
+    /// Of the triangles whose boxes overlap, of which so many are looked at. `stop` is asked now and then.
+    std::vector<std::array<int, 2>> pairs(std::size_t most, const std::function<bool()>& stop, bool& all) const {
         std::vector<Box> boxes;
         for (std::size_t t = 0; t < triangles_.size(); ++t) {
             const auto& [a, b, c] = triangles_[t];
@@ -40,10 +43,18 @@ class Finder {
                 boxes.emplace_back(p(a).bbox() + p(b).bbox() + p(c).bbox(), static_cast<int>(t));
         }
         std::vector<std::array<int, 2>> out;
-        CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& s, const Box& t) {
-            if (meet(triangles_[at(s.info())], triangles_[at(t.info())]))
-                out.push_back({std::min(s.info(), t.info()), std::max(s.info(), t.info())});
-        });
+        struct Enough {};
+        std::size_t looked_at = 0;
+        try {
+            CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& s, const Box& t) {
+                if (++looked_at > most) throw Enough{};
+                if (looked_at % 4096 == 0 && stop && stop()) throw Stopped();
+                if (meet(triangles_[at(s.info())], triangles_[at(t.info())]))
+                    out.push_back({std::min(s.info(), t.info()), std::max(s.info(), t.info())});
+            });
+        } catch (const Enough&) {
+        }
+        all = looked_at <= most;
         std::sort(out.begin(), out.end());
         return out;
     }
@@ -83,9 +94,10 @@ class Finder {
 
 } // namespace
 
-Flaw self_intersections(const Points& points, const std::vector<Triangle>& triangles) {
+Flaw self_intersections(const Points& points, const std::vector<Triangle>& triangles, const std::function<bool()>& stop,
+                        std::size_t most_pairs) {
     Flaw flaw;
-    for (const auto& [s, t] : Finder(points, triangles).pairs()) flaw.add(s, t);
+    for (const auto& [s, t] : Finder(points, triangles).pairs(most_pairs, stop, flaw.is_whole)) flaw.add(s, t);
     return flaw;
 }
 
@@ -93,7 +105,10 @@ MeshCheck inspect_mesh(const Points& points, const std::vector<Triangle>& triang
     for (std::size_t v = 0; v < points.size(); ++v)
         if (!points[v].allFinite()) throw Error("FE202", "vertex " + std::to_string(v) + " is not finite");
     MeshCheck found = check_mesh(points, triangles);
-    found.crossing_triangles = self_intersections(points, triangles);
+    // Triangles of a mesh made for something have some ten neighbours each. A fan of hundreds of thousands around one
+    // corner has all pairs.
+    found.crossing_triangles = self_intersections(points, triangles, {}, 10'000'000 + 30 * triangles.size());
+    found.encloses = is_closed_once_welded(points, triangles);
     return found;
 }
 

@@ -189,7 +189,7 @@ void check_watertight(const std::vector<std::array<int, 2>>& border) {
 double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill fill) {
     Shells found = find_shells(points, triangles);
     const std::vector<int> depth = find_nesting(points, found.shells).depth;
-    const bool keeps_all = fill == Fill::empty_cavities;
+    const bool keeps_all = fill != Fill::filled_cavities;
     double volume = 0;
     for (std::size_t s = 0; s < found.shells.size(); ++s) {
         if (!keeps_all && depth[s] > 0) continue;

@@ -9,7 +9,8 @@ namespace sinew::solver {
 
 /// Which tets of a lattice are kept, and what a closed shell inside another one means.
 enum class Fill {
-    surface_only,    ///< tets that the surface passes through; inside as for filled_cavities
+    surface_only,    ///< tets that the surface passes through, shells inside others too; these mean what they do for
+                     ///< empty_cavities, but the surface may have holes
     filled_cavities, ///< all that the outer shells enclose; shells inside others have no meaning
     empty_cavities,  ///< a shell inside another bounds a cavity, one inside a cavity is solid, and so on;
                      ///< whatever way they are turned
@@ -23,7 +24,7 @@ std::vector<std::array<int, 2>> border_edges_of(const std::vector<Triangle>& tri
 void check_watertight(const std::vector<std::array<int, 2>>& border_edges);
 
 /// Prepares welded triangles for the rule "inside is where the winding number exceeds one half in size": drops
-/// shells inside others, or keeps all (empty_cavities), and turns shells so that solids face outwards and
+/// shells inside others (filled_cavities), or keeps all, and turns shells so that solids face outwards and
 /// cavities inwards, whichever way they came: an inside-out part is as solid as any, also where it crosses
 /// another. A shell is what hangs together by edges. It lies in another one when the winding number of that one
 /// exceeds one half in size at all of its vertices, so shells that cross do not lie in each other. Shells that

@@ -31,7 +31,37 @@ double area(const Points& points, const std::vector<Triangle>& triangles) {
     return sum;
 }
 
-/// Looks just below and above each triangle, at points no farther apart than a twentieth of the mesh or so.
+/// Places on a triangle with corner a and edges u, v, no farther apart than a twentieth of the mesh or so: the middles
+/// of n * n equal parts, or of strips across the longest edge where the triangle is much longer than high. Calls
+/// use(place) until it returns false.
+template <class Use>
+void for_places_on(const Vec3& a, const Vec3& u, const Vec3& v, double longest_side, const Use& use) {
+    const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
+    const auto parts = [&](double length) {
+        return std::clamp(static_cast<int>(std::ceil(20 * length / longest_side)), 1, 12);
+    };
+    const int n = parts(longest_edge), high = parts(u.cross(v).norm() / longest_edge);
+    if (4 * high <= n) {
+        // From the longest edge towards the corner opposite.
+        Vec3 from = a, along = u, top = a + v;
+        if (v.norm() == longest_edge) along = v, top = a + u;
+        if ((u - v).norm() == longest_edge) from = a + u, along = v - u, top = a;
+        for (int row = 0; row < high; ++row)
+            for (int i = 0; i < n; ++i) {
+                const double up = (row + 1.0 / 3) / high;
+                if (!use((1 - up) * (from + (i + 0.5) / n * along) + up * top)) return;
+            }
+        return;
+    }
+    for (int p = 0; p < n; ++p)
+        for (int q = 0; p + q < n; ++q)
+            for (int half = 0; half < (p + q + 1 < n ? 2 : 1); ++half) {
+                const double offset = half == 0 ? 1.0 / 3 : 2.0 / 3;
+                if (!use(a + ((p + offset) * u + (q + offset) * v) / n)) return;
+            }
+}
+
+/// Looks just below and above each triangle.
 std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Triangle>& triangles,
                                      const SurfaceTree& tree, double longest_side, const MeshingPhase& phase) {
     std::vector<Solid::Sides> result(triangles.size());
@@ -45,24 +75,19 @@ std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Tri
         const int n = std::clamp(static_cast<int>(std::ceil(20 * longest_edge / longest_side)), 1, 12);
         const Vec3 step = normal * (1e-3 / std::sqrt(twice_area) / n);
         Solid::Sides first;
-        bool is_first = true;
-        // The middles of the n * n equal parts.
-        for (int p = 0; p < n; ++p)
-            for (int q = 0; p + q < n; ++q)
-                for (int half = 0; half < (p + q + 1 < n ? 2 : 1); ++half) {
-                    const double offset = half == 0 ? 1.0 / 3 : 2.0 / 3;
-                    const Vec3 middle = a + ((p + offset) * u + (q + offset) * v) / n;
-                    const std::array<double, 2> w{tree.winding_number(middle - step),
-                                                  tree.winding_number(middle + step)};
-                    for (double x : w)
-                        if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return;
-                    const Solid::Sides sides{static_cast<signed char>(std::lround(w[0])),
-                                             static_cast<signed char>(std::lround(w[1]))};
-                    if (!is_first && !(sides == first)) return;
-                    first = sides;
-                    is_first = false;
-                }
-        result[i] = first;
+        bool is_first = true, is_same = true;
+        for_places_on(a, u, v, longest_side, [&](const Vec3& middle) {
+            const std::array<double, 2> w{tree.winding_number(middle - step), tree.winding_number(middle + step)};
+            for (double x : w)
+                if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return is_same = false;
+            const Solid::Sides sides{static_cast<signed char>(std::lround(w[0])),
+                                     static_cast<signed char>(std::lround(w[1]))};
+            if (!is_first && !(sides == first)) return is_same = false;
+            first = sides;
+            is_first = false;
+            return true;
+        });
+        if (is_same) result[i] = first;
     });
     return result;
 }

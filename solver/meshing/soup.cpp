@@ -67,4 +67,12 @@ Soup make_soup(const Points& points, const std::vector<Triangle>& triangles) {
     return soup;
 }
 
+bool is_closed_once_welded(const Points& points, const std::vector<Triangle>& triangles) {
+    try {
+        return make_soup(points, triangles).is_closed;
+    } catch (const Error&) {
+        return false; // nothing with an area
+    }
+}
+
 } // namespace sinew::solver

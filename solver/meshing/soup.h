@@ -23,4 +23,7 @@ struct Soup {
 /// of vertices and triangles is kept. Throws Error FE201 (no triangle is left), FE202 (not finite), FE203 (index).
 Soup make_soup(const Points& points, const std::vector<Triangle>& triangles);
 
+/// Whether the soup that is made of them is closed: what zIsoMesh goes by.
+bool is_closed_once_welded(const Points& points, const std::vector<Triangle>& triangles);
+
 } // namespace sinew::solver

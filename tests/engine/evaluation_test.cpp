@@ -1,5 +1,6 @@
 // Pulls: what runs, how often, on how many threads, and what is thrown.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/state_file.h"
 #include "tests/support/engine_toys.h"
 
 #include <barrier>
@@ -386,6 +387,31 @@ TEST_CASE("another version or numerics of a type is computed anew") {
     CHECK(number(e, with(1, 2), {"t", "out"}, 1) == 2);
     CHECK(number(e, with(2, 1), {"t", "out"}, 1) == 3);
     CHECK(number(e, with(1, 1), {"t", "out"}, 1) == 1);
+}
+
+TEST_CASE("what was computed with the kernels of another machine is computed anew, and its states are refused") {
+    int computes = 0;
+    static const Output<double> out{.name = "out", .doc = "The number."};
+    const auto on = [&](const std::string& machine) {
+        Registry r;
+        r.add({.name = "t",
+               .machine = machine,
+               .doc = "A type.",
+               .outputs = {describe(out)},
+               .compute = [&computes](const Reads&, Writes& w) { w.set(out, static_cast<double>(++computes)); }});
+        return graph(std::make_shared<const Registry>(std::move(r)), R"("t": {"type": "t"})");
+    };
+    Evaluator e;
+    CHECK(number(e, on(""), {"t", "out"}, 1) == 1);
+    CHECK(number(e, on("Haswell"), {"t", "out"}, 1) == 2);
+    CHECK(number(e, on("SkylakeX"), {"t", "out"}, 1) == 3);
+    CHECK(number(e, on("Haswell"), {"t", "out"}, 1) == 2);
+    NodeType type{.name = "t", .machine = "Haswell", .doc = "A type."};
+    const std::vector<std::byte> payload(3, std::byte{7});
+    const auto bytes = wrap_state(type, {1, 2}, payload);
+    CHECK(unwrap_state(type, {1, 2}, bytes).fault.empty());
+    type.machine = "SkylakeX";
+    CHECK(unwrap_state(type, {1, 2}, bytes).fault.find("kernels of another processor") != std::string::npos);
 }
 
 TEST_CASE("a curve that leaves the limits between its keys is refused where it does") {

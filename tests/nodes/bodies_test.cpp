@@ -4,6 +4,7 @@
 
 #include "nodes/tissue_rest.h"
 
+#include <algorithm>
 #include <cmath>
 
 using namespace bench;
@@ -185,6 +186,32 @@ TEST_CASE("a tissue may bring its own tets", "[nodes]") {
               R"(, "z": {"type": "zTet", "inputs": {"mesh": {"from": "beam.outMesh"}, "tetSize": 0.5}})");
     const auto body = s.get<nodes::Body>("t", "outBody");
     CHECK(rest_of(body).tets.tets == s.get<nodes::TetMeshValue>("z", "outTets").mesh->tets);
+}
+
+TEST_CASE("vertices outside of a tissue's own tets are counted in a warning", "[nodes]") {
+    // Tets of a beam that is half as long as the one that they carry.
+    Session s(tissue(layers + R"(, "tets": {"from": "z.outTets"})") +
+              R"(, "z": {"type": "zTet", "inputs": {"mesh": {"from": "beam.outMesh"}, "tetSize": 0.5}})");
+    s.get<nodes::Body>("t", "outBody");
+    CHECK(s.counter.warnings.empty());
+    s.graph = bench::graph(
+        tissue(layers + R"(, "tets": {"from": "z.outTets"})") +
+        R"(, "short": {"type": "transform", "inputs": {"mesh": {"from": "beam.outMesh"}, "scale": [0.5, 1, 1]}},
+        "z": {"type": "zTet", "inputs": {"mesh": {"from": "short.outMesh"}, "tetSize": 0.25}})");
+    const auto body = s.get<nodes::Body>("t", "outBody");
+    REQUIRE(s.counter.warnings.size() == 1);
+    const engine::Diagnostic& d = s.counter.warnings[0];
+    CHECK(d.code == "FE246");
+    CHECK(d.node == "t");
+    CHECK(d.attribute == "tets");
+    // The count, by the tets' own bounding box.
+    const solver::TissueRest& rest = rest_of(body);
+    double reach = 0;
+    for (const solver::Vec3& v : rest.tets.vertices) reach = std::max(reach, v.x());
+    const auto outside =
+        std::count_if(rest.surface.begin(), rest.surface.end(), [&](const auto& p) { return std::abs(p.x()) > reach; });
+    REQUIRE(outside > 0);
+    CHECK(d.message.starts_with(std::to_string(outside) + " of " + std::to_string(rest.surface.size()) + " vertices"));
 }
 
 TEST_CASE("an attachment hands on weights for every vertex", "[nodes]") {

@@ -1,6 +1,7 @@
 // Promises of every node type: it is listed, documented, and its declared inputs, all of them, enter its key.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
+#include "solver/linear/blas_kernel.h"
 
 #include <cctype>
 #include <set>
@@ -153,6 +154,13 @@ std::string another(const engine::AttributeInfo& a) {
 }
 
 } // namespace
+
+TEST_CASE("nodes that factor have the kernels' names in their keys", "[nodes]") {
+    const auto types = nodes::make_registry();
+    for (const char* name : {"zSolver", "zTissue"})
+        CHECK(types->find(name)->machine.starts_with(solver::blas_kernel()));
+    CHECK(types->find("polyCube")->machine.empty());
+}
 
 TEST_CASE("the registry holds exactly the listed node types", "[nodes]") {
     CHECK(nodes::make_registry()->names() == all_types);

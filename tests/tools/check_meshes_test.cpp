@@ -88,6 +88,34 @@ TEST_CASE("check of a mesh file as a table", "[tools]") {
     CHECK(run_program({"check", "/nowhere/mesh.obj"}).code == 1);
 }
 
+TEST_CASE("check calls closed what the makers of tets and iso meshes take for closed", "[tools]") {
+    const TemporaryFolder folder;
+    // A tet whose faces have vertices of their own, as STL has them, and one with a face that looks inwards.
+    const std::string loose = write(folder, "loose.obj",
+                                    "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                    "v 0 0 0\nv 0 0 1\nv 0 1 0\nf 1 2 3\nf 4 5 6\nf 7 8 9\nf 10 11 12\n"),
+                      turned = write(folder, "turned.obj",
+                                     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 4 2\nf 2 3 4\nf 1 4 3\n"),
+                      open = write(folder, "open.obj", cube(1));
+    for (const auto& [file, closes] : {std::pair{loose, true}, {turned, true}, {open, false}}) {
+        INFO(file);
+        const json said = only(run_program({"check", file, "--json"}));
+        CHECK(said.at("closed") == false);
+        CHECK(said.at("closedOnceWelded") == closes);
+        CHECK(has(run_program({"check", file}).out, closes ? " welded " : " no "));
+        json graph = {{"format", "sinew 1"}};
+        graph["nodes"]["file"] = {{"type", "meshFile"}, {"inputs", {{"file", file}}}};
+        graph["nodes"]["skin"] = {
+            {"type", "zIsoMesh"},
+            {"inputs", {{"meshes", {{{"from", "file.outMesh"}}}}, {"resolution", 32}, {"triangleSize", 2}}}};
+        graph["nodes"]["tets"] = {{"type", "zTet"}, {"inputs", {{"mesh", {{"from", "file.outMesh"}}}}}};
+        const Said checked = run_program({"check", write_graph(folder, graph), "--meshes", "--no-cache"});
+        CHECK((checked.code == 0) == closes);
+        CHECK(has(checked.err, "FE230") == !closes);
+        CHECK(has(checked.err, "FE238") == !closes);
+    }
+}
+
 TEST_CASE("check --meshes lists the meshes of a graph and warns of features that are off", "[tools]") {
     const TemporaryFolder folder;
     json graph = small_graph();

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <set>
 #include <thread>
 
@@ -94,8 +95,8 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
                          "--threads", "1"})
                 .code == 0);
     const json report = json::parse(read_text(file));
-    CHECK(keys(report) == std::set<std::string>{"version", "machine", "blas", "threads", "graph", "totals", "computed",
-                                                "frames", "size"});
+    CHECK(keys(report) == std::set<std::string>{"version", "machine", "blas", "numerics", "threads", "graph", "totals",
+                                                "computed", "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);
@@ -338,6 +339,27 @@ TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-ma
         CHECK(Glb(read_text(folder / "out/small.glb")).problems() == std::vector<std::string>{});
         CHECK(json::parse(read_text(folder / "out/r.json")).at("frames").size() == files.size() / 3);
     }
+}
+
+TEST_CASE("the report tells what bits hang on, kernels by name and features of the processor", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "r.json").string(), graph = write_graph(folder, small_graph());
+    const char* before = std::getenv("OPENBLAS_CORETYPE");
+    const std::string kept = before ? before : "";
+    std::set<std::string> seen;
+    for (const char* kernel : {"Nehalem", "Haswell"}) {
+        setenv("OPENBLAS_CORETYPE", kernel, 1);
+        REQUIRE(run_program({"run", graph, "--report", file, "--frames", "1", "--quiet"}).code == 0);
+        const json report = json::parse(read_text(file));
+        const auto blas = report.at("blas").get<std::string>(), all = report.at("numerics").get<std::string>();
+        CHECK(all.starts_with(blas));
+        const std::set<std::string> features{"", " avx2", " fma", " avx2 fma", " avx2 fma avx512f"};
+        CHECK(features.count(all.substr(blas.size())) == 1);
+        seen.insert(all);
+    }
+    before ? setenv("OPENBLAS_CORETYPE", kept.c_str(), 1) : unsetenv("OPENBLAS_CORETYPE");
+    CHECK(seen.size() <= 2); // one of a build of OpenBLAS with one kernel
+    if (seen.size() == 2) CHECK(seen.begin()->starts_with("Haswell"));
 }
 
 TEST_CASE("a place that cannot be written to is found before anything is simulated", "[tools]") {

@@ -82,7 +82,14 @@ std::string flaws_as_text(const MeshCheck& check) {
     std::string text;
     for (const NamedFlaw& f : flaws_of(check))
         if (*f.flaw) text += (text.empty() ? "" : "; ") + solver::describe(*f.flaw, f.one, f.many);
+    if (!check.crossing_triangles.is_whole)
+        text += std::string(text.empty() ? "" : "; ") + "too many triangles meet to look at all pairs for crossings";
     return text.empty() ? "none" : text;
+}
+
+/// "welded": once vertices at one place are one and triangles are turned alike, as zTet and zIsoMesh take it.
+std::string closed_as_text(const MeshCheck& check) {
+    return !check.encloses ? "no" : check.is_closed() ? "yes" : "welded";
 }
 
 nlohmann::ordered_json as_json(const MeshReport& r) {
@@ -92,6 +99,7 @@ nlohmann::ordered_json as_json(const MeshReport& r) {
         for (const int place : f.flaw->first) first.push_back(place);
         for (const auto& edge : f.flaw->edges) first.push_back(edge);
         flaws[f.key] = {{"count", f.flaw->count}, {"first", first}};
+        if (!f.flaw->is_whole) flaws[f.key]["whole"] = false;
     }
     nlohmann::ordered_json line = {
         {"event", "mesh"}, {"mesh", r.name}, {"vertices", r.vertices}, {"faces", r.faces}, {"triangles", r.triangles}};
@@ -99,6 +107,7 @@ nlohmann::ordered_json as_json(const MeshReport& r) {
         line["tets"] = r.tets, line["leastDihedral"] = r.dihedral[0], line["largestDihedral"] = r.dihedral[1];
     line["parts"] = r.check.components;
     line["closed"] = r.check.is_closed();
+    line["closedOnceWelded"] = r.check.encloses;
     line["manifold"] = r.check.is_manifold();
     if (r.check.is_closed()) line["volume"] = r.check.volume;
     line["flaws"] = std::move(flaws);
@@ -134,6 +143,7 @@ std::string what_is_off(const engine::Graph& graph, const std::string& node, con
                "and "
                "what they enclose is filled";
     if (check.is_closed()) return {};
+    if ((type == "zTissue" || type == "zTet") && attribute == "mesh" && check.encloses) return {};
     if (type == "zTissue" && attribute == "collisionShape")
         return "it has no inside: it can stand for the tissue's surface as a sheet alone, not as a solid";
     if ((type == "zTissue" || type == "zTet") && attribute == "mesh")
@@ -271,7 +281,7 @@ void print_meshes(const std::vector<MeshReport>& reports, bool as_json_lines, st
     for (const MeshReport& r : reports) {
         out << cell(r.name, name) << cell(std::to_string(r.vertices), 8) << cell(std::to_string(r.triangles), 10)
             << cell(r.tets ? std::to_string(r.tets) : "-", 8) << cell(std::to_string(r.check.components), 6)
-            << cell(r.check.is_closed() ? "yes" : "no", 7) << cell(r.check.is_manifold() ? "yes" : "no", 9) << "  "
+            << cell(closed_as_text(r.check), 7) << cell(r.check.is_manifold() ? "yes" : "no", 9) << "  "
             << flaws_as_text(r.check);
         if (r.tets > 0) {
             char angles[64];

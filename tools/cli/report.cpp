@@ -145,11 +145,9 @@ int RunReport::inverted() const {
 }
 
 std::string report_json(const RunReport& r) {
-    Json out = {{"version", SINEW_VERSION},
-                {"machine", machine_name()},
-                {"blas", solver::blas_kernel()},
-                {"threads", r.threads},
-                {"graph", r.graph}};
+    Json out = {{"version", SINEW_VERSION},      {"machine", machine_name()},
+                {"blas", solver::blas_kernel()}, {"numerics", solver::machine_numerics()},
+                {"threads", r.threads},          {"graph", r.graph}};
     const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
     out["totals"] = {
         {"wall_s", r.wall_s},         {"setup_s", r.setup_s},           {"frames_simulated", r.frames_simulated},

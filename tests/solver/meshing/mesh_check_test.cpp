@@ -134,3 +134,18 @@ TEST_CASE("angles are measured", "[meshcheck]") {
     for (int i = 0; i < 7; ++i) f.add(i, i + 1);
     CHECK(describe(f, "hole", "holes") == "7 holes (0-1, 1-2, 2-3, 3-4, 4-5, …)");
 }
+
+TEST_CASE("a fan of thousands of triangles is looked at in part, and a host can stop the search", "[meshcheck]") {
+    Shape fan{"fan", {{0, 0, 0}}, {}, false};
+    constexpr int count = 6000; // 18 million pairs around one corner
+    for (int i = 0; i <= count; ++i) fan.points.emplace_back(1, 1e-3 * i, 1e-7 * i * i);
+    for (int i = 0; i < count; ++i) fan.triangles.push_back({0, i + 1, i + 2});
+    CHECK_FALSE(inspect(fan).crossing_triangles.is_whole);
+    fan.triangles.resize(1000);
+    const Flaw found = inspect(fan).crossing_triangles;
+    CHECK(found.is_whole);
+    CHECK(found.count == 0);
+    int asked = 0;
+    CHECK_THROWS_AS(self_intersections(fan.points, fan.triangles, [&] { return ++asked == 3; }), Stopped);
+    CHECK(asked == 3);
+}

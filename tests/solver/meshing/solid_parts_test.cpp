@@ -5,6 +5,7 @@
 
 #include "solver/error.h"
 #include "solver/meshing/iso_mesh.h"
+#include "solver/meshing/self_intersections.h"
 
 #include <catch2/catch.hpp>
 
@@ -134,6 +135,43 @@ TEST_CASE("an iso mesh of crossing parts, one inside out, is the surface of thei
     CHECK(enclosed_volume(kept.points, kept.triangles) == Approx(1.875).epsilon(0.01));
 }
 
+TEST_CASE("check and the iso mesh agree on what is closed", "[parts][iso]") {
+    const Points points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 2}};
+    const std::vector<Triangle> low{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}},
+        high{{4, 6, 5}, {4, 5, 7}, {5, 6, 7}, {4, 7, 6}};
+    const auto joined = [](std::vector<Triangle> a, const std::vector<Triangle>& b) {
+        a.insert(a.end(), b.begin(), b.end());
+        return a;
+    };
+    struct Case {
+        std::string name;
+        std::vector<Triangle> triangles;
+        bool by_numbers, encloses;
+    };
+    const std::vector<Triangle> walls(low.begin() + 1, low.end());
+    for (const Case& c : {Case{"a tet", low, true, true},
+                          {"without its floor", walls, false, false},
+                          {"with the floor of another on vertices of its own", joined(walls, {high[0]}), false, true},
+                          {"with a wall that looks inwards", joined(walls, {{0, 1, 2}}), false, true},
+                          {"with a wall twice", joined(low, {low[2]}), false, true},
+                          // Welding leaves one of the two floors.
+                          {"in a higher one with the same floor", joined(low, high), true, false}}) {
+        INFO(c.name);
+        const MeshCheck found = inspect_mesh(points, c.triangles);
+        CHECK(found.is_closed() == c.by_numbers);
+        CHECK(found.encloses == c.encloses);
+        IsoMeshOptions options;
+        options.resolution = 16;
+        std::string code = "none";
+        try {
+            make_iso_mesh(points, c.triangles, options);
+        } catch (const Error& e) {
+            code = e.code;
+        }
+        CHECK((code == "FE230") == !c.encloses);
+    }
+}
+
 TEST_CASE("tets so large that their least share is more than a tenth of the solid are refused, and the size "
           "that the message names does",
           "[parts]") {
@@ -165,4 +203,26 @@ TEST_CASE("tets so large that their least share is more than a tenth of the soli
     const Shape ball = shape("sphere", make_sphere(1, 20, 20));
     CHECK(lattice_checks::covered_volume(make_lattice(ball.points, ball.triangles, bare)) ==
           Approx(4.0948632).epsilon(1e-6));
+}
+
+TEST_CASE("no size is tried for a sheet so thin that none would do", "[parts]") {
+    const auto questions = [](double thickness, std::string* hint) {
+        const SurfaceMesh sheet = make_cube(4, 0.8, thickness, 20, 4, 4);
+        LatticeOptions options;
+        options.tet_size = 0.2;
+        std::size_t asked = 0;
+        MeshingControl control;
+        control.stop = [&] { return ++asked, false; };
+        try {
+            make_lattice(sheet.points, sheet.triangles, options, control);
+        } catch (const Error& e) {
+            *hint = e.hint;
+        }
+        return asked;
+    };
+    std::string none, thin;
+    const std::size_t once = questions(0.02, &none), refused = questions(8e-7, &thin);
+    CHECK(none.empty());
+    CHECK(thin.starts_with("choose a smaller tet size, and a higher maximum resolution"));
+    CHECK(refused < 2 * once); // each try asks as often as the whole lattice, or more
 }
