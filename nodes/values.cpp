@@ -241,7 +241,8 @@ std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
 void ValueTraits<nodes::Attachment>::hash(Hasher& h, const nodes::Attachment& v) {
     add(h, v.source_body);
     add(h, v.target_body);
-    h.add(nodes::static_digest(v.rest)).add(v.values.stiffness).add(v.values.envelope).add(v.values.damping);
+    h.add(nodes::static_digest(v.rest));
+    for (const auto& field : solver::AttachmentInputs::fields()) h.add(v.values.*field.at);
 }
 std::size_t ValueTraits<nodes::Attachment>::bytes(const nodes::Attachment& v) {
     return size_of(v.rest.source_weights) + size_of(v.rest.target_weights);
