@@ -239,7 +239,11 @@ void Slides::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         set(elements_[i], f.triangle);
         const bool apart = g != 0 && nearest_[i].apart;
         PointTriangleBlocks blocks;
-        if (g == 0 || apart) {
+        const bool on_face = (f.place.array() != 0).all();
+        if ((g == 0 || apart) && project && on_face) {
+            for (Mat3& block : blocks) block.setZero();
+            add_square(f.place, face_normal(target.surface(), target.places(), f.triangle), blocks);
+        } else if (g == 0 || apart) {
             blocks =
                 point_triangle_hessian(target.surface().corners(f.triangle, target.places()), f.place, f.away, project);
         } else {

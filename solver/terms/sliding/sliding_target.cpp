@@ -24,11 +24,16 @@ int faces_at_edge(const CarriedSurface& surface, int a, int b) {
 /// area those of its first corner.
 Vec3 place_in_plane(const std::array<Vec3, 3>& c, const Vec3& p) {
     const Vec3 u = c[1] - c[0], v = c[2] - c[0], w = p - c[0];
-    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), wu = w.dot(u), wv = w.dot(v);
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v);
     const double det = uu * vv - uv * uv;
     constexpr double least_area = 1e-10; // squared, of an upright triangle: beyond, coordinates are mostly rounding
     if (!(det > least_area * (uu + vv) * (uu + vv))) return Vec3::UnitX();
-    const double s = (vv * wu - uv * wv) / det, t = (uu * wv - uv * wu) / det;
+    double s = 0, t = 0;
+    for (int round = 0; round < 2; ++round) { // the second takes out what rounding left of a narrow triangle
+        const Vec3 rest = w - s * u - t * v;
+        const double ru = rest.dot(u), rv = rest.dot(v);
+        s += (vv * ru - uv * rv) / det, t += (uu * rv - uv * ru) / det;
+    }
     Vec3 out(1 - s - t, s, t);
     for (double& x : out)
         if (x == 0) x = 1e-300;
@@ -129,7 +134,9 @@ Height SlidingTarget::height_over(const Feature& nearest, const Vec3& p) const {
 
 PointTriangleBlocks SlidingTarget::bend(const Height& h, bool project) const {
     PointTriangleBlocks out{};
-    if (!(std::abs(h.value) > 1e-9 * surface_.mean_edge())) {
+    const bool is_face = (h.place.array() != 0).all();
+    // A height over a face does not bend but with the face.
+    if (!(std::abs(h.value) > 1e-9 * surface_.mean_edge()) || (project && is_face)) {
         for (Mat3& block : out) block.setZero();
         return out;
     }
