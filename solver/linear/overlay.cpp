@@ -6,18 +6,25 @@
 
 namespace sinew::solver {
 
-void Overlay::clear() { blocks_.clear(), carriers_.clear(), first_.clear(), element_.clear(), rows_.clear(); }
+void Overlay::clear() { elements_.clear(), blocks_.clear(), carriers_.clear(), element_.clear(), rows_.clear(); }
 
-void Overlay::add(std::span<const Carrier> carriers, const Blocks& blocks) {
-    first_.push_back(carriers_.size());
+void Overlay::add_element(std::span<const Carrier> carriers, std::span<const Mat3> blocks, bool across) {
+    element_.insert(element_.end(), carriers.size(), static_cast<int>(elements_.size()));
+    elements_.push_back({carriers_.size(), blocks_.size(), across});
     carriers_.insert(carriers_.end(), carriers.begin(), carriers.end());
-    element_.insert(element_.end(), carriers.size(), static_cast<int>(blocks_.size()));
-    blocks_.push_back(blocks);
+    blocks_.insert(blocks_.end(), blocks.begin(), blocks.end());
+}
+
+void Overlay::add(std::span<const Carrier> carriers, const Blocks& blocks) { add_element(carriers, blocks, false); }
+
+void Overlay::add_across(std::span<const Carrier> carriers, const std::array<Mat3, 3>& blocks) {
+    add_element(carriers, blocks, true);
 }
 
 void Overlay::finish(int rows) {
     if (empty()) return;
-    first_.push_back(carriers_.size());
+    forces_.resize(elements_.size());
+    elements_.push_back({carriers_.size(), blocks_.size(), false});
     // A counting sort, into room that is kept: this happens at every Newton iteration.
     start_.assign(at(rows) + 1, 0);
     for (const Carrier& c : carriers_) ++start_[at(c.row) + 1];
@@ -28,22 +35,26 @@ void Overlay::finish(int rows) {
         entries_[at(next_[at(carriers_[i].row)]++)] = static_cast<int>(i);
     for (int r = 0; r < rows; ++r)
         if (start_[at(r) + 1] > start_[at(r)]) rows_.push_back(r);
-    forces_.resize(blocks_.size());
 }
 
 void Overlay::add_product(const double* x, double* y) const {
-    parallel_for(blocks_.size(), 128, [&](std::size_t e) {
+    parallel_for(forces_.size(), 128, [&](std::size_t e) {
         std::array<Vec3, corners> places{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-        for (std::size_t i = first_[e]; i < first_[e + 1]; ++i) {
+        for (std::size_t i = elements_[e].first_carrier; i < elements_[e + 1].first_carrier; ++i) {
             const Carrier& c = carriers_[i];
             places[at(c.corner)] += c.weight * Eigen::Map<const Vec3>(x + 3 * at(c.row));
         }
         std::array<Vec3, corners>& out = forces_[e];
         for (Vec3& f : out) f.setZero();
-        std::size_t entry = 0;
+        const Mat3* next = blocks_.data() + elements_[e].first_block;
+        if (elements_[e].across) {
+            for (std::size_t c = 1; c < corners; ++c, ++next)
+                out[0] += *next * places[c], out[c] = next->transpose() * places[0];
+            return;
+        }
         for (std::size_t i = 0; i < corners; ++i)
-            for (std::size_t j = i; j < corners; ++j, ++entry) {
-                const Mat3& block = blocks_[e][entry];
+            for (std::size_t j = i; j < corners; ++j) {
+                const Mat3& block = *next++;
                 out[i] += block * places[j];
                 if (j > i) out[j] += block.transpose() * places[i];
             }

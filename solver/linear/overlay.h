@@ -26,16 +26,24 @@ class Overlay {
 
     void clear();
     void add(std::span<const Carrier> carriers, const Blocks& blocks);
+    /// An element of which only H between corner 0 and the others is not zero: those of corners 1 to 3.
+    void add_across(std::span<const Carrier> carriers, const std::array<Mat3, 3>& blocks);
     /// After the last element: sorts them by rows.
     void finish(int rows);
-    bool empty() const { return blocks_.empty(); }
+    bool empty() const { return elements_.empty(); }
     /// y += O x, 3 numbers a row; the same bits for any number of threads.
     void add_product(const double* x, double* y) const;
 
   private:
-    std::vector<Blocks> blocks_;              ///< per element
-    std::vector<Carrier> carriers_;           ///< of all elements
-    std::vector<std::size_t> first_;          ///< per element, of its carriers
+    struct Element {
+        std::size_t first_carrier, first_block;
+        bool across; ///< 3 blocks, else 10
+    };
+    void add_element(std::span<const Carrier> carriers, std::span<const Mat3> blocks, bool across);
+
+    std::vector<Element> elements_;           ///< one more after finish
+    std::vector<Mat3> blocks_;                ///< of all elements
+    std::vector<Carrier> carriers_;           ///< likewise
     std::vector<int> start_, entries_, next_; ///< per row, of carriers_
     std::vector<int> element_;                ///< per carrier
     std::vector<int> rows_;                   ///< that have entries

@@ -132,6 +132,14 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     };
     judge();
     w.floor.forget();
+    const auto look_anew = [&](bool stuck) {
+        if (!potential.settle(x, stuck)) return false;
+        value = evaluate(potential, w, x, record);
+        w.floor.forget();
+        judge();
+        return true;
+    };
+    bool stuck = false;
     for (int iteration = 0; !converged; ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
@@ -141,6 +149,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
                 "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
+        if (look_anew(stuck) && converged) break;
         value += potential.begin_iteration(x);
         const double slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         ++record.newton_iterations;
@@ -166,8 +175,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         }
         if (!accepted) { // no lower point along a descent direction: this is as far as the arithmetic goes
             potential.evaluate(x, &w.gradient, &w.forces);
-            return End::out_of_iterations;
+            if (!look_anew(true)) return End::out_of_iterations;
+            continue;
         }
+        stuck = t < stalled_step;
         x.swap(w.trial);
         judge();
         if (!below_rounding || t < 1) {

@@ -116,6 +116,12 @@ double Potential::begin_iteration(const Positions& x) {
     return change;
 }
 
+bool Potential::settle(const Positions& x, bool stuck) {
+    bool changed = false;
+    for (const auto& term : terms_) changed = term->settle(x, stuck) || changed;
+    return changed;
+}
+
 bool Potential::widen(const Positions& x) {
     bool more = false;
     for (const auto& term : terms_) more = term->widen(x) || more;

@@ -14,6 +14,8 @@
 
 namespace sinew::solver {
 
+inline bool has_vertex(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
+
 /// A carrier's vertex and its weight.
 struct RideTerm {
     int vertex;
@@ -70,6 +72,14 @@ class CarriedSurface {
     std::array<Vec3, 3> corners(int triangle, const Points& places) const {
         const Triangle& t = triangles_[at(triangle)];
         return {places[at(t[0])], places[at(t[1])], places[at(t[2])]};
+    }
+    /// Adds what acts at every point to what carries it, 3 numbers a vertex; nothing where that is a bone.
+    void add_to_carriers(const Points& at_points, double* by_vertices) const {
+        for (std::size_t p = 0; deforms_ && p < point_count(); ++p) {
+            if (at_points[p].isZero(0)) continue;
+            for (const RideTerm& t : ride(static_cast<int>(p)))
+                Eigen::Map<Vec3>(by_vertices + 3 * at(t.vertex)) += t.weight * at_points[p];
+        }
     }
     /// No point moves farther than this times the farthest of what carries it.
     double leverage() const { return leverage_; }

@@ -18,8 +18,6 @@ NearestPlace nearest_of(const CarriedSurface& surface, const Points& places, int
     return {triangle, q.barycentric, q.point, (p - q.point).squaredNorm()};
 }
 
-bool has(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
-
 /// The corners that carry a place.
 struct Corners {
     int count = 0;
@@ -39,7 +37,7 @@ Vec3 mean_normal(const CarriedSurface& surface, const Points& places, const Corn
     Vec3 sum = Vec3::Zero();
     for (const int t : surface.fan(on.vertex[0])) {
         const Triangle& corners = surface.triangles()[at(t)];
-        if (on.count == 2 && !has(corners, on.vertex[1])) continue;
+        if (on.count == 2 && !has_vertex(corners, on.vertex[1])) continue;
         const Vec3 n = face_normal(surface, places, t);
         if (on.count == 2) {
             sum += n;
@@ -117,8 +115,9 @@ ClosestFeature follow_feature(const CarriedSurface& surface, const Points& place
         const auto ask_about = [&](int vertex, int other, int asked, int asked_too) {
             for (const int t : surface.fan(vertex)) {
                 const Triangle& corners = surface.triangles()[at(t)];
-                if (t == here.triangle || (other >= 0 && !has(corners, other))) continue;
-                if ((asked >= 0 && has(corners, asked)) || (asked_too >= 0 && has(corners, asked_too))) continue;
+                if (t == here.triangle || (other >= 0 && !has_vertex(corners, other))) continue;
+                if ((asked >= 0 && has_vertex(corners, asked)) || (asked_too >= 0 && has_vertex(corners, asked_too)))
+                    continue;
                 if (allowed && !(*allowed)[at(t)]) continue;
                 const NearestPlace there = nearest_of(surface, places, t, p);
                 if (there.distance2 < best.distance2 && (any_side || belongs(there))) best = there;

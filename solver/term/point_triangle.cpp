@@ -5,6 +5,13 @@
 
 namespace sinew::solver {
 
+void add_square(const Vec3& place, const Mat3& m, PointTriangleBlocks& blocks) {
+    const std::array<double, 4> weights = corner_weights_of(place);
+    std::size_t entry = 0;
+    for (std::size_t c = 0; c < 4; ++c)
+        for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] += weights[c] * weights[d] * m;
+}
+
 PointTriangleBlocks point_triangle_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away,
                                            bool project) {
     const double L[4] = {1, -place[0], -place[1], -place[2]};

@@ -9,6 +9,12 @@ namespace sinew::solver {
 
 using PointTriangleBlocks = Overlay::Blocks;
 
+/// L of the place q.
+inline std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0], -place[1], -place[2]}; }
+
+/// Adds the form (sum of L_c u_c)^T m (sum of L_c u_c), m symmetric.
+void add_square(const Vec3& place, const Mat3& m, PointTriangleBlocks& blocks);
+
 /// Second derivatives of d^2/2. `place`: barycentric coordinates of q, zeros on edges and vertices; `away` = p - q.
 /// `project`: without the part that bends, which leaves a positive semi-definite matrix.
 ///

@@ -64,6 +64,10 @@ void PointTriangleElement::add_hessian(const PointTriangleBlocks& blocks, double
                 to[3 * r + c] += weight * (row.corner <= column.corner ? block(r, c) : block(c, r));
     }
     if (coupled_) return;
+    if (group_[1] == group_[2] && group_[2] == group_[3]) {
+        a.overlay.add_across(free_, {factor * blocks[1], factor * blocks[2], factor * blocks[3]});
+        return;
+    }
     PointTriangleBlocks across;
     std::size_t entry = 0;
     for (std::size_t c = 0; c < 4; ++c)

@@ -46,21 +46,8 @@ Changes Attachments::take(const StepInputs& inputs, const State& before) {
 }
 
 double Attachments::energy(const Positions& x, bool with_forces) {
-    if (with_forces) gradient_.assign(x.size(), 0.0);
+    if (with_forces) gradient_.clear(x.size());
     return springs_->energy(x, with_forces ? gradient_.data() : nullptr);
-}
-
-void Attachments::add_gradient(std::span<double> gradient) const {
-    const std::vector<int>& vertex_of = scene_.numbering().vertex_of_unknown;
-    for (std::size_t u = 0; u < vertex_of.size(); ++u)
-        for (std::size_t c = 0; c < 3; ++c)
-            gradient[3 * u + c] += gradient_[3 * static_cast<std::size_t>(vertex_of[u]) + c];
-}
-
-void Attachments::add_held_gradient(std::span<double> gradient) const {
-    const std::vector<int>& unknown = scene_.numbering().unknown;
-    for (std::size_t v = 0; v < unknown.size(); ++v)
-        for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) gradient[c] += gradient_[c];
 }
 
 void Attachments::raise_forces_at_work(const Positions& x, std::span<double> largest) const {

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/type.h"
+#include "solver/term/vertex_gradient.h"
 #include "solver/terms/attachment/springs.h"
 
 #include <memory>
@@ -24,8 +25,12 @@ class Attachments final : public Term {
     }
     double energy(const Positions& x, bool with_forces) override;
     double energy_scale() const override { return springs_->energy_scale(); }
-    void add_gradient(std::span<double> gradient) const override;
-    void add_held_gradient(std::span<double> gradient) const override;
+    void add_gradient(std::span<double> gradient) const override {
+        gradient_.add_to_unknowns(scene_.numbering(), gradient);
+    }
+    void add_held_gradient(std::span<double> by_vertices) const override {
+        gradient_.add_held(scene_.numbering(), by_vertices);
+    }
     void add_hessian(const Positions&, bool, BlockMatrix& a) override { springs_->add_hessian(a); }
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
@@ -36,8 +41,8 @@ class Attachments final : public Term {
     const Scene& scene_;
     TermMemory memory_; ///< that the springs are made of
     std::unique_ptr<Springs> springs_;
-    std::vector<char> on_, wanted_;       ///< per attachment: it has springs, or shall have
-    std::vector<double> gradient_;        ///< 3 a vertex
+    std::vector<char> on_, wanted_; ///< per attachment: it has springs, or shall have
+    VertexGradient gradient_;
     mutable std::vector<double> of_body_; ///< squares, per body of the scene
 };
 

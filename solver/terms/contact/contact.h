@@ -4,6 +4,7 @@
 #pragma once
 #include "solver/term/point_triangle_element.h"
 #include "solver/term/type.h"
+#include "solver/term/vertex_gradient.h"
 #include "solver/terms/contact/contact_list.h"
 #include "solver/terms/contact/touches.h"
 
@@ -30,10 +31,16 @@ class Contacts final : public Term {
     double begin_iteration(const Positions& x) override;
     bool widen(const Positions& x) override;
     double energy(const Positions& x, bool with_forces) override;
-    void add_gradient(std::span<double> gradient) const override;
-    void add_held_gradient(std::span<double> by_vertices) const override;
+    void add_gradient(std::span<double> gradient) const override {
+        gradient_.add_to_unknowns(scene_.numbering(), gradient);
+    }
+    void add_held_gradient(std::span<double> by_vertices) const override {
+        gradient_.add_held(scene_.numbering(), by_vertices);
+    }
     void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
-    void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
+    void raise_forces_at_work(const Positions&, std::span<double> largest) const override {
+        gradient_.raise(scene_.numbering(), largest);
+    }
     void add_squared_stiffnesses(std::span<double> squares) const override;
     void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
     double stored_energy(const Positions& x) override;
@@ -127,7 +134,7 @@ class Contacts final : public Term {
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;
-    std::vector<double> gradient_; ///< 3 a vertex
+    VertexGradient gradient_;
 };
 
 } // namespace sinew::solver

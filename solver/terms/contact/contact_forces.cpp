@@ -16,8 +16,6 @@ namespace {
 /// the same touches, and what moves about as expected needs no second look.
 constexpr double resting_share = 0.25;
 
-std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0], -place[1], -place[2]}; }
-
 /// Whether a stiffness ties what carries a contact so firmly to each other that a factor which does not know of it is
 /// of little use.
 bool is_strong(const PointTriangleElement& element, const Vec3& place, double stiffness, const BlockMatrix& a) {
@@ -303,7 +301,7 @@ double Contacts::stored_energy(const Positions& x) { return evaluate(x, false); 
 double Contacts::energy(const Positions& x, bool with_forces) {
     const double energy = evaluate(x, true);
     if (!with_forces) return energy;
-    gradient_.assign(x.size(), 0.0);
+    gradient_.clear(x.size());
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (forces_[i].by_point.isZero(0)) continue;
         const Touch& t = touches_[i];
@@ -319,18 +317,6 @@ double Contacts::energy(const Positions& x, bool with_forces) {
         tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
     return energy;
-}
-
-void Contacts::add_gradient(std::span<double> gradient) const {
-    const std::vector<int>& vertex_of = scene_.numbering().vertex_of_unknown;
-    for (std::size_t u = 0; u < vertex_of.size(); ++u)
-        for (std::size_t c = 0; c < 3; ++c) gradient[3 * u + c] += gradient_[3 * at(vertex_of[u]) + c];
-}
-
-void Contacts::add_held_gradient(std::span<double> by_vertices) const {
-    const std::vector<int>& unknown = scene_.numbering().unknown;
-    for (std::size_t v = 0; v < unknown.size(); ++v)
-        for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) by_vertices[c] += gradient_[c];
 }
 
 void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
@@ -359,24 +345,12 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             by_way += tether.stiffness * tether.holds;
         else if (length > 0)
             by_way += tether.most / length * (tether.holds - held * held.transpose() / (length * length));
-        const std::array<double, 4> weights = corner_weights_of(tether.place);
         PointTriangleBlocks blocks;
-        std::size_t entry = 0;
-        for (std::size_t c = 0; c < 4; ++c)
-            for (std::size_t d = c; d < 4; ++d, ++entry) blocks[entry] = weights[c] * weights[d] * by_way;
+        for (Mat3& block : blocks) block.setZero();
+        add_square(tether.place, by_way, blocks);
         if (!tether_elements_[i].coupled() && is_strong(tether_elements_[i], tether.place, tether.stiffness, a))
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
-    }
-}
-
-void Contacts::raise_forces_at_work(const Positions&, std::span<double> largest) const {
-    const auto& bodies = scene_.numbering().deformables;
-    for (std::size_t d = 0; d < bodies.size(); ++d) {
-        double square = 0;
-        for (std::size_t i = 3 * bodies[d].first_vertex; i < 3 * (bodies[d].first_vertex + bodies[d].vertex_count); ++i)
-            square += gradient_[i] * gradient_[i];
-        largest[d] = std::max(largest[d], std::sqrt(square));
     }
 }
 

@@ -4,9 +4,12 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/parallel.h"
+#include "solver/terms/attachment/anchors.h"
+#include "solver/terms/sliding/lump_samples.h"
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <string>
 
 namespace sinew::solver {
@@ -17,6 +20,25 @@ constexpr Measure measures[] = {
     {"sliding", "max_stretch_m", "m", "largest way of sliding points from where they may be", Combine::most},
     {"sliding", "force_N", "N", "sum of the forces of sliding attachments", Combine::most},
 };
+
+/// Anchors that one tet carries where the target looks to about the same side: places in the list.
+std::vector<std::vector<std::size_t>> samples_alike(const std::vector<Anchor>& anchors,
+                                                    const std::vector<Vec3>& normals) {
+    constexpr double least_facing_alike = 0.8; // the cosine
+    std::map<int, std::vector<std::vector<std::size_t>>> by_tet;
+    for (std::size_t i = 0; i < anchors.size(); ++i) {
+        auto& groups = by_tet[anchors[i].source.tet];
+        auto group = std::find_if(groups.begin(), groups.end(), [&](const std::vector<std::size_t>& g) {
+            return normals[g.front()].dot(normals[i]) > least_facing_alike;
+        });
+        if (group == groups.end()) group = groups.insert(groups.end(), std::vector<std::size_t>());
+        group->push_back(i);
+    }
+    std::vector<std::vector<std::size_t>> out;
+    for (auto& [tet, groups] : by_tet)
+        for (auto& group : groups) out.push_back(std::move(group));
+    return out;
+}
 
 bool all_bones(const Scene& scene) {
     const auto& attachments = scene.description().attachments;
@@ -48,7 +70,8 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
     const bool same = wanted_ == on_ && (!any || (memory && *memory == anchors_));
     if (!same) {
-        slides_.clear(), rides_.clear();
+        slides_.clear(), rides_.clear(), targets_.clear();
+        first_slide_.assign(wanted_.size() + 1, 0);
         on_ = wanted_;
         if (any) {
             const AttachmentMemory attachments = attachments_kept(before.memories);
@@ -66,11 +89,9 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
             continue;
         }
         if (places.empty()) begin_sliding(a, before);
-        const auto count =
-            std::count_if(slides_.begin(), slides_.end(), [&](const Slide& s) { return at(s.attachment) == a; });
         const auto triangles =
             static_cast<int>(targets_[at(scene_.description().attachments[a].target)]->surface().triangles().size());
-        const bool fits = std::ptrdiff_t(places.size()) == count &&
+        const bool fits = places.size() == first_slide_[a + 1] - first_slide_[a] &&
                           std::all_of(places.begin(), places.end(), [&](const SlidingMemory::Place& p) {
                               return p.triangle >= 0 && p.triangle < triangles;
                           });
@@ -83,25 +104,72 @@ void Slides::make_slides(const AttachmentMemory& attachments) {
     const auto& rests = scene_.description().attachments;
     targets_.resize(at(scene_.body_count())), allowed_.resize(rests.size());
     for (std::size_t a = 0; a < rests.size(); ++a) {
-        const AttachmentRest& rest = rests[a];
-        if (!on_[a]) continue;
-        std::unique_ptr<SlidingTarget>& target = targets_[at(rest.target)];
-        if (!target) target = std::make_unique<SlidingTarget>(scene_, rest.target);
-        allowed_[a] = target->allowed(scene_, rest);
-        for (const Anchor& anchor : attachments.anchors[a]) {
-            slides_.push_back(
-                {static_cast<int>(a), at(rest.target), rides_.size(), 0, anchor.area_weight, anchor.source});
-            if (!scene_.tissue(rest.source)) continue;
-            const PointWeights point = scene_.embedded(rest.source, anchor.source.tet, anchor.source.coordinates);
-            for (int k = 0; k < point.count; ++k)
-                if (point.weight[k] != 0) rides_.push_back({point.vertex[k], point.weight[k]});
-            slides_.back().terms = static_cast<int>(rides_.size() - slides_.back().first_term);
+        if (on_[a]) {
+            std::unique_ptr<SlidingTarget>& target = targets_[at(rests[a].target)];
+            if (!target) target = std::make_unique<SlidingTarget>(scene_, rests[a].target);
+            allowed_[a] = target->allowed(scene_, rests[a]);
+            add_slides(static_cast<int>(a), attachments.anchors[a]);
         }
+        first_slide_[a + 1] = slides_.size();
     }
     now_.resize(slides_.size()), points_.resize(slides_.size()), starts_.resize(slides_.size());
     heights_.resize(slides_.size()), nearest_.resize(slides_.size());
-    elements_.resize(slides_.size()), height_elements_.resize(slides_.size()), brake_elements_.resize(slides_.size());
     pulls_.resize(rests.size()), bones_.resize(at(scene_.body_count()));
+}
+
+void Slides::add_slides(int attachment, const std::vector<Anchor>& anchors) {
+    const AttachmentRest& rest = scene_.description().attachments[at(attachment)];
+    const auto add = [&](const AnchorEnd& source, double area_weight) {
+        slides_.push_back({attachment, at(rest.target), rides_.size(), 0, area_weight, source});
+        if (!scene_.tissue(rest.source)) return;
+        const PointWeights point = scene_.embedded(rest.source, source.tet, source.coordinates);
+        for (int k = 0; k < point.count; ++k)
+            if (point.weight[k] != 0) rides_.push_back({point.vertex[k], point.weight[k]});
+        slides_.back().terms = static_cast<int>(rides_.size() - slides_.back().first_term);
+    };
+    const TissueRest* tissue = scene_.tissue(rest.source);
+    if (!tissue) {
+        for (const Anchor& anchor : anchors) add(anchor.source, anchor.area_weight);
+        return;
+    }
+    const int degree = tissue->element == ElementKind::quadratic ? 4 : 2;
+    for (const std::vector<std::size_t>& alike : samples_alike(anchors, modelled_normals(anchors, rest))) {
+        std::vector<std::array<double, 4>> coordinates;
+        std::vector<double> weights;
+        for (const std::size_t i : alike)
+            coordinates.push_back(anchors[i].source.coordinates), weights.push_back(anchors[i].area_weight);
+        // A height that is kept may be that of any point; what is drawn to the target itself stays on the skin.
+        const bool few = rest.maintain_offset && tissue->element == ElementKind::linear;
+        AnchorEnd source = anchors[alike.front()].source;
+        for (const LumpedSample& l :
+             few ? lump_into_few(coordinates, weights) : lump_samples(coordinates, weights, degree)) {
+            source.coordinates = l.coordinates;
+            add(source, l.weight);
+        }
+    }
+}
+
+/// Of the target where each anchor holds, where it was modelled.
+std::vector<Vec3> Slides::modelled_normals(const std::vector<Anchor>& anchors, const AttachmentRest& rest) const {
+    const CarriedSurface& surface = targets_[at(rest.target)]->surface();
+    const double* carriers =
+        surface.deforms() ? scene_.numbering().rest.data() : scene_.bone(rest.target)->surface.data()->data();
+    SurfaceBoxes boxes;
+    boxes.fit(surface, carriers);
+    std::vector<Vec3> out(anchors.size());
+    parallel_for(anchors.size(), 64, [&](std::size_t i) {
+        const AnchorEnd& end = anchors[i].target;
+        Vec3 p = Vec3::Zero();
+        if (end.tet < 0) {
+            p = bone_point(end, scene_.bone(rest.target)->surface);
+        } else {
+            const PointWeights point = scene_.embedded(rest.target, end.tet, end.coordinates);
+            for (int k = 0; k < point.count; ++k)
+                p += point.weight[k] * Eigen::Map<const Vec3>(carriers + 3 * at(point.vertex[k]));
+        }
+        out[i] = find_feature(surface, boxes, p, 1e300).normal.normalized();
+    });
+    return out;
 }
 
 Vec3 Slides::point_of(const Slide& s, const Positions& x, const std::vector<Points>& bones) const {
@@ -121,20 +189,20 @@ void Slides::begin_sliding(std::size_t attachment, const State& before) {
     boxes.fit(target.surface(), carriers);
     target.place(carriers);
     const std::vector<char>& flags = allowed_[attachment];
-    for (const Slide& s : slides_) {
-        if (at(s.attachment) != attachment) continue;
+    kept_.places[attachment].resize(first_slide_[attachment + 1] - first_slide_[attachment]);
+    parallel_for(kept_.places[attachment].size(), 64, [&](std::size_t i) {
+        const Slide& s = slides_[first_slide_[attachment] + i];
         const Vec3 p = point_of(s, before.x, before.bones);
         const ClosestFeature nearest =
             find_feature(target.surface(), boxes, p, 1e300, [&](int t) { return flags.empty() || flags[at(t)]; });
-        SlidingMemory::Place place;
+        SlidingMemory::Place& place = kept_.places[attachment][i];
         place.triangle = nearest.triangle;
         if (rest.maintain_offset) {
             const ClosestFeature any =
                 flags.empty() ? nearest : follow_feature(target.surface(), target.places(), nearest.triangle, p);
-            place.height = target.height_over(target.feature_of(any), p).value;
+            place.height = target.height_over(target.feature_of(any), p, true).value;
         }
-        kept_.places[attachment].push_back(place);
-    }
+    });
 }
 
 void Slides::add_couplings(Couplings& couplings) const {
@@ -145,17 +213,25 @@ void Slides::add_couplings(Couplings& couplings) const {
             for (const RideTerm& b : ride)
                 if (a.vertex < b.vertex) couplings.emplace_back(a.vertex, b.vertex);
     };
-    std::vector<char> used(targets_.size(), 0);
-    for (const Slide& s : slides_) add(ride(s)), used[s.target] = 1;
-    for (std::size_t t = 0; t < targets_.size(); ++t)
-        for (std::size_t p = 0; used[t] && p < targets_[t]->surface().point_count(); ++p)
-            add(targets_[t]->surface().free_ride(static_cast<int>(p)));
+    for (const Slide& s : slides_) add(ride(s));
+    for (const auto& target : targets_)
+        if (target && target->surface().deforms()) target->hessian().add_couplings(couplings);
 }
 
 void Slides::bind(const BlockPattern& pattern) {
-    pattern_ = &pattern;
-    for (auto* elements : {&elements_, &height_elements_, &brake_elements_})
-        for (PointTriangleElement& e : *elements) e.forget();
+    const std::vector<int>& unknown = scene_.numbering().unknown;
+    entries_.clear(), first_entry_.clear();
+    for (const Slide& s : slides_) {
+        first_entry_.push_back(entries_.size());
+        for (const RideTerm& a : ride(s))
+            for (const RideTerm& b : ride(s)) {
+                const int row = unknown[at(a.vertex)], column = unknown[at(b.vertex)];
+                if (row >= 0 && row <= column) entries_.push_back({pattern.find(row, column), a.weight * b.weight});
+            }
+    }
+    first_entry_.push_back(entries_.size());
+    for (const auto& target : targets_)
+        if (target && target->surface().deforms()) target->hessian().bind(scene_.numbering(), pattern);
 }
 
 void Slides::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
@@ -163,7 +239,7 @@ void Slides::measure(const Positions& x, std::span<const double>, std::vector<Me
     double longest = 0, force = 0;
     look_at(x);
     for (std::size_t i = 0; i < slides_.size(); ++i) {
-        const double off = residual(i);
+        const double off = std::sqrt(std::max(0.0, squared_way(i)));
         longest = std::max(longest, off), force += stiffness(slides_[i]) * off;
     }
     out.push_back({&measures[0], longest}), out.push_back({&measures[1], force});
@@ -172,13 +248,12 @@ void Slides::measure(const Positions& x, std::span<const double>, std::vector<Me
 void Slides::remember(const Positions& x, bool, TermMemory& memory) const {
     if (slides_.empty()) return memory.bytes.clear();
     look_at(x);
-    std::vector<std::size_t>& next = next_;
-    next.assign(kept_.places.size(), 0);
     remembered_ = kept_;
-    for (std::size_t i = 0; i < slides_.size(); ++i) {
-        const std::size_t a = at(slides_[i].attachment);
-        remembered_.places[a][next[a]++].triangle = find_nearest(i, points_[i]).allowed.triangle;
-    }
+    for (std::size_t a = 0; a < on_.size(); ++a)
+        parallel_for(first_slide_[a + 1] - first_slide_[a], 64, [&](std::size_t k) {
+            const std::size_t i = first_slide_[a] + k;
+            remembered_.places[a][k].triangle = find_nearest(i, points_[i]).allowed.triangle;
+        });
     keep_slides(remembered_, memory);
 }
 

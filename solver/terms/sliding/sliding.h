@@ -2,8 +2,8 @@
 // freely, but only over the part that is painted. The points are those of attachments (attachment/anchors.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/term/point_triangle_element.h"
 #include "solver/term/type.h"
+#include "solver/term/vertex_gradient.h"
 #include "solver/terms/attachment/attachment.h"
 #include "solver/terms/sliding/sliding_memory.h"
 #include "solver/terms/sliding/sliding_target.h"
@@ -18,12 +18,13 @@ extern const TermType sliding_type;
 /// signed height over the target, g the height that it keeps. Over the part where it may be d^2 = h^2, and it is held
 /// along the normal alone; beyond its rim d^2 - h^2 draws it back. Damping opposes the relative velocity along the
 /// normal.
-/// Which face, edge or vertex is nearest is settled at the start of a step, and again where a solution has moved points
-/// elsewhere: between, they see its plane, line or point, which go on beyond it. Where a surface turns inwards the
-/// height is not smooth, and Newton's method would go to and fro.
-/// The nearest place is followed from where it was at the end of the step before, so a point stays on its side of a
-/// thin target. It begins, at the height kept from then on (0 without maintainOffset), at the nearest place of the step
-/// at which an attachment comes to slide.
+/// Which face, edge or vertex is nearest is looked for before the first Newton iterations of a step, and again where a
+/// solution has moved points elsewhere. Within an iteration it is fixed: points see a face's plane, which goes on
+/// beyond it, or the faces about an edge or vertex; once an iteration could hardly move that edge or vertex alone, as
+/// where faces turn inwards the height over them is not smooth. Of the samples that one tet carries few slide, with
+/// weights of their own (lump_samples.h). The nearest place is followed from where it was at the end of the step
+/// before, so a point stays on its side of a thin target. It begins, at the height kept from then on (0 without
+/// maintainOffset), at the nearest place of the step at which an attachment comes to slide.
 class Slides final : public Term {
   public:
     explicit Slides(const Scene& scene)
@@ -34,12 +35,19 @@ class Slides final : public Term {
     void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage& stage) override;
     double energy(const Positions& x, bool with_forces) override;
-    void add_gradient(std::span<double> gradient) const override;
-    void add_held_gradient(std::span<double> by_vertices) const override;
+    void add_gradient(std::span<double> gradient) const override {
+        if (!slides_.empty()) gradient_.add_to_unknowns(scene_.numbering(), gradient);
+    }
+    void add_held_gradient(std::span<double> by_vertices) const override {
+        if (!slides_.empty()) gradient_.add_held(scene_.numbering(), by_vertices);
+    }
     void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
-    void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
+    void raise_forces_at_work(const Positions&, std::span<double> largest) const override {
+        if (!slides_.empty()) gradient_.raise(scene_.numbering(), largest);
+    }
     void add_squared_stiffnesses(std::span<double> squares) const override;
     void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
+    bool settle(const Positions& x, bool stuck) override;
     bool widen(const Positions& x) override;
     double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
@@ -72,6 +80,8 @@ class Slides final : public Term {
     };
 
     void make_slides(const AttachmentMemory& attachments);
+    void add_slides(int attachment, const std::vector<Anchor>& anchors);
+    std::vector<Vec3> modelled_normals(const std::vector<Anchor>& anchors, const AttachmentRest& rest) const;
     void begin_sliding(std::size_t attachment, const State& before);
     std::span<const RideTerm> ride(const Slide& s) const { return {rides_.data() + s.first_term, at(s.terms)}; }
     const std::vector<char>* allowed(const Slide& s) const {
@@ -79,23 +89,28 @@ class Slides final : public Term {
     }
     double stiffness(const Slide& s) const { return pulls_[at(s.attachment)].stiffness * s.area_weight; }
     Vec3 point_of(const Slide& s, const Positions& x, const std::vector<Points>& bones) const;
-    void place_bones(const Stage& stage);
     void make_brakes();
+    bool find_all_nearest(const Positions& x);
     void look_at(const Positions& x) const;
     Nearest find_nearest(std::size_t slide, const Vec3& p) const;
+    /// How far it is off where it may be, squared [m^2]; less than 0 where places beyond the borders of what is
+    /// nearest say so.
+    double squared_way(std::size_t slide) const;
+    void press(const Slide& s, int triangle, const Vec3& place, const Vec3& by_point);
     Vec3 way_of_brake(std::size_t slide) const;
     double evaluate(const Positions& x, bool with_damping) const;
-    double residual(std::size_t slide) const;
+    void make_blocks(std::size_t slide, bool project);
+    void add_blocks(std::size_t slide, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a);
 
     struct Pull {
         double stiffness = 0, viscous = 0; ///< [N/m^3], of damping x velocity factor likewise
     };
 
     const Scene& scene_;
-    const BlockPattern* pattern_ = nullptr;
     TermMemory anchors_;            ///< that the slides are made of
     std::vector<char> on_, wanted_; ///< per attachment: it slides, or shall
     std::vector<Slide> slides_;
+    std::vector<std::size_t> first_slide_; ///< per attachment and one past the end
     std::vector<RideTerm> rides_;
     std::vector<std::unique_ptr<SlidingTarget>> targets_;
     std::vector<std::vector<char>> allowed_; ///< per attachment, of the target's triangles; empty: all
@@ -108,15 +123,25 @@ class Slides final : public Term {
     std::vector<double> heights_; ///< per slide: that it keeps [m]
     std::vector<FeatureStart> starts_;
     std::vector<Nearest> nearest_;
-    int rounds_ = 0;            ///< how often what is nearest was settled anew
-    std::vector<Brake> brakes_; ///< empty: none is damped
+    bool alone_ = false; ///< heights are over edges and vertices alone: over all faces about them it was stuck
+    int settled_ = 0, widened_ = 0; ///< how often what is nearest was looked for anew
+    std::vector<Brake> brakes_;     ///< empty: none is damped
     mutable Positions looked_at_;
     mutable std::vector<Vec3> points_;
     mutable std::vector<Now> now_;
-    std::vector<PointTriangleElement> elements_, height_elements_, brake_elements_;
-    std::vector<double> gradient_;          ///< 3 a vertex
-    mutable std::vector<std::size_t> next_; ///< scratch, per attachment
-    mutable SlidingMemory remembered_;      ///< scratch
+    VertexGradient gradient_;
+    /// Of the pattern, for what carries a point: a block of its upper triangle.
+    struct Entry {
+        int block;
+        double weight;
+    };
+    std::vector<std::size_t> first_entry_; ///< per slide and one past the end
+    std::vector<Entry> entries_;
+    std::vector<PointTriangleBlocks> blocks_; ///< per slide
+    std::vector<Overlay::Carrier> carriers_;  ///< scratch
+    std::vector<Points> pressed_;             ///< per target: forces at its points [N]
+    std::vector<Nearest> newly_;              ///< scratch
+    mutable SlidingMemory remembered_;        ///< scratch
 };
 
 } // namespace sinew::solver

@@ -9,30 +9,10 @@
 
 namespace sinew::solver {
 
-namespace {
-
-std::array<double, 4> corner_weights_of(const Vec3& place) { return {1, -place[0], -place[1], -place[2]}; }
-
-/// Blocks of the product of two gradients, weights x normal.
-void add_square(const Vec3& place, const Vec3& normal, PointTriangleBlocks& blocks) {
-    const std::array<double, 4> weights = corner_weights_of(place);
-    std::size_t entry = 0;
-    for (std::size_t c = 0; c < 4; ++c)
-        for (std::size_t d = c; d < 4; ++d, ++entry)
-            blocks[entry] += weights[c] * weights[d] * normal * normal.transpose();
-}
-
-void scale(double factor, PointTriangleBlocks& blocks) {
-    for (Mat3& block : blocks) block *= factor;
-}
-
-} // namespace
-
 void Slides::begin_stage(const Stage& stage) {
     stage_ = &stage;
-    looked_at_.clear(), rounds_ = 0;
+    looked_at_.clear(), settled_ = widened_ = 0, alone_ = false;
     if (slides_.empty()) return;
-    const auto& rests = scene_.description().attachments;
     for (std::size_t a = 0; a < pulls_.size(); ++a) {
         const AttachmentInputs& in = stage.inputs.attachments[a];
         const double on = in.envelope * in.slides;
@@ -43,19 +23,17 @@ void Slides::begin_stage(const Stage& stage) {
         if (targets_[b])
             targets_[b]->place(targets_[b]->surface().deforms() ? stage.before.x.data()
                                                                 : stage.before.bones[b].data()->data());
-    std::vector<std::size_t>& next = next_;
-    next.assign(rests.size(), 0);
-    for (std::size_t i = 0; i < slides_.size(); ++i) {
+    parallel_for(slides_.size(), 64, [&](std::size_t i) {
         const Slide& s = slides_[i];
         const SlidingTarget& target = *targets_[s.target];
-        const SlidingMemory::Place& kept = kept_.places[at(s.attachment)][next[at(s.attachment)]++];
+        const SlidingMemory::Place& kept = kept_.places[at(s.attachment)][i - first_slide_[at(s.attachment)]];
         heights_[i] = kept.height;
+        const Vec3 p = point_of(s, stage.before.x, stage.before.bones);
         const ClosestFeature f =
-            follow_feature(target.surface(), target.places(), kept.triangle,
-                           point_of(s, stage.before.x, stage.before.bones), Vec3::Zero(), allowed(s));
+            follow_feature(target.surface(), target.places(), kept.triangle, p, Vec3::Zero(), allowed(s));
         starts_[i] = start_of(f, target.surface().corners(f.triangle, target.places()));
-        nearest_[i] = find_nearest(i, point_of(s, stage.before.x, stage.before.bones));
-    }
+        nearest_[i] = find_nearest(i, p);
+    });
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
     for (std::size_t b = 0; b < bones_.size(); ++b)
         if (scene_.bone(static_cast<int>(b))) place_bone(stage.form, weighed, b, bones_[b]);
@@ -85,7 +63,7 @@ void Slides::make_brakes() {
         Brake brake;
         brake.triangle = f.triangle, brake.place = f.place;
         const Vec3 p = f.place[0] * corners[0] + f.place[1] * corners[1] + f.place[2] * corners[2] + f.away;
-        brake.normal = target.height_over(target.feature_of(f), p).normal;
+        brake.normal = target.height_over(target.feature_of(f), p, true).normal;
         const std::size_t source = at(scene_.description().attachments[at(s.attachment)].source);
         if (s.terms > 0) {
             for (const RideTerm& t : ride(s))
@@ -133,24 +111,35 @@ void Slides::look_at(const Positions& x) const {
         const SlidingTarget& target = *targets_[slides_[i].target];
         points_[i] = point_of(slides_[i], x, bones_);
         now_[i].allowed = target.place_on(nearest_[i].allowed, points_[i]);
-        if (heights_[i] != 0) now_[i].height = target.height_over(nearest_[i].any, points_[i]);
+        if (heights_[i] != 0) now_[i].height = target.height_over(nearest_[i].any, points_[i], alone_);
     });
     looked_at_ = x;
 }
 
-bool Slides::widen(const Positions& x) {
-    constexpr int most_rounds = 6;
-    if (slides_.empty() || rounds_ >= most_rounds) return false;
-    ++rounds_;
+/// True: something else is nearest.
+bool Slides::find_all_nearest(const Positions& x) {
     look_at(x);
-    bool changed = false;
-    for (std::size_t i = 0; i < slides_.size(); ++i) {
-        const Nearest now = find_nearest(i, points_[i]);
-        changed = changed || !(now == nearest_[i]);
-        nearest_[i] = now;
-    }
-    if (changed) looked_at_.clear();
-    return changed;
+    newly_.resize(slides_.size());
+    parallel_for(slides_.size(), 64, [&](std::size_t i) { newly_[i] = find_nearest(i, points_[i]); });
+    if (newly_ == nearest_) return false;
+    nearest_.swap(newly_);
+    looked_at_.clear();
+    return true;
+}
+
+bool Slides::settle(const Positions& x, bool stuck) {
+    constexpr int most = 20, most_stuck = 60;
+    if (slides_.empty() || settled_ >= (stuck ? most_stuck : most) || (alone_ && !stuck)) return false;
+    ++settled_;
+    const bool other = stuck && !alone_;
+    alone_ = alone_ || stuck;
+    if (other) looked_at_.clear();
+    return find_all_nearest(x) || other;
+}
+
+bool Slides::widen(const Positions& x) {
+    constexpr int most = 6;
+    return !slides_.empty() && widened_++ < most && find_all_nearest(x);
 }
 
 Vec3 Slides::way_of_brake(std::size_t i) const {
@@ -160,9 +149,11 @@ Vec3 Slides::way_of_brake(std::size_t i) const {
     return points_[i] - brakes_[i].place[0] * c[0] - brakes_[i].place[1] * c[1] - brakes_[i].place[2] * c[2];
 }
 
-double Slides::residual(std::size_t i) const {
-    const double g = heights_[i], square = now_[i].allowed.away.squaredNorm();
-    return g == 0 ? std::sqrt(square) : std::sqrt(std::max(0.0, square + g * (g - 2 * now_[i].height.value)));
+double Slides::squared_way(std::size_t i) const {
+    const double square = now_[i].allowed.away.squaredNorm();
+    if (heights_[i] == 0) return square;
+    const double h = now_[i].height.value, stretch = h - heights_[i];
+    return stretch * stretch + (nearest_[i].apart ? square - h * h : 0);
 }
 
 double Slides::evaluate(const Positions& x, bool with_damping) const {
@@ -170,8 +161,7 @@ double Slides::evaluate(const Positions& x, bool with_damping) const {
     look_at(x);
     const double factor = stage_->form.velocity_factor;
     return ordered_sum(slides_.size(), [&](std::size_t i) {
-        const double off = residual(i);
-        double energy = 0.5 * stiffness(slides_[i]) * off * off;
+        double energy = 0.5 * stiffness(slides_[i]) * squared_way(i);
         if (with_damping && !brakes_.empty()) {
             const double speed = brakes_[i].normal.dot(factor * way_of_brake(i) + brakes_[i].drift);
             const Slide& s = slides_[i];
@@ -183,100 +173,128 @@ double Slides::evaluate(const Positions& x, bool with_damping) const {
 
 double Slides::stored_energy(const Positions& x) { return evaluate(x, false); }
 
+/// A force by the point at a place of its target; the target's points gather what presses on them.
+void Slides::press(const Slide& s, int triangle, const Vec3& place, const Vec3& by_point) {
+    for (const RideTerm& t : ride(s)) Eigen::Map<Vec3>(gradient_.data() + 3 * at(t.vertex)) += t.weight * by_point;
+    const CarriedSurface& target = targets_[s.target]->surface();
+    if (!target.deforms()) return;
+    const Triangle& corners = target.triangles()[at(triangle)];
+    for (int c = 0; c < 3; ++c) pressed_[s.target][at(corners[at(c)])] -= place[c] * by_point;
+}
+
 double Slides::energy(const Positions& x, bool with_forces) {
     const double energy = evaluate(x, true);
     if (!with_forces) return energy;
-    gradient_.assign(x.size(), 0.0);
+    gradient_.clear(x.size());
+    pressed_.resize(targets_.size());
+    for (std::size_t t = 0; t < targets_.size(); ++t)
+        if (targets_[t]) pressed_[t].assign(targets_[t]->surface().point_count(), Vec3::Zero());
     const double factor = stage_->form.velocity_factor;
     for (std::size_t i = 0; i < slides_.size(); ++i) {
         const Slide& s = slides_[i];
-        const double k = stiffness(s);
-        const CarriedSurface& target = targets_[s.target]->surface();
-        const auto add = [&](PointTriangleElement& element, int triangle, const Vec3& place, const Vec3& force) {
-            element.set(ride(s), static_cast<int>(i), target, triangle, scene_.numbering(), *pattern_);
-            element.add_gradient(corner_weights_of(place), force, gradient_.data());
-        };
-        add(elements_[i], now_[i].allowed.triangle, now_[i].allowed.place, k * now_[i].allowed.away);
-        if (heights_[i] != 0) {
-            const Height& h = now_[i].height;
-            add(height_elements_[i], h.triangle, h.place, -k * heights_[i] * h.normal);
+        const double k = stiffness(s), g = heights_[i];
+        const ClosestFeature& f = now_[i].allowed;
+        const Height& h = now_[i].height;
+        if (g == 0) {
+            press(s, f.triangle, f.place, k * f.away);
+        } else if (nearest_[i].apart) {
+            press(s, f.triangle, f.place, k * f.away);
+            press(s, h.triangle, h.place, -k * g * h.normal);
+        } else {
+            press(s, h.triangle, h.place, k * (h.value - g) * h.normal);
         }
         if (brakes_.empty()) continue;
         const Brake& b = brakes_[i];
         const double speed = b.normal.dot(factor * way_of_brake(i) + b.drift);
-        add(brake_elements_[i], b.triangle, b.place,
-            pulls_[at(s.attachment)].viscous * s.area_weight * speed / factor * b.normal);
+        press(s, b.triangle, b.place, pulls_[at(s.attachment)].viscous * s.area_weight * speed / factor * b.normal);
     }
+    for (std::size_t t = 0; t < targets_.size(); ++t)
+        if (targets_[t]) targets_[t]->surface().add_to_carriers(pressed_[t], gradient_.data());
     return energy;
 }
 
-void Slides::add_gradient(std::span<double> gradient) const {
-    if (slides_.empty()) return;
-    const std::vector<int>& vertex_of = scene_.numbering().vertex_of_unknown;
-    for (std::size_t u = 0; u < vertex_of.size(); ++u)
-        for (std::size_t c = 0; c < 3; ++c) gradient[3 * u + c] += gradient_[3 * at(vertex_of[u]) + c];
+/// What is left of a slide without its damping: at the nearest place where it may be, and if that is not the nearest
+/// of all, at that one too, for the bend of its height.
+void Slides::make_blocks(std::size_t i, bool project) {
+    const SlidingTarget& target = *targets_[slides_[i].target];
+    const ClosestFeature& f = now_[i].allowed;
+    const Height& h = now_[i].height;
+    const double g = heights_[i];
+    PointTriangleBlocks& blocks = blocks_[i];
+    if (g == 0 || nearest_[i].apart) {
+        const bool on_face = (f.place.array() != 0).all();
+        if (project && on_face) {
+            for (Mat3& block : blocks) block.setZero();
+            const Vec3 normal = face_normal(target.surface(), target.places(), f.triangle);
+            add_square(f.place, normal * normal.transpose(), blocks);
+        } else {
+            blocks =
+                point_triangle_hessian(target.surface().corners(f.triangle, target.places()), f.place, f.away, project);
+        }
+        return;
+    }
+    // Distance and height are one and the same.
+    const double stretch = h.value != 0 ? 1 - g / h.value : 0, factor = project ? std::max(0.0, stretch) : stretch;
+    if (factor == 0) {
+        for (Mat3& block : blocks) block.setZero();
+    } else {
+        blocks = target.bend(h, project);
+        for (Mat3& block : blocks) block *= factor;
+    }
+    add_square(h.place, h.normal * h.normal.transpose(), blocks);
 }
 
-void Slides::add_held_gradient(std::span<double> by_vertices) const {
-    if (slides_.empty()) return;
+/// Blocks of a point and a triangle times a factor, to where they belong.
+void Slides::add_blocks(std::size_t i, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) {
+    const Slide& s = slides_[i];
+    for (std::size_t e = first_entry_[i]; e < first_entry_[i + 1]; ++e) {
+        double* to = a.block(at(entries_[e].block));
+        const double weight = factor * entries_[e].weight;
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c) to[3 * r + c] += weight * blocks[0](r, c);
+    }
+    SlidingTarget& target = *targets_[s.target];
+    const CarriedSurface& surface = target.surface();
+    if (!surface.deforms()) return;
+    target.hessian().add(triangle, blocks, factor);
+    if (s.terms == 0) return;
+    carriers_.clear();
     const std::vector<int>& unknown = scene_.numbering().unknown;
-    for (std::size_t v = 0; v < unknown.size(); ++v)
-        for (std::size_t c = 3 * v; unknown[v] < 0 && c < 3 * v + 3; ++c) by_vertices[c] += gradient_[c];
+    const auto add = [&](int corner, std::span<const RideTerm> ride) {
+        for (const RideTerm& t : ride)
+            if (unknown[at(t.vertex)] >= 0) carriers_.push_back({corner, unknown[at(t.vertex)], t.weight});
+    };
+    add(0, ride(s));
+    for (int c = 0; c < 3; ++c) add(c + 1, surface.free_ride(surface.triangles()[at(triangle)][at(c)]));
+    a.overlay.add_across(carriers_, {factor * blocks[1], factor * blocks[2], factor * blocks[3]});
 }
 
 void Slides::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     if (slides_.empty()) return;
     look_at(x);
+    blocks_.resize(slides_.size());
+    parallel_for(slides_.size(), 64, [&](std::size_t i) { make_blocks(i, project); });
+    for (const auto& target : targets_)
+        if (target && target->surface().deforms()) target->hessian().clear();
     for (std::size_t i = 0; i < slides_.size(); ++i) {
-        const Slide& s = slides_[i];
-        const SlidingTarget& target = *targets_[s.target];
-        const ClosestFeature& f = now_[i].allowed;
+        const double k = stiffness(slides_[i]), g = heights_[i];
+        const SlidingTarget& target = *targets_[slides_[i].target];
         const Height& h = now_[i].height;
-        const double g = heights_[i], k = stiffness(s);
-        const auto set = [&](PointTriangleElement& element, int triangle) {
-            element.set(ride(s), static_cast<int>(i), target.surface(), triangle, scene_.numbering(), *pattern_);
-        };
-        set(elements_[i], f.triangle);
-        const bool apart = g != 0 && nearest_[i].apart;
-        PointTriangleBlocks blocks;
-        const bool on_face = (f.place.array() != 0).all();
-        if ((g == 0 || apart) && project && on_face) {
-            for (Mat3& block : blocks) block.setZero();
-            add_square(f.place, face_normal(target.surface(), target.places(), f.triangle), blocks);
-        } else if (g == 0 || apart) {
-            blocks =
-                point_triangle_hessian(target.surface().corners(f.triangle, target.places()), f.place, f.away, project);
-        } else {
-            // Distance and height are one and the same.
-            blocks = target.bend(h, project);
-            const double factor = h.value != 0 ? 1 - g / h.value : 0;
-            scale(project ? std::max(0.0, factor) : factor, blocks);
-            add_square(h.place, h.normal, blocks);
-        }
-        elements_[i].add_hessian(blocks, k, a);
-        if (apart && h.value != 0) {
-            set(height_elements_[i], h.triangle);
+        const bool beyond = g != 0 && nearest_[i].apart;
+        add_blocks(i, g == 0 || beyond ? now_[i].allowed.triangle : h.triangle, blocks_[i], k, a);
+        if (beyond && h.value != 0) {
             const double factor = project ? std::max(0.0, -g / h.value) : -g / h.value;
-            if (factor != 0) height_elements_[i].add_hessian(target.bend(h, project), k * factor, a);
+            if (factor != 0) add_blocks(i, h.triangle, target.bend(h, project), k * factor, a);
         }
         if (brakes_.empty()) continue;
         const Brake& b = brakes_[i];
-        set(brake_elements_[i], b.triangle);
+        PointTriangleBlocks blocks;
         for (Mat3& block : blocks) block.setZero();
-        add_square(b.place, b.normal, blocks);
-        brake_elements_[i].add_hessian(blocks, pulls_[at(s.attachment)].viscous * s.area_weight, a);
+        add_square(b.place, b.normal * b.normal.transpose(), blocks);
+        add_blocks(i, b.triangle, blocks, pulls_[at(slides_[i].attachment)].viscous * slides_[i].area_weight, a);
     }
-}
-
-void Slides::raise_forces_at_work(const Positions&, std::span<double> largest) const {
-    if (slides_.empty()) return;
-    const auto& bodies = scene_.numbering().deformables;
-    for (std::size_t d = 0; d < bodies.size(); ++d) {
-        double square = 0;
-        for (std::size_t i = 3 * bodies[d].first_vertex; i < 3 * (bodies[d].first_vertex + bodies[d].vertex_count); ++i)
-            square += gradient_[i] * gradient_[i];
-        largest[d] = std::max(largest[d], std::sqrt(square));
-    }
+    for (const auto& target : targets_)
+        if (target && target->surface().deforms()) target->hessian().add_to(a);
 }
 
 void Slides::add_squared_stiffnesses(std::span<double> squares) const {

@@ -7,17 +7,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sinew::solver {
 
 namespace {
 
-bool has(const Triangle& t, int vertex) { return t[0] == vertex || t[1] == vertex || t[2] == vertex; }
-
 int faces_at_edge(const CarriedSurface& surface, int a, int b) {
     const std::span<const int> fan = surface.fan(a);
     return static_cast<int>(
-        std::count_if(fan.begin(), fan.end(), [&](int t) { return has(surface.triangles()[at(t)], b); }));
+        std::count_if(fan.begin(), fan.end(), [&](int t) { return has_vertex(surface.triangles()[at(t)], b); }));
 }
 
 /// Coordinates of what of p lies in the plane of a triangle, none exactly 0, which would mean a border; of one without
@@ -52,7 +51,9 @@ double place_on_line(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 SlidingTarget::SlidingTarget(const Scene& scene, int body)
     : surface_(scene, body, 0)
-    , is_open_(!is_closed(surface_.triangles())) {}
+    , is_open_(!is_closed(surface_.triangles())) {
+    if (surface_.deforms()) hessian_.emplace(surface_);
+}
 
 std::vector<char> SlidingTarget::allowed(const Scene& scene, const AttachmentRest& a) const {
     if (a.target_weights.empty()) return {};
@@ -112,23 +113,43 @@ ClosestFeature SlidingTarget::place_on(const Feature& feature, const Vec3& p) co
     return out;
 }
 
-Height SlidingTarget::height_over(const Feature& nearest, const Vec3& p) const {
+Height SlidingTarget::height_over(const Feature& nearest, const Vec3& p, bool alone) const {
     Height out;
-    Feature feature = nearest;
-    if (nearest.rim) feature.on = {true, true, true};
-    const ClosestFeature f = place_on(feature, p);
-    out.triangle = f.triangle, out.place = f.place;
-    if (feature.on == std::array{true, true, true}) {
-        out.normal = face_normal(surface_, places_, f.triangle);
+    const std::size_t corners = static_cast<std::size_t>(std::count(nearest.on.begin(), nearest.on.end(), true));
+    if (corners == 3 || nearest.rim) {
+        Feature face = nearest;
+        face.on = {true, true, true};
+        const ClosestFeature f = place_on(face, p);
+        out.triangle = f.triangle, out.place = f.place, out.normal = face_normal(surface_, places_, f.triangle);
         out.value = out.normal.dot(f.away);
         return out;
     }
-    const double distance = f.away.norm(), sign = nearest.inside ? -1 : 1;
-    // Closer than this the way there has no direction.
-    if (distance > 1e-12 * surface_.mean_edge())
-        out.value = sign * distance, out.normal = sign / distance * f.away;
-    else
+    ClosestFeature f;
+    bool inside = nearest.inside;
+    if (alone) {
+        f = place_on(nearest, p);
+    } else {
+        const Triangle& t = surface_.triangles()[at(nearest.triangle)];
+        int on[2] = {-1, -1}, count = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (nearest.on[k]) on[count++] = t[k];
+        NearestPlace best;
+        best.distance2 = std::numeric_limits<double>::infinity();
+        for (const int face : surface_.fan(on[0]))
+            if (count == 1 || has_vertex(surface_.triangles()[at(face)], on[1])) best.offer(surface_, places_, face, p);
+        f = sinew::solver::feature_of(surface_, places_, best, p);
+        inside = f.inside();
+    }
+    const double distance = f.away.norm();
+    out.triangle = f.triangle, out.place = f.place;
+    // On a face, and closer than this, where the way there has no direction, along the face's normal.
+    if ((f.place.array() != 0).all() || !(distance > 1e-12 * surface_.mean_edge())) {
         out.normal = face_normal(surface_, places_, f.triangle);
+        out.value = out.normal.dot(f.away);
+    } else {
+        out.value = inside ? -distance : distance;
+        out.normal = f.away / out.value;
+    }
     return out;
 }
 
@@ -141,10 +162,7 @@ PointTriangleBlocks SlidingTarget::bend(const Height& h, bool project) const {
         return out;
     }
     out = point_triangle_hessian(surface_.corners(h.triangle, places_), h.place, h.value * h.normal, project);
-    const double weights[4] = {1, -h.place[0], -h.place[1], -h.place[2]};
-    std::size_t entry = 0;
-    for (int c = 0; c < 4; ++c)
-        for (int d = c; d < 4; ++d, ++entry) out[entry] -= weights[c] * weights[d] * h.normal * h.normal.transpose();
+    add_square(h.place, -h.normal * h.normal.transpose(), out);
     return out;
 }
 

@@ -3,6 +3,9 @@
 #pragma once
 #include "solver/term/closest_feature.h"
 #include "solver/term/point_triangle.h"
+#include "solver/term/surface_hessian.h"
+
+#include <optional>
 
 namespace sinew::solver {
 
@@ -27,6 +30,9 @@ class SlidingTarget {
   public:
     SlidingTarget(const Scene& scene, int body);
     const CarriedSurface& surface() const { return surface_; }
+    /// Of a target that deforms.
+    SurfaceHessian& hessian() { return *hessian_; }
+    const SurfaceHessian& hessian() const { return *hessian_; }
     /// Flags of the triangles that may be slid on, by the painted map of an attachment's target; empty: all. Throws
     /// Error FE204, FE240.
     std::vector<char> allowed(const Scene& scene, const AttachmentRest& attachment) const;
@@ -37,9 +43,11 @@ class SlidingTarget {
     Feature feature_of(const ClosestFeature& nearest) const;
     /// The place nearest to p on the feature's plane, line or vertex, which go on beyond it.
     ClosestFeature place_on(const Feature& feature, const Vec3& p) const;
-    /// Over the nearest feature of the whole surface, which goes on likewise. Over the rim of an open surface it is
+    /// Over the nearest feature of the whole surface: a face goes on beyond its border, an edge or a vertex stands for
+    /// all faces about it, or with `alone` for itself. Alone it is smooth over faces that turn inwards, about them not
+    /// where the point comes through the surface: there the distance has a cone. Over the rim of an open surface it is
     /// that over the plane of the triangle at the rim.
-    Height height_over(const Feature& nearest, const Vec3& p) const;
+    Height height_over(const Feature& nearest, const Vec3& p, bool alone) const;
     /// Second derivatives of the height times the height, by the point and the corners; 0 where it is too small to
     /// tell. `project`: of them a part that is positive semi-definite.
     PointTriangleBlocks bend(const Height& h, bool project) const;
@@ -47,6 +55,7 @@ class SlidingTarget {
   private:
     bool on_rim(int triangle, const Vec3& place) const;
     CarriedSurface surface_;
+    std::optional<SurfaceHessian> hessian_;
     bool is_open_;
     Points places_;
 };
