@@ -65,19 +65,48 @@ class Cutter {
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         std::vector<char> too_long(edges.size());
-        const auto low = [&](std::size_t e) { return static_cast<int>(edges[e] >> 32); };
-        const auto high = [&](std::size_t e) { return static_cast<int>(edges[e] & 0xffffffffu); };
         parallel_for(edges.size(), 64, [&](std::size_t e) {
-            too_long[e] = density_.too_long(s_.points[at(low(e))], s_.points[at(high(e))]);
+            too_long[e] = density_.too_long(s_.points[at(edges[e] >> 32)], s_.points[at(edges[e] & 0xffffffffu)]);
         });
         middles_.clear();
+        std::vector<std::uint64_t> cuts;
         for (std::size_t e = 0; e < edges.size(); ++e) {
-            if (!too_long[e]) {
+            if (too_long[e])
+                cuts.push_back(edges[e]);
+            else
                 short_.insert(edges[e]);
-                continue;
+        }
+        add_longest(cuts);
+        std::sort(cuts.begin(), cuts.end());
+        for (const std::uint64_t edge : cuts) {
+            const Vec3 middle = 0.5 * (s_.points[at(edge >> 32)] + s_.points[at(edge & 0xffffffffu)]);
+            middles_.emplace(edge, static_cast<int>(s_.points.size()));
+            s_.points.push_back(middle);
+        }
+    }
+
+    /// A triangle that is cut at an edge is cut at its longest one too if that is much longer, and so on. An edge may
+    /// pass for short, judged at a few places, and parts of it not: without this its triangles would be cut at the
+    /// others for ever, ever flatter.
+    void add_longest(std::vector<std::uint64_t>& cuts) {
+        std::unordered_set<std::uint64_t> is_cut(cuts.begin(), cuts.end());
+        const auto squared = [&](const Triangle& t, std::size_t i) {
+            return (s_.points[at(t[i])] - s_.points[at(t[(i + 1) % 3])]).squaredNorm();
+        };
+        for (bool more = !cuts.empty(); more;) {
+            more = false;
+            for (const Triangle& t : s_.triangles) {
+                std::size_t longest = 0;
+                double of_cuts = 0;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    if (squared(t, i) > squared(t, longest)) longest = i;
+                    if (is_cut.contains(key_of(t[i], t[(i + 1) % 3]))) of_cuts = std::max(of_cuts, squared(t, i));
+                }
+                if (of_cuts == 0 || squared(t, longest) <= 2 * of_cuts) continue;
+                const std::uint64_t key = key_of(t[longest], t[(longest + 1) % 3]);
+                is_cut.insert(key), short_.erase(key), cuts.push_back(key);
+                more = true;
             }
-            middles_.emplace(edges[e], static_cast<int>(s_.points.size()));
-            s_.points.emplace_back(0.5 * (s_.points[at(low(e))] + s_.points[at(high(e))]));
         }
     }
 

@@ -136,8 +136,19 @@ TEST_CASE("scaling gives phases, memory and shares of limits measured in the sam
     }
     for (const bench::FactorRow& f : r.factors) CHECK(f.operations > 1e4);
     CHECK(bench::scaling_json(r)["cantilever"].size() == 4);
+    REQUIRE(r.contact.size() == 2);
+    for (const bench::ContactGrowthRow& row : r.contact) {
+        CHECK(row.points > 100);
+        CHECK(row.contacts > 20);
+        CHECK(row.unconverged == 0);
+        CHECK(row.without_ms > 0);
+    }
+    CHECK(r.contact[1].points > r.contact[0].points);
+    CHECK(bench::scaling_json(r)["contact"].size() == 2);
+    CHECK(bench::contact_growth_table(r.contact).rows.size() == 2);
     const bench::ScalingResult factors = bench::run_scaling(quick("factor"));
     CHECK(factors.rows.empty());
+    CHECK(factors.contact.empty());
     CHECK(factors.factors.size() == 2);
     CHECK(well_formed(bench::draw(bench::scaling_plot(r))));
 }

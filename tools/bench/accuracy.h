@@ -80,6 +80,8 @@ std::vector<AccuracyCase> static_cases();
 std::vector<AccuracyCase> surface_cases();
 /// Integrators and moving bodies (5, 6, 13).
 std::vector<AccuracyCase> dynamic_cases();
+/// Contact, sliding attachments and goals (11, 12).
+std::vector<AccuracyCase> contact_cases();
 
 /// All cases that the options want, then what is not modelled. Throws solver::Stopped.
 std::vector<CaseResult> run_accuracy(const RunOptions& options);

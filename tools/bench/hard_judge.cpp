@@ -40,6 +40,18 @@ void last_stage(const State& before, const StepInputs& in, const State& after, I
     }
 }
 
+/// Adds this share of the largest entry there.
+void add_to_diagonal(BlockMatrix& a, double share) {
+    double largest = 0;
+    const auto each = [&](const auto& act) {
+        for (int row = 0; row < a.pattern->rows; ++row)
+            for (std::size_t c = 0; c < 9; c += 4)
+                act(a.block(static_cast<std::size_t>(a.pattern->row_start[static_cast<std::size_t>(row)]))[c]);
+    };
+    each([&](double& entry) { largest = std::max(largest, std::abs(entry)); });
+    each([&](double& entry) { entry += share * largest; });
+}
+
 } // namespace
 
 StepCheck check_step(const Scene& scene, const State& before, const StepInputs& in, const State& after) {
@@ -62,6 +74,8 @@ StepCheck check_step(const Scene& scene, const State& before, const StepInputs& 
     BlockMatrix hessian(potential.pattern());
     ComponentFactors factors(potential.pattern());
     potential.assemble(after.x, false, hessian);
+    // Without inertia what nothing holds may go anywhere: of that only rounding says whether it is a minimum.
+    if (in.integrator == Integrator::quasi_static) add_to_diagonal(hessian, 1e-10);
     out.definite = factors.factorize(hessian);
     if (!out.definite) {
         potential.assemble(after.x, true, hessian);

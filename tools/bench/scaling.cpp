@@ -144,6 +144,7 @@ FactorRow measure_factor(int n, double dgemm) {
 ScalingResult run_scaling(const RunOptions& options) {
     ScalingResult out;
     const bool whole = options.wants("cantilever"), factors = options.wants("factor");
+    if (options.wants("contact")) out.contact = run_contact_growth(options);
     if (!whole && !factors) return out;
     out.limits = measure_limits(options);
     if (whole)
@@ -214,7 +215,10 @@ nlohmann::ordered_json scaling_json(const ScalingResult& result) {
                            {"solve_ms", r.solve_ms},
                            {"operations", r.operations},
                            {"dgemm_share", r.dgemm_share}});
-    return {{"limits", limits}, {"cantilever", rows}, {"factor", factors}};
+    return {{"limits", limits},
+            {"cantilever", rows},
+            {"factor", factors},
+            {"contact", contact_growth_json(result.contact)}};
 }
 
 Plot scaling_plot(const ScalingResult& result) {

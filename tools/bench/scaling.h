@@ -1,6 +1,7 @@
 // How time and memory grow with the number of tets, and what share of the machine's own limits is reached.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "tools/bench/contact_growth.h"
 #include "tools/bench/run_options.h"
 #include "tools/bench/svg_plot.h"
 #include "tools/bench/table.h"
@@ -39,9 +40,11 @@ struct ScalingResult {
     std::vector<MachineLimits> limits; ///< 1 and 2 threads
     std::vector<ScalingRow> rows;
     std::vector<FactorRow> factors;
+    std::vector<ContactGrowthRow> contact;
 };
 
-/// The options' filter picks from "cantilever" and "factor"; with neither the result has no limits either.
+/// The options' filter picks from "cantilever", "factor" and "contact"; with none of them the result is empty. Limits
+/// are measured for the first two alone.
 /// Throws solver::Error and solver::Stopped.
 ScalingResult run_scaling(const RunOptions& options);
 

@@ -16,11 +16,12 @@ ExitCode bench_scaling(const Invocation& in) {
     const bench::RunOptions options = run_options(in);
     const auto folder = output_folder(in);
     const bench::ScalingResult r = bench::run_scaling(options);
-    if (r.limits.empty())
+    if (r.limits.empty() && r.contact.empty())
         throw UsageError("--only: scaling has no part with '" + options.filter +
-                         "' in its name; its parts are cantilever and factor.");
+                         "' in its name; its parts are cantilever, factor and contact.");
     if (!in.arguments.has("--json")) {
-        in.out << bench::as_text(bench::limits_table(r)) << "\n";
+        if (!r.limits.empty()) in.out << bench::as_text(bench::limits_table(r)) << "\n";
+        if (!r.contact.empty()) in.out << bench::as_text(bench::contact_growth_table(r.contact)) << "\n";
         if (!r.factors.empty()) in.out << bench::as_text(bench::factor_table(r)) << "\n";
     }
     print_result(in, "scaling", bench::scaling_table(r), bench::scaling_json(r),

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/contact/collision_body.h"
 
+#include "solver/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -56,6 +58,48 @@ void CollisionBody::find_carriers() {
     }
 }
 
+std::vector<std::vector<int>> CollisionBody::elsewhere(double apart) const {
+    std::vector<std::vector<int>> out(point_count());
+    parallel_for(out.size(), 64, [&](std::size_t p) {
+        const Vec3& from = modelled(static_cast<int>(p));
+        const auto is_near = [&](int triangle) {
+            return std::ranges::any_of(triangles()[at(triangle)],
+                                       [&](int v) { return (modelled(v) - from).squaredNorm() < apart * apart; });
+        };
+        std::vector<int> near; // triangles, then of them those that the point's own are connected to
+        int stack[128];        // the tree of 2^31 triangles is 30 levels deep
+        int depth = 0;
+        if (!bvh().nodes.empty()) stack[depth++] = 0;
+        while (depth > 0) {
+            const int n = stack[--depth];
+            const BvhNode& node = bvh().nodes[at(n)];
+            if (squared_distance(node, from) >= apart * apart) continue;
+            if (node.count == 0) {
+                stack[depth++] = n + 1, stack[depth++] = node.first;
+                continue;
+            }
+            for (int i = node.first; i < node.first + node.count; ++i)
+                if (const int t = bvh().order[at(i)]; is_near(t)) near.push_back(t);
+        }
+        std::sort(near.begin(), near.end());
+        std::vector<int> own(fan(static_cast<int>(p)).begin(), fan(static_cast<int>(p)).end());
+        std::vector<char> reached(near.size(), 0);
+        while (!own.empty()) {
+            const int t = own.back();
+            own.pop_back();
+            const auto found = std::lower_bound(near.begin(), near.end(), t);
+            if (found == near.end() || *found != t || reached[at(found - near.begin())]) continue;
+            reached[at(found - near.begin())] = 1;
+            for (const int v : triangles()[at(t)])
+                if ((modelled(v) - from).squaredNorm() < apart * apart)
+                    own.insert(own.end(), fan(v).begin(), fan(v).end());
+        }
+        for (std::size_t i = 0; i < near.size(); ++i)
+            if (!reached[i]) out[p].push_back(near[i]);
+    });
+    return out;
+}
+
 void CollisionBody::areas(const Points& places, std::vector<double>& out) const {
     if (deforms()) {
         out = rest_areas_;
@@ -65,19 +109,29 @@ void CollisionBody::areas(const Points& places, std::vector<double>& out) const 
     add_areas(triangles(), places, out);
 }
 
-double CollisionBody::facing_area(int point, const Vec3& normal, double whole, const Points& places) const {
+double CollisionBody::facing_area(int point, const Vec3& normal, double past, double whole,
+                                  const Points& places) const {
     constexpr double least = 0.05;
-    const double length = normal.norm();
-    double all = 0, facing = 0;
-    for (const int i : fan(point)) {
-        const std::size_t t = at(i);
-        const auto [a, b, c] = triangles()[t];
-        const Vec3 &origin = places[at(a)], n = (places[at(b)] - origin).cross(places[at(c)] - origin);
-        const double size = n.norm() * length;
-        all += modelled_areas_[t];
-        if (size > 0) facing += modelled_areas_[t] * std::max(0.0, -n.dot(normal) / size);
+    const auto unit = [](const Vec3& v) {
+        const double length = v.norm();
+        return length > 0 ? Vec3(v / length) : Vec3(Vec3::Zero());
+    };
+    const auto normal_of = [&](int t) {
+        const auto [a, b, c] = triangles()[at(t)];
+        return unit((places[at(b)] - places[at(a)]).cross(places[at(c)] - places[at(a)]));
+    };
+    const Vec3 towards = -unit(normal);
+    double all = 0, facing = 0, best = -1, widest = 0;
+    for (const int t : fan(point)) {
+        const Vec3 n = normal_of(t);
+        const double area = modelled_areas_[at(t)], cosine = n.dot(towards);
+        all += area, facing += area * std::max(0.0, cosine), best = std::max(best, cosine);
+        double alike = 0; // what looks the same way
+        for (const int other : fan(point)) alike += modelled_areas_[at(other)] * std::max(0.0, n.dot(normal_of(other)));
+        widest = std::max(widest, alike);
     }
-    return all > 0 ? whole * std::max(least, facing / all) : 0;
+    if (all <= 0) return 0;
+    return whole * std::clamp((facing + past * (1 - std::abs(best)) * widest) / all, least, 1.0);
 }
 
 } // namespace sinew::solver

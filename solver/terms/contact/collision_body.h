@@ -18,11 +18,19 @@ class CollisionBody : public CarriedSurface {
     std::span<const int> carriers_at(int triangle) const { return carriers_at_[at(triangle)]; }
     int carrier_count() const { return static_cast<int>(carrier_vertices_.size()); }
     std::span<const int> carrier_vertices(int carrier) const { return carrier_vertices_[at(carrier)]; }
+    /// Of each point the triangles that are nearer than `apart` to it as modelled, by a corner, but not along the
+    /// surface: what of the surface is as near does not connect them. Sorted. Other parts of a body that lie beside
+    /// each other at rest, such as the coils of a spring, are far from each other in this sense, the two sides of an
+    /// edge are not.
+    std::vector<std::vector<int>> elsewhere(double apart) const;
     /// Areas that points stand for, a third of that of the triangles about each [m^2]; of bones where they are now.
     void areas(const Points& places, std::vector<double>& out) const;
     /// The area that a point stands for as a surface of this outward normal sees it: what looks the other way, like
-    /// the sides of a box that stands on it, does not count; but at least a twentieth of all [m^2].
-    double facing_area(int point, const Vec3& normal, double whole, const Points& places) const;
+    /// the sides of a box that stands on it, does not count [m^2]. Where all looks past it, as where a flat floor's
+    /// point has come in through a side of the box, what looks one way counts, by `past`, 0 to 1: else energy would
+    /// vanish where the nearest place goes from the box's bottom to its side, and a box that leans would be pushed
+    /// along. Where all looks away a twentieth counts.
+    double facing_area(int point, const Vec3& normal, double past, double whole, const Points& places) const;
 
   private:
     void find_carriers();

@@ -6,6 +6,8 @@
 #include "solver/terms/contact/contact.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 namespace sinew::solver {
@@ -15,6 +17,9 @@ namespace {
 /// How far along the surface at rest a point and what it may touch of its own body must be from each other, in mean
 /// edges and in spacings of the points.
 constexpr double own_edges = 3;
+/// Up to this share of the mean edge of what it is inside of, a point's nearest place is surely of the side that it
+/// came in by; from twice this on it may be of any.
+constexpr double surely_its_side = 0.25;
 /// Searches look so much farther than is asked, so that most points need none at the next steps.
 constexpr double look_farther = 4;
 
@@ -25,6 +30,7 @@ TouchSearch::TouchSearch(const CollisionBodies& bodies)
     , boxes_(bodies.count())
     , areas_(bodies.count())
     , known_(bodies.count() * bodies.count())
+    , elsewhere_(bodies.count())
     , last_(bodies.count())
     , later_(bodies.count())
     , behind_(bodies.count())
@@ -70,8 +76,10 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
     const int point = touch.point;
     const ClosestFeature& feature = touch.feature;
     const double own = areas_[at(pair.source)][at(point)];
-    const double facing =
-        bodies_[pair.source].facing_area(point, feature.normal, own, boxes_[at(pair.source)].places());
+    // The nearest place of a point deep inside may be of any side: what it looks past counts no more there.
+    const double depth = feature.away.norm() / (surely_its_side * bodies_[pair.target].mean_edge());
+    const double facing = bodies_[pair.source].facing_area(point, feature.normal, std::clamp(2 - depth, 0.0, 1.0), own,
+                                                           boxes_[at(pair.source)].places());
     if (!pair.both_ways) return facing;
     double others = 0;
     for (const int v : bodies_[pair.target].triangles()[at(feature.triangle)])
@@ -111,6 +119,12 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t 
     const Points &now = boxes_[at(pair.source)].places(), &later = later_[at(pair.source)];
     const BodyMotion& sweep = ahead_[at(pair.target)];
     const double apart = own_edges * std::max(source.mean_edge(), bodies_.rest(pair.source).spacing);
+    const std::vector<std::vector<int>>* elsewhere = nullptr;
+    if (pair.source == pair.target) {
+        std::vector<std::vector<int>>& of_body = elsewhere_[at(pair.source)];
+        if (of_body.empty()) of_body = source.elsewhere(apart);
+        elsewhere = &of_body;
+    }
     found_.resize(source.point_count());
     parallel_for(found_.size(), 64, [&](std::size_t p) {
         found_[p].triangle = -1;
@@ -120,17 +134,28 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t 
         if (known[p].distance > distance) return;
         if (!sweep.meets(now[p], end, margin)) return;
         const Vec3& modelled = source.modelled(static_cast<int>(p));
+        double turned_away = std::numeric_limits<double>::infinity(); // to what may turn to it until later
         const auto far_along = [&](int triangle) {
-            if (pair.source != pair.target) return true;
-            for (const int v : target.triangles()[at(triangle)])
-                if ((target.modelled(v) - modelled).squaredNorm() < apart * apart) return false;
-            return true;
+            if (!elsewhere) return true;
+            const bool is_near = std::ranges::any_of(target.triangles()[at(triangle)], [&](int v) {
+                return (target.modelled(v) - modelled).squaredNorm() < apart * apart;
+            });
+            if (is_near && !std::binary_search((*elsewhere)[p].begin(), (*elsewhere)[p].end(), triangle)) return false;
+            // The far side of a thin part is nearer than what the part may meet.
+            const Points& places = boxes_[at(pair.target)].places();
+            const auto [a, b, c] = target.corners(triangle, places);
+            if ((b - a).cross(c - a).dot(now[p] - a) > 0) return true;
+            NearestPlace there;
+            there.distance2 = turned_away;
+            there.offer(target, places, triangle, now[p]);
+            turned_away = there.distance2;
+            return false;
         };
         const double look = std::max(look_farther * distance, 2 * target.mean_edge());
         const ClosestFeature f =
             find_feature(target, boxes_[at(pair.target)], now[p], look, far_along, known[p].triangle);
         const double far = f.triangle < 0 ? look : f.inside() ? 0 : f.away.norm();
-        known[p] = {far, f.triangle};
+        known[p] = {std::min(far, std::sqrt(turned_away)), f.triangle};
         if (f.triangle >= 0 && far <= distance && !f.inside()) found_[p] = f;
     });
     for (std::size_t p = 0; p < found_.size(); ++p)

@@ -85,9 +85,10 @@ class TouchSearch {
     void bring_up_to_date(const ContactPair& pair);
     std::vector<KnownOfPair> known_; ///< [source and target]
     long long step_ = 0;
-    std::vector<Points> last_, later_;       ///< per body, of its points: at the step before, and later
-    std::vector<BodyMotion> behind_, ahead_; ///< from the step before, and to later
-    std::vector<char> has_;                  ///< of a search, per point
+    std::vector<std::vector<std::vector<int>>> elsewhere_; ///< per body that touches itself: CollisionBody::elsewhere
+    std::vector<Points> last_, later_;                     ///< per body, of its points: at the step before, and later
+    std::vector<BodyMotion> behind_, ahead_;               ///< from the step before, and to later
+    std::vector<char> has_;                                ///< of a search, per point
     std::vector<ClosestFeature> found_;
 };
 

@@ -170,6 +170,25 @@ std::shared_ptr<TissueRest> block(const Vec3& size, const Vec3& corner, int n) {
     return tissue(mesh, ElasticLaw::stvk);
 }
 
+/// A mesh less the tets whose middles are there, and less what they alone had of vertices.
+TetMesh without(TetMesh mesh, const std::function<bool(const Vec3&)>& there) {
+    std::erase_if(mesh.tets, [&](const Tet& t) {
+        Vec3 middle = Vec3::Zero();
+        for (const int v : t) middle += 0.25 * mesh.vertices[static_cast<std::size_t>(v)];
+        return there(middle);
+    });
+    std::vector<int> number(mesh.vertices.size(), -1);
+    Points kept;
+    for (Tet& t : mesh.tets)
+        for (int& v : t) {
+            int& n = number[static_cast<std::size_t>(v)];
+            if (n < 0) n = static_cast<int>(kept.size()), kept.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
+            v = n;
+        }
+    mesh.vertices = kept;
+    return mesh;
+}
+
 /// A third of the triangles about each vertex.
 std::vector<double> vertex_areas(const TissueRest& t, const std::function<bool(const Vec3&)>& of_face) {
     std::vector<double> out(t.surface.size(), 0.0);
@@ -218,21 +237,8 @@ TEST_CASE("contact: points of two bodies that meet share the area, the more fine
 
 TEST_CASE("contact: a body does not touch itself where it is near itself as modelled") {
     // An angle of two arms, each four cells wide; its inner sides see each other next to the edge between them.
-    TetMesh mesh = box_mesh({1, 1, 0.125}, 8, 8, 1);
-    std::erase_if(mesh.tets, [&](const Tet& t) {
-        Vec3 middle = Vec3::Zero();
-        for (const int v : t) middle += 0.25 * mesh.vertices[static_cast<std::size_t>(v)];
-        return middle.x() > 0.5 && middle.y() > 0.5;
-    });
-    std::vector<int> number(mesh.vertices.size(), -1);
-    Points kept;
-    for (Tet& t : mesh.tets)
-        for (int& v : t) {
-            int& n = number[static_cast<std::size_t>(v)];
-            if (n < 0) n = static_cast<int>(kept.size()), kept.push_back(mesh.vertices[static_cast<std::size_t>(v)]);
-            v = n;
-        }
-    mesh.vertices = kept;
+    const TetMesh mesh =
+        without(box_mesh({1, 1, 0.125}, 8, 8, 1), [](const Vec3& p) { return p.x() > 0.5 && p.y() > 0.5; });
     Standing s({tissue(mesh, ElasticLaw::stvk)});
     ContactPair itself;
     itself.source = itself.target = 0;
@@ -248,6 +254,25 @@ TEST_CASE("contact: a body does not touch itself where it is near itself as mode
     for (const Touch& t : touches)
         for (const int v : (*s.bodies)[0].triangles()[static_cast<std::size_t>(t.feature.triangle)])
             CHECK(((*s.bodies)[0].modelled(v) - (*s.bodies)[0].modelled(t.point)).norm() >= 3 * edge);
+}
+
+TEST_CASE("contact: parts of a body that lie beside each other at rest, but are far along its surface, touch") {
+    // A fork of two prongs, eight cells long and one wide, a cell apart: nearer to each other than three edges.
+    const TetMesh mesh = without(box_mesh({1, 0.3, 0.1}, 10, 3, 1),
+                                 [](const Vec3& p) { return p.x() > 0.2 && p.y() > 0.1 && p.y() < 0.2; });
+    Standing s({tissue(mesh, ElasticLaw::stvk)});
+    ContactPair itself;
+    itself.source = itself.target = 0;
+    std::vector<Touch> touches;
+    s.search->find_near(itself, 0.101, 0, touches);
+    CHECK(touches.size() >= 16); // of the far halves of both prongs
+    for (const Touch& t : touches) {
+        const Vec3& p = (*s.bodies)[0].modelled(t.point);
+        CHECK(p.x() > 0.2 + 2 * 0.1); // near the root the surface between them is as near
+        CHECK(std::abs(p.y() - 0.15) == Approx(0.05).epsilon(1e-9)); // of sides that face each other alone
+        CHECK(std::abs(t.feature.away.y()) == Approx(0.1).epsilon(1e-9));
+        CHECK(t.feature.away.norm() == Approx(0.1).epsilon(1e-9));
+    }
 }
 
 namespace {
