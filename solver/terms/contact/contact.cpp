@@ -83,7 +83,8 @@ const TermType contact_type{
 Contacts::Contacts(const Scene& scene)
     : scene_(scene)
     , bodies_(scene)
-    , search_(bodies_) {
+    , search_(bodies_)
+    , attached_(scene, bodies_) {
     bones_.resize(bodies_.count());
     reach_.resize(bodies_.count()), moves_.resize(bodies_.count()), places_.resize(bodies_.count());
 }
@@ -103,6 +104,7 @@ Changes Contacts::take(const StepInputs& inputs, const State& before) {
         }
     }
     contacts_kept(before.memories, kept_);
+    attached_.take(before);
     for (const KeptContact& c : kept_.contacts) {
         const auto is_body = [&](int b) { return b >= 0 && at(b) < bodies_.count(); };
         const auto is_triangle = [&](int t) { return t >= 0 && at(t) < bodies_[c.target].triangles().size(); };
@@ -199,6 +201,12 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
         if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
         next_.contacts.push_back(kept_contact(i, f));
     }
+    // What is left to attachments is kept for when they let go.
+    for (const KeptContact& c : kept_.contacts)
+        for (std::size_t p = 0; p < pairs_.size(); ++p)
+            if (c.source == pairs_[p].source && c.target == pairs_[p].target && !held_[p].empty() &&
+                held_[p][at(c.point)])
+                next_.contacts.push_back(c);
     std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });

@@ -6,6 +6,7 @@
 #include "solver/term/type.h"
 #include "solver/term/vertex_gradient.h"
 #include "solver/terms/contact/contact_list.h"
+#include "solver/terms/contact/held_points.h"
 #include "solver/terms/contact/touches.h"
 
 namespace sinew::solver {
@@ -104,6 +105,7 @@ class Contacts final : public Term {
     const Scene& scene_;
     CollisionBodies bodies_;
     TouchSearch search_;
+    HeldPoints attached_;
     const BlockPattern* pattern_ = nullptr;
     ContactMemory kept_; ///< of the state that a step starts from
     std::vector<CoupledCarriers> couplings_;
@@ -114,6 +116,7 @@ class Contacts final : public Term {
     mutable std::vector<Points> places_; ///< per body of contact: of its points, where they were looked at last
     std::vector<Points> bones_;          ///< per body of contact: where a bone's vertices are
     std::vector<ContactPair> pairs_;
+    std::vector<std::vector<char>> held_;    ///< per pair: flags of points that are left to attachments; empty: none
     std::vector<const double*> before_;      ///< per body: what carries it, at the start of the step
     std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for
     std::vector<std::vector<double>> swept_; ///< per body: the same as it was when it was looked for last

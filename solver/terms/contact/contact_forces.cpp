@@ -85,6 +85,8 @@ void Contacts::bind(const BlockPattern& pattern) {
 void Contacts::begin_stage(const Stage& stage) {
     stage_ = &stage;
     bodies_.find_pairs(stage.inputs.parts, pairs_);
+    held_.resize(pairs_.size());
+    for (std::size_t p = 0; p < pairs_.size(); ++p) attached_.find(pairs_[p], stage.inputs.attachments, held_[p]);
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
     before_.clear();
     expected_.clear();
@@ -116,7 +118,7 @@ void Contacts::find_all_touches() {
     strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const std::size_t first = touches_.size();
-        search_.take_kept(pairs_[p], kept_.contacts, touches_);
+        search_.take_kept(pairs_[p], kept_.contacts, held_[p], touches_);
         find_touches(p, first);
     }
     make_tethers();
@@ -133,7 +135,7 @@ void Contacts::sweep(const std::vector<const double*>& later) {
 
 /// Takes in the points of a pair whose way crosses that of the surface. Its touches so far are all from `first` on.
 void Contacts::find_touches(std::size_t p, std::size_t first) {
-    search_.find_near(pairs_[p], resting_share * bodies_[pairs_[p].target].mean_edge(), first, touches_);
+    search_.find_near(pairs_[p], resting_share * bodies_[pairs_[p].target].mean_edge(), held_[p], first, touches_);
     pair_of_touch_.resize(touches_.size(), p), areas_.resize(touches_.size(), -1);
     for (std::size_t t = clearance_.size(); t < touches_.size(); ++t) {
         const ClosestFeature& f = touches_[t].feature;

@@ -88,13 +88,14 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
 }
 
 void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
-                            std::vector<Touch>& out) const {
+                            const std::vector<char>& held, std::vector<Touch>& out) const {
     const auto by_pair = [](const auto& a, const auto& b) {
         return std::tie(a.source, a.target) < std::tie(b.source, b.target);
     };
     auto it = std::lower_bound(kept.begin(), kept.end(), pair, by_pair);
     for (; it != kept.end() && it->source == pair.source && it->target == pair.target; ++it) {
         const KeptContact& c = *it;
+        if (!held.empty() && held[at(c.point)]) continue;
         Touch t{c.source, c.point, c.target, static_cast<int>(it - kept.begin()), {}};
         const CollisionBody& target = bodies_[c.target];
         const Points& where = boxes_[at(c.target)].places();
@@ -109,9 +110,11 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
     }
 }
 
-void TouchSearch::find_near(const ContactPair& pair, double margin, std::size_t first, std::vector<Touch>& out) {
+void TouchSearch::find_near(const ContactPair& pair, double margin, const std::vector<char>& held, std::size_t first,
+                            std::vector<Touch>& out) {
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
     has_.assign(source.point_count(), 0);
+    std::copy(held.begin(), held.end(), has_.begin());
     for (std::size_t i = first; i < out.size(); ++i)
         if (const Touch& t = out[i]; t.source == pair.source && t.target == pair.target) has_[at(t.point)] = 1;
     bring_up_to_date(pair);

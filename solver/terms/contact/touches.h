@@ -56,13 +56,16 @@ class TouchSearch {
     explicit TouchSearch(const CollisionBodies& bodies);
     /// `carriers`: of each body, 3 numbers a vertex of what carries it.
     void begin(const std::vector<const double*>& carriers);
-    /// The contacts of the state, sorted as there, that belong to the pair; those deeper than its longest are left out.
-    void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, std::vector<Touch>& out) const;
+    /// The contacts of the state, sorted as there, that belong to the pair; those deeper than its longest are left out,
+    /// and those of points that are flagged as `held` (none, or one a point of the source).
+    void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, const std::vector<char>& held,
+                   std::vector<Touch>& out) const;
     /// Says where everything is later, or may be.
     void sweep(const std::vector<const double*>& later);
     /// Points of the pair outside of the surface whose way to where they are later comes nearer than a margin to that
-    /// of the surface; but for those that `out` has already, from `first` on.
-    void find_near(const ContactPair& pair, double margin, std::size_t first, std::vector<Touch>& out);
+    /// of the surface; but for those that are held, and those that `out` has already, from `first` on.
+    void find_near(const ContactPair& pair, double margin, const std::vector<char>& held, std::size_t first,
+                   std::vector<Touch>& out);
     /// The area that a touching point stands for [m^2].
     double area(const ContactPair& pair, const Touch& touch) const;
     /// Points of the pair inside of the surface, wherever they are.

@@ -90,7 +90,7 @@ class Slides final : public Term {
     double stiffness(const Slide& s) const { return pulls_[at(s.attachment)].stiffness * s.area_weight; }
     Vec3 point_of(const Slide& s, const Positions& x, const std::vector<Points>& bones) const;
     void make_brakes();
-    bool find_all_nearest(const Positions& x);
+    bool find_all_nearest(const Positions& x, bool stuck);
     void look_at(const Positions& x) const;
     Nearest find_nearest(std::size_t slide, const Vec3& p) const;
     /// How far it is off where it may be, squared [m^2]; less than 0 where places beyond the borders of what is
@@ -140,8 +140,15 @@ class Slides final : public Term {
     std::vector<PointTriangleBlocks> blocks_; ///< per slide
     std::vector<Overlay::Carrier> carriers_;  ///< scratch
     std::vector<Points> pressed_;             ///< per target: forces at its points [N]
-    std::vector<Nearest> newly_;              ///< scratch
-    mutable SlidingMemory remembered_;        ///< scratch
+    /// How what is nearest to a point has changed in this stage. One that goes to and fro, as where faces turn inwards,
+    /// stays where it is after a while: it would keep Newton's method from coming to rest.
+    struct Changing {
+        Nearest former;
+        int returns = 0, changes = 0;
+    };
+    std::vector<Changing> changing_;   ///< per slide
+    std::vector<Nearest> newly_;       ///< scratch
+    mutable SlidingMemory remembered_; ///< scratch
 };
 
 } // namespace sinew::solver

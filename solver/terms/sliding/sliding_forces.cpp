@@ -11,6 +11,7 @@ namespace sinew::solver {
 
 void Slides::begin_stage(const Stage& stage) {
     stage_ = &stage;
+    changing_.assign(slides_.size(), {});
     looked_at_.clear(), settled_ = widened_ = 0, alone_ = false;
     if (slides_.empty()) return;
     for (std::size_t a = 0; a < pulls_.size(); ++a) {
@@ -116,11 +117,21 @@ void Slides::look_at(const Positions& x) const {
     looked_at_ = x;
 }
 
-/// True: something else is nearest.
-bool Slides::find_all_nearest(const Positions& x) {
+/// True: something else is nearest. `stuck`: also to points whose nearest place goes to and fro.
+bool Slides::find_all_nearest(const Positions& x, bool stuck) {
     look_at(x);
     newly_.resize(slides_.size());
-    parallel_for(slides_.size(), 64, [&](std::size_t i) { newly_[i] = find_nearest(i, points_[i]); });
+    parallel_for(slides_.size(), 64, [&](std::size_t i) {
+        constexpr int most_returns = 2, most_changes = 12;
+        Changing& c = changing_[i];
+        newly_[i] = nearest_[i];
+        if (!stuck && (c.returns >= most_returns || c.changes >= most_changes)) return;
+        const Nearest now = find_nearest(i, points_[i]);
+        if (now == nearest_[i]) return;
+        ++c.changes;
+        if (now == c.former && ++c.returns >= most_returns && !stuck) return;
+        c.former = nearest_[i], newly_[i] = now;
+    });
     if (newly_ == nearest_) return false;
     nearest_.swap(newly_);
     looked_at_.clear();
@@ -134,12 +145,12 @@ bool Slides::settle(const Positions& x, bool stuck) {
     const bool other = stuck && !alone_;
     alone_ = alone_ || stuck;
     if (other) looked_at_.clear();
-    return find_all_nearest(x) || other;
+    return find_all_nearest(x, stuck) || other;
 }
 
 bool Slides::widen(const Positions& x) {
     constexpr int most = 6;
-    return !slides_.empty() && widened_++ < most && find_all_nearest(x);
+    return !slides_.empty() && widened_++ < most && find_all_nearest(x, false);
 }
 
 Vec3 Slides::way_of_brake(std::size_t i) const {

@@ -246,10 +246,10 @@ TEST_CASE("contact: a body does not touch itself where it is near itself as mode
     CHECK(edge > 0.125);
     CHECK(edge < 0.18);
     std::vector<Touch> touches;
-    s.search->find_near(itself, 0.13, 0, touches);
+    s.search->find_near(itself, 0.13, {}, 0, touches);
     CHECK(touches.empty());
     // Farther along than three edges the other arm counts.
-    s.search->find_near(itself, 0.51, 0, touches);
+    s.search->find_near(itself, 0.51, {}, 0, touches);
     CHECK_FALSE(touches.empty());
     for (const Touch& t : touches)
         for (const int v : (*s.bodies)[0].triangles()[static_cast<std::size_t>(t.feature.triangle)])
@@ -264,7 +264,7 @@ TEST_CASE("contact: parts of a body that lie beside each other at rest, but are 
     ContactPair itself;
     itself.source = itself.target = 0;
     std::vector<Touch> touches;
-    s.search->find_near(itself, 0.101, 0, touches);
+    s.search->find_near(itself, 0.101, {}, 0, touches);
     CHECK(touches.size() >= 16); // of the far halves of both prongs
     for (const Touch& t : touches) {
         const Vec3& p = (*s.bodies)[0].modelled(t.point);
