@@ -69,8 +69,8 @@ class Term {
     virtual double begin_iteration(const Positions&) { return 0; }
 
     /// Before Newton iterations at x, and before begin_iteration: looks anew at what it holds fixed between iterations,
-    /// such as which face of a surface is nearest. `stuck`: the last iteration could hardly move. True: that changes the
-    /// energy at x. A term must become false for good after some times within a stage.
+    /// such as which face of a surface is nearest. `stuck`: the last iteration could hardly move. True: that changes
+    /// the energy at x. A term must become false for good after some times within a stage.
     virtual bool settle(const Positions&, bool /*stuck*/) { return false; }
 
     /// Where a solve has come to rest at x: takes in what the term left out because it was too far away at the start of

@@ -161,6 +161,13 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const
     return out;
 }
 
+bool Contacts::is_left_to_attachments(const KeptContact& c) const {
+    for (std::size_t p = 0; p < pairs_.size(); ++p)
+        if (c.source == pairs_[p].source && c.target == pairs_[p].target)
+            return !held_[p].empty() && held_[p][at(c.point)];
+    return false;
+}
+
 /// What is coupled changes only where something ties firmly that is not: each change costs an analysis.
 void Contacts::remember_couplings() const {
     next_.couplings.clear();
@@ -203,10 +210,7 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     }
     // What is left to attachments is kept for when they let go.
     for (const KeptContact& c : kept_.contacts)
-        for (std::size_t p = 0; p < pairs_.size(); ++p)
-            if (c.source == pairs_[p].source && c.target == pairs_[p].target && !held_[p].empty() &&
-                held_[p][at(c.point)])
-                next_.contacts.push_back(c);
+        if (is_left_to_attachments(c)) next_.contacts.push_back(c);
     std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });
@@ -231,6 +235,7 @@ void Contacts::marks(const Positions& x, Marks& out) const {
     MarkGroup group{contact_type.name, "force", "N", {}};
     look_at(x);
     for (const KeptContact& c : kept_.contacts) {
+        if (is_left_to_attachments(c)) continue;
         const Vec3 p = places_[at(c.source)][at(c.point)];
         const Vec3 place(c.place[0], c.place[1], c.place[2]);
         group.marks.push_back({static_cast<int>(bodies_.part(c.source)),

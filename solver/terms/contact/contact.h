@@ -92,6 +92,7 @@ class Contacts final : public Term {
     }
     ClosestFeature feature_at(std::size_t touch) const;
     bool presses(std::size_t touch, const ClosestFeature& f) const;
+    bool is_left_to_attachments(const KeptContact& contact) const;
     void find_all_touches();
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);

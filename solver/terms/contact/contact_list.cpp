@@ -17,6 +17,7 @@ void Contacts::list(std::vector<ContactPoint>& out) const {
         while (pair != pairs_.end() && std::tie(pair->source, pair->target) < std::tie(c.source, c.target)) ++pair;
         if (pair == pairs_.end()) break;
         if (pair->source != c.source || pair->target != c.target) continue; // switched off at this time
+        if (is_left_to_attachments(c)) continue;
         const Vec3 p = places_[at(c.source)][at(c.point)];
         const Points& surface = places_[at(c.target)];
         NearestPlace nearest;

@@ -1,5 +1,6 @@
 // Contact between bodies that are attached: what an attachment holds firmly stays as it was modelled, overlap and all.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/marks_of.h"
 #include "solver/mesh/primitives.h"
 #include "solver/terms/contact/contact.h"
 #include "tests/support/solver_scenes.h"
@@ -54,6 +55,10 @@ struct CubeInSlab {
         }
     }
     double measured(const char* name) const { return value_of(state.record.measured, "contact", name); }
+    std::size_t listed() {
+        marks_of(*workspace, state, in);
+        return contacts_shown(*workspace).size();
+    }
     /// How deep the middle of its bottom is.
     double depth() const {
         double low = 0;
@@ -71,11 +76,13 @@ TEST_CASE("contact: what an attachment holds more firmly than contact would push
     CubeInSlab held(1e8);
     held.step(20);
     CHECK(held.measured("contacts") == 0);
+    CHECK(held.listed() == 0);
     CHECK(held.depth() == Approx(overlap).epsilon(1e-9));
     // Let go, the same points are pushed out.
     held.in.attachments[0].set_mode(AttachmentMode::none);
     held.step(1);
     CHECK(held.measured("contacts") > 8);
+    CHECK(held.listed() > 8);
     held.step(120);
     CHECK(held.depth() < 0.02 * overlap);
 }
