@@ -17,8 +17,8 @@ const std::string root = SINEW_SOURCE_DIR;
 } // namespace
 
 TEST_CASE("the scenes of contact and attachments are right and run", "[tools][contact]") {
-    for (const char* name :
-         {"attachments", "one_of_each_attachment", "goal_fish", "collisions", "one_of_each_collision"}) {
+    for (const char* name : {"arm_collisions", "attachments", "one_of_each_attachment", "goal_fish", "collisions",
+                             "one_of_each_collision"}) {
         INFO(name);
         const std::string graph = root + "/graphs/scenes/" + name + ".json";
         const Said check = run_program({"check", graph, "--no-cache"});
