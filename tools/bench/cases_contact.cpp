@@ -275,11 +275,11 @@ double indent(const ElementName& element, int n, double radius, double depth, do
     for (const int body : {0, 1}) {
         description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
         ContactValues values;
-        values.stiffness = 1e9;
+        values.stiffness = 1e8; // gives way by 1 % of the depth
         put_fields(values, std::span(in.parts.emplace_back(contact_type.values.size())));
     }
     Simulation sim(std::move(description), in, stop);
-    constexpr int parts = 2;
+    constexpr int parts = 4;
     for (int i = 1; i <= parts; ++i) {
         Points& places = std::get<BoneInputs>(sim.inputs.bodies[1]).positions;
         for (std::size_t v = 0; v < places.size(); ++v) places[v] = ball->surface[v] - Vec3(0, 0, depth * i / parts);

@@ -79,7 +79,7 @@ Measured measure(int n, bool collides, const RunOptions& options, ContactGrowthR
 
 std::vector<ContactGrowthRow> run_contact_growth(const RunOptions& options) {
     std::vector<ContactGrowthRow> rows;
-    for (const int n : options.quick ? std::vector<int>{5, 8} : std::vector<int>{10, 18, 32, 56, 100, 141}) {
+    for (const int n : options.quick ? std::vector<int>{5, 8} : std::vector<int>{8, 16, 30, 56, 84, 119}) {
         ContactGrowthRow row;
         options.tell("contact of surfaces of " + std::to_string(n) + " squares a side");
         tbb::task_arena(1).execute([&] {
