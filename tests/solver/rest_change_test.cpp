@@ -172,6 +172,36 @@ TEST_CASE("layers composite their restScale, and the envelope is taken of what c
     CHECK((rest_change(*t, values, 0) - s * s * Mat3::Identity()).norm() < 1e-14);
 }
 
+TEST_CASE("envelopes of layers, fibres and the rest scale may change at any step", "[rest]") {
+    for (const ElementKind kind : kinds) {
+        TissueInputs values = flesh(2e4, 0.3);
+        values.layers[0].rest_scale = 1.1;
+        values.layers.push_back(values.layers[0]);
+        values.layers[1].rest_scale = 0.8, values.layers[1].envelope = 0.5;
+        values.fibers = {{0, 1, 0, 0.5, 1.4}};
+        Trial t = free_body(small_box(), ElasticLaw::stvk, kind, values);
+        add_fiber(*t.rest, {0, 1, 0});
+        t.rest->layer_weights.push_back(t.rest->layer_weights[0]);
+        t.start();
+        const auto comes_to = [&](double scale, double grown) {
+            for (int step = 0; step < 3; ++step) t.step();
+            INFO(t.name() << ", " << scale << ", " << grown);
+            CHECK(misshape(t, scale * growth({0, 1, 0}, grown)) < 1e-7);
+        };
+        comes_to(0.95, std::sqrt(1.4));
+        t.values().layers[1].envelope = 1;
+        comes_to(0.8, std::sqrt(1.4));
+        t.values().fibers[0].envelope = 1;
+        comes_to(0.8, 1.4);
+        t.values().rest_scale_envelope = -1;
+        comes_to(1.25, 1.4);
+        t.values().rest_scale_envelope = 0, t.values().fibers[0].growth = 1;
+        comes_to(1, 1);
+        t.values().rest_scale_envelope = 1;
+        comes_to(0.8, 1);
+    }
+}
+
 TEST_CASE("what has grown moves as what was modelled so, with the same mass", "[rest]") {
     const Vec3 along(1, 0.5, -0.3);
     const double s = 1.2, g = 0.7;

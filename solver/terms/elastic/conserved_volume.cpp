@@ -4,7 +4,6 @@
 #include "solver/element/elastic_point.h"
 #include "solver/parallel.h"
 #include "solver/sort_into.h"
-#include "solver/terms/elastic/rest_change.h"
 
 #include <cmath>
 
@@ -21,10 +20,6 @@ ConservedVolume::ConservedVolume(const Scene& scene, const TissueBatches& batche
     , batches_(batches)
     , first_vertex_(scene.first_vertex(batches.body))
     , of_(make_volume_patches(scene.tissue(batches.body)->tets)) {}
-
-const TetBatch& ConservedVolume::tets(std::size_t i) const {
-    return changed_ ? changed_->tets(i) : system_.batches[batches_.first_batch + i];
-}
 
 void ConservedVolume::clear() {
     stiffness_.assign(of_.count(), 0.0);
@@ -68,7 +63,7 @@ void ConservedVolume::bind(const BlockPattern& pattern) {
 double ConservedVolume::set_pressures(const Positions& x) {
     std::vector<double>& j = pressure_; // first det F, then the patch's pressure
     parallel_for(batches_.batch_count, batch_grain, [&](std::size_t i) {
-        const TetBatch& batch = tets(i);
+        const TetBatch& batch = system_.batches[batches_.first_batch + i];
         PointMeasures m;
         point_measures(batches_.law, batch, corners_of(batch, x.data()), false, m);
         m.j.store(j.data() + i * lanes);
@@ -77,7 +72,7 @@ double ConservedVolume::set_pressures(const Positions& x) {
         double sum = 0;
         for (int k = of_.tet_start[p]; k < of_.tet_start[p + 1]; ++k) {
             const std::size_t tet = static_cast<std::size_t>(of_.tets[static_cast<std::size_t>(k)]);
-            sum += tets(tet / lanes).volume[tet % lanes] * j[tet];
+            sum += system_.batches[batches_.first_batch + tet / lanes].volume[tet % lanes] * j[tet];
         }
         mean_j_[p] = sum / volume_[p];
         for (int k = of_.tet_start[p]; k < of_.tet_start[p + 1]; ++k)
@@ -94,7 +89,7 @@ double ConservedVolume::set_pressures(const Positions& x) {
 void ConservedVolume::set_slopes(const Positions& x, std::vector<double>& scratch) {
     // volume x d det F / d corner, where the element gradients go otherwise
     parallel_for(batches_.batch_count, batch_grain, [&](std::size_t i) {
-        const TetBatch& batch = tets(i);
+        const TetBatch& batch = system_.batches[batches_.first_batch + i];
         PointMeasures m;
         point_measures(batches_.law, batch, corners_of(batch, x.data()), false, m);
         double* g = scratch.data() + batches_.gradient_at(i);

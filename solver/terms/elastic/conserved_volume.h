@@ -9,14 +9,10 @@
 
 namespace sinew::solver {
 
-class ChangedRest;
-
 class ConservedVolume {
   public:
     ConservedVolume(const Scene& scene, const TissueBatches& batches);
 
-    /// The rest shape from which volumes are measured; null: the model's. It outlives its use here.
-    void set_rest(const ChangedRest* changed) { changed_ = changed; }
     /// Forgets all stiffnesses; then one call of add_stiffness a tet, with its volume [m^3] and modulus [Pa].
     void clear();
     void add_stiffness(std::size_t tet, double volume, double modulus);
@@ -42,11 +38,8 @@ class ConservedVolume {
     }
 
   private:
-    const TetBatch& tets(std::size_t i) const; ///< batch i of the tissue, at rest
-
     const Scene::System& system_;
     const TissueBatches& batches_;
-    const ChangedRest* changed_ = nullptr;
     int first_vertex_;
     VolumePatches of_;
     std::vector<double> stiffness_, volume_, mean_j_; ///< per patch

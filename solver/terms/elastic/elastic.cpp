@@ -86,17 +86,14 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
 }
 
 bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in) {
-    const bool is_new = !same_rest_change(inputs_[t], in);
-    if (is_new) {
-        const TissueBatches& batches = system_.tissues[t];
-        if (!changes_rest(in))
-            changed_[t].reset();
-        else if (!changed_[t])
-            changed_[t] = std::make_unique<ChangedRest>(system_, batches);
-        if (changed_[t]) changed_[t]->set(*scene_.tissue(batches.body), in);
-    }
-    if (patches_[t]) patches_[t]->set_rest(changed_[t].get());
-    return is_new;
+    if (same_rest_change(inputs_[t], in)) return false;
+    const TissueBatches& batches = system_.tissues[t];
+    if (!changes_rest(in))
+        changed_[t].reset();
+    else if (!changed_[t])
+        changed_[t] = std::make_unique<ChangedRest>(system_, batches);
+    if (changed_[t]) changed_[t]->set(*scene_.tissue(batches.body), in);
+    return true;
 }
 
 void Elastic::relax(int level) {

@@ -49,6 +49,7 @@ void Elastic::set_materials(std::size_t t, const TissueInputs& in) {
         // What has grown weighs what the model does, and is as stiff per volume.
         tet_mass_[batches.first_batch * lanes + slot] =
             m.mass_density * system_.batches[batches.first_batch + i].volume[lane];
+        // What a patch holds now is the same whichever rest shape it is measured from: V det F = V det G det Fe.
         if (patches && slot < batches.tet_count)
             patches->add_stiffness(tet, tets(t, i).volume[lane], volume_share_ * m.volume_conservation);
     }
