@@ -396,11 +396,11 @@ TissueInputs muscle() {
 
 template <int which>
 void free_rest_changes(HardTrial& t) {
-    t.make(box({bar_length, 0.1, 0.1}, 4, 2, 2), muscle(), nowhere);
+    t.make(box({bar_length, 0.1, 0.1}, 3, 1, 1), muscle(), nowhere);
     t.start();
     for (const Change& change : changes[which]) {
         change.put(t);
-        t.run(2, 3);
+        t.run(2, 1);
         t.come_to_rest();
     }
     const double off = t.distortion(changes[which][1].matrix());
@@ -411,7 +411,7 @@ template <int which>
 void held_rest_changes(HardTrial& t) {
     HardTrial slow = quiet(t);
     for (HardTrial* of : {&slow, &t}) {
-        of->make(box({bar_length, 0.1, 0.1}, 5, 2, 2), muscle(), at_root);
+        of->make(box({bar_length, 0.1, 0.1}, 4, 1, 1), muscle(), at_root);
         of->start();
     }
     const auto [from, to] = changes[which];
@@ -426,9 +426,9 @@ void held_rest_changes(HardTrial& t) {
         slow.step();
     }
     from.put(t);
-    t.run(2, 3);
+    t.run(2, 0.5);
     to.put(t);
-    t.run(2, 3);
+    t.run(2, 2);
     t.come_to_rest();
     t.must(t.distance_from(slow) < 1e-3, off_by(t.distance_from(slow)) + " from where a slow change leads", several);
 }
