@@ -42,8 +42,9 @@ std::string text(double value) {
 }
 
 /// log of s^e, or of g^w where both act fully.
-double checked_log(double scale, double exponent, const std::string& what) {
-    if (!(scale > 0) || !std::isfinite(scale)) refuse("the " + what + " is " + text(scale) + "; it must be above 0");
+double checked_log(double scale, double exponent, const char* what) {
+    if (!(scale > 0) || !std::isfinite(scale))
+        refuse("the " + std::string(what) + " is " + text(scale) + "; it must be above 0");
     return exponent * std::log(scale);
 }
 
