@@ -415,20 +415,17 @@ void held_rest_changes(HardTrial& t) {
         of->start();
     }
     const auto [from, to] = changes[which];
-    constexpr int parts = 24;
-    for (int i = 1; i <= 2 * parts; ++i) { // from the model to the one, then to the other
-        const auto between = [&](double a, double b, double c) {
-            return i <= parts ? std::lerp(a, b, double(i) / parts) : std::lerp(b, c, double(i - parts) / parts);
-        };
-        Change part{to.scale, between(0, from.scale == 1 ? 0 : from.envelope, to.envelope),
-                    between(1, from.growth, to.growth)};
+    constexpr int parts = 24; // from the model to where it must end
+    for (int i = 1; i <= parts; ++i) {
+        const double share = double(i) / parts;
+        Change part{to.scale, share * to.envelope, std::lerp(1, to.growth, share)};
         part.put(slow);
         slow.step();
     }
     from.put(t);
     t.run(2, 0.5);
     to.put(t);
-    t.run(2, 2);
+    t.run(2, 3);
     t.come_to_rest();
     t.must(t.distance_from(slow) < 1e-3, off_by(t.distance_from(slow)) + " from where a slow change leads", several);
 }
