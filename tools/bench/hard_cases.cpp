@@ -411,7 +411,7 @@ template <int which>
 void held_rest_changes(HardTrial& t) {
     HardTrial slow = quiet(t);
     for (HardTrial* of : {&slow, &t}) {
-        of->make(box({bar_length, 0.1, 0.1}, 4, 1, 1), muscle(), at_root);
+        of->make(box({bar_length, 0.1, 0.1}, 4, 2, 2), muscle(), at_root);
         of->start();
     }
     const auto [from, to] = changes[which];
