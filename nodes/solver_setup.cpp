@@ -6,6 +6,7 @@
 #include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/terms/contact/contact_rest.h"
+#include "solver/terms/elastic/rest_change.h"
 
 #include <algorithm>
 #include <numeric>
@@ -333,7 +334,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         r.attachments += a.values.mode() != solver::AttachmentMode::none;
     }
     std::vector<std::string> laws;
-    bool fibers = false, resists = false, conserves = false;
+    bool fibers = false, resists = false, conserves = false, rest_changes = false;
     for (int i = 0; i < scene.body_count(); ++i) {
         const solver::TissueRest* t = scene.tissue(i);
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
@@ -345,11 +346,13 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
         resists = resists || (law.resists_compression && values.compression_resistance > 0);
         for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
+        rest_changes = rest_changes || changes_rest(values);
     }
     const bool moves = meaning(options_of<solver::Integrator>, in[integrator]) != solver::Integrator::quasi_static;
     r.terms = std::move(laws);
     if (resists) r.terms.push_back("compressionResistance");
     if (conserves) r.terms.push_back("volumeConservation");
+    if (rest_changes) r.terms.push_back("restShapeChange");
     if (in[gravity] != engine::Vec3{}) r.terms.push_back("gravity");
     if (moves) r.terms.push_back("inertia");
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");

@@ -36,15 +36,16 @@ Digest digest_of(const solver::Points& points) { return Hasher().add_doubles(num
 void add(Hasher& h, const BodyId& id) { h.add(id.rest).add(id.value); }
 
 void add(Hasher& h, const solver::MaterialValues& m) {
-    h.add(m.youngs_modulus).add(m.poissons_ratio).add(m.mass_density).add(m.envelope).add(m.volume_conservation);
+    for (const auto& f : solver::MaterialValues::fields()) h.add(m.*f.at);
 }
 
 void add(Hasher& h, const solver::FiberValues& f) {
-    h.add(f.strength).add(f.contraction_limit).add(f.excitation).add(f.envelope);
+    for (const auto& field : solver::FiberValues::fields()) h.add(f.*field.at);
 }
 
 void add(Hasher& h, const solver::TissueInputs& t) {
-    h.add(t.compression_resistance).add(t.transverse_anisotropy).add(static_cast<std::uint64_t>(t.layers.size()));
+    for (const auto& f : solver::TissueInputs::fields()) h.add(t.*f.at);
+    h.add(static_cast<std::uint64_t>(t.layers.size()));
     for (const auto& layer : t.layers) add(h, layer);
     h.add(static_cast<std::uint64_t>(t.fibers.size()));
     for (const auto& fiber : t.fibers) add(h, fiber);

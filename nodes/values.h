@@ -171,7 +171,7 @@ struct SimulationState {
 /// Where a frame is at its worst. Places in scene units; -1: there is none.
 struct WorstPlaces {
     int body = -1, tet = -1; ///< of the least det F: place in zSolver.bodies, tet of that tissue
-    double j = 1;            ///< det F there
+    double j = 1;            ///< det F there, from the rest shape as it is at that frame
     std::array<double, 3> tet_place{};
     /// Of the largest stretch: place in zSolver.attachments, in zSolver.bodies of its source, and the vertex of the
     /// source's mesh that is nearest.

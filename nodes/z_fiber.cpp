@@ -1,4 +1,4 @@
-// zFiber: muscle fibres that pull along the muscle when they are excited.
+// zFiber: muscle fibres that pull along the muscle when they are excited, and across which it may grow.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
@@ -18,13 +18,15 @@ const Input<double> envelope{
     .def = 1,
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "Scales the excitation.",
+    .doc = "Scales the excitation, and is an exponent of the growth.",
 };
 const Input<NumberList> weights{
     .name = "weights",
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "Local strength: one number per vertex of the tissue's mesh, one for all, or none for full strength.",
+    .doc =
+        "Local strength: one number per vertex of the tissue's mesh, one for all, or none for full strength. Also an "
+        "exponent of the growth: 0 does not grow.",
 };
 const Input<NumberList> end_points{
     .name = "endPoints",
@@ -79,6 +81,26 @@ const Input<double> excitation{
     .limits = {.min = 0, .max = 1},
     .doc = "0 relaxed to 1 fully excited; usually keyed or driven by trackChannel.outValue.",
 };
+const Input<bool> enable_muscle_growth{
+    .name = "enableMuscleGrowth",
+    .def = false,
+    .doc = "Lets the muscle be thicker or thinner at rest by muscleGrowthScale.",
+};
+const Input<double> muscle_growth_scale{
+    .name = "muscleGrowthScale",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1000, .open_min = true},
+    .doc = "Scales the muscle's width at rest across the fibres by this to the power of envelope and weights; its "
+           "length along them stays. 2 makes four times the volume, 0.5 a quarter. Neither heavier nor stiffer per "
+           "volume. Excitation and strength play no part. Those of several fibres multiply.",
+};
+const Input<bool> use_loa_for_muscle_growth{
+    .name = "useLoaForMuscleGrowth",
+    .def = false,
+    .doc = "Raises muscleGrowthScale to the power of how far the muscle's line of action has shortened: without a line "
+           "of action it does not grow.",
+};
 const Output<Fiber> out_fiber{.name = "outFiber", .doc = "The fibres; connect to zTissue.fibers."};
 
 /// The directions as given, 3 numbers for all tets or 3 a tet; none if they follow from the end points.
@@ -115,9 +137,21 @@ NumberList given_directions(const Reads& in) {
     return list;
 }
 
+/// What zFiber.muscleGrowthScale comes to; 1: none.
+double growth(const Reads& in) {
+    if (!in[enable_muscle_growth]) return 1;
+    if (!in[use_loa_for_muscle_growth]) return in[muscle_growth_scale];
+    // To the power of a loaValue of 0.
+    if (in[muscle_growth_scale] != 1)
+        in.warn(use_loa_for_muscle_growth.name, "FE248",
+                "growth follows a line of action, but the fibre has none, so it does not grow",
+                "Switch useLoaForMuscleGrowth off, and key muscleGrowthScale where it shall change.");
+    return 1;
+}
+
 void compute(const Reads& in, Writes& out) {
     Fiber f;
-    f.values = {in[strength], in[contraction_limit], in[excitation], in[envelope]};
+    f.values = {in[strength], in[contraction_limit], in[excitation], in[envelope], growth(in)};
     f.weights = in[weights];
     f.end_points = in[end_points];
     f.directions = given_directions(in);
@@ -129,11 +163,20 @@ void compute(const Reads& in, Writes& out) {
 void add_z_fiber(Registry& registry) {
     NodeType type;
     type.name = "zFiber";
-    type.doc = "Fibres of a muscle that contract by excitation.";
-    type.inputs = {describe(envelope),       describe(weights),    describe(end_points),
-                   describe(direction),      describe(directions), describe(directions_file),
-                   describe(directions_key), describe(strength),   describe(contraction_limit),
-                   describe(excitation)};
+    type.doc = "Fibres of a muscle that contract by excitation, and across which it may grow.";
+    type.inputs = {describe(envelope),
+                   describe(weights),
+                   describe(end_points),
+                   describe(direction),
+                   describe(directions),
+                   describe(directions_file),
+                   describe(directions_key),
+                   describe(strength),
+                   describe(contraction_limit),
+                   describe(excitation),
+                   describe(enable_muscle_growth),
+                   describe(muscle_growth_scale),
+                   describe(use_loa_for_muscle_growth)};
     type.outputs = {describe(out_fiber)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -85,6 +85,16 @@ const Input<double> volume_conservation{
     .doc = "Resists changes of volume in both directions, whatever Young's modulus is; useful from a hundred to ten "
            "million times it. Bending stays free: the volume is kept on average over a few tets, not in each.",
 };
+const Input<double> rest_scale{
+    .name = "restScale",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1000, .open_min = true},
+    .doc = "Scales the shape in which the tissue is at rest, alike in all directions: 0.8 shrinks it to 80 % of its "
+           "lengths, without stress where nothing is in the way. Painted by the layer's weights and mesh, into the "
+           "volume. Its mass stays. To change it over time, key zTissue.restScaleEnvelope.",
+    .keyable = false,
+};
 const Input<double> pressure{
     .name = "pressure",
     .def = 0,
@@ -127,7 +137,8 @@ void set_place(const Reads& in, Material& m) {
 
 void compute(const Reads& in, Writes& out) {
     Material m;
-    m.values = {in[youngs_modulus], in[poissons_ratio], in[mass_density], in[envelope], in[volume_conservation]};
+    m.values = {in[youngs_modulus], in[poissons_ratio],      in[mass_density],
+                in[envelope],       in[volume_conservation], in[rest_scale]};
     m.weights = in[weights];
     set_place(in, m);
     m.pressure = in[pressure];
@@ -148,6 +159,7 @@ void add_z_material(Registry& registry) {
                    describe(poissons_ratio),
                    describe(mass_density),
                    describe(volume_conservation),
+                   describe(rest_scale),
                    describe(pressure),
                    describe(surface_tension)};
     type.outputs = {describe(out_material)};

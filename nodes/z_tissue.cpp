@@ -9,6 +9,7 @@
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
 #include "solver/linear/blas_kernel.h"
+#include "solver/terms/elastic/rest_change.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -89,6 +90,13 @@ const Input<Vec3> initial_angular_velocity{
     .unit = "rad/s",
     .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
     .keyable = false,
+};
+const Input<double> rest_scale_envelope{
+    .name = "restScaleEnvelope",
+    .def = 1,
+    .unit = "1",
+    .doc = "The power to which zMaterial.restScale is taken: 0 is off, 1 all of it, more is more than that, and -1 the "
+           "reciprocal.",
 };
 const Input<double> pressure_envelope{
     .name = "pressureEnvelope",
@@ -181,6 +189,12 @@ void check_law(const Reads& in, const TissueParts& parts) {
                 "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
 }
 
+/// The solver would name the tissue alone.
+void check_rest(const Reads& in, const solver::TissueInputs& values) {
+    guarded(in, rest_scale_envelope.name, [&] { solver::check_rest_scale(values); });
+    guarded(in, fibers.name, [&] { solver::check_growth(values); });
+}
+
 std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const BodyRest& rest) {
     const Mesh* shape = in.find(collision_shape);
     if (!shape) return nullptr;
@@ -230,6 +244,8 @@ void compute(const Reads& in, Writes& out) {
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
+    values.rest_scale_envelope = in[rest_scale_envelope];
+    check_rest(in, values);
     std::vector<Force> forces;
     add_pressure(in, *parts.mesh, parts.materials, in[pressure_envelope], forces);
     add_surface_tension(in, *parts.mesh, parts.materials, in[surface_tension_envelope], forces);
@@ -257,6 +273,7 @@ void add_z_tissue(Registry& registry) {
                    describe(transverse_anisotropy),
                    describe(initial_velocity),
                    describe(initial_angular_velocity),
+                   describe(rest_scale_envelope),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),
                    describe(collision_shape),

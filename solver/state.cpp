@@ -14,7 +14,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 8\n";
+constexpr std::string_view magic = "sinew state 9\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -175,7 +175,7 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         const auto* t = std::get_if<TissueInputs>(&body);
         w.put(t != nullptr);
         if (!t) continue;
-        w.put(t->compression_resistance), w.put(t->transverse_anisotropy);
+        w.put(t->compression_resistance), w.put(t->transverse_anisotropy), w.put(t->rest_scale_envelope);
         w.put_all(t->layers), w.put_all(t->fibers);
         put_points(w, t->forces);
     }
@@ -199,7 +199,7 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
             continue;
         }
         TissueInputs t;
-        r.get(t.compression_resistance), r.get(t.transverse_anisotropy);
+        r.get(t.compression_resistance), r.get(t.transverse_anisotropy), r.get(t.rest_scale_envelope);
         r.get_all(t.layers), r.get_all(t.fibers);
         get_points(r, t.forces);
         body = std::move(t);

@@ -22,13 +22,15 @@ struct MaterialValues {
     double mass_density = 1060; ///< [kg/m^3]
     double envelope = 1;
     double volume_conservation = 0; ///< [Pa], independent of Young's modulus
+    double rest_scale = 1;          ///< of lengths at rest, > 0; to the power of TissueInputs::rest_scale_envelope
     static constexpr auto fields() {
         using T = MaterialValues;
         return std::to_array<Field<T>>({{"youngsModulus", "Pa", &T::youngs_modulus},
                                         {"poissonsRatio", "1", &T::poissons_ratio},
                                         {"massDensity", "kg/m^3", &T::mass_density},
                                         {"envelope", "1", &T::envelope},
-                                        {"volumeConservation", "Pa", &T::volume_conservation}});
+                                        {"volumeConservation", "Pa", &T::volume_conservation},
+                                        {"restScale", "1", &T::rest_scale}});
     }
 };
 
@@ -36,25 +38,29 @@ struct FiberValues {
     double strength = 12e3;       ///< [Pa]
     double contraction_limit = 0; ///< fibre stretch at which the pull ends
     double excitation = 0, envelope = 1;
+    double growth = 1; ///< of lengths at rest across the fibre, > 0; to the power of envelope x weight
     static constexpr auto fields() {
         using T = FiberValues;
         return std::to_array<Field<T>>({{"strength", "Pa", &T::strength},
                                         {"contractionLimit", "1", &T::contraction_limit},
                                         {"excitation", "1", &T::excitation},
-                                        {"envelope", "1", &T::envelope}});
+                                        {"envelope", "1", &T::envelope},
+                                        {"muscleGrowthScale", "1", &T::growth}});
     }
 };
 
 struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
     double transverse_anisotropy = 1;      ///< law anisotropic: stiffness across the fibre / along it
+    double rest_scale_envelope = 1;        ///< exponent of the layers' rest_scale; 0 = off
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
     static constexpr auto fields() {
         using T = TissueInputs;
         return std::to_array<Field<T>>({{"compressionResistance", "1", &T::compression_resistance},
-                                        {"transverseAnisotropy", "1", &T::transverse_anisotropy}});
+                                        {"transverseAnisotropy", "1", &T::transverse_anisotropy},
+                                        {"restScaleEnvelope", "1", &T::rest_scale_envelope}});
     }
 };
 

@@ -71,8 +71,7 @@ void values_within(const Scene& scene, const StepInputs& known, const StepInputs
         const auto& end = std::get<TissueInputs>(after.bodies[i]);
         if (conserves_volume(*t) == conserves_volume(end)) continue;
         t->layers = end.layers;
-        t->compression_resistance = end.compression_resistance;
-        t->transverse_anisotropy = end.transverse_anisotropy;
+        for (const auto& f : TissueInputs::fields()) (*t).*f.at = end.*f.at;
     }
     for (std::size_t k = 0; k < out.attachments.size(); ++k) out.attachments[k].set_mode(after.attachments[k].mode());
     for (std::size_t k = 0; k < out.parts.size(); ++k) {

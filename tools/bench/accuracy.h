@@ -78,6 +78,8 @@ std::vector<AccuracyCase> material_cases();
 std::vector<AccuracyCase> static_cases();
 /// Pressure and surface tension (3, 7).
 std::vector<AccuracyCase> surface_cases();
+/// Rest shapes that change (9).
+std::vector<AccuracyCase> rest_cases();
 /// Integrators and moving bodies (5, 6, 13).
 std::vector<AccuracyCase> dynamic_cases();
 /// Contact, sliding attachments and goals (11, 12).

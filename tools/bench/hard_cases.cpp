@@ -368,6 +368,68 @@ void full_excitation(HardTrial& t) {
     t.must(t.distance_from(slow) < 1e-3, off_by(t.distance_from(slow)) + " from where a slow rise leads");
 }
 
+// ---- rest shapes that change
+
+/// restScale and its envelope, or muscleGrowthScale, and what they make of lengths across and along the fibres, which
+/// run along x.
+struct Change {
+    double scale = 1, envelope = 1, growth = 1;
+    double along() const { return std::pow(scale, envelope); }
+    double across() const { return along() * growth; }
+    Mat3 matrix() const { return Vec3(along(), across(), across()).asDiagonal(); }
+    void put(HardTrial& t) const {
+        t.values().layers[0].rest_scale = scale;
+        t.values().rest_scale_envelope = envelope;
+        t.values().fibers[0].growth = growth;
+        t.volume_at_rest = along() * across() * across();
+    }
+};
+/// From one change to another, both within the range that a painted layer is likely to ask for.
+constexpr Change changes[][2] = {{{1, 1}, {2, 2}},      {{1, 1}, {0.5, 2}},       {{2, -1}, {2, 2}},
+                                 {{0.5, -1}, {0.5, 2}}, {{1, 1, 0.5}, {1, 1, 2}}, {{1, 1, 2}, {1, 1, 0.5}}};
+
+TissueInputs muscle() {
+    TissueInputs values = flesh(1.2e4, 0.4);
+    values.fibers = {{1e4, 1, 0, 1}};
+    return values;
+}
+
+template <int which>
+void free_rest_changes(HardTrial& t) {
+    t.make(box({bar_length, 0.1, 0.1}, 3, 1, 1), muscle(), nowhere);
+    t.start();
+    for (const Change& change : changes[which]) {
+        change.put(t);
+        t.run(2, 1);
+        t.come_to_rest();
+    }
+    const double off = t.distortion(changes[which][1].matrix());
+    t.must(off < 1e-3 * changes[which][1].along(), "distorted by " + number(off, 3) + " m", several);
+}
+
+template <int which>
+void held_rest_changes(HardTrial& t) {
+    HardTrial slow = quiet(t);
+    for (HardTrial* of : {&slow, &t}) {
+        of->make(box({bar_length, 0.1, 0.1}, 4, 2, 2), muscle(), at_root);
+        of->start();
+    }
+    const auto [from, to] = changes[which];
+    constexpr int parts = 24; // from the model to where it must end
+    for (int i = 1; i <= parts; ++i) {
+        const double share = double(i) / parts;
+        Change part{to.scale, share * to.envelope, std::lerp(1, to.growth, share)};
+        part.put(slow);
+        slow.step();
+    }
+    from.put(t);
+    t.run(2, 0.5);
+    to.put(t);
+    t.run(2, 3);
+    t.come_to_rest();
+    t.must(t.distance_from(slow) < 1e-3, off_by(t.distance_from(slow)) + " from where a slow change leads", several);
+}
+
 // ---- no numbers
 
 enum class Spoilt { bone, modulus, gravity };
@@ -408,6 +470,16 @@ constexpr HardCase cases[] = {
     {"bone in one frame", "jumps ten lengths", "carried along rigidly", bone_moves<jumped>, false},
     {"bone in one frame", "turns and jumps", "carried along rigidly", bone_moves<turned_and_jumped>, false},
     {"full excitation in one frame", "", "as after a slow rise", full_excitation},
+    {"rest shape in one frame", "free, lengths x 4", "exactly scaled", free_rest_changes<0>},
+    {"rest shape in one frame", "free, lengths / 4", "exactly scaled", free_rest_changes<1>, false},
+    {"rest shape in one frame", "free, lengths / 2, then x 4", "exactly scaled", free_rest_changes<2>, false},
+    {"rest shape in one frame", "free, lengths x 2, then / 4", "exactly scaled", free_rest_changes<3>, false},
+    {"rest shape in one frame", "free, growth 0.5, then 2", "exactly grown", free_rest_changes<4>},
+    {"rest shape in one frame", "free, growth 2, then 0.5", "exactly grown", free_rest_changes<5>, false},
+    {"rest shape in one frame", "held, lengths x 4", "as after a slow change", held_rest_changes<0>, false},
+    {"rest shape in one frame", "held, lengths / 4", "as after a slow change", held_rest_changes<1>, false},
+    {"rest shape in one frame", "held, growth 0.5, then 2", "as after a slow change", held_rest_changes<4>, false},
+    {"rest shape in one frame", "held, growth 2, then 0.5", "as after a slow change", held_rest_changes<5>},
     {"not a number comes in", "of a bone", "an error", not_a_number_comes_in<Spoilt::bone>},
     {"not a number comes in", "of a material", "an error", not_a_number_comes_in<Spoilt::modulus>, false},
     {"not a number comes in", "of gravity", "an error", not_a_number_comes_in<Spoilt::gravity>, false},

@@ -149,7 +149,7 @@ void HardTrial::judge(const State& before) {
     const std::string at = "step " + std::to_string(steps) + ": ";
     if (const std::string odd = not_a_number(state); !odd.empty()) throw WrongAnswer{at + odd};
     const StepRecord& r = state.record;
-    const double det = least_det(*scene_, state.x);
+    const double det = least_det(*scene_, state.x) / volume_at_rest;
     const bool same = is_linear() ? std::abs(det - r.min_j) <= same_det * std::max(1.0, std::abs(det))
                                   : r.min_j <= det + same_det * std::max(1.0, std::abs(det));
     if (!same) throw WrongAnswer{at + "least det F is " + number(det) + ", not " + number(r.min_j)};
@@ -207,14 +207,14 @@ double HardTrial::distance_from(const HardTrial& other) const {
     return worst;
 }
 
-double HardTrial::distortion() const {
+double HardTrial::distortion(const Mat3& to) const {
     double worst = 0;
     for (std::size_t a = 0; a < nodes.size(); ++a)
         for (std::size_t b = 0; b < a; ++b)
             worst = std::max(
                 worst,
                 std::abs((position(state.x, static_cast<int>(a)) - position(state.x, static_cast<int>(b))).norm() -
-                         (nodes[a] - nodes[b]).norm()));
+                         (to * (nodes[a] - nodes[b])).norm()));
     return worst;
 }
 

@@ -45,6 +45,7 @@ class HardTrial {
     solver::Points nodes; ///< rest positions of the first body's vertices, those on edges too
     solver::State state;
     int newton = 0, halvings = 0, unconverged = 0, steps = 0;
+    double volume_at_rest = 1; ///< of every tet, over that of the model: where the case changes the rest shape
     bool is_static() const { return in.integrator == solver::Integrator::quasi_static; }
     bool is_linear() const { return rest->element == solver::ElementKind::linear; }
     /// The first body, its vertices `held` fixed. Fibres and the law's stiff direction are along x.
@@ -72,8 +73,9 @@ class HardTrial {
     /// Greatest distance of a vertex of the first body from where `to` takes its rest position [m].
     double distance_from(const Map& to) const;
     double distance_from(const HardTrial& other) const;
-    /// Greatest change of a distance between two vertices of the first body [m]: 0 for rigid motions.
-    double distortion() const;
+    /// Greatest difference of a distance between two vertices of the first body from that after `to` [m]: without it 0
+    /// for rigid motions.
+    double distortion(const solver::Mat3& to = solver::Mat3::Identity()) const;
     solver::Vec3 centre() const; ///< of the first body, if it is of one density
 
     /// A few long steps: what still moves after `run` is to be gone.

@@ -61,6 +61,15 @@ constexpr Feature features[] = {
          s.tissue.layers.back().youngs_modulus *= 10;
          s.tissue.layers.back().envelope = 0;
      }},
+    {"restScale 1 in all layers, restScaleEnvelope 2", [](Subject& s) { s.tissue.rest_scale_envelope = 2; }},
+    {"restScale 0.8, restScaleEnvelope 0",
+     [](Subject& s) { s.tissue.layers.front().rest_scale = 0.8, s.tissue.rest_scale_envelope = 0; }},
+    {"muscle growth, envelope 0",
+     [](Subject& s) {
+         const std::size_t tets = s.rest->tets.tets.size();
+         s.rest->fibers = {{Points(tets, Vec3(1, 0, 0)), std::vector<double>(tets, 1.0)}};
+         s.tissue.fibers = {FiberValues{.strength = 0, .envelope = 0, .growth = 2}};
+     }},
     {"dead loads, all zero", [](Subject& s) { s.tissue.forces.assign(s.rest->tets.vertices.size(), Vec3::Zero()); }},
     {"a bone that nothing holds on to", add_bone},
     {"attachment of one held vertex, envelope 0",

@@ -56,14 +56,16 @@ Json describe(const solver::MaterialValues& m) {
     return {{"youngsModulus", m.youngs_modulus},
             {"poissonsRatio", m.poissons_ratio},
             {"massDensity", m.mass_density},
-            {"envelope", m.envelope}};
+            {"envelope", m.envelope},
+            {"restScale", m.rest_scale}};
 }
 
 Json describe(const solver::FiberValues& f) {
     return {{"strength", f.strength},
             {"contractionLimit", f.contraction_limit},
             {"excitation", f.excitation},
-            {"envelope", f.envelope}};
+            {"envelope", f.envelope},
+            {"muscleGrowthScale", f.growth}};
 }
 
 Json describe(const nodes::Body& body) {
@@ -73,6 +75,7 @@ Json describe(const nodes::Body& body) {
         out["tets"] = describe((*tissue)->tets);
     if (const auto* values = std::get_if<solver::TissueInputs>(&body.values)) {
         out["compressionResistance"] = values->compression_resistance;
+        out["restScaleEnvelope"] = values->rest_scale_envelope;
         for (const auto& layer : values->layers) out["materials"].push_back(describe(layer));
         for (const auto& fiber : values->fibers) out["fibers"].push_back(describe(fiber));
     }

@@ -60,8 +60,7 @@ void Elastic::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             PointInputs in = point_inputs(t, i);
             double* h = hessians_.data() + batches.hessian_at(i);
             if (batches.kind == ElementKind::quadratic)
-                return quadratic_hessian(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t],
-                                         x.data(), project, h);
+                return quadratic_hessian(in, edges(t, i), has_means_[t], x.data(), project, h);
             Pressures pressures{Pack(0.0), Pack(0.0)};
             if (patches_[t]) {
                 pressures.j = Pack::load(patches_[t]->pressures(i));

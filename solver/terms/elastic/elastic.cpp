@@ -40,6 +40,7 @@ Elastic::Elastic(const Scene& scene)
     force_floor_.assign(n, 0.0);
     stiffness_scale_.assign(n, 0.0);
     patches_.resize(n);
+    changed_.resize(n);
     for (const TissueBatches& t : system_.tissues) anisotropy_.push_back(t.anisotropy);
     moduli_.resize(system_.batches.size());
     summaries_.resize(system_.batches.size());
@@ -61,7 +62,8 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
             patches_[t].reset();
             if (wants_patches) patches_[t] = std::make_unique<ConservedVolume>(scene_, batches);
         }
-        if (new_couplings || inputs_[t].layers.empty() || !same_material(inputs_[t], in)) {
+        const bool new_rest = take_rest_change(t, in);
+        if (new_couplings || new_rest || inputs_[t].layers.empty() || !same_material(inputs_[t], in)) {
             set_materials(t, in);
             changed = true;
         }
@@ -83,6 +85,17 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
     return {new_couplings, changed};
 }
 
+bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in) {
+    if (same_rest_change(inputs_[t], in)) return false;
+    const TissueBatches& batches = system_.tissues[t];
+    if (!changes_rest(in))
+        changed_[t].reset();
+    else if (!changed_[t])
+        changed_[t] = std::make_unique<ChangedRest>(system_, batches);
+    if (changed_[t]) changed_[t]->set(*scene_.tissue(batches.body), in);
+    return true;
+}
+
 void Elastic::relax(int level) {
     volume_share_ = std::pow(10.0, -level);
     for (std::size_t t = 0; t < system_.tissues.size(); ++t)
@@ -92,7 +105,7 @@ void Elastic::relax(int level) {
 PointInputs Elastic::point_inputs(std::size_t t, std::size_t i) const {
     const TissueBatches& batches = system_.tissues[t];
     const std::size_t e = batches.first_batch + i;
-    PointInputs in{batches.law, system_.batches[e], moduli_[e]};
+    PointInputs in{batches.law, tets(t, i), moduli_[e]};
     if (!anisotropy_[t].empty()) in.anisotropy = &anisotropy_[t][i];
     if (damping_share_ > 0) {
         in.viscosity = damping_share_;
@@ -130,6 +143,10 @@ void Elastic::remember(const Positions& x, bool keeps_history, TermMemory& memor
     set_strains_of({.x = &x}, {}, out);
     parallel_for(out.size(), 8192,
                  [&](std::size_t i) { out[i] = velocity_factor_ * (out[i] - reference_strains_[i]); });
+    // Kept as rates of the model's strain: the rest shape may be another one at the next step.
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t)
+        for (std::size_t i = 0; changed_[t] && i < system_.tissues[t].batch_count; ++i)
+            changed_[t]->to_model(i, out.data() + system_.tissues[t].strain_at(i));
 }
 
 double Elastic::stored_energy(const Positions& x) {
@@ -141,9 +158,10 @@ double Elastic::stored_energy(const Positions& x) {
 
 void Elastic::set_strains_of(const StrainReference& reference, std::span<const double> known_rates,
                              std::span<double> strains) const {
-    for (const TissueBatches& batches : system_.tissues)
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
+        const TissueBatches& batches = system_.tissues[t];
         parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
-            const TetBatch& batch = system_.batches[batches.first_batch + i];
+            const TetBatch& batch = tets(t, i);
             double* out = strains.data() + batches.strain_at(i);
             StrainReference here = reference;
             if (!known_rates.empty()) here.v = nullptr;
@@ -151,13 +169,17 @@ void Elastic::set_strains_of(const StrainReference& reference, std::span<const d
                 return x ? corners_of(batch, x->data()) : Corners{};
             };
             if (batches.kind == ElementKind::quadratic)
-                quadratic_reference_strain(batch, system_.edge_batches[batches.first_edge_batch + i], here, out);
+                quadratic_reference_strain(batch, edges(t, i), here, out);
             else
                 reference_strain(batch, here, corners(here.x), corners(here.x_between), corners(here.v), out);
             if (known_rates.empty()) return;
-            const double* rate = known_rates.data() + batches.strain_at(i);
-            for (int k = 0; k < batches.points() * strain_size; ++k) out[k] += here.rate * rate[k];
+            const int count = batches.points() * strain_size;
+            double rate[quadratic_points * strain_size];
+            std::copy_n(known_rates.data() + batches.strain_at(i), count, rate);
+            if (changed_[t]) changed_[t]->to_changed(i, rate);
+            for (int k = 0; k < count; ++k) out[k] += here.rate * rate[k];
         });
+    }
 }
 
 double Elastic::energy(const Positions& x, bool) {
@@ -170,8 +192,7 @@ double Elastic::energy(const Positions& x, bool) {
             const std::size_t e = batches.first_batch + i;
             double* g = gradients_.data() + batches.gradient_at(i);
             if (batches.kind == ElementKind::quadratic)
-                return quadratic_gradient(in, system_.edge_batches[batches.first_edge_batch + i], has_means_[t],
-                                          x.data(), g, summaries_[e]);
+                return quadratic_gradient(in, edges(t, i), has_means_[t], x.data(), g, summaries_[e]);
             Pressures pressures{Pack(0.0), Pack(0.0)};
             if (patches_[t]) {
                 pressures.j = Pack::load(patches_[t]->pressures(i));
@@ -231,13 +252,13 @@ double Elastic::fiber_norm(std::size_t t) const {
 }
 
 void Elastic::add_quality(const Positions* x, ShapeQuality& quality) const {
-    for (const TissueBatches& batches : system_.tissues)
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
+        const TissueBatches& batches = system_.tissues[t];
         for (std::size_t i = 0; i < batches.batch_count; ++i) {
             const std::size_t e = batches.first_batch + i;
             double of_tets[lanes];
             if (x && batches.kind == ElementKind::quadratic)
-                quadratic_least_j(system_.batches[e], system_.edge_batches[batches.first_edge_batch + i], x->data(),
-                                  of_tets);
+                quadratic_least_j(tets(t, i), edges(t, i), x->data(), of_tets);
             else
                 std::copy_n(summaries_[e].j, lanes, of_tets);
             for (int lane = 0; lane < lanes; ++lane) {
@@ -247,6 +268,7 @@ void Elastic::add_quality(const Positions* x, ShapeQuality& quality) const {
                 if (!(j > 0)) ++quality.inverted;
             }
         }
+    }
 }
 
 void Elastic::raise_forces_at_work(const Positions&, std::span<double> largest) const {

@@ -2,13 +2,14 @@
 // are computed batch by batch in parallel into places of their own, then gathered vertex by vertex and block by block
 // in a fixed order, so that sums have the same bits for any number of threads.
 //   elastic.cpp    values, stages, energy and forces     materials.cpp  moduli, masses, scales
-//   assembly.cpp   couplings and the Hessian             layer_mix, conserved_volume: its parts
+//   assembly.cpp   couplings and the Hessian             layer_mix, conserved_volume, rest_change: its parts
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/elastic_point.h"
 #include "solver/system.h"
 #include "solver/term/type.h"
 #include "solver/terms/elastic/conserved_volume.h"
+#include "solver/terms/elastic/rest_change.h"
 
 #include <memory>
 
@@ -47,11 +48,22 @@ class Elastic final : public Term {
     double stored_energy(const Positions& x) override;
 
   private:
+    /// Takes the change of the rest shape that the values make; false: it is the one that is there.
+    bool take_rest_change(std::size_t tissue, const TissueInputs& in);
     void set_materials(std::size_t tissue, const TissueInputs& in);
     void set_scales();
     void set_strains_of(const StrainReference& reference, std::span<const double> known_rates,
                         std::span<double> strains) const;
     PointInputs point_inputs(std::size_t tissue, std::size_t i) const;
+    /// Batch i of a tissue at rest, as its rest shape is now.
+    const TetBatch& tets(std::size_t tissue, std::size_t i) const {
+        return changed_[tissue] ? changed_[tissue]->tets(i) : system_.batches[system_.tissues[tissue].first_batch + i];
+    }
+    /// Of quadratic tets.
+    const EdgeBatch& edges(std::size_t tissue, std::size_t i) const {
+        return changed_[tissue] ? changed_[tissue]->edges(i)
+                                : system_.edge_batches[system_.tissues[tissue].first_edge_batch + i];
+    }
     /// Norms of the last evaluation's forces of a tissue's single elements, and of its fibres, before they cancel [N].
     double force_norm(std::size_t tissue) const;
     double fiber_norm(std::size_t tissue) const;
@@ -65,6 +77,7 @@ class Elastic final : public Term {
     std::vector<std::vector<ActiveFiber>> fibers_;    ///< per tissue, batch by batch, `active_count_` each
     std::vector<std::size_t> active_count_;
     std::vector<std::unique_ptr<ConservedVolume>> patches_; ///< per tissue; null where none are used
+    std::vector<std::unique_ptr<ChangedRest>> changed_;     ///< per tissue; null where the rest shape is the model's
     std::vector<double> tet_mass_;                          ///< per slot of all batches [kg]
     double damping_share_ = 0, velocity_factor_ = 0;
     std::vector<double> reference_strains_; ///< of every point; empty without damping

@@ -2,6 +2,7 @@
 #include "solver/terms/elastic/layer_mix.h"
 
 #include "solver/error.h"
+#include "solver/terms/elastic/rest_change.h"
 
 #include <algorithm>
 #include <string>
@@ -33,6 +34,13 @@ void check_values(const TissueInputs& in, int body) {
         if (const auto* f = not_finite(m)) refuse(std::string("the ") + f->name + " of a tissue's material");
     for (const FiberValues& values : in.fibers)
         if (const auto* f = not_finite(values)) refuse(std::string("the ") + f->name + " of a tissue's fibre");
+    try {
+        check_rest_scale(in);
+        check_growth(in);
+    } catch (Error& e) {
+        e.body = body;
+        throw;
+    }
     if (!std::all_of(in.forces.begin(), in.forces.end(), [](const Vec3& f) { return f.allFinite(); }))
         refuse("a load on a tissue");
 }

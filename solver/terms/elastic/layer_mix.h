@@ -11,7 +11,7 @@ bool same_material(const TissueInputs& a, const TissueInputs& b);
 /// Layers composited bottom to top: M_N = a m_N + (1 - a) M_{N-1}, a = envelope x weight; the first layer is opaque.
 MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::size_t tet);
 /// Throws Error FE304 that names the body where a value is not a finite number: further on it would only be an energy
-/// that is none, of the whole scene.
+/// that is none, of the whole scene. Likewise FE247 where they leave no rest shape.
 void check_values(const TissueInputs& in, int body);
 
 } // namespace sinew::solver

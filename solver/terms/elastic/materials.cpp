@@ -31,7 +31,6 @@ void Elastic::set_materials(std::size_t t, const TissueInputs& in) {
     if (patches) patches->clear();
     for (std::size_t slot = 0; slot < batches.batch_count * lanes; ++slot) {
         const std::size_t tet = std::min(slot, batches.tet_count - 1), i = slot / lanes, lane = slot % lanes;
-        const TetBatch& batch = system_.batches[batches.first_batch + i];
         TetModuli& moduli = moduli_[batches.first_batch + i];
         const MaterialValues m = mix_layers(rest, in, tet);
         const Lame l = lame(m.youngs_modulus, m.poissons_ratio);
@@ -47,9 +46,12 @@ void Elastic::set_materials(std::size_t t, const TissueInputs& in) {
         if (!anisotropy_[t].empty())
             anisotropy_[t][i].root[lane] =
                 batches.anisotropy[i].root[lane] == 0 ? 1 : std::pow(in.transverse_anisotropy, 0.25);
-        tet_mass_[batches.first_batch * lanes + slot] = m.mass_density * batch.volume[lane];
+        // What has grown weighs what the model does, and is as stiff per volume.
+        tet_mass_[batches.first_batch * lanes + slot] =
+            m.mass_density * system_.batches[batches.first_batch + i].volume[lane];
+        // What a patch holds now is the same whichever rest shape it is measured from: V det F = V det G det Fe.
         if (patches && slot < batches.tet_count)
-            patches->add_stiffness(tet, batch.volume[lane], volume_share_ * m.volume_conservation);
+            patches->add_stiffness(tet, tets(t, i).volume[lane], volume_share_ * m.volume_conservation);
     }
 }
 
@@ -59,10 +61,10 @@ void Elastic::set_scales() {
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
         const TissueBatches& batches = system_.tissues[t];
         double floor = 0, stiffness = 0;
-        for (std::size_t e = batches.first_batch; e < batches.first_batch + batches.batch_count; ++e)
+        for (std::size_t i = 0; i < batches.batch_count; ++i)
             for (int lane = 0; lane < lanes; ++lane) {
-                const TetBatch& b = system_.batches[e];
-                const TetModuli& m = moduli_[e];
+                const TetBatch& b = tets(t, i);
+                const TetModuli& m = moduli_[batches.first_batch + i];
                 double squares = 0;
                 for (const auto& row : b.shape) squares += row[lane] * row[lane];
                 const double lambda = m.lambda[lane] + m.lambda_mean[lane];
@@ -77,11 +79,11 @@ void Elastic::set_scales() {
         for (std::size_t p = 0; patches_[t] && p < patches_[t]->count(); ++p) {
             const ConservedVolume::Patch patch = patches_[t]->patch(p);
             elastic_scale_ += patch.stiffness;
-            const std::size_t e = batches.first_batch + patch.tet / lanes, lane = patch.tet % lanes;
+            const std::size_t i = patch.tet / lanes, lane = patch.tet % lanes;
             double squares = 0;
-            for (const auto& row : system_.batches[e].shape) squares += row[lane] * row[lane];
+            for (const auto& row : tets(t, i).shape) squares += row[lane] * row[lane];
             stiffness += patch.stiffness * patch.stiffness * squares * squares;
-            stiffest = std::max(stiffest, patch.stiffness / (patch.volume * moduli_[e].mu[lane]));
+            stiffest = std::max(stiffest, patch.stiffness / (patch.volume * moduli_[batches.first_batch + i].mu[lane]));
         }
         force_floor_[t] = 1e-6 * std::sqrt(floor);
         stiffness_scale_[t] = std::sqrt(stiffness);
@@ -90,14 +92,16 @@ void Elastic::set_scales() {
 }
 
 void Elastic::add_vertex_stiffness(std::span<double> stiffness) const {
-    for (const TissueBatches& t : system_.tissues)
-        for (std::size_t slot = 0; slot < t.tet_count; ++slot) {
-            const std::size_t e = t.first_batch + slot / lanes, lane = slot % lanes;
-            const double share =
-                modulus_of(moduli_[e], static_cast<int>(lane)) * system_.batches[e].volume[lane] / t.nodes();
-            for (int n = 0; n < t.nodes(); ++n)
-                stiffness[static_cast<std::size_t>(system_.node(t, slot / lanes, n)[lane])] += share;
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
+        const TissueBatches& batches = system_.tissues[t];
+        for (std::size_t slot = 0; slot < batches.tet_count; ++slot) {
+            const std::size_t i = slot / lanes, lane = slot % lanes;
+            const TetModuli& moduli = moduli_[batches.first_batch + i];
+            const double share = modulus_of(moduli, static_cast<int>(lane)) * tets(t, i).volume[lane] / batches.nodes();
+            for (int n = 0; n < batches.nodes(); ++n)
+                stiffness[static_cast<std::size_t>(system_.node(batches, i, n)[lane])] += share;
         }
+    }
 }
 
 } // namespace sinew::solver

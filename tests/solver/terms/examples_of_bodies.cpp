@@ -27,7 +27,8 @@ TetMesh lattice(ElementKind kind, int fineness) {
 }
 
 /// A block with fibres that flies, or is held at one side, deformed by moving loads.
-ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, bool cut, bool held, int fineness) {
+ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation, bool cut, bool held, bool grows,
+                   int fineness) {
     auto t = tissue(cut ? lattice(kind, fineness) : box_mesh({0.2, 0.1, 0.1}, 2 * fineness, fineness, fineness), law);
     t->element = kind;
     if (held) t->fixed_vertices = vertices_where(t->tets.vertices, [](const Vec3& p) { return p.x() < 1e-9; });
@@ -35,13 +36,18 @@ ExampleScene block(ElasticLaw law, ElementKind kind, double volume_conservation,
     if (needs_direction(law)) t->stiff_directions.assign(n, Vec3(1, 2, -0.5).normalized());
     t->fibers = {{Points(n, Vec3(1, 0.2, 0).normalized()), std::vector<double>(n, 1.0)}};
     auto scene = std::make_shared<const Scene>(SceneDescription{.bodies = {t}, .attachments = {}, .parts = {}});
-    return {scene, [scene, volume_conservation](int step) {
+    return {scene, [scene, volume_conservation, grows](int step) {
                 StepInputs in = still_inputs();
                 TissueInputs values = material(2e4, 0.45, 1000);
                 values.layers[0].volume_conservation = volume_conservation;
                 values.compression_resistance = 100;
                 values.transverse_anisotropy = 0.5;
                 values.fibers = {{1e4, 0.6, 0.1 * step, 1}};
+                if (grows) {
+                    values.layers[0].rest_scale = 1.2;
+                    values.rest_scale_envelope = 1 + 0.2 * step;
+                    values.fibers[0].growth = 0.8 + 0.1 * step;
+                }
                 values.forces.assign(scene->vertex_count(0), Vec3(0.1, 0, 0.02 * step));
                 in.stiffness_damping = 0.01;
                 in.bodies = {values};
@@ -96,15 +102,17 @@ std::vector<TermExample> elastic_examples() {
     std::vector<TermExample> out;
     for (const LawFacts& law : elastic_laws)
         for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic})
-            for (const auto& [conservation, cut, held] :
-                 {std::tuple{0.0, false, false}, {0.0, false, true}, {1e5, false, false}, {1e5, true, false}}) {
+            for (const auto& [conservation, cut, held, grows] : {std::tuple{0.0, false, false, false},
+                                                                 {0.0, false, true, false},
+                                                                 {1e5, false, false, false},
+                                                                 {1e5, true, false, false},
+                                                                 {1e5, true, false, true}}) {
                 TermExample e;
                 e.name = std::string(law.name) + ", " + name_of(kind) + (conservation > 0 ? ", keeps its volume" : "") +
-                         (cut ? ", cut tets" : "") + (held ? ", held" : "");
+                         (cut ? ", cut tets" : "") + (held ? ", held" : "") + (grows ? ", grows" : "");
                 e.type = &elastic_type;
-                e.make = [law = law.law, kind, conservation = conservation, cut = cut, held = held](int fineness) {
-                    return block(law, kind, conservation, cut, held, fineness);
-                };
+                e.make = [law = law.law, kind, conservation = conservation, cut = cut, held = held, grows = grows](
+                             int fineness) { return block(law, kind, conservation, cut, held, grows, fineness); };
                 e.forces_cancel = true;
                 e.torques_cancel = true;
                 e.projects_exactly = false; // of the viscous stress only the definite part is kept
