@@ -77,7 +77,7 @@ TEST_CASE("a tissue of restScale comes to rest exactly scaled, in any unit, by i
         }
 }
 
-TEST_CASE("a muscle grows across its fibres by keys; without a line of action it does not follow one", "[nodes]") {
+TEST_CASE("a muscle grows across its fibres by keys, without a line of action it does not follow one", "[nodes]") {
     const std::string grows = R"(, "enableMuscleGrowth": true, "muscleGrowthScale": {"keys": [[1, 1], [2, 1.5]]})";
     const double model = 0.08 * 0.04 * 0.04;
     Session s(box(1, "", "", grows));

@@ -130,7 +130,7 @@ TEST_CASE("a free muscle grows by the square of its scale across the fibres, kee
             }
 }
 
-TEST_CASE("growths of several fibres multiply; envelopes and weights are exponents; nothing grows without a fibre",
+TEST_CASE("growths of several fibres multiply, envelopes and weights are exponents, nothing grows without a fibre",
           "[rest]") {
     const Vec3 one(1, 0, 0), two(0.6, 0.8, 0);
     TissueInputs values = flesh(2e4, 0.3);
