@@ -177,6 +177,15 @@ Vec3 bone_point(const AnchorEnd& end, const Points& positions) {
            end.coordinates[2] * positions[at(end.vertices[2])];
 }
 
+Vec3 modelled_point(const Scene& scene, int body, const AnchorEnd& end) {
+    if (end.tet < 0) return bone_point(end, scene.bone(body)->surface);
+    const PointWeights point = scene.embedded(body, end.tet, end.coordinates);
+    Vec3 p = Vec3::Zero();
+    for (int k = 0; k < point.count; ++k)
+        p += point.weight[k] * Eigen::Map<const Vec3>(scene.numbering().rest.data() + 3 * at(point.vertex[k]));
+    return p;
+}
+
 Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {
     const Vec3 point = bone_point(anchor.target, positions);
     if (anchor.offset == std::array<double, 3>{}) return point;

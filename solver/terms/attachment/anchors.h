@@ -46,6 +46,8 @@ struct AttachmentMemory {
 
 /// Position of an end on a bone.
 Vec3 bone_point(const AnchorEnd& end, const Points& positions);
+/// Where an end was modelled, on a tissue or a bone.
+Vec3 modelled_point(const Scene& scene, int body, const AnchorEnd& end);
 /// Position of an anchor whose target is a bone: the point on its triangle plus the offset, turned with the triangle.
 Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
 

@@ -162,10 +162,13 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const
 }
 
 bool Contacts::is_left_to_attachments(const KeptContact& c) const {
-    for (std::size_t p = 0; p < pairs_.size(); ++p)
-        if (c.source == pairs_[p].source && c.target == pairs_[p].target)
-            return !held_[p].empty() && held_[p][at(c.point)];
-    return false;
+    const auto before = [](const ContactPair& a, const KeptContact& b) {
+        return std::tie(a.source, a.target) < std::tie(b.source, b.target);
+    };
+    const auto pair = std::lower_bound(pairs_.begin(), pairs_.end(), c, before);
+    if (pair == pairs_.end() || pair->source != c.source || pair->target != c.target) return false;
+    const std::vector<char>& held = held_[at(pair - pairs_.begin())];
+    return !held.empty() && held[at(c.point)];
 }
 
 /// What is coupled changes only where something ties firmly that is not: each change costs an analysis.

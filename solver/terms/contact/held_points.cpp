@@ -6,20 +6,6 @@
 
 namespace sinew::solver {
 
-namespace {
-
-/// Where an anchor's end was modelled.
-Vec3 modelled(const Scene& scene, int body, const AnchorEnd& end) {
-    if (end.tet < 0) return bone_point(end, scene.bone(body)->surface);
-    const PointWeights point = scene.embedded(body, end.tet, end.coordinates);
-    Vec3 p = Vec3::Zero();
-    for (int k = 0; k < point.count; ++k)
-        p += point.weight[k] * Eigen::Map<const Vec3>(scene.numbering().rest.data() + 3 * at(point.vertex[k]));
-    return p;
-}
-
-} // namespace
-
 HeldPoints::HeldPoints(const Scene& scene, const CollisionBodies& bodies)
     : scene_(scene)
     , bodies_(bodies)
@@ -40,8 +26,8 @@ void HeldPoints::take(const State& before) {
         if (held.source < 0 || held.target < 0) continue;
         Points sources, targets;
         for (const Anchor& anchor : attachments.anchors[a]) {
-            sources.push_back(modelled(scene_, rest.source, anchor.source));
-            targets.push_back(modelled(scene_, rest.target, anchor.target));
+            sources.push_back(modelled_point(scene_, rest.source, anchor.source));
+            targets.push_back(modelled_point(scene_, rest.target, anchor.target));
         }
         held.of[0] = flags(held.source, sources), held.of[1] = flags(held.target, targets);
     }
@@ -70,7 +56,7 @@ std::vector<char> HeldPoints::flags(int body, const Points& places) const {
     return out;
 }
 
-bool HeldPoints::find(const ContactPair& pair, std::span<const AttachmentInputs> inputs,
+void HeldPoints::find(const ContactPair& pair, std::span<const AttachmentInputs> inputs,
                       std::vector<char>& held) const {
     held.clear();
     for (std::size_t a = 0; a < held_.size(); ++a) {
@@ -82,7 +68,6 @@ bool HeldPoints::find(const ContactPair& pair, std::span<const AttachmentInputs>
         held.resize(flags.size(), 0);
         for (std::size_t p = 0; p < flags.size(); ++p) held[p] = held[p] || flags[p];
     }
-    return !held.empty();
 }
 
 } // namespace sinew::solver

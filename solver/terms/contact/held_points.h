@@ -19,8 +19,8 @@ class HeldPoints {
     /// Does nothing where the attachments' memory is what it was.
     void take(const State& before);
     /// Flags the points of a pair's source that fixed attachments between its bodies hold, those whose stiffness times
-    /// envelope is that of the contact or more. Returns whether there are any; if not, `held` is empty.
-    bool find(const ContactPair& pair, std::span<const AttachmentInputs> inputs, std::vector<char>& held) const;
+    /// envelope is that of the contact or more. Empty: there are none.
+    void find(const ContactPair& pair, std::span<const AttachmentInputs> inputs, std::vector<char>& held) const;
 
   private:
     struct Held {

@@ -158,15 +158,7 @@ std::vector<Vec3> Slides::modelled_normals(const std::vector<Anchor>& anchors, c
     boxes.fit(surface, carriers);
     std::vector<Vec3> out(anchors.size());
     parallel_for(anchors.size(), 64, [&](std::size_t i) {
-        const AnchorEnd& end = anchors[i].target;
-        Vec3 p = Vec3::Zero();
-        if (end.tet < 0) {
-            p = bone_point(end, scene_.bone(rest.target)->surface);
-        } else {
-            const PointWeights point = scene_.embedded(rest.target, end.tet, end.coordinates);
-            for (int k = 0; k < point.count; ++k)
-                p += point.weight[k] * Eigen::Map<const Vec3>(carriers + 3 * at(point.vertex[k]));
-        }
+        const Vec3 p = modelled_point(scene_, rest.target, anchors[i].target);
         out[i] = find_feature(surface, boxes, p, 1e300).normal.normalized();
     });
     return out;
