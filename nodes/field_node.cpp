@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/field_node.h"
 
+#include "nodes/subtissues.h"
 #include "solver/terms/field/field.h"
 
 namespace sinew::nodes::field {
@@ -34,6 +35,7 @@ void publish(const Reads& in, Writes& out, const solver::FieldRest& rest, const 
         if (body.is_bone())
             in.fail(bodies.name, "FE218", in.source_name(bodies.name, i) + " is a bone, which no field moves",
                     "Connect tissues, or none for all of the solver's.");
+        refuse_subtissue(in, bodies.name, body, in.source_name(bodies.name, i));
         f.bodies.push_back(id_of(body));
     }
     f.on_all = f.bodies.empty();

@@ -37,6 +37,7 @@ void add_z_bone(engine::Registry&);
 void add_z_tet(engine::Registry&);
 void add_z_material(engine::Registry&);
 void add_z_fiber(engine::Registry&);
+void add_z_subtissue(engine::Registry&);
 void add_z_tissue(engine::Registry&);
 void add_z_attachment(engine::Registry&);
 void add_z_goal_attachment(engine::Registry&);
@@ -116,6 +117,7 @@ void register_all(engine::Registry& registry) {
                       add_z_tet,
                       add_z_material,
                       add_z_fiber,
+                      add_z_subtissue,
                       add_z_tissue,
                       add_z_attachment,
                       add_z_goal_attachment,

@@ -23,14 +23,34 @@ std::string body_name(const Reads& in, const Setup& setup, std::size_t simulated
     return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
 }
 
+/// The tissue that a subtissue is a part of: its place among all bodies. Fails with FE228 where there is none.
+std::size_t whole_of(const Reads& in, const Setup& setup, std::size_t body) {
+    const engine::Digest& wanted = setup.bodies[body].get().subtissue->digest;
+    for (std::size_t i = 0; i < setup.bodies.size(); ++i)
+        for (const BodyRest::Part& part : setup.bodies[i].get().rest->parts)
+            if (part.digest == wanted) return i;
+    in.fail(bodies.name, "FE228", in.source_name(bodies.name, body) + " is a part of none of this solver's bodies",
+            "Connect it to subtissues of the tissue that it lies in, and that tissue to zSolver.bodies.");
+}
+
 void take_bodies(const Reads& in, Setup& setup) {
     setup.bodies = in[bodies];
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
         const Body& b = setup.bodies[i];
-        if (!b.enable) continue;
+        const Body& whole = b.subtissue ? setup.bodies[whole_of(in, setup, i)].get() : b;
+        if (!whole.enable) continue;
         setup.simulated.push_back(static_cast<int>(i));
         setup.ids.push_back(id_of(b));
-        setup.key.bodies.push_back(b.rest->digest);
+        setup.rests.push_back(b.rest);
+        for (const BodyRest::Part& part : whole.rest->parts)
+            if (b.subtissue && part.digest == b.subtissue->digest) setup.rests.back() = part.rest;
+        setup.key.bodies.push_back(setup.rests.back()->digest);
+    }
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
+        const auto body = static_cast<std::size_t>(setup.simulated[i]);
+        const auto whole = static_cast<int>(setup.body(i).subtissue ? whole_of(in, setup, body) : body);
+        const auto at = std::find(setup.simulated.begin(), setup.simulated.end(), whole);
+        setup.carriers.push_back(static_cast<int>(at - setup.simulated.begin()));
     }
 }
 
@@ -64,8 +84,8 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
                 "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
     if (found >= 0) return found;
-    for (const Body& b : setup.bodies)
-        if (!b.enable && b.rest->digest == wanted.rest) return -1;
+    for (const Body& b : setup.bodies) // what is disabled, or a part of what is
+        if ((!b.enable || b.subtissue) && b.rest->digest == wanted.rest) return -1;
     in.fail(attribute, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
             "Connect that body to zSolver.bodies too.");
 }
@@ -107,7 +127,7 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Rea
             if (found >= 0) reached.push_back(found);
         }
         for (std::size_t b = 0; f.on_all && b < setup.simulated.size(); ++b)
-            if (!setup.body(b).is_bone()) reached.push_back(static_cast<int>(b));
+            if (!setup.body(b).is_bone() && !setup.body(b).subtissue) reached.push_back(static_cast<int>(b));
         if (!reached.empty()) take_force(setup, f, static_cast<int>(i), std::move(reached));
     }
     for (std::size_t b = 0; b < setup.simulated.size(); ++b)
@@ -173,7 +193,7 @@ void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& now, co
     in.fail(bodies.name, "FE211", "other bodies, attachments or forces take part than at the start frame", hint);
 }
 
-std::shared_ptr<const solver::TissueRest> in_metres(const solver::TissueRest& rest, double units) {
+std::shared_ptr<solver::TissueRest> in_metres(const solver::TissueRest& rest, double units) {
     auto t = std::make_shared<solver::TissueRest>(rest);
     t->tets.vertices = to_metres(rest.tets.vertices, units);
     t->surface = to_metres(rest.surface, units);
@@ -246,9 +266,11 @@ solver::SceneDescription describe_scene(const Setup& setup) {
     const double units = setup.key.scale;
     solver::SceneDescription scene;
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
-        const auto& data = setup.body(i).rest->data;
+        const auto& data = setup.rests[i]->data;
         if (const auto* t = std::get_if<std::shared_ptr<const solver::TissueRest>>(&data)) {
-            scene.bodies.emplace_back(in_metres(**t, units));
+            auto tissue = in_metres(**t, units);
+            if (setup.body(i).subtissue) tissue->carried_by = setup.carriers[i];
+            scene.bodies.emplace_back(std::shared_ptr<const solver::TissueRest>(std::move(tissue)));
         } else {
             auto bone = std::make_shared<solver::BoneRest>(*std::get<1>(data));
             bone->surface = to_metres(bone->surface, units);
@@ -310,6 +332,7 @@ void check_all_tied(const Reads& in, const Setup& setup) {
         const auto [from, to] = setup.key.links[i];
         group[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
     }
+    for (std::size_t i = 0; i < group.size(); ++i) group[root(i)] = root(static_cast<std::size_t>(setup.carriers[i]));
     std::vector<char> holds(group.size(), 0);
     for (std::size_t i = 0; i < setup.forces.size(); ++i)
         if (setup.forces[i].get().type->ties)
@@ -338,14 +361,14 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     for (int i = 0; i < scene.body_count(); ++i) {
         const solver::TissueRest* t = scene.tissue(i);
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
-        if (!t) continue;
+        if (!t || t->carried_by >= 0) continue; // what a subtissue has is counted with its tissue
         r.tets += static_cast<std::int64_t>(t->tets.tets.size());
         const solver::LawFacts& law = law_facts(t->law);
         if (std::find(laws.begin(), laws.end(), law.name) == laws.end()) laws.emplace_back(law.name);
         fibers = fibers || !t->fibers.empty();
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
         resists = resists || (law.resists_compression && values.compression_resistance > 0);
-        for (const solver::MaterialValues& m : values.layers) conserves = conserves || m.volume_conservation > 0;
+        conserves = conserves || conserves_volume(values);
         rest_changes = rest_changes || changes_rest(values);
     }
     const bool moves = meaning(options_of<solver::Integrator>, in[integrator]) != solver::Integrator::quasi_static;

@@ -18,6 +18,10 @@ struct Setup {
     std::vector<std::reference_wrapper<const Body>> bodies; ///< all of zSolver.bodies
     std::vector<int> simulated;                             ///< positions in `bodies` of those that take part
     std::vector<BodyId> ids;                                ///< of those that take part
+    /// Of those that take part: their rest data, and whose tets carry them, a position among them. Those of a
+    /// subtissue are found here: it knows nothing of the tissue that it is a part of.
+    std::vector<std::shared_ptr<const BodyRest>> rests;
+    std::vector<int> carriers;
     std::vector<std::reference_wrapper<const Attachment>> attachments; ///< those that act
     std::vector<int> attachment_entries;                               ///< their positions in zSolver.attachments
     std::vector<std::reference_wrapper<const Force>> forces; ///< zSolver.forces, then those that bodies bring along

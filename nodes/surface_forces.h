@@ -3,19 +3,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/node_type.h"
-#include "nodes/values.h"
+#include "nodes/painted_volume.h"
 
-#include <functional>
 #include <vector>
 
 namespace sinew::nodes {
 
-/// The layers of a tissue, from bottom to top; their maps fit its mesh.
-using Layers = std::vector<std::reference_wrapper<const Material>>;
-
-/// Each adds a force if some layer has a value other than 0, and nothing otherwise. A layer that has a mesh acts at the
-/// vertices in it or on it, times their weights.
-/// \param mesh the tissue's. Pressure warns (FE245) where it is open or looks inwards.
+/// Each adds a force for the layers of a tissue, from bottom to top, whose maps fit its mesh, if some layer has a value
+/// other than 0, and nothing otherwise. A layer that has a mesh acts at the vertices in it or on it, times their
+/// weights. \param mesh the tissue's. Pressure warns (FE245) where it is open or looks inwards.
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                   std::vector<Force>& forces);
 void add_surface_tension(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/tissue_rest.h"
 
-#include "nodes/adapters.h"
-#include "solver/mesh/harmonic.h"
+#include "nodes/painted_volume.h"
+#include "nodes/part_shares.h"
 #include "solver/meshing/lattice.h"
 #include "solver/meshing/layer_border.h"
 
@@ -12,57 +12,27 @@
 
 namespace sinew::nodes {
 
-using engine::NumberList;
-
 namespace {
-
-bool is_constant(const NumberList& map) {
-    return std::all_of(map.begin(), map.end(), [&](double w) { return w == map.front(); });
-}
 
 /// A vertex this near to its tet, in widths of the tet, lies on it: files and fitted tets round.
 constexpr double touching = 1e-3;
 
-/// Surface maps in the volume: extended harmonically, then the mean of each tet. One factorisation serves
-/// all; constant maps need none and stay exact.
-std::vector<std::vector<double>> per_tet(const solver::TissueRest& t, const std::vector<const NumberList*>& maps) {
-    std::vector<NumberList> varying;
-    for (const NumberList* map : maps)
-        if (!is_constant(*map)) varying.push_back(*map);
-    std::vector<std::vector<double>> fields;
-    if (!varying.empty())
-        fields = solver::harmonic_extensions(t.tets, {t.surface, t.triangles, t.embedding}, varying,
-                                             std::vector<char>(t.surface.size(), 1));
-    std::vector<std::vector<double>> out;
-    auto next = fields.begin();
-    for (const NumberList* map : maps)
-        out.push_back(is_constant(*map) ? std::vector<double>(t.tets.tets.size(), map->empty() ? 1.0 : map->front())
-                                        : solver::tet_means(t.tets, *next++));
-    return out;
-}
-
-/// Unit vectors from given ones; zero where those are. Throws solver::Error FE227 where there are too few or many.
-/// \param parent tets that directions are given for, of which the tissue's are parts; `count` of them
-solver::Points given_directions(const std::vector<int>& parent, std::size_t count, const NumberList& given) {
-    const std::size_t vectors = given.size() / 3;
-    if (vectors != 1 && vectors != count)
-        throw solver::Error("FE227",
-                            std::to_string(vectors) + " fibre directions for " + std::to_string(count) + " tets",
-                            "Give 3 numbers for each tet, in the order of the tets, or 3 for all.");
-    solver::Points out(parent.size());
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        const double* d = given.data() + (vectors == 1 ? 0 : 3 * static_cast<std::size_t>(parent[i]));
-        out[i] = solver::Vec3(d[0], d[1], d[2]).stableNormalized();
+/// All meshes that bound something within a tissue: its layers', then each part's own and its layers'.
+std::vector<const solver::Solid*> places_in(const TissueParts& parts, const std::vector<NestedPart>& nested) {
+    std::vector<const solver::Solid*> out;
+    for (std::size_t k = 1; k < parts.materials.size(); ++k)
+        if (const auto& place = parts.materials[k].get().place) out.push_back(place.get());
+    for (const NestedPart& n : nested) {
+        out.push_back(n.part->place.get());
+        for (std::size_t k = 1; k < n.part->materials.size(); ++k)
+            if (const auto& place = n.part->materials[k].place) out.push_back(place.get());
     }
     return out;
 }
 
-/// The tets, fitted to the borders of layers that have a mesh.
-solver::FittedTets fitted(const TissueParts& parts, const solver::TissueRest& t, solver::TetMesh tets,
-                          const solver::MeshingControl& quiet) {
-    std::vector<const solver::Solid*> places;
-    for (std::size_t k = 1; k < parts.materials.size(); ++k)
-        if (const auto& place = parts.materials[k].get().place) places.push_back(place.get());
+/// The tets, fitted to those borders.
+solver::FittedTets fitted(const std::vector<const solver::Solid*>& places, const solver::TissueRest& t,
+                          solver::TetMesh tets, const solver::MeshingControl& quiet) {
     if (!places.empty()) return solver::fit_to_borders(tets, places, t.surface, t.triangles, quiet);
     solver::FittedTets out{std::move(tets), {}, {}, {}};
     out.parent.resize(out.mesh.tets.size());
@@ -70,46 +40,108 @@ solver::FittedTets fitted(const TissueParts& parts, const solver::TissueRest& t,
     return out;
 }
 
-/// [place][tet]: what of each tet lies in a layer's mesh.
-std::vector<std::vector<double>> border_shares(const TissueParts& parts, const solver::FittedTets& fit,
-                                               const solver::TissueRest& t, const solver::MeshingControl& quiet) {
+/// [place][tet]: what of each tet lies in a mesh.
+std::vector<std::vector<double>> border_shares(const std::vector<const solver::Solid*>& places,
+                                               const solver::FittedTets& fit, const solver::TissueRest& t,
+                                               const solver::MeshingControl& quiet) {
     std::vector<std::vector<double>> out;
-    for (std::size_t k = 1; k < parts.materials.size(); ++k)
-        if (const auto& place = parts.materials[k].get().place)
-            out.push_back(solver::fitted_shares(fit, out.size(), *place, t.surface, t.triangles, quiet));
+    for (const solver::Solid* place : places)
+        out.push_back(solver::fitted_shares(fit, out.size(), *place, t.surface, t.triangles, quiet));
     return out;
 }
 
 /// Layers with a mesh count where it is, times what is painted. Returns those whose mesh holds nothing of the tissue.
-std::vector<std::size_t> bound_layers(const TissueParts& parts, const std::vector<std::vector<double>>& shares,
-                                      solver::TissueRest& t) {
+/// \param next of the layers' shares; moved on
+std::vector<std::size_t> bound_layers(const Layers& materials, std::vector<std::vector<double>>::const_iterator& next,
+                                      std::vector<std::vector<double>>& layer_weights) {
     std::vector<std::size_t> empty;
-    std::size_t place = 0;
-    for (std::size_t k = 1; k < parts.materials.size(); ++k) {
-        if (!parts.materials[k].get().place) continue;
-        const std::vector<double>& inside = shares[place++];
+    for (std::size_t k = 1; k < materials.size(); ++k) {
+        const Material& layer = materials[k];
+        if (!layer.place) continue;
+        const std::vector<double>& inside = *next++;
         if (std::all_of(inside.begin(), inside.end(), [](double s) { return s == 0; })) empty.push_back(k);
-        for (std::size_t tet = 0; tet < inside.size(); ++tet) t.layer_weights[k][tet] *= inside[tet];
+        for (std::size_t tet = 0; tet < inside.size(); ++tet) layer_weights[k][tet] *= inside[tet];
     }
     return empty;
 }
 
-solver::Points directions(const solver::TissueRest& t, const std::vector<int>& parent, std::size_t count,
-                          const Fiber& fiber) {
-    if (!fiber.directions.empty()) return given_directions(parent, count, fiber.directions);
-    std::vector<char> painted;
-    NumberList ends;
-    for (const double e : fiber.end_points) {
-        painted.push_back(is_source(e) || is_sink(e));
-        ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
+/// The anisotropic law's direction in each tet: that of the first fibre of whatever has most of it.
+void set_stiff_directions(solver::TissueRest& t, const std::vector<std::size_t>& first_fibers) {
+    t.stiff_directions.assign(t.tets.tets.size(), solver::Vec3(0, 0, 0));
+    for (std::size_t tet = 0; tet < t.stiff_directions.size(); ++tet) {
+        double most = 1;
+        for (const solver::SubtissueRest& part : t.subtissues) most -= part.shares[tet];
+        std::size_t whose = 0; // the tissue's own, then the parts'
+        for (std::size_t i = 0; i < t.subtissues.size(); ++i)
+            if (t.subtissues[i].shares[tet] > most) most = t.subtissues[i].shares[tet], whose = i + 1;
+        if (first_fibers[whose] < first_fibers[whose + 1])
+            t.stiff_directions[tet] = t.fibers[first_fibers[whose]].directions[tet];
     }
-    return solver::fibre_directions(t.tets, {t.surface, t.triangles, t.embedding}, ends, painted);
+}
+
+/// Adds the parts to a tissue whose own layers and fibres are there.
+void add_parts(const std::vector<NestedPart>& nested, std::vector<std::vector<double>>::const_iterator next,
+               const solver::FittedTets& fit, std::size_t given_tets, solver::TissueRest& t, FoundParts& found) {
+    const std::vector<double> volumes = solid_volumes(t.tets);
+    std::vector<std::vector<double>> inside;
+    auto place = next;
+    for (const NestedPart& n : nested) {
+        inside.push_back(*place++);
+        for (std::size_t k = 1; k < n.part->materials.size(); ++k) place += n.part->materials[k].place != nullptr;
+        found.inside.push_back(sum_of(inside.back(), volumes) /
+                               std::abs(solver::enclosed_volume(n.part->place->points, n.part->place->triangles)));
+    }
+    const std::vector<std::vector<double>> own = exclusive_shares(nested, inside, volumes, found);
+    for (std::size_t i = 0; i < nested.size(); ++i) {
+        ++next;
+        solver::SubtissueRest& rest = t.subtissues.emplace_back();
+        if (std::all_of(own[i].begin(), own[i].end(), [](double s) { return s == 0; })) {
+            // Nothing of it: its caller refuses it, but the data must be whole.
+            rest.layer_weights.assign(nested[i].part->materials.size(), std::vector<double>(own[i].size(), 0.0));
+            for (std::size_t f = 0; f < nested[i].part->fibers.size(); ++f)
+                t.fibers.push_back(
+                    {solver::Points(own[i].size(), solver::Vec3(0, 0, 0)), std::vector<double>(own[i].size(), 0.0)});
+        } else {
+            Painted painted = painted_in_part(t, *nested[i].part, own[i], fit.parent, given_tets);
+            rest.layer_weights = std::move(painted.layers);
+            for (solver::FiberRest& f : painted.fibers) t.fibers.push_back(std::move(f));
+        }
+        bound_layers(references(nested[i].part->materials), next, rest.layer_weights);
+        rest.shares = own[i];
+    }
+}
+
+/// Weights of fibres times the share of what they belong to.
+void weigh_fibers(solver::TissueRest& t, const std::vector<std::size_t>& first_fibers) {
+    for (std::size_t whose = 0; whose + 1 < first_fibers.size(); ++whose)
+        for (std::size_t f = first_fibers[whose]; f < first_fibers[whose + 1]; ++f)
+            for (std::size_t tet = 0; tet < t.tets.tets.size(); ++tet) {
+                double share = 1;
+                if (whose > 0)
+                    share = t.subtissues[whose - 1].shares[tet];
+                else
+                    for (const solver::SubtissueRest& part : t.subtissues) share -= part.shares[tet];
+                t.fibers[f].weights[tet] *= std::max(0.0, share);
+            }
+}
+
+/// A part as a body of its own on the tissue's tets.
+BodyRest::Part part_on(const solver::TissueRest& tissue, const Subtissue& part, const engine::Digest& whole) {
+    auto t = std::make_shared<solver::TissueRest>();
+    t->tets = tissue.tets;
+    t->element = tissue.element;
+    t->law = tissue.law;
+    t->surface = *part.mesh.points;
+    t->triangles = part.mesh.topology->triangles;
+    t->embedding = solver::embed(t->tets, t->surface);
+    auto rest = std::make_shared<BodyRest>();
+    rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
+    rest->mesh = part.mesh;
+    rest->digest = engine::Hasher().add("part").add(whole).add(part.digest).finish();
+    return {part.digest, std::move(rest)};
 }
 
 } // namespace
-
-bool is_source(double end_point) { return end_point <= 0.1; }
-bool is_sink(double end_point) { return end_point >= 0.9; }
 
 engine::Digest static_digest(const TissueParts& parts) {
     engine::Hasher h;
@@ -124,7 +156,16 @@ engine::Digest static_digest(const TissueParts& parts) {
         h.add_doubles(f.weights)
             .add(f.directions.empty())
             .add_doubles(f.directions.empty() ? f.end_points : f.directions);
+    for (const auto& part : parts.subtissues) h.add(part->digest);
     return h.finish();
+}
+
+std::vector<NestedPart> nested_parts(const std::vector<std::shared_ptr<const Subtissue>>& direct) {
+    std::vector<NestedPart> out;
+    for (std::size_t i = 0; i < direct.size(); ++i) out.push_back({direct[i].get(), -1, i});
+    for (std::size_t k = 0; k < out.size(); ++k)
+        for (const auto& inner : out[k].part->parts) out.push_back({inner.get(), static_cast<int>(k), out[k].top});
+    return out;
 }
 
 MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingControl& control) {
@@ -135,30 +176,34 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     solver::TetMesh tets = parts.tets ? *parts.tets->mesh : solver::make_lattice(t->surface, t->triangles, {}, control);
     const std::size_t given_tets = tets.tets.size();
     const solver::MeshingControl quiet{control.stop, {}}; // meshing has reported all of its way
-    solver::FittedTets fit = fitted(parts, *t, std::move(tets), quiet);
+    const std::vector<NestedPart> nested = nested_parts(parts.subtissues);
+    const std::vector<const solver::Solid*> places = places_in(parts, nested);
+    solver::FittedTets fit = fitted(places, *t, std::move(tets), quiet);
     t->tets = fit.mesh;
     t->embedding = solver::embed(t->tets, t->surface);
     t->law = parts.law;
     if (parts.tets) t->element = parts.tets->element;
-    const NumberList everywhere;
-    std::vector<const NumberList*> maps;
-    for (const Material& m : parts.materials) maps.push_back(maps.empty() ? &everywhere : &m.weights);
-    for (const Fiber& f : parts.fibers) maps.push_back(&f.weights);
-    t->layer_weights = per_tet(*t, maps);
-    for (std::size_t i = 0; i < parts.fibers.size(); ++i)
-        t->fibers.push_back({directions(*t, fit.parent, given_tets, parts.fibers[i]),
-                             std::move(t->layer_weights[parts.materials.size() + i])});
-    t->layer_weights.resize(parts.materials.size());
-    std::vector<std::size_t> empty = bound_layers(parts, border_shares(parts, fit, *t, quiet), *t);
-    if (needs_direction(t->law)) t->stiff_directions = t->fibers.front().directions;
+    Painted painted = painted_in({t->tets, t->surface, t->triangles, t->embedding}, parts.materials, parts.fibers,
+                                 fit.parent, given_tets);
+    t->layer_weights = std::move(painted.layers), t->fibers = std::move(painted.fibers);
+    const std::vector<std::vector<double>> shares = border_shares(places, fit, *t, quiet);
+    auto next = shares.begin();
     MadeTissue made;
-    made.empty_places = std::move(empty);
+    made.empty_places = bound_layers(parts.materials, next, t->layer_weights);
+    std::vector<std::size_t> first_fibers{0, t->fibers.size()};
+    if (!nested.empty()) {
+        add_parts(nested, next, fit, given_tets, *t, made.parts);
+        for (const NestedPart& n : nested) first_fibers.push_back(first_fibers.back() + n.part->fibers.size());
+        weigh_fibers(*t, first_fibers);
+    }
+    if (needs_direction(t->law)) set_stiff_directions(*t, first_fibers);
     for (const double widths : solver::widths_outside(t->tets, t->embedding))
         if (widths > touching) ++made.outside, made.farthest = std::max(made.farthest, widths);
     auto rest = std::make_shared<BodyRest>();
-    rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     rest->mesh = *parts.mesh;
     rest->digest = static_digest(parts);
+    for (const NestedPart& n : nested) rest->parts.push_back(part_on(*t, *n.part, rest->digest));
+    rest->data = std::shared_ptr<const solver::TissueRest>(std::move(t));
     made.rest = std::move(rest);
     return made;
 }

@@ -17,9 +17,17 @@ namespace sinew::nodes {
 /// are fitted to the borders of layers.
 constexpr int tissue_numerics = 6;
 
+/// What is noticed of a tissue's parts, each in the order of BodyRest::parts.
+struct FoundParts {
+    std::vector<double> inside; ///< share of the part's own volume that lies in the tissue
+    /// Share of the part's volume that another part within the same tissue or part holds as well.
+    std::vector<double> shared;
+};
+
 /// The rest data, and what its maker has to say.
 struct MadeTissue {
     std::shared_ptr<const BodyRest> rest;
+    FoundParts parts;
     std::vector<std::size_t> empty_places; ///< layers whose mesh holds nothing of the tissue, in order
     std::size_t outside = 0;               ///< vertices of the mesh outside of all tets
     double farthest = 0;                   ///< of these from the tet that carries it, in widths of that tet
@@ -32,11 +40,16 @@ struct TissueParts {
     solver::ElasticLaw law = solver::ElasticLaw::stvk;
     std::vector<std::reference_wrapper<const Material>> materials; ///< painted maps fit the mesh (adapters.h)
     std::vector<std::reference_wrapper<const Fiber>> fibers;       ///< and both ends are painted
+    std::vector<std::shared_ptr<const Subtissue>> subtissues = {}; ///< directly within the tissue
 };
 
-/// Painted fibre ends: up to 0.1 the source, from 0.9 on the sink.
-bool is_source(double end_point);
-bool is_sink(double end_point);
+/// A tissue's parts, those within parts too, a part before those within it.
+struct NestedPart {
+    const Subtissue* part;
+    int within = -1;     ///< place in this list; -1: directly in the tissue
+    std::size_t top = 0; ///< which of the tissue's direct parts it is or lies in
+};
+std::vector<NestedPart> nested_parts(const std::vector<std::shared_ptr<const Subtissue>>& direct);
 
 engine::Digest static_digest(const TissueParts& parts);
 /// `control` watches the making of the default lattice. Throws solver::Error FE2xx, solver::Stopped.

@@ -49,6 +49,18 @@ void add(Hasher& h, const solver::TissueInputs& t) {
     for (const auto& layer : t.layers) add(h, layer);
     h.add(static_cast<std::uint64_t>(t.fibers.size()));
     for (const auto& fiber : t.fibers) add(h, fiber);
+    h.add(static_cast<std::uint64_t>(t.subtissues.size()));
+    for (const solver::SubtissueInputs& part : t.subtissues) {
+        for (const auto& f : solver::SubtissueInputs::fields()) h.add(part.*f.at);
+        h.add(static_cast<std::uint64_t>(part.layers.size()));
+        for (const auto& layer : part.layers) add(h, layer);
+    }
+}
+
+std::size_t bytes_of(const solver::TissueInputs& t) {
+    std::size_t n = size_of(t.layers) + size_of(t.fibers) + size_of(t.forces) + size_of(t.subtissues);
+    for (const solver::SubtissueInputs& part : t.subtissues) n += size_of(part.layers);
+    return n;
 }
 
 void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_digest); }
@@ -235,8 +247,7 @@ void ValueTraits<nodes::Body>::hash_aside(Hasher& h, const nodes::Body& v) {
 std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
     // The rest data is one object for all frames, so a frame pays for its values only.
     if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));
-    const auto& t = std::get<solver::TissueInputs>(v.values);
-    return size_of(t.layers) + size_of(t.fibers);
+    return nodes::bytes_of(std::get<solver::TissueInputs>(v.values));
 }
 
 void ValueTraits<nodes::Attachment>::hash(Hasher& h, const nodes::Attachment& v) {
@@ -273,6 +284,7 @@ void ValueTraits<nodes::Solved>::hash(Hasher& h, const nodes::Solved& v) {
     for (const nodes::BodyId& id : v.bodies) add(h, id);
     for (const solver::Points& p : v.positions) h.add_doubles(numbers(p));
     for (const solver::Points& p : v.midpoints) h.add_doubles(numbers(p));
+    h.add_ints(v.carriers);
 }
 std::size_t ValueTraits<nodes::Solved>::bytes(const nodes::Solved& v) {
     std::size_t n = size_of(v.bodies) + size_of(v.rests);
@@ -298,8 +310,7 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     if (s.history.values)
         for (const solver::BodyInputs& body : s.history.values->bodies)
-            if (const auto* t = std::get_if<solver::TissueInputs>(&body))
-                n += size_of(t->layers) + size_of(t->fibers) + size_of(t->forces);
+            if (const auto* t = std::get_if<solver::TissueInputs>(&body)) n += nodes::bytes_of(*t);
     return n;
 }
 

@@ -79,12 +79,31 @@ struct Fiber {
     engine::NumberList directions; ///< 3 numbers a tet, or 3 for all, of any length; empty: from the end points
 };
 
+/// A part of a tissue with a mesh, materials and fibres of its own, as zSubtissue describes it: static but for the
+/// values among its layers and fibres. In scene units.
+struct Subtissue {
+    Mesh mesh; ///< closed
+    std::shared_ptr<const solver::Solid> place;
+    std::vector<Material> materials; ///< from bottom to top, painted on its own mesh
+    std::vector<Fiber> fibers;       ///< likewise
+    double rest_scale_envelope = 1;
+    std::vector<std::shared_ptr<const Subtissue>> parts; ///< within it
+    engine::Digest digest;                               ///< of all that is static, its parts' too
+};
+
 /// Rest data of a body in scene units (static) … The digest says what the data was made from; a bone's covers
 /// the connectivity alone, because its points move.
 struct BodyRest {
     std::variant<std::shared_ptr<const solver::TissueRest>, std::shared_ptr<const solver::BoneRest>> data;
     Mesh mesh; ///< for output: polygons; points as modelled
     engine::Digest digest;
+    /// Of a tissue: its parts, those within parts too, a part before those within it. Each with the tissue's tets and
+    /// its own surface in them.
+    struct Part {
+        engine::Digest digest; ///< Subtissue::digest
+        std::shared_ptr<const BodyRest> rest;
+    };
+    std::vector<Part> parts = {};
 };
 
 /// Points that ride on tets: the vertices that carry each.
@@ -126,6 +145,8 @@ struct Body {
     std::shared_ptr<const CollisionSurface> collision = nullptr;
     std::vector<Force> forces = {};    ///< that its own attributes ask for; they act on this body
     std::optional<Force> contact = {}; ///< what it brings to contact; acts where zSolver.collisionDetection is on
+    /// Of a subtissue, else null. Its rest data has a surface but no tets: those are the tissue's that it is a part of.
+    std::shared_ptr<const Subtissue> subtissue = nullptr;
     bool is_bone() const { return values.index() == 1; }
 };
 
@@ -201,6 +222,8 @@ struct Solved {
     /// Of tissues of quadratic tets: vertices at the middles of the edges, in the order of solver::edges_of. Else
     /// empty.
     std::vector<solver::Points> midpoints;
+    /// Whose tets carry each: its own place, or of a subtissue that of the tissue that it is a part of.
+    std::vector<int> carriers;
 };
 
 /// A file that a writer node made: pure content; the command line puts it on disk, whole or not at all.

@@ -5,6 +5,7 @@
 #include "nodes/body_maps.h"
 #include "nodes/matrices.h"
 #include "nodes/options.h"
+#include "nodes/subtissues.h"
 #include "solver/terms/hold/hold.h"
 
 #include <algorithm>
@@ -96,6 +97,7 @@ void compute(const Reads& in, Writes& out) {
     if (body.is_bone())
         in.fail(tissue.name, "FE218", in.source_name(tissue.name) + " is a bone, and moves as it is given",
                 "Connect a tissue.");
+    refuse_subtissue(in, tissue.name, body, in.source_name(tissue.name));
     const Body* moving = in.find(bone);
     if (moving && !moving->is_bone())
         in.fail(bone.name, "FE218", in.source_name(bone.name) + " is a tissue, which cannot hold another one",

@@ -285,8 +285,9 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
                 publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions,
                                midpoints);
             solved.bodies.push_back(setup.ids[i]);
-            solved.rests.push_back(b.rest);
+            solved.rests.push_back(setup.rests[i]);
         }
+        solved.carriers = setup.carriers;
         report.worst = find_worst(setup, *stage->scene, s.state);
         find_deepest(contacts, report.worst);
         report.worst.residual_body = s.residual_body;

@@ -6,6 +6,7 @@
 #include "nodes/carriers.h"
 #include "nodes/contact_inputs.h"
 #include "nodes/options.h"
+#include "nodes/subtissues.h"
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
 #include "solver/linear/blas_kernel.h"
@@ -125,16 +126,6 @@ const Output<Body> out_body{
     .doc = "The tissue, for zSolver.bodies, zAttachment and zEmbedder.",
 };
 
-void check_layers(const Reads& in, const TissueParts& parts) {
-    if (parts.materials.empty())
-        in.fail(materials.name, "FE206", "a tissue without material has neither stiffness nor mass",
-                "Connect a zMaterial's outMaterial to materials.");
-    const std::size_t count = parts.mesh->points->size();
-    for (std::size_t i = 0; i < parts.materials.size(); ++i)
-        check_map(in, materials.name, parts.materials[i].get().weights, count,
-                  "weights of " + in.source_name(materials.name, i));
-}
-
 /// A mesh that says nothing: on the layer that covers everything, or away from the tissue.
 void warn_of_places(const Reads& in, const TissueParts& parts, const std::vector<std::size_t>& empty) {
     if (parts.materials.front().get().place)
@@ -160,31 +151,10 @@ void warn_of_vertices_outside(const Reads& in, const TissueParts& parts, const M
             "Connect tets that reach around the whole mesh, for example from a zTet that reads the same mesh.");
 }
 
-void check_fibers(const Reads& in, const TissueParts& parts) {
-    const std::size_t count = parts.mesh->points->size();
-    for (std::size_t i = 0; i < parts.fibers.size(); ++i) {
-        const Fiber& f = parts.fibers[i];
-        const std::string name = in.source_name(fibers.name, i);
-        check_map(in, fibers.name, f.weights, count, "weights of " + name);
-        if (!f.directions.empty()) continue;
-        if (f.end_points.size() > 1) check_map(in, fibers.name, f.end_points, count, "endPoints of " + name);
-        const bool begins = std::any_of(f.end_points.begin(), f.end_points.end(), is_source);
-        const bool ends = std::any_of(f.end_points.begin(), f.end_points.end(), is_sink);
-        if (!begins || !ends)
-            in.fail(
-                fibers.name, "FE205",
-                "the fibres of " + name + " have no " +
-                    (begins ? "sink"
-                     : ends ? "source"
-                            : "end points") +
-                    " on this tissue",
-                "Paint endPoints: up to 0.1 where the fibres begin, from 0.9 on where they end; or give the fibres a "
-                "direction.");
-    }
-}
-
 void check_law(const Reads& in, const TissueParts& parts) {
-    if (needs_direction(parts.law) && parts.fibers.empty())
+    const bool some_part = std::any_of(parts.subtissues.begin(), parts.subtissues.end(),
+                                       [](const auto& part) { return !part->fibers.empty(); });
+    if (needs_direction(parts.law) && parts.fibers.empty() && !some_part)
         in.fail(law.name, "FE225", "the law " + in[law] + " has no fibre to take its direction from",
                 "Connect a zFiber to fibers; with strength 0 it gives a direction and no pull.");
 }
@@ -223,10 +193,10 @@ std::shared_ptr<const CollisionSurface> collision_surface(const Reads& in, const
 }
 
 void compute(const Reads& in, Writes& out) {
-    const TissueParts parts{&in[mesh], in.find(tets), meaning(options_of<solver::ElasticLaw>, in[law]), in[materials],
-                            in[fibers]};
-    check_layers(in, parts);
-    check_fibers(in, parts);
+    const TissueParts parts{&in[mesh],     in.find(tets), meaning(options_of<solver::ElasticLaw>, in[law]),
+                            in[materials], in[fibers],    read_subtissues(in)};
+    check_layers(in, materials.name, parts.materials, *parts.mesh);
+    check_fibers(in, fibers.name, parts.fibers, *parts.mesh);
     check_law(in, parts);
     // Meshing and extension read static inputs alone; a keyed excitation must not redo them.
     auto kept = in.lease<MadeTissue>(static_digest(parts), [&] {
@@ -237,6 +207,8 @@ void compute(const Reads& in, Writes& out) {
     });
     warn_of_places(in, parts, kept->empty_places);
     warn_of_vertices_outside(in, parts, *kept);
+    const std::vector<NestedPart> nested = nested_parts(parts.subtissues);
+    warn_of_parts(in, nested, kept->parts);
     const std::shared_ptr<const CollisionSurface> collision = collision_surface(in, *kept->rest);
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
@@ -244,6 +216,10 @@ void compute(const Reads& in, Writes& out) {
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
+    for (const NestedPart& n : nested) {
+        values.subtissues.push_back(part_inputs(*n.part));
+        for (const Fiber& f : n.part->fibers) values.fibers.push_back(f.values);
+    }
     values.rest_scale_envelope = in[rest_scale_envelope];
     check_rest(in, values);
     std::vector<Force> forces;
@@ -268,6 +244,7 @@ void add_z_tissue(Registry& registry) {
                    describe(tets),
                    describe(materials),
                    describe(fibers),
+                   describe(subtissues),
                    describe(law),
                    describe(compression_resistance),
                    describe(transverse_anisotropy),

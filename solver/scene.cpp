@@ -85,6 +85,31 @@ void check_tissue(const TissueRest& t, int body) {
                "make it for quadratic ones: zTet.element where the lattice is made, LatticeOptions::moments 4");
 }
 
+void check_subtissues(const TissueRest& t, int body) {
+    const std::size_t n = t.tets.tets.size();
+    for (const SubtissueRest& part : t.subtissues) {
+        const auto fits = [&](const std::vector<double>& w) {
+            return w.size() == n && std::all_of(w.begin(), w.end(), [](double x) { return std::isfinite(x); });
+        };
+        if (part.layer_weights.empty())
+            refuse(body, "FE206", "a subtissue has no material", "connect at least one zMaterial");
+        if (!fits(part.shares) || !std::all_of(part.layer_weights.begin(), part.layer_weights.end(), fits))
+            refuse(body, "FE204", "a subtissue's shares or weights are not one finite number for each tet",
+                   "one number per tet");
+    }
+}
+
+/// A surface that rides on the tets of another body.
+void check_carried(const SceneDescription& scene, const TissueRest& t, int body) {
+    const auto carrier = static_cast<std::size_t>(t.carried_by);
+    const auto* p = carrier < scene.bodies.size()
+                        ? std::get_if<std::shared_ptr<const TissueRest>>(&scene.bodies[carrier])
+                        : nullptr;
+    if (!p || (*p)->carried_by >= 0 || (*p)->tets.tets.size() != t.tets.tets.size() || (*p)->element != t.element)
+        refuse(body, "FE209", "what carries a subtissue is no tissue of the scene with the same tets",
+               "connect the tissue that it is a part of to zSolver.bodies too");
+}
+
 double volume_of(const TetMesh& mesh) {
     double volume = 0;
     for (const Tet& tet : mesh.tets) {
@@ -141,9 +166,15 @@ Scene::Scene(SceneDescription description)
     auto system = std::make_unique<System>();
     for (int body = 0; body < body_count(); ++body) {
         first_vertex_.push_back(vertex_count_);
+        vertex_counts_.push_back(0);
         const TissueRest* t = tissue(body);
         if (!t) continue;
+        if (t->carried_by >= 0) {
+            check_carried(description_, *t, body);
+            continue;
+        }
         check_tissue(*t, body);
+        check_subtissues(*t, body);
         TissueBatches batches;
         batches.body = body;
         batches.law = t->law;
@@ -185,7 +216,13 @@ Scene::Scene(SceneDescription description)
         system->numbering.add(body, nodes, held, std::cbrt(volume_of(t->tets) / static_cast<double>(nodes.size())));
         system->tissues.push_back(std::move(batches));
         vertex_count_ += static_cast<int>(nodes.size());
+        vertex_counts_.back() = nodes.size();
     }
+    for (int body = 0; body < body_count(); ++body)
+        if (const int carrier = carrier_of(body); carrier != body) {
+            first_vertex_[static_cast<std::size_t>(body)] = first_vertex(carrier);
+            vertex_counts_[static_cast<std::size_t>(body)] = vertex_count(carrier);
+        }
     for (const AttachmentRest& a : description_.attachments)
         if (a.source < 0 || a.target < 0 || a.source >= body_count() || a.target >= body_count())
             throw Error("FE209", "an attachment names a body that is not in the scene",
@@ -215,7 +252,8 @@ Scene::Scene(SceneDescription description)
         if (system->node_start[u + 1] == 0) {
             const int vertex = system->numbering.vertex_of_unknown[u];
             int body = 0;
-            while (body + 1 < body_count() && first_vertex_[static_cast<std::size_t>(body) + 1] <= vertex) ++body;
+            for (const Deformable& d : system->numbering.deformables)
+                if (d.first_vertex <= static_cast<std::size_t>(vertex)) body = d.body;
             refuse(body, "FE208",
                    "vertex " + std::to_string(vertex - first_vertex(body)) + " of the tet mesh belongs to no tet",
                    "remove unused vertices from the tet mesh");
@@ -243,10 +281,9 @@ PointWeights Scene::embedded(int body, int tet, const std::array<double, 4>& bar
     Tet corners = tissue(body)->tets.tets[static_cast<std::size_t>(tet)];
     for (int& v : corners) v += first_vertex(body);
     const bool quadratic = tissue(body)->element == ElementKind::quadratic;
+    const auto carrier = static_cast<std::size_t>(carrier_of(body));
     return embedded_point(
-        corners,
-        quadratic ? &system_->edge_vertices[static_cast<std::size_t>(body)][static_cast<std::size_t>(tet)] : nullptr,
-        barycentric);
+        corners, quadratic ? &system_->edge_vertices[carrier][static_cast<std::size_t>(tet)] : nullptr, barycentric);
 }
 
 const BoneRest* Scene::bone(int body) const {

@@ -27,6 +27,12 @@ struct FiberRest {
     std::vector<double> weights; ///< per tet, 0…1
 };
 
+/// A part of a tissue with materials of its own, which stand there in place of the tissue's.
+struct SubtissueRest {
+    std::vector<double> shares; ///< per tet: what of its solid is this part, and none of the parts within it; 0…1
+    std::vector<std::vector<double>> layer_weights; ///< as TissueRest's
+};
+
 /// A tissue at rest. Everything in metres.
 struct TissueRest {
     TetMesh tets;
@@ -38,6 +44,12 @@ struct TissueRest {
     Points stiff_directions; ///< law anisotropic: unit vector per tet along the fibre; zero = isotropic there
     std::vector<std::vector<double>> layer_weights; ///< [material layer][tet]; layer 0 is 1 everywhere
     std::vector<FiberRest> fibers;
+    /// Parts with materials of their own. What their shares leave of a tet is of the tissue's own layers. Fibres of the
+    /// parts are among `fibers`, their weights times their part's share.
+    std::vector<SubtissueRest> subtissues = {};
+    /// The body, a tissue before or after this one, whose tets these are: this is a surface that rides on it, has no
+    /// unknowns, and layers and fibres of its own only in that body's `subtissues`. -1: none.
+    int carried_by = -1;
     std::vector<int> fixed_vertices; ///< vertices (of quadratic tets also edge midpoints) held at their rest positions
                                      ///< (no unknowns); sorted, may be empty
 };
@@ -82,15 +94,18 @@ class Scene {
     const TissueRest* tissue(int body) const; ///< nullptr for bones
     const BoneRest* bone(int body) const;
     const Numbering& numbering() const;
-    /// First vertex of a body that deforms in the state's arrays; the next one's for others.
+    /// First vertex of what carries a body that deforms, in the state's arrays; the next one's for others.
     int first_vertex(int body) const { return first_vertex_[static_cast<std::size_t>(body)]; }
     int vertex_count() const { return vertex_count_; } ///< vertices of all bodies that deform
     /// Vertices of one body in the state's arrays; 0 for bones.
-    std::size_t vertex_count(int body) const {
-        const std::size_t next = static_cast<std::size_t>(body) + 1;
-        return static_cast<std::size_t>((next < first_vertex_.size() ? first_vertex_[next] : vertex_count_) -
-                                        first_vertex(body));
+    std::size_t vertex_count(int body) const { return vertex_counts_[static_cast<std::size_t>(body)]; }
+    /// The body whose vertices carry this one: itself, or of a subtissue the tissue that it is a part of.
+    int carrier_of(int body) const {
+        const TissueRest* t = tissue(body);
+        return t && t->carried_by >= 0 ? t->carried_by : body;
     }
+    /// Place among the deformables of what carries a body; -1 for bones.
+    int deformable_of(int body) const { return numbering().deformable_of(carrier_of(body)); }
     /// What carries a point with these barycentric coordinates in a tet of a tissue.
     PointWeights embedded(int body, int tet, const std::array<double, 4>& barycentric) const;
     struct System; ///< element batches and pattern; solver-internal
@@ -99,6 +114,7 @@ class Scene {
   private:
     SceneDescription description_;
     std::vector<int> first_vertex_;
+    std::vector<std::size_t> vertex_counts_;
     int vertex_count_ = 0;
     std::unique_ptr<const System> system_;
 };

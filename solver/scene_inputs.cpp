@@ -68,8 +68,12 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
         } else {
             const auto& t = std::get<TissueInputs>(b);
             const TissueRest& rest = *scene.tissue(body);
-            if (t.layers.size() != rest.layer_weights.size() || t.fibers.size() != rest.fibers.size())
-                throw std::logic_error("step inputs must give values for every layer and fibre of a tissue");
+            if (rest.carried_by >= 0) continue; // its values are among those of the tissue that it is a part of
+            bool fits = t.layers.size() == rest.layer_weights.size() && t.fibers.size() == rest.fibers.size() &&
+                        t.subtissues.size() == rest.subtissues.size();
+            for (std::size_t i = 0; fits && i < rest.subtissues.size(); ++i)
+                fits = t.subtissues[i].layers.size() == rest.subtissues[i].layer_weights.size();
+            if (!fits) throw std::logic_error("step inputs must give values for every layer and fibre of a tissue");
             if (!t.forces.empty() && t.forces.size() != scene.vertex_count(body))
                 throw std::logic_error("step inputs must give one load per vertex of a tissue, or none");
         }

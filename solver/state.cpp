@@ -177,6 +177,8 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         if (!t) continue;
         w.put(t->compression_resistance), w.put(t->transverse_anisotropy), w.put(t->rest_scale_envelope);
         w.put_all(t->layers), w.put_all(t->fibers);
+        w.put(static_cast<std::uint64_t>(t->subtissues.size()));
+        for (const SubtissueInputs& part : t->subtissues) w.put(part.rest_scale_envelope), w.put_all(part.layers);
         put_points(w, t->forces);
     }
     w.put_all(values->attachments);
@@ -201,6 +203,8 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
         TissueInputs t;
         r.get(t.compression_resistance), r.get(t.transverse_anisotropy), r.get(t.rest_scale_envelope);
         r.get_all(t.layers), r.get_all(t.fibers);
+        t.subtissues.resize(r.get_count(sizeof(double) + sizeof(std::uint64_t)));
+        for (SubtissueInputs& part : t.subtissues) r.get(part.rest_scale_envelope), r.get_all(part.layers);
         get_points(r, t.forces);
         body = std::move(t);
     }

@@ -49,12 +49,23 @@ struct FiberValues {
     }
 };
 
+/// Of a part of a tissue with materials of its own.
+struct SubtissueInputs {
+    double rest_scale_envelope = 1; ///< as the tissue's
+    std::vector<MaterialValues> layers;
+    static constexpr auto fields() {
+        using T = SubtissueInputs;
+        return std::to_array<Field<T>>({{"restScaleEnvelope", "1", &T::rest_scale_envelope}});
+    }
+};
+
 struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
     double transverse_anisotropy = 1;      ///< law anisotropic: stiffness across the fibre / along it
     double rest_scale_envelope = 1;        ///< exponent of the layers' rest_scale; 0 = off
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
+    std::vector<SubtissueInputs> subtissues = {};
     Points forces; ///< dead loads, one per vertex of the tissue in the state [N]; empty = none
     static constexpr auto fields() {
         using T = TissueInputs;
@@ -66,8 +77,12 @@ struct TissueInputs {
 
 /// Whether some layer does; on linear tets it couples more vertices.
 inline bool conserves_volume(const TissueInputs& in) {
-    return std::any_of(in.layers.begin(), in.layers.end(),
-                       [](const MaterialValues& m) { return m.volume_conservation > 0; });
+    const auto some = [](const std::vector<MaterialValues>& layers) {
+        return std::any_of(layers.begin(), layers.end(),
+                           [](const MaterialValues& m) { return m.volume_conservation > 0; });
+    };
+    return some(in.layers) || std::any_of(in.subtissues.begin(), in.subtissues.end(),
+                                          [&](const SubtissueInputs& part) { return some(part.layers); });
 }
 
 struct BoneInputs {

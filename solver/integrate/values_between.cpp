@@ -35,6 +35,12 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
         if (conserves_volume(from) == conserves_volume(*t)) {
             mix_fields(from, *t, share);
             for (std::size_t k = 0; k < t->layers.size(); ++k) mix_fields(from.layers[k], t->layers[k], share);
+            for (std::size_t s = 0; s < t->subtissues.size(); ++s) {
+                const SubtissueInputs& part = from.subtissues[s];
+                mix_fields(part, t->subtissues[s], share);
+                for (std::size_t k = 0; k < part.layers.size(); ++k)
+                    mix_fields(part.layers[k], t->subtissues[s].layers[k], share);
+            }
         }
         for (std::size_t k = 0; k < t->fibers.size(); ++k) mix_fields(from.fibers[k], t->fibers[k], share);
         // No loads at all is a load of zero on every vertex.
@@ -70,7 +76,7 @@ void values_within(const Scene& scene, const StepInputs& known, const StepInputs
         if (!t) continue;
         const auto& end = std::get<TissueInputs>(after.bodies[i]);
         if (conserves_volume(*t) == conserves_volume(end)) continue;
-        t->layers = end.layers;
+        t->layers = end.layers, t->subtissues = end.subtissues;
         for (const auto& f : TissueInputs::fields()) (*t).*f.at = end.*f.at;
     }
     for (std::size_t k = 0; k < out.attachments.size(); ++k) out.attachments[k].set_mode(after.attachments[k].mode());

@@ -6,6 +6,7 @@
 #include "solver/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <string>
 #include <unordered_map>
@@ -31,6 +32,21 @@ std::uint64_t key_of(int a, int b) {
     return static_cast<std::uint64_t>(low) << 32 | static_cast<std::uint64_t>(high);
 }
 
+[[noreturn]] void refuse_so_many() {
+    throw Error("FE232",
+                "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives more than " +
+                    std::to_string(most_triangles) + " triangles",
+                "paint a smaller part of it, choose larger tets or a larger spacing");
+}
+
+/// How many triangles without a longer edge an area takes at least: none is larger than the equilateral one.
+double least_count(const SampledSurface& s, double longest_edge) {
+    double area = 0;
+    for (const auto& [a, b, c] : s.triangles)
+        area += 0.5 * (s.points[at(b)] - s.points[at(a)]).cross(s.points[at(c)] - s.points[at(a)]).norm();
+    return area / (0.25 * std::sqrt(3.0) * longest_edge * longest_edge);
+}
+
 class Cutter {
   public:
     Cutter(SampledSurface& surface, const SurfaceDensity& density)
@@ -44,12 +60,7 @@ class Cutter {
         SampledSurface old;
         std::swap(old.triangles, s_.triangles), std::swap(old.source, s_.source), std::swap(old.places, s_.places);
         for (std::size_t t = 0; t < old.triangles.size(); ++t) cut(old.triangles[t], old.source[t], old.places[t]);
-        if (s_.triangles.size() > most_triangles)
-            throw Error("FE232",
-                        "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives "
-                        "more than " +
-                            std::to_string(most_triangles) + " triangles",
-                        "paint a smaller part of it, choose larger tets or a larger spacing");
+        if (s_.triangles.size() > most_triangles) refuse_so_many();
         return true;
     }
 
@@ -202,6 +213,8 @@ SampledSurface cut_surface(const Points& points, const std::vector<Triangle>& tr
         s.source.push_back(t);
         s.places.push_back({Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)});
     }
+    // Found out before seconds are spent on it.
+    if (density.longest_edge > 0 && least_count(s, density.longest_edge) > most_triangles) refuse_so_many();
     Cutter cutter(s, density);
     while (cutter.pass()) {
     }

@@ -64,7 +64,7 @@ LayeredSurfaces::LayeredSurfaces(const Scene& scene, const TermType& type)
         check(scene, parts[p]);
         const int body = parts[p].bodies.front();
         const TissueRest& tissue = *scene.tissue(body);
-        const auto deformable = at(scene.numbering().deformable_of(body));
+        const auto deformable = at(scene.deformable_of(body));
         const int first = static_cast<int>(points.size());
         surfaces_.push_back({body, deformable, p, points.size(), tissue.surface.size(), triangles_.size(),
                              tissue.triangles.size(),

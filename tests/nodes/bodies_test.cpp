@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bench.h"
 
-#include "nodes/tissue_rest.h"
+#include "nodes/painted_volume.h"
 
 #include <algorithm>
 #include <cmath>

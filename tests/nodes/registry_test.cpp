@@ -48,6 +48,7 @@ const std::vector<std::string> all_types = {"aim",
                                             "zIsoMesh",
                                             "zMaterial",
                                             "zSolver",
+                                            "zSubtissue",
                                             "zTet",
                                             "zTissue"};
 
@@ -130,6 +131,8 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"zMaterial", node("zMaterial", "")},
         {"zSolver", node("zSolver", R"("bodies": [{"from": "bone.outBody"}, {"from": "tissue.outBody"}],
                                            "attachments": [{"from": "tie.outAttachment"}])")},
+        {"zSubtissue",
+         node("zSubtissue", R"("mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])")},
         {"zTet", node("zTet", R"("mesh": {"from": "cube.outMesh"})")},
         {"zTissue",
          node("zTissue", R"("mesh": {"from": "cube.outMesh"}, "materials": [{"from": "flesh.outMaterial"}])")}};

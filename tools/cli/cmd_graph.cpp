@@ -21,7 +21,7 @@ std::string quoted(const std::string& text) { return json_text(nlohmann::json(te
 std::string_view fill_of(const std::string& type) {
     if (type == "zSolver") return "#ffe9b8";
     if (type == "zBone") return "#f5efdc";
-    if (type == "zTissue") return "#f3c1b8";
+    if (type == "zTissue" || type == "zSubtissue") return "#f3c1b8";
     return type.starts_with("z") ? "#f8e3de" : "#e4ebf2";
 }
 

@@ -151,7 +151,7 @@ class Doubts {
         floating(name, members);
         implausible_size(name, members, *units);
         for (const Member& m : members)
-            if (const auto* rest = std::get_if<0>(&m.body.rest->data)) thin_parts(m, **rest);
+            if (const auto* rest = std::get_if<0>(&m.body.rest->data); rest && !m.body.subtissue) thin_parts(m, **rest);
         std::vector<nodes::BodyId> ids;
         for (const Member& m : members) ids.push_back(id_of(m.body));
         for (const Plug& plug : plugs(name, "attachments"))
@@ -170,7 +170,12 @@ class Doubts {
         for (const Plug& plug : plugs(solver, "forces"))
             if (const auto force = value<nodes::Force>(plug); force && force->type->ties)
                 for (const nodes::BodyId& id : force->bodies) set(held, find_body(ids, id));
-        std::vector<std::array<int, 2>> links;
+        std::vector<std::array<int, 2>> links; // a part of a tissue goes with it
+        for (std::size_t i = 0; i < members.size(); ++i)
+            for (std::size_t k = 0; k < members.size() && members[i].body.subtissue; ++k)
+                for (const nodes::BodyRest::Part& part : members[k].body.rest->parts)
+                    if (part.digest == members[i].body.subtissue->digest)
+                        links.push_back({static_cast<int>(i), static_cast<int>(k)});
         for (const Plug& plug : plugs(solver, "attachments"))
             if (const auto a = value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none)
                 links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
@@ -180,7 +185,7 @@ class Doubts {
                 if (a >= 0 && b >= 0 && held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
         }
         for (std::size_t i = 0; i < members.size(); ++i)
-            if (!held[i])
+            if (!held[i] && !members[i].body.subtissue)
                 doubt("FE260", solver, "bodies",
                       members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it",
                       "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");

@@ -63,7 +63,7 @@ render::BodyKind kind_of_node(const Graph& graph, const std::string& node) {
     const Node* n = graph.find(node);
     if (!n) return render::BodyKind::plain;
     if (n->type_name == "zBone") return render::BodyKind::bone;
-    if (n->type_name == "zTissue") return render::BodyKind::tissue;
+    if (n->type_name == "zTissue" || n->type_name == "zSubtissue") return render::BodyKind::tissue;
     return n->type_name == "zCloth" ? render::BodyKind::cloth : render::BodyKind::plain;
 }
 

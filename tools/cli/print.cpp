@@ -69,15 +69,21 @@ Json describe(const solver::FiberValues& f) {
 }
 
 Json describe(const nodes::Body& body) {
-    Json out = {{"kind", body.is_bone() ? "bone" : "tissue"}, {"enable", body.enable}};
+    Json out = {{"kind", body.is_bone() ? "bone" : body.subtissue ? "subtissue" : "tissue"}, {"enable", body.enable}};
     out["mesh"] = describe(body.is_bone() ? std::get<nodes::Mesh>(body.values) : body.rest->mesh);
-    if (const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data))
-        out["tets"] = describe((*tissue)->tets);
+    const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data);
+    if (tissue && !body.subtissue) out["tets"] = describe((*tissue)->tets);
     if (const auto* values = std::get_if<solver::TissueInputs>(&body.values)) {
         out["compressionResistance"] = values->compression_resistance;
         out["restScaleEnvelope"] = values->rest_scale_envelope;
         for (const auto& layer : values->layers) out["materials"].push_back(describe(layer));
         for (const auto& fiber : values->fibers) out["fibers"].push_back(describe(fiber));
+        for (const auto& part : values->subtissues) {
+            Json materials = Json::array();
+            for (const auto& layer : part.layers) materials.push_back(describe(layer));
+            out["subtissues"].push_back(
+                {{"restScaleEnvelope", part.rest_scale_envelope}, {"materials", std::move(materials)}});
+        }
     }
     return out;
 }

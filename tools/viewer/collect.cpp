@@ -153,7 +153,7 @@ class Collector {
             if (!tissue) continue;
             BodyRecorder& recorder = recorders_[source.bodies[i]];
             recorder.set_rest(body.rest->mesh.surface());
-            if (!e_.with_lattices) continue;
+            if (!e_.with_lattices || body.subtissue) continue; // a subtissue has no tets of its own to show
             recorder.set_lattice((*tissue)->tets, (*tissue)->embedding);
             recorder.body().fibres = fibres_of(graph, plugs[i].node, **tissue);
         }
@@ -178,13 +178,15 @@ class Collector {
             if (a < acting.size() && !acting[a].holds) continue;
             const auto [from, to] = state.scene.links[a];
             if (static_cast<std::size_t>(std::max(from, to)) >= source.solved.size()) continue;
-            const std::size_t source_body = source.solved[static_cast<std::size_t>(from)],
-                              target_body = source.solved[static_cast<std::size_t>(to)];
             ViewAttachment view = attachment_of(attachments.anchors[a], *solved.rests[static_cast<std::size_t>(from)],
                                                 *solved.rests[static_cast<std::size_t>(to)], scene_.units_per_metre);
             view.node = a < acting.size() ? acting[a].node : "";
-            view.source = static_cast<int>(source.bodies[source_body]);
-            view.target = static_cast<int>(source.bodies[target_body]);
+            // The lines end in tets, which are those of the tissue that a subtissue is a part of.
+            const auto tets_of = [&](int body) {
+                return source.solved[static_cast<std::size_t>(solved.carriers[static_cast<std::size_t>(body)])];
+            };
+            view.source = static_cast<int>(source.bodies[tets_of(from)]);
+            view.target = static_cast<int>(source.bodies[tets_of(to)]);
             scene_.attachments.push_back(std::move(view));
         }
     }

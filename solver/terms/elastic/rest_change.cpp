@@ -20,9 +20,13 @@ constexpr std::size_t batch_grain = 32;
 /// Lengths at rest grow or shrink by no more than this.
 constexpr double most_change = 1e3;
 
-bool scales(const TissueInputs& in) {
+template <class Part>
+bool part_scales(const Part& in) {
     return in.rest_scale_envelope != 0 &&
            std::any_of(in.layers.begin(), in.layers.end(), [](const MaterialValues& m) { return m.rest_scale != 1; });
+}
+bool scales(const TissueInputs& in) {
+    return part_scales(in) || std::any_of(in.subtissues.begin(), in.subtissues.end(), part_scales<SubtissueInputs>);
 }
 bool grows(const TissueInputs& in) {
     return std::any_of(in.fibers.begin(), in.fibers.end(),
@@ -33,6 +37,20 @@ std::string text(double value) {
     char out[32];
     std::snprintf(out, sizeof out, "%.6g", value);
     return out;
+}
+
+/// s^e of a tet; of one that several parts share the mean of theirs by their shares, which is geometric as growth is.
+double rest_scale(const TissueRest& rest, const TissueInputs& in, std::size_t tet) {
+    const auto of = [&](const std::vector<MaterialValues>& layers, const std::vector<std::vector<double>>& weights,
+                        double exponent) { return std::pow(mix_layers(layers, weights, tet).rest_scale, exponent); };
+    const double own = own_share(rest, tet);
+    double scale = 1;
+    if (own > 0) scale = of(in.layers, rest.layer_weights, own * in.rest_scale_envelope);
+    for (std::size_t i = 0; i < rest.subtissues.size(); ++i)
+        if (const double share = rest.subtissues[i].shares[tet]; share > 0)
+            scale *= of(in.subtissues[i].layers, rest.subtissues[i].layer_weights,
+                        share * in.subtissues[i].rest_scale_envelope);
+    return scale;
 }
 
 [[noreturn]] void refuse(const std::string& what) {
@@ -60,15 +78,18 @@ bool same_rest_change(const TissueInputs& a, const TissueInputs& b) {
     const auto same_fiber = [](const FiberValues& f, const FiberValues& g) {
         return f.growth == g.growth && (f.growth == 1 || f.envelope == g.envelope);
     };
-    return (!scales(a) ||
-            (a.rest_scale_envelope == b.rest_scale_envelope &&
-             std::equal(a.layers.begin(), a.layers.end(), b.layers.begin(), b.layers.end(), same_layer))) &&
+    const auto same_part = [&](const auto& p, const auto& q) {
+        return p.rest_scale_envelope == q.rest_scale_envelope &&
+               std::equal(p.layers.begin(), p.layers.end(), q.layers.begin(), q.layers.end(), same_layer);
+    };
+    return (!scales(a) || (same_part(a, b) && std::equal(a.subtissues.begin(), a.subtissues.end(), b.subtissues.begin(),
+                                                         b.subtissues.end(), same_part))) &&
            (!grows(a) || std::equal(a.fibers.begin(), a.fibers.end(), b.fibers.begin(), b.fibers.end(), same_fiber));
 }
 
 Mat3 rest_change(const TissueRest& rest, const TissueInputs& in, std::size_t tet) {
     Mat3 g = Mat3::Identity();
-    if (scales(in)) g *= std::pow(mix_layers(rest, in, tet).rest_scale, in.rest_scale_envelope);
+    if (scales(in)) g *= rest_scale(rest, in, tet);
     for (std::size_t k = 0; k < in.fibers.size(); ++k) {
         const FiberValues& f = in.fibers[k];
         const Vec3& a = rest.fibers[k].directions[tet];
@@ -81,12 +102,16 @@ Mat3 rest_change(const TissueRest& rest, const TissueInputs& in, std::size_t tet
 }
 
 void check_rest_scale(const TissueInputs& in) {
-    for (const MaterialValues& m : in.layers) {
-        const double log = checked_log(m.rest_scale, in.rest_scale_envelope, "restScale of a material");
-        if (!(std::abs(log) <= std::log(most_change)))
-            refuse("a restScale of " + text(m.rest_scale) + " to the power of a restScaleEnvelope of " +
-                   text(in.rest_scale_envelope) + " scales the tissue at rest by " + text(std::exp(log)));
-    }
+    const auto check = [](const auto& part) {
+        for (const MaterialValues& m : part.layers) {
+            const double log = checked_log(m.rest_scale, part.rest_scale_envelope, "restScale of a material");
+            if (!(std::abs(log) <= std::log(most_change)))
+                refuse("a restScale of " + text(m.rest_scale) + " to the power of a restScaleEnvelope of " +
+                       text(part.rest_scale_envelope) + " scales the tissue at rest by " + text(std::exp(log)));
+        }
+    };
+    check(in);
+    for (const SubtissueInputs& part : in.subtissues) check(part);
 }
 
 void check_growth(const TissueInputs& in) {

@@ -3,7 +3,8 @@
 // shape gradients B G^-1 and the volume V det G. Laws, compression resistance, volume conservation and fibres know
 // nothing of it. Masses stay those of the model.
 //   G = s^e x product over the fibres k of (a a^T + g_k^(w_k) (I - a a^T)), the first fibre's factor first (rightmost)
-// with s the layers' restScale, composited, e restScaleEnvelope, a the fibre's direction, g its muscleGrowthScale, w
+// with s the layers' restScale, composited (of a tet that several subtissues share, the geometric mean of their s^e by
+// share), e restScaleEnvelope, a the fibre's direction, g its muscleGrowthScale, w
 // envelope x weight. (Multiplicative growth: Rodriguez, Hoger and McCulloch 1994.)
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
