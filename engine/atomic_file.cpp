@@ -71,9 +71,9 @@ class NewFile {
 
     void write(std::string_view bytes) { write_all(descriptor_, bytes, target_); }
 
-    void move_into_place() {
+    void move_into_place(bool waits) {
         // The bytes must be on the disk before the name is, or a power cut could leave a name without them.
-        if (fsync(descriptor_) != 0 && errno != EINVAL) fail(target_);
+        if (waits && fsync(descriptor_) != 0 && errno != EINVAL) fail(target_);
         if (!has_name_) {
             const std::string self = "/proc/self/fd/" + std::to_string(descriptor_);
             if (linkat(AT_FDCWD, self.c_str(), AT_FDCWD, target_.c_str(), AT_SYMLINK_FOLLOW) == 0) return;
@@ -156,15 +156,21 @@ void AtomicFile::write(std::string_view bytes) {
         impl_->file ? impl_->file->write(bytes) : impl_->device->write(bytes);
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(bool waits) {
     impl_->flush();
-    if (impl_->file) impl_->file->move_into_place();
+    if (impl_->file) impl_->file->move_into_place(waits);
 }
 
 void write_file(const fs::path& path, std::string_view bytes) {
     AtomicFile file(path);
     file.write(bytes);
     file.commit();
+}
+
+void write_file_soon(const fs::path& path, std::string_view bytes) {
+    AtomicFile file(path);
+    file.write(bytes);
+    file.commit(false);
 }
 
 void remove_abandoned(const fs::path& path) {

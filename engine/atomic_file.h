@@ -13,6 +13,10 @@ namespace sinew::engine {
 /// IO405 (with the system's reason), and then the older file is untouched.
 void write_file(const std::filesystem::path& path, std::string_view bytes);
 
+/// The same for what may be lost in a power cut, as long as it is whole or not there as far as programs see: it does
+/// not wait for the disk. For caches that check what they read.
+void write_file_soon(const std::filesystem::path& path, std::string_view bytes);
+
 /// The same for content that comes piece by piece. Devices and pipes take the pieces as they come.
 class AtomicFile {
   public:
@@ -22,7 +26,9 @@ class AtomicFile {
     AtomicFile(const AtomicFile&) = delete;
     void write(std::string_view bytes);
     /// The file is on the disk, then in its place.
-    void commit();
+    void commit() { commit(true); }
+    /// \param waits for the disk
+    void commit(bool waits);
 
   private:
     struct Impl;

@@ -70,7 +70,7 @@ Value Evaluator::pull(const Request& request) {
     if (request.stop.stop_requested()) throw Cancelled();
     const Impl::Target target = impl_->find(request);
     Session session(impl_->core, target.program, request.stop, request.frame, request.failures);
-    const EntryPtr entry = session.entry(target.node);
+    const EntryPtr entry = session.entry(target.node, target.output);
     session.tell();
     const std::lock_guard lock(impl_->core.mutex);
     target.program->pulled = true;

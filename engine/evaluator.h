@@ -23,6 +23,14 @@ struct StorePolicy {
     /// processes. Made when first written to. Empty: nothing is kept on disk. What cannot be read or written is warned
     /// about (IO406, IO407) and computed.
     std::string disk_folder = {};
+    /// Frames of simulations, outputs and states, are kept there too, each as soon as it is done, so that a later
+    /// process goes on where one ended or was killed.
+    bool keeps_frames = false;
+    /// Says which program makes them, so that another one, whose code may differ though its numerics do not, does not
+    /// take them for its own: a digest of the executable, or nothing.
+    std::string build = {};
+    /// What they may take on disk together with the outputs. Those not used for longest go first.
+    std::uintmax_t disk_bytes = std::uintmax_t{10} << 30;
 
     /// What the two budgets are together unless they are set: a quarter of memory_limit() when it is first asked for.
     static std::size_t default_bytes();

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/codecs.h"
 
+#include "nodes/contacts.h"
+#include "nodes/marks.h"
 #include "nodes/values.h"
 
 namespace sinew::nodes {
@@ -67,11 +69,146 @@ TetMeshValue read_tets(ByteReader& in) {
         .with_element(quadratic ? solver::ElementKind::quadratic : solver::ElementKind::linear);
 }
 
+void write_mesh_list(const MeshList& list, ByteWriter& out) {
+    out.put<std::uint64_t>(list.meshes.size());
+    // All connectivity before all points: it stays the same from frame to frame, where it stands too.
+    for (const Mesh& mesh : list.meshes) {
+        out.put_list(mesh.topology->face_sizes);
+        out.put_list(mesh.topology->face_vertices);
+        out.put_list(mesh.topology->triangles);
+    }
+    for (const Mesh& mesh : list.meshes) put_points(out, *mesh.points);
+}
+
+MeshList read_mesh_list(ByteReader& in) {
+    std::vector<solver::SurfaceMesh> meshes;
+    const auto count = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < count; ++i) {
+        solver::SurfaceMesh& mesh = meshes.emplace_back();
+        mesh.face_sizes = in.get_list<int>();
+        mesh.face_vertices = in.get_list<int>();
+        mesh.triangles = in.get_list<solver::Triangle>();
+    }
+    MeshList out;
+    for (solver::SurfaceMesh& mesh : meshes) {
+        mesh.points = get_points(in);
+        out.meshes.push_back(Mesh::from(std::move(mesh)));
+    }
+    return out;
+}
+
+void put_vector(ByteWriter& out, const solver::Vec3& v) {
+    for (int c = 0; c < 3; ++c) out.put(v[c]);
+}
+solver::Vec3 get_vector(ByteReader& in) {
+    solver::Vec3 v;
+    for (int c = 0; c < 3; ++c) v[c] = in.get<double>();
+    return v;
+}
+
+/// Everything but seconds, which are those of the run that made it.
+template <class Report, class Visit>
+void visit_report(Report& r, const Visit& visit) {
+    visit(r.record.residual), visit(r.record.converged), visit(r.record.newton_iterations), visit(r.record.substeps);
+    visit(r.record.halvings), visit(r.record.linear_iterations), visit(r.record.factorizations);
+    visit(r.record.energy), visit(r.record.min_j), visit(r.record.inverted);
+    visit(r.bodies), visit(r.tets), visit(r.triangles), visit(r.dofs), visit(r.attachments);
+    visit(r.worst.body), visit(r.worst.tet), visit(r.worst.j), visit(r.worst.tet_place);
+    visit(r.worst.attachment), visit(r.worst.source_body), visit(r.worst.vertex), visit(r.worst.stretch);
+    visit(r.worst.stretch_place), visit(r.worst.residual_body), visit(r.worst.contact_body);
+    visit(r.worst.contact_target), visit(r.worst.depth), visit(r.worst.contact_place);
+}
+
+void write_report(const SolveReport& r, ByteWriter& out) {
+    visit_report(r, [&](const auto& field) { out.put(field); });
+    out.put<std::uint64_t>(r.terms.size());
+    for (const std::string& term : r.terms) out.put_text(term);
+    out.put<std::uint64_t>(r.record.measured.size());
+    for (const solver::Measured& m : r.record.measured) {
+        out.put_text(m.what->term), out.put_text(m.what->name);
+        out.put(m.value), out.put(m.part);
+    }
+}
+
+SolveReport read_report(ByteReader& in) {
+    SolveReport r;
+    visit_report(r, [&]<class T>(T& field) { field = in.get<T>(); });
+    const auto terms = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < terms; ++i) r.terms.push_back(in.get_text());
+    const auto measured = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < measured; ++i) {
+        solver::Measured m;
+        const std::string term = in.get_text(), name = in.get_text();
+        m.what = solver::find_measure(term, name);
+        if (!m.what) throw BadBytes("it holds \"" + term + "." + name + "\", which is not known here");
+        m.value = in.get<double>(), m.part = in.get<int>();
+        r.record.measured.push_back(m);
+    }
+    return r;
+}
+
+void write_contacts(const ContactList& list, ByteWriter& out) {
+    out.put<std::uint64_t>(list.contacts.size());
+    for (const solver::ContactPoint& c : list.contacts) {
+        out.put(c.source), out.put(c.target), out.put(c.point), out.put(c.slides);
+        put_vector(out, c.place), put_vector(out, c.normal);
+        out.put(c.depth);
+        put_vector(out, c.force);
+    }
+}
+
+ContactList read_contacts(ByteReader& in) {
+    ContactList out;
+    const auto count = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < count; ++i) {
+        solver::ContactPoint c;
+        c.source = in.get<int>(), c.target = in.get<int>(), c.point = in.get<int>(), c.slides = in.get<bool>();
+        c.place = get_vector(in), c.normal = get_vector(in);
+        c.depth = in.get<double>();
+        c.force = get_vector(in);
+        out.contacts.push_back(c);
+    }
+    return out;
+}
+
+void write_marks(const MarkList& list, ByteWriter& out) {
+    out.put<std::uint64_t>(list.groups.size());
+    for (const solver::MarkGroup& group : list.groups) {
+        out.put_text(group.term), out.put_text(group.what), out.put_text(group.unit);
+        out.put<std::uint64_t>(group.marks.size());
+        for (const solver::Mark& m : group.marks) {
+            out.put(m.part), put_vector(out, m.from), put_vector(out, m.to);
+            out.put(m.value), out.put(m.bodies);
+        }
+    }
+}
+
+MarkList read_marks(ByteReader& in) {
+    MarkList out;
+    const auto groups = in.get<std::uint64_t>();
+    for (std::uint64_t g = 0; g < groups; ++g) {
+        solver::MarkGroup& group = out.groups.emplace_back();
+        group.term = in.get_text(), group.what = in.get_text(), group.unit = in.get_text();
+        const auto count = in.get<std::uint64_t>();
+        for (std::uint64_t i = 0; i < count; ++i) {
+            solver::Mark m;
+            m.part = in.get<int>(), m.from = get_vector(in), m.to = get_vector(in);
+            m.value = in.get<double>(), m.bodies = in.get<std::array<int, 2>>();
+            group.marks.push_back(m);
+        }
+    }
+    return out;
+}
+
 } // namespace
 
 void add_codecs(engine::Registry& registry) {
     registry.add(engine::make_codec<Mesh>(1, write_mesh, read_mesh));
     registry.add(engine::make_codec<TetMeshValue>(2, write_tets, read_tets));
+    registry.add(engine::make_codec<MeshList>(1, write_mesh_list, read_mesh_list));
+    registry.add(engine::make_codec<SolveReport>(1, write_report, read_report));
+    registry.add(engine::make_codec<ContactList>(1, write_contacts, read_contacts));
+    registry.add(engine::make_codec<MarkList>(1, write_marks, read_marks));
 }
 
 } // namespace sinew::nodes

@@ -17,6 +17,9 @@ Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     , states(policy.state_bytes, std::max(1, policy.state_every))
     , scratch(policy.scratch_entries)
     , disk(policy.disk_folder.empty() ? std::nullopt : std::optional<DiskStore>(policy.disk_folder))
+    , frames(policy.disk_folder.empty() || !policy.keeps_frames
+                 ? nullptr
+                 : std::make_unique<FrameStore>(policy.disk_folder, policy.disk_bytes, policy.build))
     , arena(threads > 0 ? threads : tbb::task_arena::automatic)
     , observer_(watcher) {}
 
@@ -65,18 +68,30 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
     }
 }
 
+void Core::learn(const Digest& plug, const Digest& content) {
+    if (frames && contents.find(plug) != content) learned.push_back({plug, content});
+    contents.put(plug, content);
+}
+
+void Core::recall() {
+    if (!frames || recalled) return;
+    recalled = true;
+    frames->read_rows([&](const PlugContent& row) {
+        if (!contents.find(row.plug)) contents.put(row.plug, row.content);
+    });
+}
+
 void Core::keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type,
                 const EntryPtr& entry) {
-    bool is_known = !type.outputs.empty();
     for (std::size_t i = 0; i < type.outputs.size(); ++i) {
         const Digest plug = plug_key(key, type.outputs[i].name);
-        is_known = is_known && contents.find(plug);
-        contents.put(plug, entry->outputs[i].digest());
-        if (const Digest aside = entry->outputs[i].aside_digest(); aside != Digest{})
-            contents.put(aside_key(plug), aside);
+        learn(plug, entry->digest(i));
+        if (!entry->has(static_cast<int>(i))) continue;
+        if (const Digest aside = entry->outputs[i].aside_digest(); aside != Digest{}) learn(aside_key(plug), aside);
     }
     if (by_content && values.find(*by_content) == entry) return values.alias(key, *by_content);
-    if (is_known) ++made_again; // its row outlived it
+    if (entry->is_whole() && made.find(key)) ++made_again; // its row outlived it
+    if (entry->is_whole()) made.put(key, key);
     values.put(key, entry);
     if (by_content) values.alias(*by_content, key);
     most_stored_bytes = std::max(most_stored_bytes, stored_bytes());

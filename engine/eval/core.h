@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/disk_store.h"
+#include "engine/eval/frame_store.h"
 #include "engine/eval/program.h"
 #include "engine/eval/store.h"
 #include "engine/evaluator.h"
@@ -40,9 +41,13 @@ struct Core {
     ValueStore values;
     StateStore states;
     DigestTable contents;
+    DigestTable made; ///< keys of what was computed here
     ScratchPool scratch;
     std::size_t most_stored_bytes = 0, made_again = 0; ///< see Evaluator
     const std::optional<DiskStore> disk;               ///< has no need of the mutex
+    const std::unique_ptr<FrameStore> frames;          ///< of simulations, on disk; null: not kept
+    std::vector<PlugContent> learned;                  ///< rows of `contents` that are not on disk yet
+    bool recalled = false;                             ///< those that are have been read
     std::atomic<bool> disk_has_failed = false;         ///< cannot be written to: told once, then only read
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
@@ -53,6 +58,10 @@ struct Core {
     /// node's number too. Throws Failure.
     std::pair<std::shared_ptr<Program>, int> prepare(const std::shared_ptr<const Graph>& graph,
                                                      const std::string& node);
+    /// Needs the mutex. Notes what a plug holds.
+    void learn(const Digest& plug, const Digest& content);
+    /// Needs the mutex. Takes over what earlier processes learned, once.
+    void recall();
     /// Needs the mutex. Stores the entry under the key, and under the key by content if there is one, and a row for
     /// each output.
     void keep(const Digest& key, const std::optional<Digest>& by_content, const NodeType& type, const EntryPtr& entry);

@@ -25,7 +25,7 @@ Digest checksum(std::span<const std::byte> payload) { return Hasher().add_bytes(
 
 } // namespace
 
-std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ".kept"); }
+std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ending_); }
 
 DiskStore::Found DiskStore::read(const Digest& key) const {
     std::error_code error;
@@ -56,7 +56,7 @@ std::vector<Digest> DiskStore::newest_first() const {
     std::error_code error;
     for (const auto& entry : std::filesystem::directory_iterator(folder_, error)) {
         const std::filesystem::path& path = entry.path();
-        const auto key = path.extension() == ".kept" ? key_of(path.stem().string()) : std::nullopt;
+        const auto key = path.extension() == ending_ ? key_of(path.stem().string()) : std::nullopt;
         const auto time = entry.last_write_time(error);
         if (key && !error) found.emplace_back(time, *key);
     }
@@ -66,7 +66,17 @@ std::vector<Digest> DiskStore::newest_first() const {
     return out;
 }
 
-void DiskStore::write(const Digest& key, std::span<const std::byte> payload) const {
+bool DiskStore::contains(const Digest& key) const {
+    std::error_code error;
+    return std::filesystem::is_regular_file(file_of(key), error);
+}
+
+void DiskStore::touch(const Digest& key) const {
+    std::error_code error;
+    std::filesystem::last_write_time(file_of(key), std::filesystem::file_time_type::clock::now(), error);
+}
+
+void DiskStore::write(const Digest& key, std::span<const std::byte> payload, bool waits) const {
     std::string text(mark);
     ByteWriter header;
     header.put(key);
@@ -74,7 +84,7 @@ void DiskStore::write(const Digest& key, std::span<const std::byte> payload) con
     header.put<std::uint64_t>(payload.size());
     text.append(reinterpret_cast<const char*>(header.bytes.data()), header.bytes.size());
     text.append(reinterpret_cast<const char*>(payload.data()), payload.size());
-    write_file(file_of(key), text);
+    waits ? write_file(file_of(key), text) : write_file_soon(file_of(key), text);
 }
 
 } // namespace sinew::engine

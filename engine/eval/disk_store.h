@@ -15,8 +15,10 @@ namespace sinew::engine {
 /// Thread-safe. The folder is made when the first file is written.
 class DiskStore {
   public:
-    explicit DiskStore(std::filesystem::path folder)
-        : folder_(std::move(folder)) {}
+    /// \param ending of the files' names; stores of different things share a folder by theirs
+    explicit DiskStore(std::filesystem::path folder, std::string ending = ".kept")
+        : folder_(std::move(folder))
+        , ending_(std::move(ending)) {}
     const std::filesystem::path& folder() const { return folder_; }
     std::filesystem::path file_of(const Digest& key) const;
 
@@ -28,11 +30,16 @@ class DiskStore {
     Found read(const Digest& key) const;
     /// Keys of all files in the folder; none if it cannot be listed.
     std::vector<Digest> newest_first() const;
+    bool contains(const Digest& key) const;
     /// Replaces what is there. Throws Failure IO405, and then what was there is untouched.
-    void write(const Digest& key, std::span<const std::byte> payload) const;
+    /// \param waits until it is on the disk, and so outlives a power cut
+    void write(const Digest& key, std::span<const std::byte> payload, bool waits = true) const;
+    /// What is there counts as used now, for whoever makes room.
+    void touch(const Digest& key) const;
 
   private:
     std::filesystem::path folder_;
+    std::string ending_;
 };
 
 } // namespace sinew::engine

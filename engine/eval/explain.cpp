@@ -28,6 +28,19 @@ std::string joined(const std::vector<std::string>& words) {
     return out;
 }
 
+// Names all that differs between what something kept was made from and what it would be made from now.
+std::vector<std::string> differing(const KeptInputs& kept, const std::vector<std::pair<std::string, Digest>>& now) {
+    std::vector<std::string> out;
+    std::map<std::string, Digest> before(kept.contents.begin(), kept.contents.end());
+    for (const auto& [plug, content] : now) {
+        const auto it = before.find(plug);
+        if (it == before.end() || it->second != content) out.push_back(plug);
+        if (it != before.end()) before.erase(it);
+    }
+    for (const auto& [plug, content] : before) out.push_back(plug);
+    return out;
+}
+
 } // namespace
 
 Explainer::Explainer(Core& core, std::shared_ptr<Program> program)
@@ -38,6 +51,7 @@ Explainer::Explainer(Core& core, std::shared_ptr<Program> program)
 bool Explainer::is_stored(const Site& site, const Digest& key) {
     if (core_.values.contains(key)) return true;
     const Place& p = program_->place(site.node);
+    if (core_.frames && p.is_simulation() && core_.frames->contains(key)) return true;
     if (core_.disk && p.is_kept() && core_.disk->read(key).payload) return true;
     if (p.is_simulation()) return false;
     std::vector<Site> missing;
@@ -85,16 +99,16 @@ std::vector<std::string> Explainer::differs_from_kept(const Site& site, bool& fo
         }
         if (kept.node != p.name) continue;
         found = true;
-        std::vector<std::string> out;
-        std::map<std::string, Digest> before(kept.contents.begin(), kept.contents.end());
-        for (const auto& [plug, content] : program_->recipe(site.node, site.frame)) {
-            const auto it = before.find(plug);
-            if (it == before.end() || it->second != content) out.push_back(plug);
-            if (it != before.end()) before.erase(it);
-        }
-        for (const auto& [plug, content] : before) out.push_back(plug);
-        return out;
+        return differing(kept, program_->recipe(site.node, site.frame));
     }
+    return {};
+}
+
+std::vector<std::string> Explainer::differs_from_frames(int simulation, int frame) const {
+    if (!core_.frames) return {};
+    const Place& p = program_->place(simulation);
+    for (const FrameStore::Listed& kept : core_.frames->frames_of(p.name))
+        if (kept.frame == frame) return differing(kept.made_from, program_->recipe(simulation, frame));
     return {};
 }
 
@@ -149,6 +163,21 @@ Verdict Explainer::undecided(const Needs& needs, int simulation, double frame) {
         out.last_frame = program_->site(simulation, frame).frame;
         out.because = "no frame of " + p.name + " is in memory; frames " + number_text(out.first_frame) + " to " +
                       number_text(out.last_frame) + " would be simulated";
+        // As far as the chain is known, frames may be kept on disk; where it ends, something has changed.
+        const int kept = static_cast<int>(p.chain.size());
+        const int next = p.start_frame + kept;
+        if (core_.frames && next <= out.last_frame) {
+            if (kept > 0 && core_.frames->contains(p.chain.back())) {
+                out.first_frame = next;
+                out.because = "frames " + std::to_string(p.start_frame) + " to " + std::to_string(next - 1) + " of " +
+                              p.name + " are kept on disk; frames " + std::to_string(next) + " to " +
+                              number_text(out.last_frame) + " would be simulated";
+            }
+            out.changed_plugs = differs_from_frames(simulation, next);
+            if (!out.changed_plugs.empty())
+                out.because +=
+                    "; what is kept of frame " + std::to_string(next) + " differs in " + joined(out.changed_plugs);
+        }
     } else {
         out.readiness = Readiness::undecided;
         out.because = node + (dynamic ? " at frame " + number_text(s.frame) : "") +
@@ -220,7 +249,10 @@ Verdict Explainer::of_frame(int simulation, int frame) {
     Place& p = program_->place(simulation);
     Verdict out;
     int nearest = frame;
-    while (nearest >= p.start_frame && !core_.states.contains(keys_.frame_key(simulation, nearest))) --nearest;
+    const auto has_state = [&](const Digest& key) {
+        return core_.states.contains(key) || (core_.frames && core_.frames->contains(key));
+    };
+    while (nearest >= p.start_frame && !has_state(keys_.frame_key(simulation, nearest))) --nearest;
     out.first_frame = std::min(nearest + 1, frame);
     out.last_frame = frame;
     const auto before = earlier(p.name, p.type);
@@ -283,6 +315,7 @@ std::optional<Digest> Explainer::key(const Site& site, Needs& missing) {
 
 Readiness Explainer::readiness(int node, double frame) {
     const std::lock_guard lock(core_.mutex);
+    core_.recall();
     Needs missing;
     const auto found = key(program_->site(node, frame), missing);
     if (!found) return Readiness::undecided;
@@ -291,6 +324,7 @@ Readiness Explainer::readiness(int node, double frame) {
 
 Verdict Explainer::explain(int node, double frame) {
     const std::lock_guard lock(core_.mutex);
+    core_.recall();
     const Site site = program_->site(node, frame);
     Needs missing, none;
     const auto found = key(site, missing);
@@ -307,8 +341,10 @@ Verdict Explainer::explain(int node, double frame) {
     Verdict out;
     if (is_stored(site, key)) {
         out.readiness = Readiness::ready;
-        out.because = core_.disk && p.is_kept() && !core_.values.contains(key) ? "the value is kept on disk"
-                                                                               : "the value is stored";
+        const bool in_memory = core_.values.contains(key);
+        const bool on_disk =
+            (core_.disk && p.is_kept()) || (core_.frames && p.is_simulation() && core_.frames->contains(key));
+        out.because = !in_memory && on_disk ? "the value is kept on disk" : "the value is stored";
         return out;
     }
     if (p.is_simulation()) return of_frame(node, static_cast<int>(site.frame));

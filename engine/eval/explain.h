@@ -24,6 +24,9 @@ class Explainer {
     bool is_stored(const Site& site, const Digest& key);
     Site first_missing(Site site);
     std::vector<std::string> differs_from_kept(const Site& site, bool& found) const;
+    /// How a frame differs from the newest of the same number that is kept on disk of this node; none where there is
+    /// none or it does not.
+    std::vector<std::string> differs_from_frames(int simulation, int frame) const;
     void name_first(Verdict& out, const Site& from);
     Verdict undecided(const Needs& needs, int simulation, double frame);
     Verdict of_frame(int simulation, int frame);

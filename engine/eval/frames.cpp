@@ -60,9 +60,60 @@ class Claim {
 
 void FrameGoal::find_nearest_state() {
     searched_ = true;
-    for (have_ = frame_; have_ >= place().start_frame; --have_)
-        if (const StoredState* s = session_.core.states.find(session_.keys.frame_key(simulation_, have_)))
-            return take(*s, have_);
+    on_disk_.reset();
+    for (have_ = frame_; have_ >= place().start_frame; --have_) {
+        const Digest& key = session_.keys.frame_key(simulation_, have_);
+        if (const StoredState* s = session_.core.states.find(key)) return take(*s, have_);
+        if (!on_disk_ && session_.core.frames && !not_on_disk_.contains(have_) && session_.core.frames->contains(key))
+            on_disk_ = have_;
+        if (on_disk_) return;
+    }
+}
+
+// The state of that frame, from disk. False: it could not be used.
+bool FrameGoal::load_nearest(std::unique_lock<std::mutex>& lock) {
+    Session& s = session_;
+    const int frame = *on_disk_;
+    on_disk_.reset();
+    const Digest key = s.keys.frame_key(simulation_, frame);
+    lock.unlock();
+    std::optional<KeptFrame> kept = s.read_frame(simulation_, key, true);
+    StoredState stored;
+    if (kept) {
+        try {
+            stored = {place().type->simulation->load(kept->state), std::move(kept->warnings_of_state)};
+        } catch (const Failure&) { // bytes that were whole and are no state: another build under the same numerics
+            kept.reset();
+        }
+    }
+    lock.lock();
+    if (!kept) {
+        not_on_disk_.insert(frame);
+        searched_ = false;
+        return false;
+    }
+    s.core.keep_state(*s.program, simulation_, frame, key, {}, stored);
+    state_ = std::move(stored);
+    have_ = frame;
+    return true;
+}
+
+// Puts the outputs that are kept of this frame into memory. False: there are none, or not those that are needed.
+bool FrameGoal::take_from_disk(std::unique_lock<std::mutex>& lock, const Digest& key) {
+    Session& s = session_;
+    looked_on_disk_ = true;
+    if (!s.core.frames || !s.core.frames->contains(key)) return false;
+    lock.unlock();
+    std::optional<KeptFrame> kept = s.read_frame(simulation_, key, false);
+    lock.lock();
+    if (!kept) {
+        not_on_disk_.insert(frame_);
+        return false;
+    }
+    s.core.keep(key, {}, *place().type, kept->entry);
+    if (!s.suffices(simulation_, *kept->entry)) return false;
+    pins_[key] = kept->entry;
+    return true;
 }
 
 void FrameGoal::take(const StoredState& state, int frame) {
@@ -87,13 +138,18 @@ bool FrameGoal::step() {
     }
     const Digest key = s.keys.frame_key(simulation_, frame_);
     if (!state_only_)
-        if (EntryPtr entry = find(key)) {
+        if (EntryPtr entry = find(key, simulation_)) {
             if (!stepped_) s.note_reuse(key, {simulation_, static_cast<double>(frame_)}, entry);
             lock.unlock();
             s.tell();
             return finish(key, std::move(entry));
         }
+    if (!state_only_ && !looked_on_disk_ && take_from_disk(lock, key)) return false;
     if (!searched_) find_nearest_state();
+    if (on_disk_) {
+        load_nearest(lock);
+        return false;
+    }
     if (state_only_ && have_ == frame_) return true;
     const int next = have_ == frame_ ? frame_ : have_ + 1;
     if (next > have_) // another pull may have come by
@@ -114,7 +170,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     const auto entry_of = [&](const Site& site) {
         Needs none;
         const Digest key = *s.keys.of(site, none);
-        const EntryPtr entry = find(key);
+        const EntryPtr entry = find(key, site.node);
         if (entry) pins_[key] = entry;
         return entry;
     };
@@ -140,7 +196,8 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     }
     if (const FlightPtr failed = s.failed(key)) std::rethrow_exception(failed->error);
     Claim claim(s.core, key, *p.type, s.program->graph().get());
-    const bool publishes = !s.core.values.contains(key);
+    const EntryPtr there = s.core.values.find(key);
+    const bool publishes = !there || (next == frame_ && !s.suffices(simulation_, *there));
     lock.unlock();
     stepped_ = true;
     s.note_made(key);
@@ -162,6 +219,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
         EntryPtr entry;
         if (publishes) entry = published(std::move(at_frame), state_, next);
         if (entry && next == frame_) pins_.insert_or_assign(key, entry);
+        if (entry && steps && s.core.frames) s.keep_frame(simulation_, next, key, entry, state_);
         claim.land(std::move(entry), nullptr);
     } catch (const Cancelled&) {
         throw;

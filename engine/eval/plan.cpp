@@ -37,7 +37,7 @@ bool is_stop(const std::exception_ptr& e) {
 }
 } // namespace
 
-int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&)>& find) {
+int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&, int)>& find) {
     Needs none;
     const Digest key = *session_.keys.of(site, none);
     const auto [known, is_new] = index_.try_emplace(key, static_cast<int>(items_.size()));
@@ -45,7 +45,7 @@ int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&)>
     Item item;
     item.site = site;
     item.key = key;
-    item.result = find(key);
+    item.result = find(key, site.node);
     const auto flight = session_.core.flights.find(key);
     if (item.result) {
         item.finished = true;
@@ -65,7 +65,7 @@ int Plan::item_of(const Site& site, const std::function<EntryPtr(const Digest&)>
     return known->second;
 }
 
-void Plan::add(const Site& target, const std::function<EntryPtr(const Digest&)>& find) {
+void Plan::add(const Site& target, const std::function<EntryPtr(const Digest&, int)>& find) {
     item_of(target, find);
     while (!unexpanded_.empty()) {
         const int i = unexpanded_.back();
@@ -415,7 +415,7 @@ bool ValuesGoal::step() {
             s.push_chains(needs, this);
             return false;
         }
-        for (const Site& t : targets_) plan.add(t, [&](const Digest& key) { return find(key); });
+        for (const Site& t : targets_) plan.add(t, [&](const Digest& key, int node) { return find(key, node); });
         if (!plan.frames().empty()) {
             for (const Site& f : plan.frames())
                 s.push(std::make_unique<FrameGoal>(s, this, f.node, static_cast<int>(f.frame)));

@@ -14,8 +14,8 @@ class Plan {
     explicit Plan(Session& session)
         : session_(session) {}
     /// Needs the core's mutex; all keys must be known. Adds a site and what it needs. `find` gives entries
-    /// that exist.
-    void add(const Site& target, const std::function<EntryPtr(const Digest&)>& find);
+    /// that exist, by key and node.
+    void add(const Site& target, const std::function<EntryPtr(const Digest&, int)>& find);
     /// Simulation frames that must be there first; then the plan cannot run yet.
     const std::vector<Site>& frames() const { return frames_; }
     /// Needs the core's mutex. From here on others wait for our items.
@@ -43,7 +43,7 @@ class Plan {
         int waiting = 0;
         std::vector<int> twins; ///< of equal content; they take this one's result
     };
-    int item_of(const Site& site, const std::function<EntryPtr(const Digest&)>& find);
+    int item_of(const Site& site, const std::function<EntryPtr(const Digest&, int)>& find);
     void work(tbb::task_group& group, int i);
     void spawn(tbb::task_group& group, int i);
     SlotValues inputs(const Item& item);

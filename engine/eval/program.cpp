@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/program.h"
 
+#include "engine/eval/store.h"
+
 #include "engine/check.h"
 #include "engine/text.h"
 
@@ -43,6 +45,14 @@ bool Place::is_kept() const {
     for (const Slot& s : slots)
         if (s.info->name == type->kept_when) return s.kind == Slot::Kind::constant && s.constant.as<bool>();
     return false;
+}
+
+bool Program::suffices(int node, int output, int simulation, const Entry& entry) {
+    if (entry.is_whole()) return true;
+    if (node == simulation && output >= 0 && !entry.has(output)) return false;
+    for (const auto& [of, read] : known_cone(node).reads)
+        if (of == simulation && !entry.has(read)) return false;
+    return true;
 }
 
 std::vector<std::pair<std::string, Digest>> Program::recipe(int node, double frame) {
@@ -250,6 +260,7 @@ Program::Cone Program::make_cone(int node) {
                 const Place& up = place(source.node);
                 dynamic = dynamic || up.dynamic;
                 after_simulation = after_simulation || up.is_simulation() || up.after_simulation;
+                if (up.is_simulation()) out.reads.emplace_back(source.node, source.output);
             }
             if (s.kind == Slot::Kind::constant && s.constant.is<File>() && !s.constant.as<File>().path.empty())
                 out.files.emplace_back(at, static_cast<int>(i));

@@ -11,6 +11,8 @@
 
 namespace sinew::engine {
 
+struct Entry;
+
 struct Source {
     int node = -1, output = -1;
 };
@@ -76,6 +78,9 @@ class Program {
     /// Everything that the node needs, itself included, sources first. Throws Failure on a cycle, a node of
     /// unknown type or a missing input. Computed once a node.
     const std::vector<int>& cone(int node) { return known_cone(node).nodes; }
+    /// Whether what the cone of `node` reads of a simulation's outputs is among those that an entry has. The entry is
+    /// of `simulation`; `output` of `node` itself is read too.
+    bool suffices(int node, int output, int simulation, const Entry& entry);
     /// The files that the cone names.
     std::vector<std::string> file_paths(int node);
     /// Puts the files' contents into the keys. False if one has changed since this program first saw it: the
@@ -103,6 +108,7 @@ class Program {
     struct Cone {
         std::vector<int> nodes;
         std::vector<std::pair<int, int>> files; ///< (node, slot) of each literal that names a file
+        std::vector<std::pair<int, int>> reads; ///< (simulation, output) of each connection to one
     };
     Cone make_cone(int node);
     const Cone& known_cone(int node);

@@ -5,9 +5,10 @@
 
 namespace sinew::engine {
 
-EntryPtr Goal::find(const Digest& key) {
+EntryPtr Goal::find(const Digest& key, int node) {
     const auto it = pins_.find(key);
-    return it != pins_.end() ? it->second : session_.core.values.find(key);
+    EntryPtr entry = it != pins_.end() ? it->second : session_.core.values.find(key);
+    return entry && session_.suffices(node, *entry) ? entry : nullptr;
 }
 
 Session::Session(Core& c, std::shared_ptr<Program> p, std::stop_token s, double f, std::shared_ptr<Failures> failures)
@@ -60,7 +61,8 @@ class Root : public Goal {
 };
 } // namespace
 
-EntryPtr Session::entry(int node) {
+EntryPtr Session::entry(int node, int output) {
+    target_ = node, target_output_ = output;
     push(std::make_unique<Root>(*this));
     Goal& root = *stack_.front();
     run(std::make_unique<ValuesGoal>(*this, &root, std::vector<Site>{program->site(node, frame)}));
@@ -68,6 +70,7 @@ EntryPtr Session::entry(int node) {
 }
 
 Value Session::state(int simulation) {
+    target_ = simulation;
     push(std::make_unique<Root>(*this));
     const int at = static_cast<int>(program->site(simulation, frame).frame);
     // The goal leaves the stack when it is done, so the state is taken through a root that outlives it.
@@ -91,11 +94,54 @@ Value Session::state(int simulation) {
 }
 
 Digest Session::frame_key(int simulation) {
+    target_ = simulation;
     push(std::make_unique<Root>(*this));
     const int at = static_cast<int>(program->site(simulation, frame).frame);
     run(std::make_unique<ChainGoal>(*this, stack_.front().get(), simulation, at));
     const std::lock_guard lock(core.mutex);
     return keys.frame_key(simulation, at);
+}
+
+std::optional<KeptFrame> Session::read_frame(int simulation, const Digest& key, bool with_state) {
+    const Place& p = program->place(simulation);
+    FrameStore::Found found = core.frames->read(program->graph()->registry(), *p.type, key, with_state);
+    if (!found.fault.empty()) {
+        Diagnostic d = program->about(p, {}, "IO406",
+                                      "the frame kept in '" + core.frames->file_of(key).string() +
+                                          "' cannot be used and is made anew: " + found.fault);
+        d.severity = Severity::warning;
+        core.observe([&](Observer& o) { o.warning(d); });
+    }
+    return std::move(found.frame);
+}
+
+void Session::keep_frame(int simulation, int at, const Digest& key, const EntryPtr& entry, const StoredState& state) {
+    if (core.disk_has_failed) return;
+    const Place& p = program->place(simulation);
+    KeptFrame kept;
+    kept.frame = at;
+    kept.entry = entry;
+    kept.warnings_of_state = state.warnings;
+    std::vector<PlugContent> rows;
+    Digest start;
+    {
+        const std::lock_guard lock(core.mutex);
+        kept.made_from = {p.name, program->recipe(simulation, at)};
+        rows.swap(core.learned);
+        start = keys.frame_key(simulation, p.start_frame);
+    }
+    kept.state = p.type->simulation->save(state.state);
+    try {
+        core.frames->add_rows(rows);
+        core.frames->write(program->graph()->registry(), *p.type, key, start, kept);
+    } catch (const Failure& failure) {
+        if (core.disk_has_failed.exchange(true)) return;
+        Diagnostic d =
+            program->about(p, {}, "IO407", "no frames are kept on disk: " + failure.diagnostics().front().message,
+                           failure.diagnostics().front().hint);
+        d.severity = Severity::warning;
+        core.observe([&](Observer& o) { o.warning(d); });
+    }
 }
 
 void Session::push_chains(const Needs& needs, Goal* parent) {
@@ -150,6 +196,10 @@ bool ChainGoal::step() {
     {
         const std::lock_guard lock(session_.core.mutex);
         if (session_.keys.extend(simulation_, frame_, needs)) return true;
+        if (session_.core.frames && !session_.core.recalled) { // what an earlier process knew of the inputs
+            session_.core.recall();
+            return false;
+        }
     }
     pins_.clear(); // their content digests are in the chain or in the table now
     if (!needs.chains.empty())

@@ -24,8 +24,9 @@ class Goal {
     virtual bool step() = 0;
 
   protected:
-    /// Needs the core's mutex. What this goal holds on to, else what the store has.
-    EntryPtr find(const Digest& key);
+    /// Needs the core's mutex. What this goal holds on to, else what the store has, of that node; nothing if it lacks
+    /// an output that this session reads.
+    EntryPtr find(const Digest& key, int node);
     Session& session_;
     Goal* parent_;
     /// Results of child goals, safe from eviction until they have been used.
@@ -39,8 +40,8 @@ class Session {
   public:
     Session(Core& core, std::shared_ptr<Program> program, std::stop_token stop, double frame,
             std::shared_ptr<Failures> failures = {});
-    /// The entry of a node at the session's frame.
-    EntryPtr entry(int node);
+    /// The entry of a node at the session's frame, with that output at least.
+    EntryPtr entry(int node, int output);
     /// The state of a simulation at the session's frame.
     Value state(int simulation);
     /// Makes the chain of a simulation reach the session's frame, without a step.
@@ -58,6 +59,16 @@ class Session {
     void check_stop() const {
         if (stop.stop_requested()) throw Cancelled();
     }
+    /// Needs the core's mutex. Whether the entry of a simulation has all that this session reads of it.
+    bool suffices(int simulation, const Entry& entry) const {
+        return program->suffices(target_, target_output_, simulation, entry);
+    }
+    /// Without the mutex. A frame of a simulation that is kept on disk; none, with a warning where there is one that
+    /// cannot be used.
+    std::optional<KeptFrame> read_frame(int simulation, const Digest& key, bool with_state);
+    /// Without the mutex. Keeps a frame on disk; where that fails, it is told once.
+    void keep_frame(int simulation, int frame, const Digest& key, const EntryPtr& entry, const StoredState& state);
+
     /// Needs the core's mutex. Notes that a stored result was used; told to the observer by `tell`.
     void note_reuse(const Digest& key, const Site& site, const EntryPtr& entry);
     /// This session computed the key itself: finding it again is no reuse.
@@ -71,6 +82,7 @@ class Session {
 
   private:
     void run(std::unique_ptr<Goal> goal);
+    int target_ = -1, target_output_ = -1;
     std::shared_ptr<Failures> failures_;
     std::vector<std::unique_ptr<Goal>> stack_;
     std::set<Digest> reused_;
@@ -117,6 +129,8 @@ class FrameGoal : public Goal {
   private:
     const Place& place() const { return session_.program->place(simulation_); }
     void find_nearest_state();
+    bool take_from_disk(std::unique_lock<std::mutex>& lock, const Digest& key);
+    bool load_nearest(std::unique_lock<std::mutex>& lock);
     void take(const StoredState& state, int frame);
     bool finish(const Digest& key, EntryPtr entry);
     bool make(std::unique_lock<std::mutex>& lock, int next);
@@ -127,7 +141,10 @@ class FrameGoal : public Goal {
     int simulation_, frame_;
     bool state_only_;
     bool searched_ = false, stepped_ = false;
-    int have_ = 0; ///< frame of state_; below the start frame: none
+    bool looked_on_disk_ = false; ///< for the frame itself
+    std::optional<int> on_disk_;  ///< the nearest frame whose state is kept there, where none as near is in memory
+    std::set<int> not_on_disk_;   ///< frames whose files are there and cannot be used
+    int have_ = 0;                ///< frame of state_; below the start frame: none
     StoredState state_;
 };
 

@@ -8,7 +8,8 @@ namespace sinew::engine {
 
 std::size_t Entry::bytes() const {
     std::size_t out = sizeof(Entry) + 128; // the rows of the tables that point here
-    for (const Value& v : outputs) out += v.bytes();
+    for (const Value& v : outputs)
+        if (v) out += v.bytes();
     for (const Diagnostic& d : warnings) out += sizeof(Diagnostic) + d.message.size() + d.hint.size();
     return out;
 }
@@ -24,7 +25,13 @@ EntryPtr ValueStore::find(const Digest& key) {
 
 void ValueStore::put(const Digest& key, EntryPtr entry) {
     const std::size_t size = entry->bytes();
-    if (size > budget_ || at_.contains(key)) return;
+    if (const auto it = at_.find(key); it != at_.end()) {
+        if (it->second->entry->is_whole() || !entry->is_whole()) return;
+        bytes_ -= it->second->entry->bytes();
+        order_.erase(it->second);
+        at_.erase(it);
+    }
+    if (size > budget_) return;
     while (bytes_ + size > budget_) drop_last();
     order_.push_front({key, std::move(entry)});
     at_[key] = order_.begin();

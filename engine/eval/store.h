@@ -20,6 +20,11 @@ namespace sinew::engine {
 struct Entry {
     std::vector<Value> outputs;
     std::vector<Diagnostic> warnings;
+    /// Of what came from disk without all of its outputs: the digests of all; else empty.
+    std::vector<Digest> known = {};
+    bool is_whole() const { return known.empty(); }
+    bool has(int output) const { return static_cast<bool>(outputs[static_cast<std::size_t>(output)]); }
+    Digest digest(std::size_t output) const { return known.empty() ? outputs[output].digest() : known[output]; }
     std::size_t bytes() const;
 };
 using EntryPtr = std::shared_ptr<const Entry>;

@@ -4,7 +4,7 @@
 #include "solver/types.h"
 
 #include <array>
-#include <string_view>
+#include <string>
 #include <vector>
 
 namespace sinew::solver {
@@ -19,8 +19,8 @@ struct Mark {
 };
 
 struct MarkGroup {
-    std::string_view term, what; ///< "attachment", "stretch"
-    std::string_view unit;       ///< of the values
+    std::string term, what; ///< "attachment", "stretch"
+    std::string unit;       ///< of the values
     std::vector<Mark> marks;
 };
 

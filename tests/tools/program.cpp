@@ -23,6 +23,7 @@ Program::Program(const std::vector<std::string>& words) {
     if (pid_ > 0) return;
     dup2(open(out.c_str(), O_CREAT | O_WRONLY, 0600), STDOUT_FILENO);
     dup2(open(err.c_str(), O_CREAT | O_WRONLY, 0600), STDERR_FILENO);
+    setenv("SINEW_KEEP_FRAMES", "off", 1); // tests that want them say --cache; no others leave files beside graphs
     execv(argv[0], argv.data());
     _exit(127);
 }

@@ -121,6 +121,7 @@ Command check_command() {
              memory_flag,
              cache_flag,
              no_cache_flag,
+             cache_size_flag,
              {"--json", "", "one JSON object a line instead of text"}},
             "sinew check graphs/scenes/arm.json\n"
             "sinew check graphs/scenes/arm.json --meshes",

@@ -68,6 +68,7 @@ Command eval_command() {
              memory_flag,
              cache_flag,
              no_cache_flag,
+             cache_size_flag,
              {"--json", "", "one JSON object instead of text"}},
             "sinew eval graphs/scenes/arm.json solver.outMeshes --frame 24",
             evaluate};

@@ -64,6 +64,7 @@ Command explain_command() {
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              cache_flag,
              no_cache_flag,
+             cache_size_flag,
              {"--json", "", "one JSON object instead of text"}},
             "sinew explain graphs/scenes/arm.json solver.outMeshes --frame 80",
             explain};

@@ -274,6 +274,7 @@ class Run {
                                            {"frames", report_.frames.size()},
                                            {"wall_s", report_.wall_s},
                                            {"frames_simulated", report_.frames_simulated},
+                                           {"frames_reused", report_.reused()},
                                            {"unconverged", report_.unconverged()},
                                            {"inverted", report_.inverted()},
                                            {"written", nlohmann::ordered_json::array()}};
@@ -330,6 +331,7 @@ Command run_command() {
              memory_flag,
              cache_flag,
              no_cache_flag,
+             cache_size_flag,
              {"--report", "FILE", "write times, convergence and sizes of every frame as JSON"},
              {"--open", "", "also write DIR/view.html, a page that plays the run, and say where it is"},
              {"--json", "", "one JSON object a line instead of text"},

@@ -272,7 +272,8 @@ Command snapshot_command() {
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
          memory_flag,
          cache_flag,
-         no_cache_flag},
+         no_cache_flag,
+         cache_size_flag},
         "sinew snapshot out/arm --frames 1,64,128 --size 1800x600 -o out/arm/arm.png\n"
         "sinew snapshot out/arm --frames 64 --bodies biceps,humerus --focus biceps -o biceps.png\n"
         "sinew snapshot out/arm --movie out/arm/arm.mp4 --size 1280x720",

@@ -173,6 +173,7 @@ Command view_command() {
          memory_flag,
          cache_flag,
          no_cache_flag,
+         cache_size_flag,
          {"--quiet", "", "print warnings and errors only", false, 'q'}},
         "sinew view graphs/scenes/arm.json -o out/arm.html\n"
         "sinew view out/arm\n"

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <fstream>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <thread>
 #include <unistd.h>
 
@@ -21,6 +22,13 @@ std::string machine_name() {
     const double bytes = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGE_SIZE));
     return name + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, " +
            std::to_string(static_cast<long long>(bytes / (1 << 30) + 0.5)) + " GB";
+}
+
+std::string build_mark() {
+    struct stat file {};
+    if (stat("/proc/self/exe", &file) != 0) return {};
+    return std::to_string(file.st_size) + "." + std::to_string(file.st_mtim.tv_sec) + "." +
+           std::to_string(file.st_mtim.tv_nsec);
 }
 
 std::string today() {

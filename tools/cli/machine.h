@@ -12,6 +12,8 @@ std::string machine_name();
 std::string today();
 /// Processes that ran or waited over the last minute; negative if the system does not say.
 double load_average();
+/// Changes with every build of this program: its file's size and time.
+std::string build_mark();
 /// The most memory that this process has had at once.
 std::int64_t peak_bytes();
 

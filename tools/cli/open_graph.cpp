@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/open_graph.h"
 
+#include "tools/cli/machine.h"
+
 #include "engine/check.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 
@@ -186,6 +189,16 @@ engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph)
     if (arguments.has("--no-cache")) return policy;
     const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());
+    const char* keeps = std::getenv("SINEW_KEEP_FRAMES");
+    policy.keeps_frames = arguments.has("--cache") || !keeps || std::string_view(keeps) != "off";
+    policy.build = build_mark();
+    if (const auto text = arguments.value("--cache-size")) {
+        const auto bytes = to_bytes(*text);
+        if (!bytes || *bytes < 1e6)
+            throw UsageError("--cache-size needs a size of at least 1 MB with its unit, for example \"20 GB\", not '" +
+                             *text + "'.");
+        policy.disk_bytes = static_cast<std::uintmax_t>(std::min(*bytes, 1e18));
+    }
     return policy;
 }
 

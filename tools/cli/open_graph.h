@@ -27,8 +27,14 @@ OpenGraph open_graph(const std::string& file);
 
 /// For commands that evaluate.
 inline constexpr Flag cache_flag{
-    "--cache", "DIR", "where nodes with cacheTetMesh keep their tets; default: beside the graph, NAME.sinew-cache"};
+    "--cache", "DIR",
+    "where simulated frames are kept, and the tets of nodes with cacheTetMesh, for later runs; default: beside the "
+    "graph, NAME.sinew-cache"};
 inline constexpr Flag no_cache_flag{"--no-cache", "", "neither read nor keep anything on disk"};
+inline constexpr Flag cache_size_flag{
+    "--cache-size", "SIZE",
+    "most that is kept there, for example \"20 GB\"; default: 10 GB. What was not used for "
+    "longest goes first"};
 
 inline constexpr Flag memory_flag{"--memory", "SIZE",
                                   "most memory for results that are kept, for example 500MB or \"2 GB\"; default: a "

@@ -144,14 +144,17 @@ int RunReport::inverted() const {
     }));
 }
 
+int RunReport::reused() const {
+    return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.reused; }));
+}
+
 std::string report_json(const RunReport& r) {
     Json out = {{"version", SINEW_VERSION},      {"machine", machine_name()},
                 {"blas", solver::blas_kernel()}, {"numerics", solver::machine_numerics()},
                 {"threads", r.threads},          {"graph", r.graph}};
-    const auto reused = std::count_if(r.frames.begin(), r.frames.end(), [](const FrameReport& f) { return f.reused; });
     out["totals"] = {
         {"wall_s", r.wall_s},         {"setup_s", r.setup_s},           {"frames_simulated", r.frames_simulated},
-        {"frames_reused", reused},    {"memory_bytes", r.memory_bytes}, {"kept_bytes", r.kept_bytes},
+        {"frames_reused", r.reused()},    {"memory_bytes", r.memory_bytes}, {"kept_bytes", r.kept_bytes},
         {"made_again", r.made_again}, {"peak_bytes", peak_bytes()}};
     out["computed"] = Json::object();
     for (const auto& [type, cost] : r.computed)
@@ -182,6 +185,7 @@ std::string summary(const RunReport& r) {
     if (count)
         out += text(": set-up %.2f s, then %.0f ms a frame", r.setup_s, 1000 * in_frames / static_cast<double>(count));
     if (r.frames_simulated) out += text("; %d simulated", r.frames_simulated);
+    if (const auto reused = r.reused()) out += text("%s%d reused", r.frames_simulated ? ", " : "; ", reused);
     if (r.size)
         out += text("; %lld bodies, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
                     static_cast<long long>(r.size->tets), static_cast<long long>(r.size->dofs));

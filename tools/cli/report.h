@@ -45,6 +45,7 @@ struct RunReport {
     std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists
     int unconverged() const;
     int inverted() const; ///< frames that have converged with inverted tets
+    int reused() const;   ///< frames that were there already, in memory or on disk
 };
 
 /// JSON.

@@ -235,7 +235,7 @@ void Contacts::measure(const Positions& x, std::span<const double>, std::vector<
 }
 
 void Contacts::marks(const Positions& x, Marks& out) const {
-    MarkGroup group{contact_type.name, "force", "N", {}};
+    MarkGroup group{std::string(contact_type.name), "force", "N", {}};
     look_at(x);
     for (const KeptContact& c : kept_.contacts) {
         if (is_left_to_attachments(c)) continue;

@@ -303,7 +303,8 @@ void BodyFields::marks(const Positions& x, Marks& out) const {
     constexpr std::size_t most = 300; // arrows a field
     for (std::size_t k = 0; k < parts_.size(); ++k) {
         const FieldAt& f = fields_[k];
-        MarkGroup group{field_type.name, names[static_cast<std::size_t>(f.rest->kind)], "N/m^3", {}};
+        MarkGroup group{
+            std::string(field_type.name), std::string(names[static_cast<std::size_t>(f.rest->kind)]), "N/m^3", {}};
         std::size_t points = 0;
         double spacing = 0;
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {

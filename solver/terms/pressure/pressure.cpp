@@ -152,7 +152,7 @@ void Pressure::measure(const Positions& x, std::span<const double>, std::vector<
 
 void Pressure::marks(const Positions& x, Marks& out) const {
     surfaces_.move(x, places_);
-    MarkGroup group{pressure_type.name, "pressure", "Pa", {}};
+    MarkGroup group{std::string(pressure_type.name), "pressure", "Pa", {}};
     double largest = 0, area = 0;
     for (std::size_t t = 0; t < surfaces_.triangles().size(); t += surfaces_.shown_step()) {
         const Triangle& c = surfaces_.triangles()[t];

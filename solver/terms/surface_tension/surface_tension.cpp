@@ -97,7 +97,7 @@ void SurfaceTension::measure(const Positions& x, std::span<const double>, std::v
 
 void SurfaceTension::marks(const Positions& x, Marks& out) const {
     surfaces_.move(x, places_);
-    MarkGroup group{surface_tension_type.name, "tension", "N/m", {}};
+    MarkGroup group{std::string(surface_tension_type.name), "tension", "N/m", {}};
     for (std::size_t t = 0; t < surfaces_.triangles().size(); t += surfaces_.shown_step()) {
         const LayeredSurfaces::Surface& surface = surfaces_.surface_of(t);
         Vec3 middle = Vec3::Zero();

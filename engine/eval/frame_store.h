@@ -1,0 +1,96 @@
+// Frames of simulations on disk, each under the key of its place in the chain, with what it was made from; and what
+// plugs hold, so that a later process finds the keys without evaluating what leads to them.
+//
+// A frame repeats much of the one at the start: connectivity, anchors, rest poses. So it is written as the blocks in
+// which it differs from that one. Files are whole or not there; a damaged one is not used. Several processes may share
+// the folder.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/eval/disk_store.h"
+#include "engine/eval/kept_entry.h"
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sinew::engine {
+
+/// The content digest of what a plug gives, by the plug's key.
+struct PlugContent {
+    Digest plug, content;
+};
+
+struct KeptFrame {
+    KeptInputs made_from;
+    int frame = 0;
+    EntryPtr entry;               ///< outputs whose type has no codec are missing
+    std::vector<std::byte> state; ///< as the node type saves it
+    std::vector<Diagnostic> warnings_of_state;
+};
+
+/// Thread-safe.
+class FrameStore {
+  public:
+    /// \param budget most bytes of all that is kept in the folder, frames and outputs
+    /// \param build  what other builds have kept is not seen
+    FrameStore(std::filesystem::path folder, std::uintmax_t budget, std::string_view build);
+
+    bool contains(const Digest& key) const { return files_.contains(name_of(key)); }
+    struct Found {
+        std::optional<KeptFrame> frame;
+        std::string fault; ///< a file is there and cannot be used: why. Without frame and fault there is none.
+    };
+    /// \param with_state else the state is left out
+    Found read(const Registry& registry, const NodeType& type, const Digest& key, bool with_state) const;
+    /// \param start the key of the simulation's start frame, whose file is there if it can be
+    /// Throws Failure IO405.
+    void write(const Registry& registry, const NodeType& type, const Digest& key, const Digest& start,
+               const KeptFrame& frame);
+    std::filesystem::path file_of(const Digest& key) const { return files_.file_of(name_of(key)); }
+
+    void read_rows(const std::function<void(const PlugContent&)>& take) const;
+    /// Throws Failure IO405.
+    void add_rows(std::span<const PlugContent> rows);
+
+    /// Frames of a node, newest first, with what they were made from.
+    struct Listed {
+        KeptInputs made_from;
+        int frame = 0;
+    };
+    std::vector<Listed> frames_of(const std::string& node) const;
+
+  private:
+    using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+    Digest name_of(const Digest& key) const { return Hasher().add(key).add(build_).finish(); }
+    /// Here and in start_of: of files, not of frames.
+    Bytes whole(const Digest& name, std::string& fault) const;
+    Bytes start_of(const Digest& start) const;
+    void make_room();
+
+    std::filesystem::path folder_;
+    std::uintmax_t budget_;
+    Digest build_;
+    DiskStore files_;
+    mutable std::mutex mutex_;
+    mutable std::map<Digest, Bytes> starts_; ///< start frames that are in use
+    std::filesystem::path rows_;             ///< this process's file of rows; empty: none yet
+    std::uintmax_t written_ = 0;             ///< since room was made
+};
+
+/// What a cache folder holds.
+struct DiskUse {
+    std::size_t frames = 0, outputs = 0, files = 0; ///< files: of all kinds
+    std::uintmax_t bytes = 0;
+};
+DiskUse disk_use(const std::filesystem::path& folder);
+/// Removes what Sinew keeps in a folder, and the folder where nothing else is in it.
+void remove_kept(const std::filesystem::path& folder);
+
+} // namespace sinew::engine
