@@ -300,8 +300,8 @@ FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& typ
     return out;
 }
 
-void FrameStore::write(const Registry& registry, const NodeType& type, const Digest& frame_key,
-                       const Digest& start_key, const KeptFrame& frame) {
+void FrameStore::write(const Registry& registry, const NodeType& type, const Digest& frame_key, const Digest& start_key,
+                       const KeptFrame& frame) {
     make_room();
     const Digest key = name_of(frame_key), start = name_of(start_key);
     std::vector<std::byte> bytes = encode(registry, type, frame);

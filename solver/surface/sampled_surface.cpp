@@ -33,10 +33,11 @@ std::uint64_t key_of(int a, int b) {
 }
 
 [[noreturn]] void refuse_so_many() {
-    throw Error("FE232",
-                "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives more than " +
-                    std::to_string(most_triangles) + " triangles",
-                "paint a smaller part of it, choose larger tets or a larger spacing");
+    throw Error(
+        "FE232",
+        "cutting a surface to the size of the tets that carry it, or to collisionPointSpacing, gives more than " +
+            std::to_string(most_triangles) + " triangles",
+        "paint a smaller part of it, choose larger tets or a larger spacing");
 }
 
 /// How many triangles without a longer edge an area takes at least: none is larger than the equilateral one.

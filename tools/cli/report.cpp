@@ -153,9 +153,9 @@ std::string report_json(const RunReport& r) {
                 {"blas", solver::blas_kernel()}, {"numerics", solver::machine_numerics()},
                 {"threads", r.threads},          {"graph", r.graph}};
     out["totals"] = {
-        {"wall_s", r.wall_s},         {"setup_s", r.setup_s},           {"frames_simulated", r.frames_simulated},
-        {"frames_reused", r.reused()},    {"memory_bytes", r.memory_bytes}, {"kept_bytes", r.kept_bytes},
-        {"made_again", r.made_again}, {"peak_bytes", peak_bytes()}};
+        {"wall_s", r.wall_s},          {"setup_s", r.setup_s},           {"frames_simulated", r.frames_simulated},
+        {"frames_reused", r.reused()}, {"memory_bytes", r.memory_bytes}, {"kept_bytes", r.kept_bytes},
+        {"made_again", r.made_again},  {"peak_bytes", peak_bytes()}};
     out["computed"] = Json::object();
     for (const auto& [type, cost] : r.computed)
         out["computed"][type] = {{"count", cost.count}, {"wall_s", cost.seconds}};

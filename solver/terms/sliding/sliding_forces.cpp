@@ -312,8 +312,7 @@ void Slides::add_squared_stiffnesses(std::span<double> squares) const {
     for (const Slide& s : slides_) {
         const AttachmentRest& rest = scene_.description().attachments[at(s.attachment)];
         for (const int body : {rest.source, rest.target})
-            if (const int d = scene_.deformable_of(body); d >= 0)
-                squares[at(d)] += stiffness(s) * stiffness(s);
+            if (const int d = scene_.deformable_of(body); d >= 0) squares[at(d)] += stiffness(s) * stiffness(s);
     }
 }
 
