@@ -11,7 +11,7 @@ namespace sinew::nodes {
 
 /// Each adds a force for the layers of a tissue, from bottom to top, whose maps fit its mesh, if some layer has a value
 /// other than 0, and nothing otherwise. A layer that has a mesh acts at the vertices in it or on it, times their
-/// weights. \param mesh the tissue's. Pressure warns (FE245) where it is open or looks inwards.
+/// weights. Pressure warns (FE245) where the mesh, the tissue's, is open or looks inwards.
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                   std::vector<Force>& forces);
 void add_surface_tension(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
