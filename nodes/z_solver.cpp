@@ -15,6 +15,7 @@
 #include "solver/terms/attachment/anchors.h"
 #include "solver/terms/contact/contact.h"
 
+#include <algorithm>
 #include <cstdio>
 
 namespace sinew::nodes {
@@ -268,7 +269,9 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
         report.record = s.state.record;
-        if (!setup.forces.empty()) {
+        const bool slides = std::any_of(setup.attachments.begin(), setup.attachments.end(),
+                                        [](const Attachment& a) { return a.values.slides > 0; });
+        if (!setup.forces.empty() || slides) {
             const solver::StepInputs inputs = step_inputs(in, setup, 1);
             marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
                               setup.simulated, setup.key.scale);

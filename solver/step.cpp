@@ -293,7 +293,8 @@ int residual_body(Workspace& workspace) { return workspace.impl().residual_body;
 
 Marks marks_of(Workspace& workspace, const State& state, const StepInputs& inputs) {
     Marks out;
-    if (workspace.scene().description().parts.empty()) return out;
+    const SceneDescription& scene = workspace.scene().description();
+    if (scene.parts.empty() && scene.attachments.empty()) return out;
     check_inputs(workspace.scene(), inputs);
     Workspace::Impl& impl = workspace.impl();
     impl.take(state, inputs);

@@ -237,6 +237,24 @@ void Slides::measure(const Positions& x, std::span<const double>, std::vector<Me
     out.push_back({&measures[0], longest}), out.push_back({&measures[1], force});
 }
 
+void Slides::marks(const Positions& x, Marks& out) const {
+    if (slides_.empty()) return;
+    look_at(x);
+    MarkGroup group{std::string(sliding_type.name), "way", "m", {}};
+    constexpr std::size_t most_shown = 400; // of an attachment
+    for (std::size_t a = 0; a + 1 < first_slide_.size(); ++a) {
+        const AttachmentRest& rest = scene_.description().attachments[a];
+        const std::size_t step = (first_slide_[a + 1] - first_slide_[a]) / most_shown + 1;
+        for (std::size_t i = first_slide_[a]; i < first_slide_[a + 1]; i += step)
+            group.marks.push_back({slides_[i].attachment,
+                                   points_[i],
+                                   points_[i] - now_[i].allowed.away,
+                                   std::sqrt(std::max(0.0, squared_way(i))),
+                                   {rest.source, rest.target}});
+    }
+    out.push_back(std::move(group));
+}
+
 void Slides::remember(const Positions& x, bool, TermMemory& memory) const {
     if (slides_.empty()) return memory.bytes.clear();
     look_at(x);

@@ -51,6 +51,8 @@ class Slides final : public Term {
     bool widen(const Positions& x) override;
     double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
+    /// Lines from the points to where they may be nearest, with how far they are off their height.
+    void marks(const Positions& x, Marks& out) const override;
 
   private:
     /// A point that slides.

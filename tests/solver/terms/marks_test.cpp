@@ -46,7 +46,10 @@ TEST_CASE("terms: marks are finite, a few hundred a part, and there for parts al
         Run run(example);
         run.step(1);
         const Marks all = run.marks(1);
-        if (run.made.scene->description().parts.empty()) {
+        const auto inputs = run.made.inputs(1);
+        const bool slides = std::any_of(inputs.attachments.begin(), inputs.attachments.end(),
+                                        [](const AttachmentInputs& a) { return a.slides > 0; });
+        if (run.made.scene->description().parts.empty() && !slides) {
             // Asked by itself: a term without parts that has some would not be heard.
             TermProbe probe(example);
             Marks own;

@@ -2,6 +2,7 @@
 // runs.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
+#include "solver/marks_of.h"
 #include "solver/mesh/primitives.h"
 #include "solver/terms/sliding/lump_samples.h"
 #include "solver/terms/sliding/sliding.h"
@@ -215,6 +216,19 @@ TEST_CASE("sliding: held along the normal alone, a block goes down a slope like 
             CHECK(s.measured("force_N") == Approx(weight * std::cos(angle)).epsilon(1e-3));
             CHECK(s.measured("max_stretch_m") ==
                   Approx(weight * std::cos(angle) / (stiffness * side * side)).epsilon(0.03));
+            // Shown as lines down to the plate, as long as the height that they are off or keep.
+            const Marks marks = marks_of(*s.workspace, s.state, s.in);
+            REQUIRE(marks.size() == 1);
+            CHECK((marks[0].term == "sliding" && marks[0].what == "way" && marks[0].unit == "m"));
+            double longest = 0;
+            for (const Mark& m : marks[0].marks) {
+                CHECK((m.part == 0 && m.bodies == std::array{0, 1}));
+                CHECK(std::abs(m.to.y()) < 1e-12);
+                CHECK(std::hypot(m.from.x() - m.to.x(), m.from.z() - m.to.z()) < 1e-12);
+                CHECK(std::abs(m.value - std::abs(m.from.y() - height)) < 1e-12);
+                longest = std::max(longest, m.value);
+            }
+            CHECK(longest == Approx(s.measured("max_stretch_m")).epsilon(1e-12));
         }
 }
 
