@@ -54,6 +54,13 @@ struct Input {
     /// An Input<bool> of the same node. At times where that is off this one must not be read, and is part of no frame's
     /// key.
     std::string_view when = "";
+    /// T = bool: compute may ask whether it is on at any time (Reads::is_ever_on), so a switch that is off now and has
+    /// keys that put it on has another digest than one that stays off.
+    bool looks_ahead = false;
+    /// T = std::string, no options: the name of a node of the list that the output connected at this Wire has one entry
+    /// for (Output::entries_of). Compute reads its place (Reads::entry); only that is part of keys, and the name
+    /// follows a renamed node. Empty text names none.
+    std::string_view names_entry_of = "";
 };
 
 /// An attribute that only a connection can feed (mesh, body, material …).
@@ -63,6 +70,8 @@ struct Wire {
     std::string_view doc = "";
     bool required = true;
     Affects affects = Affects::result;
+    /// Read at the whole frames around the time instead of at the time (Reads::around): a simulation has no others.
+    bool whole_frames = false;
 };
 
 /// A list of connections, in order.
@@ -76,6 +85,8 @@ struct WireList {
     /// where that is off, and is part of no frame's key then. Types that hold nothing aside cannot have it; who wants
     /// a whole input to come and go takes Input::when.
     std::string_view aside_when = "";
+    /// Read at the graph's first frame as well (Reads::at_start).
+    bool with_start = false;
 };
 
 template <class T>
@@ -83,6 +94,8 @@ struct Output {
     std::string_view name;
     std::string_view doc = "";
     std::string_view unit = "";
+    /// A WireList of the same node: the value has one entry for each of its connections, in their order.
+    std::string_view entries_of = "";
 };
 
 enum class AttributeKind { literal, wire, wire_list, output };
@@ -101,6 +114,8 @@ struct AttributeInfo {
     std::vector<Preset> presets;
     FromTiming from_timing = FromTiming::nothing;
     std::string_view when, aside_when; ///< names of switches; empty: always
+    bool looks_ahead = false, whole_frames = false, with_start = false;
+    std::string_view names_entry_of, entries_of;
     /// Values between two keys are that of the first; options are keyed by their number.
     bool is_stepped() const {
         return kind == AttributeKind::literal && (def.is<bool>() || def.is<std::int64_t>() || def.is<std::string>());
@@ -116,6 +131,7 @@ AttributeInfo describe(const Input<T>& a) {
     i.def = Value::of<T>(a.def);
     i.required = a.required, i.affects = a.affects, i.options = a.options, i.presets = a.presets;
     i.from_timing = a.from_timing, i.when = a.when;
+    i.looks_ahead = a.looks_ahead, i.names_entry_of = a.names_entry_of;
     i.keyable = a.keyable && !(std::is_same_v<T, std::string> && a.options.empty()) && !std::is_same_v<T, File> &&
                 !std::is_same_v<T, NumberList>;
     return i;
@@ -124,7 +140,7 @@ template <class T>
 AttributeInfo describe(const Wire<T>& a) {
     AttributeInfo i;
     i.kind = AttributeKind::wire;
-    i.name = a.name, i.doc = a.doc, i.required = a.required, i.affects = a.affects;
+    i.name = a.name, i.doc = a.doc, i.required = a.required, i.affects = a.affects, i.whole_frames = a.whole_frames;
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     return i;
 }
@@ -135,7 +151,7 @@ AttributeInfo describe(const WireList<T>& a) {
     i.name = a.name, i.doc = a.doc, i.min_count = a.min_count, i.required = a.min_count > 0, i.affects = a.affects;
     if constexpr (!requires(Hasher & h, const T& v) { ValueTraits<T>::hash_aside(h, v); })
         if (!a.aside_when.empty()) throw std::logic_error(std::string(a.name) + ": its values hold nothing aside");
-    i.aside_when = a.aside_when;
+    i.aside_when = a.aside_when, i.with_start = a.with_start;
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     return i;
 }
@@ -143,7 +159,7 @@ template <class T>
 AttributeInfo describe(const Output<T>& a) {
     AttributeInfo i;
     i.kind = AttributeKind::output;
-    i.name = a.name, i.doc = a.doc, i.unit = a.unit;
+    i.name = a.name, i.doc = a.doc, i.unit = a.unit, i.entries_of = a.entries_of;
     i.type_name = ValueTraits<T>::name, i.type = std::type_index(typeid(T));
     return i;
 }

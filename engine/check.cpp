@@ -135,6 +135,8 @@ class Checker {
         if (!input_.name.empty() && input_.name == type_.kept_when)
             return problem("DG029", "cannot be connected",
                            "write a plain value: it decides where results are looked for before anything runs");
+        if (!input_.names_entry_of.empty())
+            return problem("DG029", "cannot be connected", "write the name: it is looked up before anything runs");
         source(p, "/from");
     }
 
@@ -192,9 +194,54 @@ std::vector<Problem> check_binding(const Graph& graph, std::string_view node, co
     return Checker(graph, node, type, input).run(binding);
 }
 
-std::vector<Problem> check_required(std::string_view node, const Node& n) {
+std::vector<std::string> entry_names(const Graph& graph, const Node& n, const AttributeInfo& input) {
+    const auto bound = n.inputs.find(input.names_entry_of);
+    const auto* plug = bound == n.inputs.end() ? nullptr : std::get_if<Plug>(&bound->second);
+    const Node* source = plug ? graph.find(plug->node) : nullptr;
+    const AttributeInfo* output = source && source->type ? source->type->find_output(plug->attribute) : nullptr;
+    if (!output || output->entries_of.empty()) return {};
+    const auto list = source->inputs.find(output->entries_of);
+    const auto* plugs = list == source->inputs.end() ? nullptr : std::get_if<std::vector<Plug>>(&list->second);
+    std::vector<std::string> out;
+    if (plugs)
+        for (const Plug& p : *plugs) out.push_back(p.node);
+    return out;
+}
+
+namespace {
+
+void check_entry(const Graph& graph, std::string_view node, const Node& n, const AttributeInfo& a,
+                 std::vector<Problem>& out) {
+    const auto it = n.inputs.find(a.name);
+    const auto* value = it == n.inputs.end() ? nullptr : std::get_if<Value>(&it->second);
+    if (!value || !value->is<std::string>() || value->as<std::string>().empty()) return;
+    const std::string& wanted = value->as<std::string>();
+    const std::vector<std::string> names = entry_names(graph, n, a);
+    const auto times = std::count(names.begin(), names.end(), wanted);
+    if (times == 1) return;
+    Problem p;
+    p.diagnostic.node = node;
+    p.diagnostic.attribute = a.name;
+    p.diagnostic.code = "FE290";
+    if (names.empty()) {
+        p.diagnostic.message = "what is connected to " + std::string(a.names_entry_of) + " has no entries with names";
+        p.diagnostic.hint = "name an entry by its number, or connect a zSolver's outMeshes";
+    } else {
+        p.diagnostic.message = json_quoted(wanted) +
+                               (times == 0 ? " is none of the " : " stands more than once among the ") +
+                               std::to_string(names.size()) + " entries: " + listed(names);
+        p.diagnostic.hint = times == 0 ? name_hint(wanted, names, {}) : "name it by its number";
+        if (p.diagnostic.hint.empty()) p.diagnostic.hint = "name one of them";
+    }
+    out.push_back(std::move(p));
+}
+
+} // namespace
+
+std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n) {
     std::vector<Problem> out;
     for (const AttributeInfo& a : n.type->inputs) {
+        if (!a.names_entry_of.empty()) check_entry(graph, node, n, a, out);
         if (!a.required) continue;
         const auto it = n.inputs.find(a.name);
         const auto* plugs = it == n.inputs.end() ? nullptr : std::get_if<std::vector<Plug>>(&it->second);

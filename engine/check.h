@@ -19,8 +19,12 @@ struct Problem {
 std::vector<Problem> check_binding(const Graph& graph, std::string_view node, const NodeType& type,
                                    const AttributeInfo& input, const Binding& binding);
 
-/// Required inputs that are not there, lists with too few connections.
-std::vector<Problem> check_required(std::string_view node, const Node& n);
+/// Required inputs that are not there, lists with too few connections, names of entries that are not there.
+std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n);
+
+/// The names that an input with names_entry_of can hold, by place: the nodes connected to the list that what is
+/// connected here has one entry for. Empty where nothing with entries is connected.
+std::vector<std::string> entry_names(const Graph& graph, const Node& n, const AttributeInfo& input);
 
 /// Warns of literals that contradict the graph's timing where that is the default (DG031).
 std::vector<Diagnostic> check_timing(const Graph& graph);

@@ -230,6 +230,7 @@ class Edit::Draft {
     void rename(const Op& op) {
         const std::string from = op.plug.node, to = op.text;
         if (!node(op.plug) || from == to || !free_name(to)) return;
+        rename_entries(from, to);
         auto moved = graph_.nodes_.extract(from);
         moved.key() = to;
         graph_.nodes_.insert(std::move(moved));
@@ -254,6 +255,24 @@ class Edit::Draft {
             }
         }
         undo({.kind = Op::Kind::rename, .plug = {to, ""}, .text = from});
+    }
+
+    // Texts that name the node as an entry of a list.
+    void rename_entries(const std::string& from, const std::string& to) {
+        for (const std::string& name : graph_.order_) {
+            const Node& n = *graph_.find(name);
+            if (!n.type) continue;
+            for (const AttributeInfo& info : n.type->inputs) {
+                if (info.names_entry_of.empty()) continue;
+                const auto bound = n.inputs.find(info.name);
+                const auto* text = bound == n.inputs.end() ? nullptr : std::get_if<Value>(&bound->second);
+                if (!text || !text->is<std::string>() || text->as<std::string>() != from) continue;
+                const std::vector<std::string> names = entry_names(graph_, n, info);
+                if (std::find(names.begin(), names.end(), from) == names.end()) continue;
+                own(name)->inputs.find(info.name)->second = Value::of<std::string>(to);
+                break; // n is the old node now
+            }
+        }
     }
 
     // The inverse of whatever stands at the input now.

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace sinew::engine {
@@ -33,6 +34,11 @@ class ReadSource {
     /// "biceps" for entry 2 of attribute "bodies": the node at the other end; for messages only.
     virtual std::string source_name(std::string_view attribute, std::size_t index) = 0;
     virtual bool stop_requested() = 0;
+    /// Of a wire that is read at whole frames: its values at those before and after.
+    virtual std::pair<Value, Value> around(std::string_view attribute) = 0;
+    virtual bool is_ever_on(std::string_view attribute) = 0;
+    virtual std::vector<Value> list_at_start(std::string_view attribute) = 0;
+    virtual std::vector<std::string> entry_names(std::string_view attribute) = 0;
     /// The content digest of a literal, a wire or a whole list of wires.
     virtual Digest digest(std::string_view attribute) { return get(attribute).digest(); }
 };
@@ -78,6 +84,27 @@ class Reads {
     const T* find(const Wire<T>& a) const {
         const Value& v = keep(source_->get(a.name));
         return v ? &v.template as<T>() : nullptr;
+    }
+    /// The values of a wire that is read at whole frames at the last one up to now and the first from now on.
+    template <class T>
+    std::pair<const T*, const T*> around(const Wire<T>& a) const {
+        auto [before, after] = source_->around(a.name);
+        return {&keep(std::move(before)).template as<T>(), &keep(std::move(after)).template as<T>()};
+    }
+    /// The values of a list that is read with_start, at the graph's first frame.
+    template <class T>
+    std::vector<std::reference_wrapper<const T>> at_start(const WireList<T>& a) const {
+        std::vector<std::reference_wrapper<const T>> out;
+        for (Value& v : source_->list_at_start(a.name)) out.emplace_back(keep(std::move(v)).template as<T>());
+        return out;
+    }
+    /// The names that an input with names_entry_of can hold, by place; for messages only, never for results.
+    std::vector<std::string> entry_names(const Input<std::string>& a) const { return source_->entry_names(a.name); }
+    /// Whether a switch that looks ahead is on at some time: now, at a key, or connected, whatever that brings.
+    bool is_ever_on(const Input<bool>& a) const { return source_->is_ever_on(a.name); }
+    /// The place that a name stands for (Input::names_entry_of); -1: none is named.
+    int entry(const Input<std::string>& a) const {
+        return static_cast<int>(keep(source_->get(a.name)).template as<std::int64_t>());
     }
     template <class T>
     std::vector<std::reference_wrapper<const T>> operator[](const WireList<T>& a) const {

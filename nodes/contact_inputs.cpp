@@ -154,21 +154,21 @@ Force read_contact(const Reads& in, bool tissue, const Mesh& surface, const Coll
     return f;
 }
 
-Force contact_in_solver(const Reads& solver, const Force& of_body) {
+Force contact_in_solver(const Reads& solver, const Force& of_body, double units) {
     using namespace z_solver;
     Force f = of_body;
     auto rest = std::make_shared<solver::ContactRest>(static_cast<const solver::ContactRest&>(*of_body.rest));
     rest->spacing = solver[collision_subdivision] ? solver[collision_point_spacing] : 0;
-    if (rest->shape && solver[scale] != 1) {
+    if (rest->shape && units != 1) {
         auto shape = std::make_shared<solver::CollisionShape>(*rest->shape);
-        shape->surface = to_metres(shape->surface, solver[scale]);
+        shape->surface = to_metres(shape->surface, units);
         rest->shape = std::move(shape);
     }
     f.digest = Hasher().add(of_body.digest).add(rest->spacing).finish();
     f.rest = std::move(rest);
     solver::ContactValues values = solver::get_fields<solver::ContactValues>(f.values);
     values.damping = solver[contact_damping];
-    values.longest = solver[max_contact_length] * solver[scale]; // lengths of forces are in scene units
+    values.longest = solver[max_contact_length] * units; // lengths of forces are in scene units
     put_fields(values, f.values);
     return f;
 }

@@ -17,6 +17,6 @@ std::vector<engine::AttributeInfo> contact_attributes(bool tissue);
 Force read_contact(const engine::Reads& in, bool tissue, const Mesh& surface, const CollisionSurface* shape);
 
 /// That force as the solver's contacts want it: in metres, with the solver's spacing, damping and longest contact.
-Force contact_in_solver(const engine::Reads& solver, const Force& of_body);
+Force contact_in_solver(const engine::Reads& solver, const Force& of_body, double units);
 
 } // namespace sinew::nodes

@@ -4,11 +4,12 @@
 namespace sinew::nodes {
 
 ContactList contact_list(std::vector<solver::ContactPoint> contacts, const std::vector<int>& simulated,
-                         double units_per_metre) {
+                         const SolverSpace& space) {
     for (solver::ContactPoint& c : contacts) {
         c.source = simulated[static_cast<std::size_t>(c.source)];
         c.target = simulated[static_cast<std::size_t>(c.target)];
-        c.place *= units_per_metre;
+        c.place = space.place_in_scene(c.place);
+        c.normal = space.direction_in_scene(c.normal), c.force = space.direction_in_scene(c.force);
     }
     return {std::move(contacts)};
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
+#include "nodes/solver_space.h"
 #include "solver/terms/contact/contact_list.h"
 
 #include <vector>
@@ -16,7 +17,7 @@ struct ContactList {
 
 /// \param simulated places in zSolver.bodies of those of the scene
 ContactList contact_list(std::vector<solver::ContactPoint> contacts, const std::vector<int>& simulated,
-                         double units_per_metre);
+                         const SolverSpace& space);
 
 /// What a pair of bodies has in contact.
 struct ContactSum {

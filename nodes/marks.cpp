@@ -5,11 +5,11 @@
 
 namespace sinew::nodes {
 
-MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, double units_per_metre) {
+MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, const SolverSpace& space) {
     MarkList out;
     for (solver::MarkGroup& group : groups) {
         for (solver::Mark& m : group.marks) {
-            m.from *= units_per_metre, m.to *= units_per_metre;
+            m.from = space.place_in_scene(m.from), m.to = space.place_in_scene(m.to);
             for (int& body : m.bodies)
                 if (body >= 0) body = simulated[static_cast<std::size_t>(body)];
         }

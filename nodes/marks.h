@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
+#include "nodes/solver_space.h"
 #include "solver/term/marks.h"
 
 #include <vector>
@@ -16,7 +17,7 @@ struct MarkList {
 
 /// From metres to scene units; groups of the same kind become one, where the first of them stands.
 /// \param simulated places in zSolver.bodies of those of the scene
-MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, double units_per_metre);
+MarkList mark_list(solver::Marks groups, const std::vector<int>& simulated, const SolverSpace& space);
 
 } // namespace sinew::nodes
 

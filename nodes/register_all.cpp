@@ -13,6 +13,7 @@ namespace sinew::nodes {
 
 // geometry
 void add_mesh_file(engine::Registry&);
+void add_mesh_sequence(engine::Registry&);
 void add_tet_mesh_file(engine::Registry&);
 void add_poly_sphere(engine::Registry&);
 void add_poly_cube(engine::Registry&);
@@ -26,6 +27,8 @@ void add_z_delaunay_tet_mesh(engine::Registry&);
 // motion
 void add_transform(engine::Registry&);
 void add_aim(engine::Registry&);
+void add_skin_cluster(engine::Registry&);
+void add_pick_mesh(engine::Registry&);
 void add_track_channel(engine::Registry&);
 // painting
 void add_weights(engine::Registry&);
@@ -140,7 +143,10 @@ void register_all(engine::Registry& registry) {
                       add_contact_writer,
                       add_transfer_weights,
                       add_combine_weights,
-                      add_aim})
+                      add_aim,
+                      add_pick_mesh,
+                      add_mesh_sequence,
+                      add_skin_cluster})
         add(plain);
     for (const std::string& name : plain.names()) registry.add(with_errors_told(*plain.find(name)));
 }

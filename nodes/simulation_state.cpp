@@ -10,7 +10,7 @@ namespace sinew::nodes {
 
 namespace {
 
-constexpr std::uint64_t format_mark = 0x34307a5f77656e69; // "inew_z04"
+constexpr std::uint64_t format_mark = 0x35307a5f77656e69; // "inew_z05"
 
 [[noreturn]] void refuse(const std::string& what) {
     engine::Diagnostic d;
@@ -26,6 +26,7 @@ std::vector<std::byte> save(const SimulationState& state) {
     engine::ByteWriter w;
     w.put(format_mark);
     w.put(state.scene.scale);
+    w.put(state.scene.frame);
     w.put_list(state.scene.bodies);
     w.put_list(state.scene.attachments);
     w.put_list(state.scene.links);
@@ -44,6 +45,7 @@ SimulationState load_simulation(std::span<const std::byte> bytes) {
         engine::ByteReader r(bytes);
         if (r.get<std::uint64_t>() != format_mark) refuse("it is not a state of this version");
         out.scene.scale = r.get<double>();
+        out.scene.frame = r.get<engine::Matrix4>();
         out.scene.bodies = r.get_list<engine::Digest>();
         out.scene.attachments = r.get_list<engine::Digest>();
         out.scene.links = r.get_list<std::array<int, 2>>();

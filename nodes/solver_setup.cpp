@@ -5,8 +5,12 @@
 #include "nodes/contact_inputs.h"
 #include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/terms/contact/contact.h"
 #include "solver/terms/contact/contact_rest.h"
 #include "solver/terms/elastic/rest_change.h"
+#include "solver/terms/hold/hold.h"
+#include "solver/terms/pressure/pressure.h"
+#include "solver/terms/surface_tension/surface_tension.h"
 
 #include <algorithm>
 #include <numeric>
@@ -38,7 +42,7 @@ void take_bodies(const Reads& in, Setup& setup) {
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
         const Body& b = setup.bodies[i];
         const Body& whole = b.subtissue ? setup.bodies[whole_of(in, setup, i)].get() : b;
-        if (!whole.enable) continue;
+        if (!whole.takes_part) continue;
         setup.simulated.push_back(static_cast<int>(i));
         setup.ids.push_back(id_of(b));
         setup.rests.push_back(b.rest);
@@ -85,7 +89,7 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
                 "Make them differ in place or material.");
     if (found >= 0) return found;
     for (const Body& b : setup.bodies) // what is disabled, or a part of what is
-        if ((!b.enable || b.subtissue) && b.rest->digest == wanted.rest) return -1;
+        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest) return -1;
     in.fail(attribute, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
             "Connect that body to zSolver.bodies too.");
 }
@@ -138,7 +142,8 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Rea
     for (std::size_t b = 0; b < setup.simulated.size(); ++b) {
         const Body& body = bodies_then[static_cast<std::size_t>(setup.simulated[b])];
         if (!body.contact) continue;
-        setup.contacts.push_back(std::make_shared<const Force>(contact_in_solver(source, *body.contact)));
+        setup.contacts.push_back(
+            std::make_shared<const Force>(contact_in_solver(source, *body.contact, setup.key.scale)));
         take_force(setup, *setup.contacts.back(), -1, {static_cast<int>(b)});
     }
     setup.key.contacts = setup.contacts.size();
@@ -219,7 +224,10 @@ const Reads* contact_of(const Reads& frame) { return frame[collision_detection] 
 
 Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     Setup setup;
-    setup.key.scale = in[scale];
+    const engine::Matrix4 frame = solver_frame(in);
+    setup.key.scale = known ? known->scale : in[scale];
+    setup.key.frame = known ? known->frame : frame;
+    setup.space = solver_space(setup.key.scale, setup.key.frame, frame);
     take_bodies(in, setup);
     if (!known) refuse_twins(in, setup);
     take_attachments(in, setup, known);
@@ -291,12 +299,45 @@ solver::SceneDescription describe_scene(const Setup& setup) {
     return scene;
 }
 
+namespace {
+
+/// runupWeight, where the channel's flag is on.
+double run_up(const Reads& in, const engine::Input<bool>& flag) { return in[flag] ? in[runup_weight] : 1; }
+
+solver::TissueInputs tissue_inputs(const Reads& in, const Body& body) {
+    solver::TissueInputs out = std::get<solver::TissueInputs>(body.values);
+    out.enable = body.enable ? 1 : 0;
+    out.inertial_damping = std::min(1.0, out.inertial_damping * run_up(in, affect_inertial_damping));
+    out.rest_scale_envelope *= run_up(in, affect_rest_scale);
+    for (solver::SubtissueInputs& part : out.subtissues) part.rest_scale_envelope *= run_up(in, affect_rest_scale);
+    for (solver::FiberValues& fiber : out.fibers) fiber.excitation *= run_up(in, affect_excitation);
+    return out;
+}
+
+/// In metres, and in the solver's space.
+solver::PartValues part_values(const Reads& in, const Setup& setup, std::size_t force) {
+    Force f = setup.forces[force];
+    for (std::size_t i = 0; i < f.values.size(); ++i)
+        if (f.type->values[i].unit == std::string_view("m")) f.values[i] /= setup.key.scale;
+    if (f.type == &solver::hold_type) take_into_space(in, setup.space, f);
+    if (f.type == &solver::pressure_type) f.values.front() *= run_up(in, affect_pressure);
+    if (f.type == &solver::surface_tension_type) f.values.front() *= run_up(in, affect_surface_tension);
+    if (f.type == &solver::contact_type && !setup.acts(static_cast<std::size_t>(setup.key.reach[force].front()))) {
+        auto values = solver::get_fields<solver::ContactValues>(f.values);
+        values.collides = 0;
+        put_fields(values, f.values);
+    }
+    return std::move(f.values);
+}
+
+} // namespace
+
 solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t steps_per_frame) {
     solver::StepInputs s;
     s.step_size = 1 / (in[frames_per_second] * static_cast<double>(steps_per_frame));
     s.integrator = meaning(options_of<solver::Integrator>, in[integrator]);
     s.linear_method = meaning(options_of<solver::LinearMethod>, in[linear_solver]);
-    s.gravity = solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
+    s.gravity = run_up(in, affect_gravity) * solver::Vec3(in[gravity][0], in[gravity][1], in[gravity][2]);
     s.mass_damping = in[mass_damping];
     s.stiffness_damping = in[stiffness_damping];
     s.max_newton_iterations = static_cast<int>(in[max_newton_iterations]);
@@ -305,16 +346,17 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
         const Body& b = setup.body(i);
         if (b.is_bone())
-            s.bodies.emplace_back(solver::BoneInputs{to_metres(*std::get<Mesh>(b.values).points, setup.key.scale)});
+            s.bodies.emplace_back(solver::BoneInputs{setup.space.to_metres(*std::get<Mesh>(b.values).points)});
         else
-            s.bodies.emplace_back(std::get<solver::TissueInputs>(b.values));
+            s.bodies.emplace_back(tissue_inputs(in, b));
     }
-    for (const Attachment& a : setup.attachments) s.attachments.push_back(a.values);
-    for (const Force& f : setup.forces) {
-        solver::PartValues& values = s.parts.emplace_back(f.values);
-        for (std::size_t i = 0; i < values.size(); ++i)
-            if (f.type->values[i].unit == std::string_view("m")) values[i] /= setup.key.scale;
+    for (std::size_t i = 0; i < setup.attachments.size(); ++i) {
+        s.attachments.push_back(setup.attachments[i].get().values);
+        const auto acts = [&](int body) { return setup.acts(static_cast<std::size_t>(body)); };
+        if (!acts(setup.key.links[i][0]) || !acts(setup.key.links[i][1]))
+            s.attachments.back().set_mode(solver::AttachmentMode::none);
     }
+    for (std::size_t i = 0; i < setup.forces.size(); ++i) s.parts.push_back(part_values(in, setup, i));
     return s;
 }
 
@@ -330,6 +372,8 @@ void check_all_tied(const Reads& in, const Setup& setup) {
         // One that slides leaves ways free.
         if (values.stiffness <= 0 || values.envelope <= 0 || values.holds <= 0) continue;
         const auto [from, to] = setup.key.links[i];
+        const auto acts = [&](int body) { return setup.acts(static_cast<std::size_t>(body)); };
+        if (!acts(from) || !acts(to)) continue;
         group[root(static_cast<std::size_t>(from))] = root(static_cast<std::size_t>(to));
     }
     for (std::size_t i = 0; i < group.size(); ++i) group[root(i)] = root(static_cast<std::size_t>(setup.carriers[i]));
@@ -338,7 +382,7 @@ void check_all_tied(const Reads& in, const Setup& setup) {
         if (setup.forces[i].get().type->ties)
             for (const int body : setup.key.reach[i]) holds[root(static_cast<std::size_t>(body))] = 1;
     for (std::size_t i = 0; i < group.size(); ++i)
-        if (setup.body(i).is_bone()) holds[root(i)] = 1;
+        if (setup.body(i).is_bone() || !setup.acts(i)) holds[root(i)] = 1; // what is disabled stays
     for (std::size_t i = 0; i < group.size(); ++i)
         if (!holds[root(i)])
             in.fail(bodies.name, "FE303",
@@ -357,7 +401,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         r.attachments += a.values.mode() != solver::AttachmentMode::none;
     }
     std::vector<std::string> laws;
-    bool fibers = false, resists = false, conserves = false, rest_changes = false;
+    bool calms = false, fibers = false, resists = false, conserves = false, rest_changes = false;
     for (int i = 0; i < scene.body_count(); ++i) {
         const solver::TissueRest* t = scene.tissue(i);
         r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
@@ -366,6 +410,8 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         const solver::LawFacts& law = law_facts(t->law);
         if (std::find(laws.begin(), laws.end(), law.name) == laws.end()) laws.emplace_back(law.name);
         fibers = fibers || !t->fibers.empty();
+        calms = calms ||
+                std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values).inertial_damping > 0;
         const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
         resists = resists || (law.resists_compression && values.compression_resistance > 0);
         conserves = conserves || conserves_volume(values);
@@ -379,6 +425,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     if (in[gravity] != engine::Vec3{}) r.terms.push_back("gravity");
     if (moves) r.terms.push_back("inertia");
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");
+    if (moves && calms) r.terms.push_back("inertialDamping");
     if (fibers) r.terms.push_back("fiber");
     if (holds) r.terms.push_back("attachment");
     if (slides) r.terms.push_back("sliding");

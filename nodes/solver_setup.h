@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/node_type.h"
+#include "nodes/solver_space.h"
 #include "nodes/values.h"
 #include "solver/step.h"
 
@@ -28,8 +29,13 @@ struct Setup {
     std::vector<std::shared_ptr<const Force>> contacts;      ///< of them, those that are made of bodies' contacts
     std::vector<int> force_entries; ///< place of each in zSolver.forces; -1: a body brings it along
     SceneKey key;
+    SolverSpace space;
     const Body& body(std::size_t simulated_index) const {
         return bodies[static_cast<std::size_t>(simulated[simulated_index])];
+    }
+    /// Whether it is enabled now; a subtissue is where the tissue is that it is a part of.
+    bool acts(std::size_t simulated_index) const {
+        return body(static_cast<std::size_t>(carriers[simulated_index])).enable;
     }
 };
 

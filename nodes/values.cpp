@@ -72,7 +72,7 @@ void add(Hasher& h, const solver::StepRecord& r) {
 }
 
 void add(Hasher& h, const SceneKey& k) {
-    h.add(k.scale).add(static_cast<std::uint64_t>(k.bodies.size()));
+    h.add(k.scale).add_doubles(k.frame).add(static_cast<std::uint64_t>(k.bodies.size()));
     for (const Digest& d : k.bodies) h.add(d);
     h.add(static_cast<std::uint64_t>(k.attachments.size()));
     for (const Digest& d : k.attachments) h.add(d);
@@ -136,6 +136,7 @@ TetMeshValue TetMeshValue::with_element(solver::ElementKind kind) const {
 BodyId id_of(const Body& body) {
     Hasher h;
     h.add(body.enable).add(body.is_bone());
+    if (body.takes_part && !body.enable) h.add("at another time");
     std::visit([&](const auto& v) { add(h, v); }, body.values);
     for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);

@@ -138,7 +138,7 @@ struct Force {
 /// A body: its rest data and its values at one time.
 struct Body {
     std::shared_ptr<const BodyRest> rest;
-    bool enable = true;
+    bool enable = true;                              ///< at this time
     std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
     solver::InitialMotion start = {};                ///< of a tissue, at the start frame
     /// Tissues with a collisionShape, else null: for zEmbedder. Contact reads it through `contact`.
@@ -147,6 +147,8 @@ struct Body {
     std::optional<Force> contact = {}; ///< what it brings to contact; acts where zSolver.collisionDetection is on
     /// Of a subtissue, else null. Its rest data has a surface but no tets: those are the tissue's that it is a part of.
     std::shared_ptr<const Subtissue> subtissue = nullptr;
+    /// Enabled at some time, so that it has a place in the scene at all of them.
+    bool takes_part = true;
     bool is_bone() const { return values.index() == 1; }
 };
 
@@ -171,7 +173,8 @@ engine::Digest static_digest(const Force& force);
 
 /// What all frames of one simulation must share: the static data that its scene is built from.
 struct SceneKey {
-    double scale = 100;                              ///< scene units per metre
+    double scale = 100;                              ///< scene units per metre at the start frame
+    engine::Matrix4 frame{};                         ///< where the solver's transform was then
     std::vector<engine::Digest> bodies, attachments; ///< of those that take part
     std::vector<std::array<int, 2>> links;           ///< source and target of each attachment, positions in `bodies`
     std::vector<engine::Digest> forces;              ///< of the further forces that take part

@@ -18,10 +18,6 @@ Vec3 at(const std::vector<double>& x, int vertex) {
     return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(vertex));
 }
 
-std::array<double, 3> in_scene_units(const Vec3& p, double units) {
-    return {p.x() * units, p.y() * units, p.z() * units};
-}
-
 /// The point of an anchor's end that lies on a tissue.
 Vec3 carried(const solver::Scene& scene, const solver::State& state, int body, const solver::AnchorEnd& end) {
     const solver::PointWeights w = scene.embedded(body, end.tet, end.coordinates);
@@ -62,7 +58,7 @@ void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::
             worst.tet = static_cast<int>(i) * solver::lanes + lane; // tets stand in batches in their own order
             Vec3 middle = Vec3::Zero();
             for (const auto& corner : batch.vertex) middle += 0.25 * at(state.x, corner[lane]);
-            worst.tet_place = in_scene_units(middle, setup.key.scale);
+            worst.tet_place = setup.space.numbers_in_scene(middle);
         }
     }
 }
@@ -82,7 +78,7 @@ void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solve
         if (worst.attachment >= 0 && stretch <= worst.stretch) continue;
         worst.stretch = stretch;
         worst.attachment = setup.attachment_entries[attachment];
-        worst.stretch_place = in_scene_units(from, setup.key.scale);
+        worst.stretch_place = setup.space.numbers_in_scene(from);
         worst.source_body = setup.simulated[static_cast<std::size_t>(source)];
     }
 }

@@ -15,8 +15,9 @@ namespace {
 const Input<bool> enable{
     .name = "enable",
     .def = true,
-    .doc = "Off leaves the bone and its attachments out of the simulation.",
-    .keyable = false,
+    .doc = "Off leaves the bone and its attachments out of the simulation. Keyed: while it is off its attachments let "
+           "go and it touches nothing; what zHold moves with it still moves.",
+    .looks_ahead = true,
 };
 const Wire<Mesh> mesh{
     .name = "mesh",
@@ -65,6 +66,7 @@ void compute(const Reads& in, Writes& out) {
         key, [&] { return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); }); });
     Body body{kept->rest, in[enable], guarded(in, matrix.name, [&] { return moved(modelled, in[matrix]); })};
     body.contact = read_contact(in, false, modelled, nullptr);
+    body.takes_part = in.is_ever_on(enable);
     out.set(out_body, std::move(body));
 }
 

@@ -33,6 +33,7 @@ const Input<double> envelope{
 const Output<MeshList> out_meshes{
     .name = "outMeshes",
     .doc = "The carried meshes at this frame, in the order of `meshes`.",
+    .entries_of = "meshes",
 };
 
 const Output<MeshList> out_collision_meshes{

@@ -106,7 +106,7 @@ void compute(const Reads& in, Writes& out) {
         in.fail(matrix.name, "DG110", "both a matrix and a bone shall move what is held", "Connect one of the two.");
     Force f;
     f.type = &solver::hold_type;
-    if (in[enable] && (!moving || moving->enable)) {
+    if (in[enable] && (!moving || moving->takes_part)) {
         f.bodies.push_back(id_of(body));
         if (moving) f.bodies.push_back(id_of(*moving));
     }

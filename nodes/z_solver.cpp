@@ -29,6 +29,7 @@ const Output<MeshList> out_meshes{
     .name = "outMeshes",
     .doc = "The meshes of all of `bodies` at this frame, in that order and in scene units; disabled tissues "
            "as modelled.",
+    .entries_of = "bodies",
 };
 const Output<Solved> out_solved{.name = "outSolved", .doc = "The solved tets; connect to zEmbedder.solved."};
 const Output<SolveReport> out_report{
@@ -237,15 +238,15 @@ MeshList unsolved_meshes(const Setup& setup) {
     return out;
 }
 
-void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, double units, Mesh& mesh,
-                    solver::Points& tets, solver::Points& midpoints) {
-    mesh = mesh.with_points(to_scene_units(solver::surface_positions(scene, state, body), units));
+void publish_tissue(const solver::Scene& scene, const solver::State& state, int body, const SolverSpace& space,
+                    Mesh& mesh, solver::Points& tets, solver::Points& midpoints) {
+    mesh = mesh.with_points(space.to_scene(solver::surface_positions(scene, state, body)));
     const double* x = state.x.data() + 3 * scene.first_vertex(body);
     const std::size_t corners = scene.tissue(body)->tets.vertices.size();
     for (std::size_t v = 0; v < scene.vertex_count(body); ++v)
         (v < corners ? tets : midpoints).emplace_back(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
-    tets = to_scene_units(std::move(tets), units);
-    midpoints = to_scene_units(std::move(midpoints), units);
+    tets = space.to_scene(std::move(tets));
+    midpoints = space.to_scene(std::move(midpoints));
 }
 
 int nearest_vertex(const solver::Points& points, const std::array<double, 3>& place) {
@@ -274,8 +275,8 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
         if (!setup.forces.empty() || slides) {
             const solver::StepInputs inputs = step_inputs(in, setup, 1);
             marks = mark_list(solving(in, setup, [&] { return marks_of(stage->workspace, s.state, inputs); }),
-                              setup.simulated, setup.key.scale);
-            contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.key.scale);
+                              setup.simulated, setup.space);
+            contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.space);
         }
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);
@@ -285,8 +286,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             if (b.is_bone())
                 positions = *mesh.points;
             else
-                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.key.scale, mesh, positions,
-                               midpoints);
+                publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.space, mesh, positions, midpoints);
             solved.bodies.push_back(setup.ids[i]);
             solved.rests.push_back(setup.rests[i]);
         }
@@ -318,7 +318,10 @@ void add_z_solver(Registry& registry) {
                         describe(forces),
                         describe(enable),
                         describe(start_frame),
+                        describe(translate),
+                        describe(rotate),
                         describe(scale),
+                        describe(matrix),
                         describe(linear_solver),
                         describe(integrator),
                         describe(frames_per_second),
@@ -329,6 +332,13 @@ void add_z_solver(Registry& registry) {
                         describe(stiffness_damping),
                         describe(mass_damping),
                         describe(gravity),
+                        describe(runup_weight),
+                        describe(affect_gravity),
+                        describe(affect_inertial_damping),
+                        describe(affect_pressure),
+                        describe(affect_surface_tension),
+                        describe(affect_rest_scale),
+                        describe(affect_excitation),
                         describe(collision_detection),
                         describe(collision_subdivision),
                         describe(collision_point_spacing),

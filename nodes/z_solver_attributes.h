@@ -37,12 +37,68 @@ inline const Input<double> start_frame{
     .keyable = false,
     .from_timing = FromTiming::start,
 };
+inline const Input<Vec3> translate{
+    .name = "translate",
+    .doc = "Moves the space that the simulation runs in, in scene units. Only how it moves from the start frame on "
+           "counts: what bones do together with it is felt by nothing, as on a train at full speed. Gravity and fields "
+           "are given in this space and turn along with it; results come out where the scene is.",
+};
+inline const Input<Vec3> rotate{
+    .name = "rotate",
+    .unit = "deg",
+    .doc = "Turns that space about x, then y, then z; see translate.",
+};
 inline const Input<double> scale{
     .name = "scale",
     .def = 100,
     .limits = {.min = 0, .open_min = true},
-    .doc = "Scene units per metre: 100 reads the scene as centimetres, 1 as metres.",
-    .keyable = false,
+    .doc = "Scene units per metre: 100 reads the scene as centimetres, 1 as metres. Keyed, it scales the space that "
+           "the simulation runs in, as translate moves it.",
+};
+inline const Input<Matrix4> matrix{
+    .name = "matrix",
+    .def = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1},
+    .limits = {.min = -1e60, .max = 1e60},
+    .doc = "Moves that space too, after translate, rotate and scale: connect the transform.outMatrix that carries "
+           "the bones. Translations, turns and even scales only.",
+};
+inline const Input<double> runup_weight{
+    .name = "runupWeight",
+    .def = 1,
+    .unit = "1",
+    .limits = {.min = 0},
+    .doc = "Multiplies the channels whose affect switch is on. Keyed from 0 to 1 over some frames before the shot, it "
+           "lets them set in slowly.",
+};
+inline const Input<bool> affect_gravity{
+    .name = "affectSolverGravity",
+    .def = true,
+    .doc = "Whether runupWeight multiplies gravity.",
+};
+inline const Input<bool> affect_inertial_damping{
+    .name = "affectInertialDamping",
+    .def = false,
+    .doc = "Whether runupWeight multiplies zTissue.inertialDamping. Off lets it calm the run-up itself.",
+};
+inline const Input<bool> affect_pressure{
+    .name = "affectPressureEnvelope",
+    .def = true,
+    .doc = "Whether runupWeight multiplies pressureEnvelope of all bodies.",
+};
+inline const Input<bool> affect_surface_tension{
+    .name = "affectSurfaceTensionEnvelope",
+    .def = true,
+    .doc = "Whether runupWeight multiplies surfaceTensionEnvelope of all bodies.",
+};
+inline const Input<bool> affect_rest_scale{
+    .name = "affectRestScaleEnvelope",
+    .def = true,
+    .doc = "Whether runupWeight multiplies restScaleEnvelope of all bodies.",
+};
+inline const Input<bool> affect_excitation{
+    .name = "affectFiberExcitation",
+    .def = true,
+    .doc = "Whether runupWeight multiplies the excitation of all fibres.",
 };
 inline const Input<std::string> integrator{
     .name = "integrator",

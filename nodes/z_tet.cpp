@@ -66,12 +66,22 @@ const Input<std::string> fill_interior{
     .def = std::string(word_of(solver::Fill::filled_cavities)),
     .doc =
         "Which tets are kept. SurfaceOnly: those that the surface passes through, a shell one tet thick, and one more "
-        "around each closed surface inside another, which bounds a cavity. FilledCavities: all inside the outer "
+        "around each closed surface inside another, which bounds a cavity; a sheet, open or flat, is as thick as "
+        "thickness says. FilledCavities: all inside the outer "
         "surface; closed surfaces inside others count for nothing, "
         "and holes and cracks are closed. EmptyCavities: a closed surface inside another bounds an empty "
         "cavity, whichever way it is turned; the mesh must be watertight.",
     .keyable = false,
     .options = words(options_of<solver::Fill>),
+};
+const Input<double> thickness{
+    .name = "thickness",
+    .def = 0,
+    .limits = {.min = 0},
+    .doc = "SurfaceOnly: how thick the shell is that the mesh stands for, half of it on either side, in scene units; "
+           "tets are solid as far as they lie in it. 0 takes a tenth of tetSize for sheets, open meshes and flat ones, "
+           "and of closed meshes all that the shell of tets holds.",
+    .keyable = false,
 };
 const Input<std::int64_t> max_resolution{
     .name = "maxResolution",
@@ -128,6 +138,7 @@ TetMeshValue make_tets(const Reads& in) {
     options.tet_size = in[tet_size];
     options.max_resolution = static_cast<int>(in[max_resolution]);
     options.fill = meaning(options_of<solver::Fill>, in[fill_interior]);
+    options.thickness = options.fill == solver::Fill::surface_only ? in[thickness] : 0;
     options.propagation = in[refinement_propagation];
     if (element_of(in) == solver::ElementKind::quadratic) options.moments = 4;
     options.refinement = painted.empty() ? NumberList{1} : painted;
@@ -141,7 +152,8 @@ TetMeshValue make_tets(const Reads& in) {
                    },
                    {{"FE222", tet_size.name},
                     {"FE210", is_refined ? surface_refinement.name : tet_size.name},
-                    {"FE220", fill_interior.name}});
+                    {"FE220", fill_interior.name},
+                    {"FE298", thickness.name}});
 }
 
 void compute(const Reads& in, Writes& out) {
@@ -164,7 +176,8 @@ void add_z_tet(Registry& registry) {
     // 2: closed surfaces inside others are filled unless fillInterior says otherwise
     // 3: triangles and parts that face the wrong way are turned; too large tets refused
     // 4: tets that the surface cuts know the moments of their part inside
-    type.numerics = 5; // SurfaceOnly keeps the skins of cavities
+    // 5: SurfaceOnly keeps the skins of cavities
+    type.numerics = 6; // SurfaceOnly takes sheets for shells
     type.doc = "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
                "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
                "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "
@@ -176,6 +189,7 @@ void add_z_tet(Registry& registry) {
                    describe(refinement_propagation),
                    describe(envelope),
                    describe(fill_interior),
+                   describe(thickness),
                    describe(max_resolution),
                    describe(element),
                    describe(cache_tet_mesh),

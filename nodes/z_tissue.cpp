@@ -24,8 +24,10 @@ namespace {
 const Input<bool> enable{
     .name = "enable",
     .def = true,
-    .doc = "Off leaves the tissue and its attachments out of the simulation.",
-    .keyable = false,
+    .doc = "Off leaves the tissue and its attachments out of the simulation. Keyed: while it is off the tissue stands "
+           "still where it is, in the solver's space, its attachments let go and it touches nothing; when it comes on, "
+           "it goes on from there at rest.",
+    .looks_ahead = true,
 };
 const Wire<Mesh> mesh{
     .name = "mesh",
@@ -91,6 +93,15 @@ const Input<Vec3> initial_angular_velocity{
     .unit = "rad/s",
     .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
     .keyable = false,
+};
+const Input<double> inertial_damping{
+    .name = "inertialDamping",
+    .def = 0,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Takes momentum out of the motion of the tissue as a whole: translation, rotation, shear and scaling. Finer "
+           "motion, as waves, keeps its own. The share of it that is gone after 1/24 s, however many steps that are: 0 "
+           "is none, 1 leaves no momentum from step to step, so that the whole only creeps after the forces.",
 };
 const Input<double> rest_scale_envelope{
     .name = "restScaleEnvelope",
@@ -213,6 +224,7 @@ void compute(const Reads& in, Writes& out) {
     solver::TissueInputs values;
     values.compression_resistance = in[compression_resistance];
     values.transverse_anisotropy = in[transverse_anisotropy];
+    values.inertial_damping = in[inertial_damping];
     for (const Material& m : parts.materials) values.layers.push_back(m.values);
     values.layers.front().envelope = 1; // the first layer covers everything
     for (const Fiber& f : parts.fibers) values.fibers.push_back(f.values);
@@ -228,7 +240,7 @@ void compute(const Reads& in, Writes& out) {
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
     out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces),
-                           read_contact(in, true, *parts.mesh, collision.get())});
+                           read_contact(in, true, *parts.mesh, collision.get()), nullptr, in.is_ever_on(enable)});
 }
 
 } // namespace
@@ -250,6 +262,7 @@ void add_z_tissue(Registry& registry) {
                    describe(transverse_anisotropy),
                    describe(initial_velocity),
                    describe(initial_angular_velocity),
+                   describe(inertial_damping),
                    describe(rest_scale_envelope),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),

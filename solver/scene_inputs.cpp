@@ -69,6 +69,11 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
             const auto& t = std::get<TissueInputs>(b);
             const TissueRest& rest = *scene.tissue(body);
             if (rest.carried_by >= 0) continue; // its values are among those of the tissue that it is a part of
+            if (!(t.inertial_damping >= 0 && t.inertial_damping <= 1)) {
+                Error bad("FE304", "inertialDamping is " + std::to_string(t.inertial_damping), "it must be 0 to 1");
+                bad.body = body;
+                throw bad;
+            }
             bool fits = t.layers.size() == rest.layer_weights.size() && t.fibers.size() == rest.fibers.size() &&
                         t.subtissues.size() == rest.subtissues.size();
             for (std::size_t i = 0; fits && i < rest.subtissues.size(); ++i)

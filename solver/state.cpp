@@ -14,7 +14,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 9\n";
+constexpr std::string_view magic = "sinew state 10\n";
 
 /// Appends plain values; vectors with their length first.
 class Writer {
@@ -175,7 +175,7 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         const auto* t = std::get_if<TissueInputs>(&body);
         w.put(t != nullptr);
         if (!t) continue;
-        w.put(t->compression_resistance), w.put(t->transverse_anisotropy), w.put(t->rest_scale_envelope);
+        for (const auto& f : TissueInputs::fields()) w.put(t->*f.at);
         w.put_all(t->layers), w.put_all(t->fibers);
         w.put(static_cast<std::uint64_t>(t->subtissues.size()));
         for (const SubtissueInputs& part : t->subtissues) w.put(part.rest_scale_envelope), w.put_all(part.layers);
@@ -201,7 +201,7 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
             continue;
         }
         TissueInputs t;
-        r.get(t.compression_resistance), r.get(t.transverse_anisotropy), r.get(t.rest_scale_envelope);
+        for (const auto& f : TissueInputs::fields()) r.get(t.*f.at);
         r.get_all(t.layers), r.get_all(t.fibers);
         t.subtissues.resize(r.get_count(sizeof(double) + sizeof(std::uint64_t)));
         for (SubtissueInputs& part : t.subtissues) r.get(part.rest_scale_envelope), r.get_all(part.layers);

@@ -24,7 +24,7 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    std::vector<double> x, v, x_gamma, v_gamma, acceleration;
+    std::vector<double> x, v, x_gamma, v_gamma, acceleration, whole_velocity;
     std::vector<Measured> measured;
     std::vector<Points> bones;          ///< at the end of the step
     std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
@@ -81,6 +81,29 @@ void solve_stage(Workspace::Impl& impl, const State& s, const StepInputs& in, co
     if (impl.newton) minimise(impl.potential, *impl.newton, options, control, x, memory, record);
 }
 
+/// The state's velocity without the affine momentum that the step's values take out, while this lives; what was there
+/// before comes back unless the step is taken.
+class DampedVelocity {
+  public:
+    DampedVelocity(Workspace::Impl& impl, State& s, const StepInputs& in)
+        : whole_(impl.whole_velocity)
+        , s_(s) {
+        whole_.clear();
+        if (in.integrator == Integrator::quasi_static || !damps_affine_momentum(in)) return;
+        whole_ = s.v;
+        impl.potential.damp_affine_momentum(s.x, s.v);
+    }
+    DampedVelocity(const DampedVelocity&) = delete;
+    void keep() { whole_.clear(); }
+    ~DampedVelocity() {
+        if (!whole_.empty()) s_.v = whole_;
+    }
+
+  private:
+    std::vector<double>& whole_;
+    State& s_;
+};
+
 /// One time step. Takes it, and returns true, if it has converged or `anyhow`; else, and where it throws, `s` stays
 /// where it was (its acceleration may be filled in). What it did is in `record`.
 bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones, bool anyhow,
@@ -90,6 +113,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     if (memory.factor_steps_left > 0) --memory.factor_steps_left;
     impl.potential.begin_step(s, in);
     impl.x = s.x;
+    DampedVelocity damped(impl, s, in);
     switch (in.integrator) {
     case Integrator::backward_euler:
         backward_euler_form(s, h, impl.form);
@@ -116,6 +140,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         if (others) impl.potential.set_values(s, impl.between);
         solve_stage(impl, s, in, bones, control, impl.x, memory, record);
         update_velocity(impl.form, impl.x, impl.v_gamma);
+        impl.potential.stop_frozen(impl.v_gamma);
         impl.x_gamma = impl.x;
         if (others) impl.potential.set_values(s, in);
         tr_bdf2_bdf2_form(s, impl.x_gamma, impl.v_gamma, h, bones_at_gamma, impl.form);
@@ -125,15 +150,19 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     solve_stage(impl, s, in, bones, control, impl.x, memory, record);
     if (!record.converged && !anyhow) return false;
 
+    damped.keep();
     update_velocity(impl.form, impl.x, impl.v);
+    impl.potential.stop_frozen(impl.v);
     // History is kept by the schemes that read it; an unconverged acceleration would carry its error on.
     impl.acceleration.clear();
     const bool keeps_history = in.integrator == Integrator::tr_bdf2 && record.converged;
-    if (keeps_history) implied_acceleration(impl.form, impl.x, impl.acceleration);
+    // What a frozen body would do if it were let go is another thing than what it did.
+    if (keeps_history && !impl.potential.has_frozen()) implied_acceleration(impl.form, impl.x, impl.acceleration);
     impl.potential.measure(impl.x, impl.measured);
     impl.potential.remember(impl.x, keeps_history, s.memories);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep) {
+        impl.potential.stop_frozen(s.v);
         s.history.step_size = h;
         s.history.x.swap(s.x);
         s.history.v.swap(s.v);

@@ -63,6 +63,9 @@ struct TissueInputs {
     double compression_resistance = 20000; ///< relative to Young's modulus
     double transverse_anisotropy = 1;      ///< law anisotropic: stiffness across the fibre / along it
     double rest_scale_envelope = 1;        ///< exponent of the layers' rest_scale; 0 = off
+    /// Share of the momentum of translation, rotation, shear and scaling that is gone after affine_damping_time, 0…1.
+    double inertial_damping = 0;
+    double enable = 1; ///< switch, read once a step: 0 = nothing moves the body, and no force of its own counts
     std::vector<MaterialValues> layers;
     std::vector<FiberValues> fibers;
     std::vector<SubtissueInputs> subtissues = {};
@@ -71,9 +74,15 @@ struct TissueInputs {
         using T = TissueInputs;
         return std::to_array<Field<T>>({{"compressionResistance", "1", &T::compression_resistance},
                                         {"transverseAnisotropy", "1", &T::transverse_anisotropy},
-                                        {"restScaleEnvelope", "1", &T::rest_scale_envelope}});
+                                        {"restScaleEnvelope", "1", &T::rest_scale_envelope},
+                                        {"inertialDamping", "1", &T::inertial_damping},
+                                        {"enable", "1", &T::enable}});
     }
+    bool is_frozen() const { return enable < 0.5; }
 };
+
+/// The time that TissueInputs::inertial_damping is meant for [s]: a frame of film.
+inline constexpr double affine_damping_time = 1.0 / 24;
 
 /// Whether some layer does; on linear tets it couples more vertices.
 inline bool conserves_volume(const TissueInputs& in) {

@@ -40,12 +40,26 @@ double same_until(const Binding& a, const Binding& b) {
     return same ? always : -always;
 }
 
+/// Of a switch that looks ahead: what it will be belongs to what it is at the first frame.
+bool is_ever_on(const Binding& b) {
+    if (const Value* value = std::get_if<Value>(&b)) return value->as<bool>();
+    const Curve* curve = std::get_if<Curve>(&b);
+    return !curve || is_ever_on(*curve);
+}
+
+bool look_ahead_alike(const Node& node, const std::string& input, const Binding& a, const Binding& b) {
+    const AttributeInfo* info = node.type ? node.type->find_input(input) : nullptr;
+    return !info || !info->looks_ahead || is_ever_on(a) == is_ever_on(b);
+}
+
 double same_until(const Node& a, const Node& b) {
     if (&a == &b) return always; // snapshots share what an edit did not touch
     if (a.type != b.type || a.type_name != b.type_name || a.inputs.size() != b.inputs.size()) return -always;
     double out = always;
     for (auto i = a.inputs.begin(), j = b.inputs.begin(); i != a.inputs.end() && out > -always; ++i, ++j)
-        out = i->first == j->first ? std::min(out, same_until(i->second, j->second)) : -always;
+        out = i->first == j->first && look_ahead_alike(a, i->first, i->second, j->second)
+                  ? std::min(out, same_until(i->second, j->second))
+                  : -always;
     return out;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/file_digests.h"
 
+#include "engine/file_sequence.h"
+
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -8,6 +10,22 @@
 namespace sinew::engine {
 
 std::variant<Digest, FileFault> FileDigests::of(const std::string& path) {
+    return names_sequence(path) ? of_sequence(path) : of_file(path);
+}
+
+std::variant<Digest, FileFault> FileDigests::of_sequence(const std::string& path) {
+    const auto files = find_sequence(path);
+    if (files.empty()) return FileFault{"IO401", "there is no file like " + path};
+    Hasher h;
+    for (const auto& [number, file] : files) {
+        const auto content = of_file(file);
+        if (const auto* fault = std::get_if<FileFault>(&content)) return *fault;
+        h.add(static_cast<std::uint64_t>(number)).add(std::get<Digest>(content));
+    }
+    return h.finish();
+}
+
+std::variant<Digest, FileFault> FileDigests::of_file(const std::string& path) {
     namespace fs = std::filesystem;
     std::error_code ec;
     const auto status = fs::status(path, ec);

@@ -21,9 +21,12 @@ using FileContents = std::map<std::string, std::variant<Digest, FileFault>>;
 /// Thread-safe. A file that changes without changing size and time of change is not noticed.
 class FileDigests {
   public:
+    /// Of a path that names numbered files (file_sequence.h): of all of them, with their numbers.
     std::variant<Digest, FileFault> of(const std::string& path);
 
   private:
+    std::variant<Digest, FileFault> of_sequence(const std::string& path);
+    std::variant<Digest, FileFault> of_file(const std::string& path);
     struct Row {
         std::uintmax_t size;
         std::int64_t changed;

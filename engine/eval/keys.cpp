@@ -29,7 +29,7 @@ Digest content_key(const Program& program, const Place& p, double time, std::spa
     for (std::size_t i = 0; i < p.slots.size(); ++i) {
         if (!p.slots[i].read_by_compute()) continue;
         h.add(p.slots[i].info->name).add(std::uint64_t{values[i].size()});
-        for (const Value& v : values[i]) h.add(v.whole_digest());
+        for (const Value& v : values[i]) h.add(p.slots[i].ahead_digest(v));
     }
     return h.finish();
 }

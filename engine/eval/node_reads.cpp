@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/eval/node_reads.h"
 
+#include "engine/check.h"
 #include "engine/limits.h"
 #include "engine/text.h"
 
@@ -60,7 +61,34 @@ std::vector<Value> NodeReads::get_list(std::string_view attribute) {
     const std::size_t i = slot(attribute);
     if (context_.place->slots[i].info->kind != AttributeKind::wire_list)
         throw std::logic_error(std::string(attribute) + " is a single value and was read as a list");
-    return values_[i];
+    if (!context_.place->slots[i].info->with_start) return values_[i];
+    return {values_[i].begin(), values_[i].begin() + static_cast<std::ptrdiff_t>(values_[i].size() / 2)};
+}
+
+std::pair<Value, Value> NodeReads::around(std::string_view attribute) {
+    const std::size_t i = slot(attribute);
+    if (!context_.place->slots[i].info->whole_frames)
+        throw std::logic_error(std::string(attribute) + " is not read at whole frames");
+    if (values_[i].empty()) return {};
+    return {values_[i].front(), values_[i].back()};
+}
+
+std::vector<Value> NodeReads::list_at_start(std::string_view attribute) {
+    const std::size_t i = slot(attribute);
+    if (!context_.place->slots[i].info->with_start)
+        throw std::logic_error(std::string(attribute) + " is not read at the start");
+    return {values_[i].begin() + static_cast<std::ptrdiff_t>(values_[i].size() / 2), values_[i].end()};
+}
+
+std::vector<std::string> NodeReads::entry_names(std::string_view attribute) {
+    const Place& p = *context_.place;
+    return engine::entry_names(*context_.program->graph(), *p.node, *p.slots[slot(attribute)].info);
+}
+
+bool NodeReads::is_ever_on(std::string_view attribute) {
+    const Slot& s = context_.place->slots[slot(attribute)];
+    if (!s.info->looks_ahead) throw std::logic_error(std::string(attribute) + " does not look ahead");
+    return s.is_ever_on();
 }
 
 Digest NodeReads::digest(std::string_view attribute) {

@@ -34,6 +34,10 @@ class NodeReads : public ReadSource {
     Value get(std::string_view attribute) override;
     std::vector<Value> get_list(std::string_view attribute) override;
     Digest digest(std::string_view attribute) override;
+    std::pair<Value, Value> around(std::string_view attribute) override;
+    bool is_ever_on(std::string_view attribute) override;
+    std::vector<Value> list_at_start(std::string_view attribute) override;
+    std::vector<std::string> entry_names(std::string_view attribute) override;
     double frame() override;
     double fps() override;
     void checkpoint() override;

@@ -6,6 +6,7 @@
 #include "engine/check.h"
 #include "engine/text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -37,7 +38,24 @@ Value Slot::sample(double frame) const {
 }
 
 Digest Slot::digest_at(double frame) const {
-    return kind == Kind::constant ? constant.digest() : sample(frame).digest();
+    if (kind == Kind::constant) return constant.digest();
+    return ahead_digest(sample(frame));
+}
+
+bool is_ever_on(const Curve& curve) {
+    return std::any_of(curve.keys.begin(), curve.keys.end(), [](const Key& k) { return k.value.front() != 0; });
+}
+
+bool Slot::is_ever_on() const {
+    if (kind == Kind::constant) return constant.as<bool>();
+    if (kind != Kind::curve) return true; // whatever is connected may bring anything
+    return engine::is_ever_on(*curve);
+}
+
+// A switch that is on is on at some time: only of one that is off there is more to say.
+Digest Slot::ahead_digest(const Value& now) const {
+    if (!info->looks_ahead || now.as<bool>() || !is_ever_on()) return now.whole_digest();
+    return Hasher().add("on at another time").add(now.digest()).finish();
 }
 
 bool Place::is_kept() const {
@@ -140,18 +158,36 @@ void Program::resolve(Place& p) {
             s.kind = Slot::Kind::curve, s.curve = c;
         } else if (const Plug* w = std::get_if<Plug>(&bound->second)) {
             s.kind = Slot::Kind::wire, s.sources = {source(*w)};
+            if (info.whole_frames) {
+                s.sources = {s.sources.front(), s.sources.front()};
+                s.sources[0].at = Source::At::frame_before, s.sources[1].at = Source::At::frame_after;
+            }
         } else {
             s.kind = Slot::Kind::list;
             for (const Plug& w2 : std::get<std::vector<Plug>>(bound->second)) s.sources.push_back(source(w2));
+            const std::size_t count = info.with_start ? s.sources.size() : 0;
+            for (std::size_t i = 0; i < count; ++i) {
+                s.sources.push_back(s.sources[i]);
+                s.sources.back().at = Source::At::start;
+            }
         }
+        if (!info.names_entry_of.empty()) s.constant = Value::of<std::int64_t>(entry_place(p, info, s.constant));
         p.slots.push_back(std::move(s));
     }
-    for (Problem& f : check_required(p.name, *p.node)) {
+    for (Problem& f : check_required(*graph_, p.name, *p.node)) {
         locate(f.diagnostic, *graph_, p.name);
         p.problems.push_back(std::move(f.diagnostic));
     }
     if (p.type->simulation) find_times(p);
     p.uses_frame = p.type->uses_time && (p.type->time_input.empty() || is_set(p, p.type->time_input));
+}
+
+/// Where a name stands among the entries that it can be one of; -1 where there is none, which is a problem unless the
+/// name is empty.
+std::int64_t Program::entry_place(const Place& p, const AttributeInfo& info, const Value& name) const {
+    const std::vector<std::string> names = entry_names(*graph_, *p.node, info);
+    const auto at = std::find(names.begin(), names.end(), name.as<std::string>());
+    return at == names.end() ? -1 : at - names.begin();
 }
 
 void Program::find_times(Place& p) {
@@ -168,6 +204,20 @@ void Program::find_times(Place& p) {
         else
             p.problems.push_back(about(p, s.info->name, "DG107", number_text(start) + " is not a whole frame"));
     }
+}
+
+Site Program::site(const Source& s, double frame) const {
+    switch (s.at) {
+    case Source::At::frame_before:
+        return site(s.node, std::floor(frame));
+    case Source::At::frame_after:
+        return site(s.node, std::ceil(frame));
+    case Source::At::start:
+        return site(s.node, graph_->timing().start);
+    case Source::At::time:
+        break;
+    }
+    return site(s.node, frame);
 }
 
 Site Program::site(int node, double frame) const {

@@ -15,7 +15,12 @@ struct Entry;
 
 struct Source {
     int node = -1, output = -1;
+    /// When it is read: at the reader's time, at a whole frame beside it, or at the graph's first.
+    enum class At { time, frame_before, frame_after, start } at = At::time;
 };
+
+/// Whether some key of a switch puts it on.
+bool is_ever_on(const Curve& curve);
 
 /// One declared input of one node.
 struct Slot {
@@ -28,6 +33,10 @@ struct Slot {
     /// The literal or key value at a frame.
     Value sample(double frame) const;
     Digest digest_at(double frame) const;
+    /// Of a switch that looks ahead (Input::looks_ahead).
+    bool is_ever_on() const;
+    /// The digest of what the slot holds now, for keys; of a switch that looks ahead with what it will be.
+    Digest ahead_digest(const Value& now) const;
     bool read_by_compute() const { return info->affects != Affects::nothing; }
 };
 
@@ -71,7 +80,7 @@ class Program {
     int find(std::string_view name) const; ///< -1 if there is none
     /// Throws Failure for a fraction of a frame on a simulation.
     Site site(int node, double frame) const;
-    Site site(const Source& s, double frame) const { return site(s.node, frame); }
+    Site site(const Source& s, double frame) const;
     int substeps(const Place& p, int frame) const;
     /// Fractions of the sub-step that ends at `time` at which a simulation reads its inputs too.
     std::vector<double> stages(const Place& p, double time) const;
@@ -114,6 +123,7 @@ class Program {
     const Cone& known_cone(int node);
     void resolve(Place& p);
     void find_times(Place& p);
+    std::int64_t entry_place(const Place& p, const AttributeInfo& info, const Value& name) const;
     std::shared_ptr<const Graph> graph_;
     std::vector<Place> places_;
     std::unordered_map<std::string, int> index_;

@@ -291,7 +291,7 @@ class GraphReader {
     }
 
     void required(const Pending& p) {
-        for (Problem& f : check_required(p.name, *graph_.find(p.name))) {
+        for (Problem& f : check_required(graph_, p.name, *graph_.find(p.name))) {
             const auto& d = f.diagnostic;
             const Json* input = p.inputs ? p.inputs->find(d.attribute) : nullptr;
             problem(d.code, input ? input->begin : p.at,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/read_value.h"
 
+#include "engine/file_sequence.h"
 #include "engine/format/typed_text.h"
 #include "engine/text.h"
 #include "engine/units.h"
@@ -314,6 +315,13 @@ class BindingReader {
         File out;
         if (path.empty()) return Value::of<File>(out);
         out.path = resolved_path(path, folder_);
+        if (names_sequence(out.path)) {
+            if (find_sequence(out.path).empty())
+                problem("IO401", "there is no file like " + json_quoted(path),
+                        "looked for " + out.path + " with numbers for #; relative paths start at the graph's folder",
+                        below);
+            return Value::of<File>(std::move(out));
+        }
         std::error_code ec;
         const auto status = fs::status(out.path, ec);
         if (!fs::exists(status))

@@ -33,7 +33,9 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
         if (!t) continue;
         const auto& from = std::get<TissueInputs>(before.bodies[i]);
         if (conserves_volume(from) == conserves_volume(*t)) {
+            const double enable = t->enable; // a switch acts over a whole step
             mix_fields(from, *t, share);
+            t->enable = enable;
             for (std::size_t k = 0; k < t->layers.size(); ++k) mix_fields(from.layers[k], t->layers[k], share);
             for (std::size_t s = 0; s < t->subtissues.size(); ++s) {
                 const SubtissueInputs& part = from.subtissues[s];
@@ -75,6 +77,7 @@ void values_within(const Scene& scene, const StepInputs& known, const StepInputs
         auto* t = std::get_if<TissueInputs>(&out.bodies[i]);
         if (!t) continue;
         const auto& end = std::get<TissueInputs>(after.bodies[i]);
+        t->enable = end.enable;
         if (conserves_volume(*t) == conserves_volume(end)) continue;
         t->layers = end.layers, t->subtissues = end.subtissues;
         for (const auto& f : TissueInputs::fields()) (*t).*f.at = end.*f.at;

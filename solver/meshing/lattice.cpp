@@ -7,6 +7,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/refined_cells.h"
+#include "solver/meshing/sheet_shell.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
@@ -26,6 +27,10 @@ constexpr std::int64_t most_tets = 20'000'000; // about 4 GB while they are made
 /// Share of the solid's volume that least coverages may add.
 constexpr double most_excess = 0.1;
 
+double side_or_default(const LatticeOptions& options, double longest) {
+    return options.tet_size > 0 ? options.tet_size : longest / 3.5;
+}
+
 /// The side of the coarse cubes; throws where it would make no sense or too many cubes.
 double checked_side(const Solid& solid, const LatticeOptions& options, int levels) {
     if (!(options.tet_size >= 0) || !std::isfinite(options.tet_size))
@@ -34,7 +39,7 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
         throw Error("FE222", "the least coverage must lie in 0 to 1");
     if (options.moments != 1 && options.moments != 4) throw std::logic_error("moments are of degree 1 or 4");
     const double longest = solid.box.size().maxCoeff();
-    const double side = options.tet_size > 0 ? options.tet_size : longest / 3.5;
+    const double side = side_or_default(options, longest);
     const double along = std::ceil(longest / side * std::exp2(levels) * (1 - 1e-12));
     const double limit = std::min<double>(options.max_resolution, most_cubes_along);
     if (!(along <= limit)) {
@@ -177,10 +182,39 @@ std::string finer_advice(const Solid& solid, const Paint& paint, double side, co
                 finer_advice(solid, paint, side, options, control));
 }
 
+bool is_shell(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options) {
+    if (options.fill != Fill::surface_only) return false;
+    SurfaceMesh view;
+    view.points = points;
+    view.triangles = triangles;
+    check_usable(view); // of the mesh as given, so that messages number its vertices
+    return options.thickness > 0 || is_sheet(points, triangles);
+}
+
+TetMesh make_shell_lattice(const Points& points, const std::vector<Triangle>& triangles, LatticeOptions options,
+                           const MeshingControl& control) {
+    if (options.refinement.size() > 1) {
+        if (options.refinement.size() != points.size())
+            throw Error("FE204", std::to_string(options.refinement.size()) + " numbers of refinement for " +
+                                     std::to_string(points.size()) + " vertices");
+        const std::vector<double> above = options.refinement; // and the same below
+        options.refinement.insert(options.refinement.end(), above.begin(), above.end());
+    }
+    Points used;
+    for (const Triangle& t : triangles)
+        for (const int v : t) used.push_back(points[at(v)]);
+    options.tet_size = side_or_default(options, bounding_box(used).size().maxCoeff());
+    options.fill = Fill::empty_cavities;
+    const double thickness = options.thickness > 0 ? options.thickness : options.tet_size / 10;
+    const SheetShell shell = make_sheet_shell(points, triangles, thickness);
+    return make_lattice(shell.points, shell.triangles, options, control);
+}
+
 } // namespace
 
 TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options,
                      const MeshingControl& control) {
+    if (is_shell(points, triangles, options)) return make_shell_lattice(points, triangles, options, control);
     const Solid solid = make_solid(points, triangles, options.fill, control);
     const Paint paint(solid, options.refinement, options.propagation);
     const double side = checked_side(solid, options, paint.highest());

@@ -17,6 +17,9 @@ struct LatticeOptions {
     /// default size; a lattice that it makes more than a tenth too heavy is refused (FE210).
     double least_coverage = 1e-3;
     Fill fill = Fill::filled_cavities;
+    /// surface_only: how thick the shell is that the surface stands for. 0: sheets (is_sheet) are a tenth of the tet
+    /// size thick, and of other surfaces the tets that they pass through are as solid as the inside is.
+    double thickness = 0;
     /// How often the tet size is to be halved at the surface: a number per vertex, one for all, or none. The
     /// numbers are linear on the triangles and then rounded up (paint.h).
     std::vector<double> refinement = {};

@@ -244,6 +244,7 @@ std::vector<double> nudged(const Potential& potential, const std::vector<double>
         for (std::size_t c = 0; c < 3; ++c)
             out[3 * static_cast<std::size_t>(vertex_of[u]) + c] += shift[static_cast<Eigen::Index>(c)];
     }
+    potential.put_frozen_back(x, out);
     return out;
 }
 

@@ -66,7 +66,62 @@ UnknownPlaces Potential::places() const {
     return out;
 }
 
-void Potential::begin_step(const State& before, const StepInputs& inputs) { dynamics_.begin_step(before.x, inputs); }
+void Potential::begin_step(const State& before, const StepInputs& inputs) {
+    dynamics_.begin_step(before.x, inputs);
+    frozen_.clear();
+    for (std::size_t d = 0; d < numbering_.deformables.size(); ++d) {
+        const auto body = static_cast<std::size_t>(numbering_.deformables[d].body);
+        const auto* tissue = std::get_if<TissueInputs>(&inputs.bodies[body]);
+        if (!tissue || !tissue->is_frozen()) continue;
+        frozen_.resize(numbering_.deformables.size(), 0);
+        frozen_[d] = 1;
+    }
+    frozen_unknowns_.assign(frozen_.empty() ? 0 : unknown_count(), 0);
+    for (std::size_t d = 0; d < frozen_.size(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = frozen_unknowns_.begin() + static_cast<std::ptrdiff_t>(body.first_unknown);
+        if (frozen_[d]) std::fill_n(first, body.unknown_count, char{1});
+    }
+}
+
+void Potential::stop_frozen(Positions& v) const {
+    for (std::size_t d = 0; d < frozen_.size() && !v.empty(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = v.begin() + static_cast<std::ptrdiff_t>(3 * body.first_vertex);
+        if (frozen_[d]) std::fill_n(first, 3 * body.vertex_count, 0.0);
+    }
+}
+
+void Potential::put_frozen_back(const Positions& from, Positions& x) const {
+    for (std::size_t d = 0; d < frozen_.size(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = static_cast<std::ptrdiff_t>(3 * body.first_vertex);
+        if (frozen_[d]) std::copy_n(from.begin() + first, 3 * body.vertex_count, x.begin() + first);
+    }
+}
+
+/// Their rows become those of the identity: no force moves them, and nothing of theirs can make the matrix indefinite.
+void Potential::freeze_rows(BlockMatrix& a) const {
+    for (std::size_t i = 0; i < frozen_unknowns_.size(); ++i)
+        for (auto k = static_cast<std::size_t>(a.pattern->row_start[i]);
+             k < static_cast<std::size_t>(a.pattern->row_start[i + 1]); ++k) {
+            const auto j = static_cast<std::size_t>(a.pattern->column[k]);
+            if (!frozen_unknowns_[i] && !frozen_unknowns_[j]) continue;
+            double* block = a.block(k);
+            std::fill_n(block, 9, 0.0);
+            if (i == j) block[0] = block[4] = block[8] = 1;
+        }
+}
+
+bool Potential::free_flight(const Positions& x, std::vector<double>& direction, std::vector<double>& gain) const {
+    if (!dynamics_.free_flight(x, direction, gain)) return false;
+    for (std::size_t d = 0; d < frozen_.size(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = direction.begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
+        if (frozen_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0), gain[d] = 0;
+    }
+    return true;
+}
 
 void Potential::set_values(const State& before, const StepInputs& inputs) {
     if (take(before, inputs)) throw std::logic_error("values within a step may not change what is coupled");
@@ -84,6 +139,7 @@ void Potential::place_held(Positions& x) {
     if (std::none_of(types_.begin(), types_.end(), holds)) return;
     before_held_ = x;
     for (const auto& term : terms_) term->place_held(*stage_, x);
+    put_frozen_back(before_held_, x);
 }
 
 bool Potential::carry(const Positions& x, Positions& out, std::vector<char>& bodies) const {
@@ -92,6 +148,9 @@ bool Potential::carry(const Positions& x, Positions& out, std::vector<char>& bod
     bodies.assign(numbering_.deformables.size(), 0);
     bool any = false;
     for (const auto& term : terms_) any = term->carry(before_held_, out, bodies) || any;
+    put_frozen_back(before_held_, out);
+    for (std::size_t d = 0; d < frozen_.size(); ++d)
+        if (frozen_[d]) bodies[d] = 0;
     return any;
 }
 
@@ -141,6 +200,11 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
     gradient->assign(3 * unknown_count(), 0.0);
     for (const auto& term : terms_) term->add_gradient(*gradient);
     dynamics_.add_gradient(*gradient);
+    for (std::size_t d = 0; d < frozen_.size(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = gradient->begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
+        if (frozen_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
+    }
     if (forces) set_forces(x, *gradient, *forces);
     return total;
 }
@@ -156,6 +220,8 @@ void Potential::set_forces(const Positions& x, const std::vector<double>& gradie
         forces[d] = {std::sqrt(ordered_sum(3 * body.unknown_count, [&](std::size_t i) { return g[i] * g[i]; })),
                      of_body_[d]};
     }
+    for (std::size_t d = 0; d < frozen_.size(); ++d)
+        if (frozen_[d]) forces[d] = {0, 1};
 }
 
 Balance Potential::balance(const Positions& x, const std::vector<BodyForces>& forces, double tolerance) {
@@ -192,6 +258,7 @@ void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     for (const auto& term : terms_) term->add_hessian(x, project, a);
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
+    if (!frozen_.empty()) freeze_rows(a);
 }
 
 double Potential::longest_move(const Positions& x, const std::vector<double>& direction) const {
@@ -236,6 +303,7 @@ void Potential::measure(const Positions& x, std::vector<Measured>& out) {
         reactions_.assign(x.size(), 0.0);
         for (const auto& term : terms_) term->add_held_gradient(reactions_);
         dynamics_.add_held_gradient(x, reactions_);
+        stop_frozen(reactions_);
     }
     for (const auto& term : terms_) term->measure(x, reactions_, out);
 }

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/multigrid.h"
+#include "solver/newton/affine_momentum.h"
 #include "solver/newton/dynamics.h"
 #include "solver/scene.h"
 
@@ -34,6 +35,15 @@ class Potential {
     bool take(const State& before, const StepInputs& inputs);
     /// Fixes everything that is constant over the step from `before`, after take. `inputs` must outlive the step.
     void begin_step(const State& before, const StepInputs& inputs);
+    /// Takes affine momentum out of v at x, as the step's values ask (AffineMomentum).
+    void damp_affine_momentum(const Positions& x, Positions& v) {
+        affine_momentum_.remove(numbering_, masses(), dynamics_.inputs(), x, v);
+    }
+    bool has_frozen() const { return !frozen_.empty(); }
+    /// Sets v, 3 a vertex, to zero where bodies are frozen (TissueInputs::enable).
+    void stop_frozen(Positions& v) const;
+    /// Puts their vertices to where they are in `from`.
+    void put_frozen_back(const Positions& from, Positions& x) const;
     /// Takes other values than those of begin_step for what follows; they may not change the structure.
     void set_values(const State& before, const StepInputs& inputs);
     /// Fixes what is constant over one stage of it. What is passed must outlive the stage.
@@ -57,9 +67,7 @@ class Potential {
     /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each
     /// body's gain by going there, were it not elastic [J]. False, with nothing set, for a step without inertia, or if
     /// that is nowhere.
-    bool free_flight(const Positions& x, std::vector<double>& direction, std::vector<double>& gain) const {
-        return dynamics_.free_flight(x, direction, gain);
-    }
+    bool free_flight(const Positions& x, std::vector<double>& direction, std::vector<double>& gain) const;
     /// Work of a force, 3 an unknown, against a direction, for each deformable.
     void work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const;
     /// Before an iteration at x; returns by how much it changes the value there (see Term).
@@ -96,12 +104,16 @@ class Potential {
 
   private:
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
+    void freeze_rows(BlockMatrix& a) const;
 
     const Scene& scene_;
     const Numbering& numbering_;
     std::vector<std::unique_ptr<Term>> terms_;
     std::vector<const TermType*> types_; ///< of the terms, in the same order
     Dynamics dynamics_;
+    AffineMomentum affine_momentum_;
+    std::vector<char> frozen_;          ///< flags of deformables that the step leaves where they are; empty: none
+    std::vector<char> frozen_unknowns_; ///< likewise of their unknowns
     std::optional<Stage> stage_;
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing

@@ -492,7 +492,13 @@ TEST_CASE("several solvers without --pull are an error that lists them", "[tools
     CHECK(said.code == 2);
     CHECK(said.err.find("solver.outMeshes") != std::string::npos);
     CHECK(said.err.find("second.outMeshes") != std::string::npos);
-    graph["nodes"].erase("second");
+    // Of layers the last one is meant.
+    graph["nodes"]["pick"] = {{"type", "pickMesh"},
+                              {"inputs", {{"meshes", {{"from", "solver.outMeshes"}}}, {"index", 0}}}};
+    graph["nodes"]["layer"] = {{"type", "zBone"}, {"inputs", {{"mesh", {{"from", "pick.outMesh"}}}}}};
+    graph["nodes"]["second"]["inputs"]["bodies"].push_back({{"from", "layer.outBody"}});
+    CHECK(run_program({"run", write_graph(folder, graph), "--frames", "1-2", "--quiet"}).code == 0);
+    graph["nodes"].erase("second"), graph["nodes"].erase("layer"), graph["nodes"].erase("pick");
     graph["nodes"].erase("solver");
     CHECK(run_program({"run", write_graph(folder, graph)}).code == 2);
 }

@@ -141,10 +141,27 @@ Plug parse_plug(const Graph& graph, const std::string& text) {
     return plug;
 }
 
+namespace {
+
+/// Those that none of the others reads: the last of layers.
+std::vector<std::string> last_of(const Graph& graph, const std::vector<std::string>& solvers) {
+    std::set<std::string> read;
+    for (const std::string& solver : solvers)
+        for (const std::string& name : upstream_of(graph, {solver}))
+            if (name != solver) read.insert(name);
+    std::vector<std::string> out;
+    for (const std::string& solver : solvers)
+        if (!read.contains(solver)) out.push_back(solver);
+    return out;
+}
+
+} // namespace
+
 Plug default_plug(const Graph& graph) {
     std::vector<std::string> found;
     for (const std::string& name : graph.node_names())
         if (graph.find(name)->type_name == "zSolver") found.push_back(name);
+    found = last_of(graph, found);
     if (found.size() == 1) return {found.front(), "outMeshes"};
     if (found.empty()) throw UsageError("the graph has no zSolver; name what to evaluate with --pull NODE.PLUG.");
     std::string list;

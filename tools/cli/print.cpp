@@ -76,6 +76,7 @@ Json describe(const nodes::Body& body) {
     if (const auto* values = std::get_if<solver::TissueInputs>(&body.values)) {
         out["compressionResistance"] = values->compression_resistance;
         out["restScaleEnvelope"] = values->rest_scale_envelope;
+        out["inertialDamping"] = values->inertial_damping;
         for (const auto& layer : values->layers) out["materials"].push_back(describe(layer));
         for (const auto& fiber : values->fibers) out["fibers"].push_back(describe(fiber));
         for (const auto& part : values->subtissues) {

@@ -147,7 +147,7 @@ class Collector {
             const Value value = at_start(plugs[i]);
             const auto& body = value.as<nodes::Body>();
             // A solver that is switched off solves nothing, and then there are no tets to show.
-            if (!body.enable || solved.as<nodes::Solved>().rests.empty()) continue;
+            if (!body.takes_part || solved.as<nodes::Solved>().rests.empty()) continue;
             source.solved.push_back(i);
             const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data);
             if (!tissue) continue;
