@@ -10,7 +10,7 @@ namespace sinew::nodes {
 
 namespace {
 
-constexpr std::uint64_t format_mark = 0x34307a5f77656e69; // "inew_z04"
+constexpr std::uint64_t format_mark = 0x35307a5f77656e69; // "inew_z05"
 
 [[noreturn]] void refuse(const std::string& what) {
     engine::Diagnostic d;
@@ -33,6 +33,8 @@ std::vector<std::byte> save(const SimulationState& state) {
     for (const std::vector<int>& bodies : state.scene.reach) w.put_list(bodies);
     w.put(state.scene.contacts);
     w.put(state.residual_body);
+    w.put_list(state.scene.lines);
+    w.put_list(state.lines);
     const std::vector<std::byte> inner = solver::save(state.state);
     w.bytes.insert(w.bytes.end(), inner.begin(), inner.end());
     return std::move(w.bytes);
@@ -52,6 +54,9 @@ SimulationState load_simulation(std::span<const std::byte> bytes) {
         out.scene.contacts = r.get<std::uint64_t>();
         if (out.scene.contacts > out.scene.forces.size()) refuse("it has more contacts than forces");
         out.residual_body = r.get<int>();
+        out.scene.lines = r.get_list<engine::Digest>();
+        out.lines = r.get_list<solver::LineMemory>();
+        if (out.lines.size() != out.scene.lines.size()) refuse("it has other lines of action than its scene");
         out.state = solver::load(r.rest);
     } catch (const engine::BadBytes& e) {
         refuse(e.what());
