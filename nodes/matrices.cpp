@@ -79,14 +79,18 @@ void check_affine(const engine::Reads& in, std::string_view attribute, const Mat
 }
 
 Mesh moved(const Mesh& mesh, const Matrix4& matrix) {
-    if (matrix == identity_matrix) return mesh;
+    return matrix == identity_matrix ? mesh : mesh.with_points(moved(*mesh.points, matrix));
+}
+
+solver::Points moved(const solver::Points& points, const Matrix4& matrix) {
+    if (matrix == identity_matrix) return points;
     const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(matrix.data());
     const solver::Mat3 linear = m.topLeftCorner<3, 3>();
     const solver::Vec3 offset = m.topRightCorner<3, 1>();
-    solver::Points points(*mesh.points);
-    for (solver::Vec3& p : points) p = linear * p + offset;
-    solver::check_coordinates(points);
-    return mesh.with_points(std::move(points));
+    solver::Points out(points);
+    for (solver::Vec3& p : out) p = linear * p + offset;
+    solver::check_coordinates(out);
+    return out;
 }
 
 } // namespace sinew::nodes

@@ -29,5 +29,7 @@ void check_affine(const engine::Reads& in, std::string_view attribute, const eng
 /// The mesh with every point moved; the very same mesh for the identity. Throws solver::Error FE202 or FE224 if they
 /// land where no mesh may lie.
 Mesh moved(const Mesh& mesh, const engine::Matrix4& matrix);
+/// Likewise of points; the very same bits for the identity.
+solver::Points moved(const solver::Points& points, const engine::Matrix4& matrix);
 
 } // namespace sinew::nodes

@@ -2,6 +2,7 @@
 // told come from the same table.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/fiber/curve.h"
 #include "solver/material/law.h"
 #include "solver/meshing/shells.h"
 #include "solver/scene.h"
@@ -110,6 +111,16 @@ constexpr std::string_view word_of(solver::Integrator integrator) {
         return "TR-BDF2";
     case solver::Integrator::quasi_static:
         return "QuasiStatic";
+    }
+    return "";
+}
+
+constexpr std::string_view word_of(solver::CurveForm form) {
+    switch (form) {
+    case solver::CurveForm::polyline:
+        return "polyline";
+    case solver::CurveForm::cubic:
+        return "cubic";
     }
     return "";
 }

@@ -39,8 +39,12 @@ void add_end_points(engine::Registry&);
 void add_z_bone(engine::Registry&);
 void add_z_tet(engine::Registry&);
 void add_z_material(engine::Registry&);
+void add_muscle_curve(engine::Registry&);
+void add_z_line_of_action(engine::Registry&);
+void add_z_rivet_to_bone(engine::Registry&);
 void add_z_fiber(engine::Registry&);
 void add_z_subtissue(engine::Registry&);
+void add_z_rest_shape(engine::Registry&);
 void add_z_tissue(engine::Registry&);
 void add_z_attachment(engine::Registry&);
 void add_z_goal_attachment(engine::Registry&);
@@ -119,8 +123,12 @@ void register_all(engine::Registry& registry) {
                       add_z_bone,
                       add_z_tet,
                       add_z_material,
+                      add_muscle_curve,
+                      add_z_line_of_action,
+                      add_z_rivet_to_bone,
                       add_z_fiber,
                       add_z_subtissue,
+                      add_z_rest_shape,
                       add_z_tissue,
                       add_z_attachment,
                       add_z_goal_attachment,

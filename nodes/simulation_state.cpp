@@ -34,6 +34,8 @@ std::vector<std::byte> save(const SimulationState& state) {
     for (const std::vector<int>& bodies : state.scene.reach) w.put_list(bodies);
     w.put(state.scene.contacts);
     w.put(state.residual_body);
+    w.put_list(state.scene.lines);
+    w.put_list(state.lines);
     const std::vector<std::byte> inner = solver::save(state.state);
     w.bytes.insert(w.bytes.end(), inner.begin(), inner.end());
     return std::move(w.bytes);
@@ -54,6 +56,9 @@ SimulationState load_simulation(std::span<const std::byte> bytes) {
         out.scene.contacts = r.get<std::uint64_t>();
         if (out.scene.contacts > out.scene.forces.size()) refuse("it has more contacts than forces");
         out.residual_body = r.get<int>();
+        out.scene.lines = r.get_list<engine::Digest>();
+        out.lines = r.get_list<solver::LineMemory>();
+        if (out.lines.size() != out.scene.lines.size()) refuse("it has other lines of action than its scene");
         out.state = solver::load(r.rest);
     } catch (const engine::BadBytes& e) {
         refuse(e.what());

@@ -3,6 +3,7 @@
 #include "nodes/solver_setup.h"
 
 #include "nodes/contact_inputs.h"
+#include "nodes/lines_of_action.h"
 #include "nodes/options.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/terms/contact/contact.h"
@@ -49,6 +50,11 @@ void take_bodies(const Reads& in, Setup& setup) {
         for (const BodyRest::Part& part : whole.rest->parts)
             if (b.subtissue && part.digest == b.subtissue->digest) setup.rests.back() = part.rest;
         setup.key.bodies.push_back(setup.rests.back()->digest);
+        for (const FiberLine& line : b.lines) {
+            if (b.subtissue) break; // those of its tissue stand for them
+            setup.lines.push_back({setup.simulated.size() - 1, &line});
+            setup.key.lines.push_back(bound_digest(*line.line));
+        }
     }
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
         const auto body = static_cast<std::size_t>(setup.simulated[i]);
@@ -192,6 +198,13 @@ void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& now, co
                         in.source_name(attachments.name, static_cast<std::size_t>(setup.attachment_entries[i])) +
                         " are not those of the start frame",
                     hint);
+    for (std::size_t i = 0; i < now.forces.size() && i < known.forces.size(); ++i)
+        if (now.forces[i] != known.forces[i] && setup.forces[i].get().type == &solver::rest_shape_type)
+            in.fail(bodies.name, "FE211",
+                    "a target among the restShapes of " +
+                        body_name(in, setup, static_cast<std::size_t>(now.reach[i].front())) +
+                        " is not that of the start frame",
+                    "Targets do not move over time; key zRestShape.targetWeight, or blend two targets.");
     if (now.forces != known.forces)
         in.fail(z_solver::forces.name, "FE211",
                 "the painted weights or options of a force are not those of the start frame", hint);
@@ -233,6 +246,7 @@ Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     take_attachments(in, setup, known);
     take_forces(in, setup, known, contact);
     if (!known) return setup;
+    refuse_unbound_lines(in, setup, *known);
     if (setup.key.contacts == known->contacts)
         refuse_changes(in, setup, setup.key, *known);
     else
@@ -304,8 +318,7 @@ namespace {
 /// runupWeight, where the channel's flag is on.
 double run_up(const Reads& in, const engine::Input<bool>& flag) { return in[flag] ? in[runup_weight] : 1; }
 
-solver::TissueInputs tissue_inputs(const Reads& in, const Body& body) {
-    solver::TissueInputs out = std::get<solver::TissueInputs>(body.values);
+solver::TissueInputs tissue_inputs(const Reads& in, const Body& body, solver::TissueInputs out) {
     out.enable = body.enable ? 1 : 0;
     out.inertial_damping = std::min(1.0, out.inertial_damping * run_up(in, affect_inertial_damping));
     out.rest_scale_envelope *= run_up(in, affect_rest_scale);
@@ -348,7 +361,7 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
         if (b.is_bone())
             s.bodies.emplace_back(solver::BoneInputs{setup.space.to_metres(*std::get<Mesh>(b.values).points)});
         else
-            s.bodies.emplace_back(tissue_inputs(in, b));
+            s.bodies.emplace_back(tissue_inputs(in, b, setup.tissue_values(i)));
     }
     for (std::size_t i = 0; i < setup.attachments.size(); ++i) {
         s.attachments.push_back(setup.attachments[i].get().values);
@@ -410,9 +423,8 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         const solver::LawFacts& law = law_facts(t->law);
         if (std::find(laws.begin(), laws.end(), law.name) == laws.end()) laws.emplace_back(law.name);
         fibers = fibers || !t->fibers.empty();
-        calms = calms ||
-                std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values).inertial_damping > 0;
-        const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(i)).values);
+        const solver::TissueInputs& values = setup.tissue_values(static_cast<std::size_t>(i));
+        calms = calms || values.inertial_damping > 0;
         resists = resists || (law.resists_compression && values.compression_resistance > 0);
         conserves = conserves || conserves_volume(values);
         rest_changes = rest_changes || changes_rest(values);
@@ -427,6 +439,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     if (moves && (in[stiffness_damping] > 0 || in[mass_damping] > 0)) r.terms.push_back("damping");
     if (moves && calms) r.terms.push_back("inertialDamping");
     if (fibers) r.terms.push_back("fiber");
+    if (!setup.lines.empty()) r.terms.push_back("lineOfAction");
     if (holds) r.terms.push_back("attachment");
     if (slides) r.terms.push_back("sliding");
     for (const Force& f : setup.forces)

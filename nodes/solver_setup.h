@@ -8,11 +8,18 @@
 #include "solver/step.h"
 
 #include <functional>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
 namespace sinew::nodes {
+
+/// A line of action of a body that takes part.
+struct SetupLine {
+    std::size_t body = 0; ///< position in Setup::simulated
+    const FiberLine* line = nullptr;
+};
 
 /// The bodies and attachments of one time. Valid while the Reads lives.
 struct Setup {
@@ -28,8 +35,16 @@ struct Setup {
     std::vector<std::reference_wrapper<const Force>> forces; ///< zSolver.forces, then those that bodies bring along
     std::vector<std::shared_ptr<const Force>> contacts;      ///< of them, those that are made of bodies' contacts
     std::vector<int> force_entries; ///< place of each in zSolver.forces; -1: a body brings it along
+    std::vector<SetupLine> lines;   ///< by bodies and their fibres
+    /// Values of tissues whose fibres follow lines of action, with what those come to (nodes/lines_of_action.h).
+    std::map<std::size_t, solver::TissueInputs> followed = {};
     SceneKey key;
     SolverSpace space;
+    /// Of a tissue.
+    const solver::TissueInputs& tissue_values(std::size_t simulated_index) const {
+        const auto found = followed.find(simulated_index);
+        return found != followed.end() ? found->second : std::get<solver::TissueInputs>(body(simulated_index).values);
+    }
     const Body& body(std::size_t simulated_index) const {
         return bodies[static_cast<std::size_t>(simulated[simulated_index])];
     }
@@ -43,7 +58,7 @@ struct Setup {
 /// what says how bodies collide in the frame where `in` does not, its collisionDetection being off; null where the
 /// frame has no contact.
 /// Fails with FE209 (an attachment's body is not connected), FE211 (static data changed since the start
-/// frame), FE213 (one body twice).
+/// frame), FE213 (one body twice), FE282 (a line of action is bound to what has moved).
 Setup read_setup(const engine::Reads& in, const SceneKey* known, const engine::Reads* contact);
 /// The frame's collisionDetection: `frame`, if it is on.
 const engine::Reads* contact_of(const engine::Reads& frame);

@@ -107,6 +107,13 @@ solver::SubtissueInputs part_inputs(const Subtissue& part) {
     return out;
 }
 
+std::vector<FiberLine> lines_of(const std::vector<std::reference_wrapper<const Fiber>>& fibers) {
+    std::vector<FiberLine> out;
+    for (std::size_t k = 0; k < fibers.size(); ++k)
+        if (const Fiber& f = fibers[k]; f.line) out.push_back({k, f.line, f.growth_follows_line});
+    return out;
+}
+
 void warn_of_parts(const Reads& in, const std::vector<NestedPart>& nested, const FoundParts& found) {
     // Tets stand for a curved border by flat sides, so a few per cent say nothing.
     constexpr double noticed = 0.05;

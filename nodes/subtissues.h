@@ -32,6 +32,9 @@ engine::Digest static_digest(const Subtissue& part);
 /// A part's values as the tissue takes them, without its fibres, which stand among the tissue's.
 solver::SubtissueInputs part_inputs(const Subtissue& part);
 
+/// The lines of action among fibres, by their places.
+std::vector<FiberLine> lines_of(const std::vector<std::reference_wrapper<const Fiber>>& fibers);
+
 /// Fails with FE229 where nothing of a part lies in the tissue, warns where more than a little lies outside or is
 /// shared with another part (FE249).
 void warn_of_parts(const engine::Reads& in, const std::vector<NestedPart>& nested, const FoundParts& found);

@@ -63,6 +63,20 @@ std::size_t bytes_of(const solver::TissueInputs& t) {
     return n;
 }
 
+void add(Hasher& h, const CurvePoints& c) {
+    h.add(static_cast<int>(c.form)).add_doubles(numbers(c.points)).add_doubles(numbers(c.modelled)).add(c.bound);
+}
+
+void add(Hasher& h, const LineOfAction& line) {
+    for (const auto& f : solver::LineOfActionValues::fields()) h.add(line.values.*f.at);
+    h.add(static_cast<std::uint64_t>(line.curves.size()));
+    for (const CurvePoints& curve : line.curves) add(h, curve);
+}
+
+void add(Hasher& h, const solver::LineMemory& m) {
+    h.add(m.rest_length).add(m.length).add(m.rate).add(m.step).add(m.value);
+}
+
 void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_digest); }
 
 void add(Hasher& h, const solver::StepRecord& r) {
@@ -140,6 +154,10 @@ BodyId id_of(const Body& body) {
     std::visit([&](const auto& v) { add(h, v); }, body.values);
     for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
+    for (const FiberLine& l : body.lines) {
+        h.add(static_cast<std::uint64_t>(l.fiber)).add(l.growth_follows);
+        add(h, *l.line);
+    }
     return {body.rest->digest, h.finish()};
 }
 
@@ -212,8 +230,17 @@ std::size_t ValueTraits<nodes::TetMeshValue>::bytes(const nodes::TetMeshValue& v
            size_of(v.mesh->cut.moments);
 }
 
-void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) { h.add_doubles(numbers(v.points)); }
-std::size_t ValueTraits<nodes::CurvePoints>::bytes(const nodes::CurvePoints& v) { return size_of(v.points); }
+void ValueTraits<nodes::CurvePoints>::hash(Hasher& h, const nodes::CurvePoints& v) { add(h, v); }
+std::size_t ValueTraits<nodes::CurvePoints>::bytes(const nodes::CurvePoints& v) {
+    return size_of(v.points) + size_of(v.modelled);
+}
+
+void ValueTraits<nodes::LineOfAction>::hash(Hasher& h, const nodes::LineOfAction& v) { add(h, v); }
+std::size_t ValueTraits<nodes::LineOfAction>::bytes(const nodes::LineOfAction& v) {
+    std::size_t n = 0;
+    for (const nodes::CurvePoints& curve : v.curves) n += ValueTraits<nodes::CurvePoints>::bytes(curve);
+    return n;
+}
 
 void ValueTraits<nodes::Material>::hash(Hasher& h, const nodes::Material& v) {
     add(h, v.values);
@@ -224,6 +251,8 @@ std::size_t ValueTraits<nodes::Material>::bytes(const nodes::Material& v) { retu
 void ValueTraits<nodes::Fiber>::hash(Hasher& h, const nodes::Fiber& v) {
     add(h, v.values);
     h.add_doubles(v.weights).add_doubles(v.end_points).add_doubles(v.directions);
+    h.add(v.line != nullptr).add(v.growth_follows_line);
+    if (v.line) add(h, *v.line);
 }
 std::size_t ValueTraits<nodes::Fiber>::bytes(const nodes::Fiber& v) {
     return size_of(v.weights) + size_of(v.end_points) + size_of(v.directions);
@@ -277,8 +306,15 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
     h.add(w.residual_body);
     h.add(w.contact_body).add(w.contact_target).add(w.depth).add_doubles(w.contact_place);
+    h.add(static_cast<std::uint64_t>(v.lines.size()));
+    for (const nodes::LineReport& l : v.lines) {
+        h.add(l.body).add(l.fiber).add(l.excitation).add(l.growth);
+        add(h, l.line);
+    }
 }
-std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) { return size_of(v.terms); }
+std::size_t ValueTraits<nodes::SolveReport>::bytes(const nodes::SolveReport& v) {
+    return size_of(v.terms) + size_of(v.lines);
+}
 
 void ValueTraits<nodes::Solved>::hash(Hasher& h, const nodes::Solved& v) {
     h.add(static_cast<std::uint64_t>(v.bodies.size()));

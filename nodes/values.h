@@ -3,6 +3,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/value.h"
+#include "solver/fiber/curve.h"
+#include "solver/fiber/line_of_action.h"
 #include "solver/scene.h"
 #include "solver/state.h"
 #include "solver/step.h"
@@ -56,9 +58,16 @@ struct TetMeshValue {
     TetMeshValue with_element(solver::ElementKind kind) const;
 };
 
-/// A polyline or curve by its points, in scene units.
-struct CurvePoints {
-    solver::Points points;
+/// A curve in scene units.
+struct CurvePoints : solver::Curve {
+    solver::Points modelled; ///< its points before anything moved them, at all frames alike
+    engine::Digest bound;    ///< of what its points were bound to where they are modelled: at all frames alike, too
+};
+
+/// What a zLineOfAction gives to a fibre: how a path's shortening excites it.
+struct LineOfAction {
+    solver::LineOfActionValues values;
+    std::vector<CurvePoints> curves; ///< whose lengths add
 };
 
 /// One material layer with its painted weights (per surface vertex; one entry = constant), and the closed mesh in which
@@ -77,6 +86,15 @@ struct Fiber {
     solver::FiberValues values;
     engine::NumberList weights, end_points;
     engine::NumberList directions; ///< 3 numbers a tet, or 3 for all, of any length; empty: from the end points
+    std::shared_ptr<const LineOfAction> line = nullptr; ///< null: there is none
+    bool growth_follows_line = false;                   ///< values.growth is to the power of the line's loaValue
+};
+
+/// A line of action of a body.
+struct FiberLine {
+    std::size_t fiber = 0; ///< whose it is: place in TissueInputs::fibers
+    std::shared_ptr<const LineOfAction> line;
+    bool growth_follows = false;
 };
 
 /// A part of a tissue with a mesh, materials and fibres of its own, as zSubtissue describes it: static but for the
@@ -149,6 +167,8 @@ struct Body {
     std::shared_ptr<const Subtissue> subtissue = nullptr;
     /// Enabled at some time, so that it has a place in the scene at all of them.
     bool takes_part = true;
+    /// Of a tissue, in the order of its fibres. What they come to is known to zSolver alone, which keeps their lengths.
+    std::vector<FiberLine> lines = {};
     bool is_bone() const { return values.index() == 1; }
 };
 
@@ -181,7 +201,10 @@ struct SceneKey {
     std::vector<std::vector<int>> reach;             ///< of each, the bodies it acts on, positions in `bodies`
     /// How many of `forces`, the last ones, are contacts: the one thing that may come and go over a run.
     std::uint64_t contacts = 0;
-    engine::Digest digest() const;
+    /// Of the lines of action, by bodies and their fibres: what their curves are bound to. No part of the scene, but
+    /// their lengths can be compared only while it stays.
+    std::vector<engine::Digest> lines = {};
+    engine::Digest digest() const; ///< of what the scene is built from
     friend bool operator==(const SceneKey&, const SceneKey&) = default;
 };
 
@@ -190,6 +213,16 @@ struct SimulationState {
     SceneKey scene;
     solver::State state;
     int residual_body = -1; ///< whose the record's residual is, a place in zSolver.bodies; -1: nobody's
+    std::vector<solver::LineMemory> lines = {}; ///< of the lines of action, by bodies that take part and their fibres
+};
+
+/// A line of action at one frame, as zSolver took it.
+struct LineReport {
+    int body = -1; ///< place in zSolver.bodies
+    int fiber = 0; ///< place in that tissue's fibers
+    solver::LineMemory line;
+    double excitation = 0; ///< in use, the fibre's own included
+    double growth = 1;     ///< muscleGrowthScale in use
 };
 
 /// Where a frame is at its worst. Places in scene units; -1: there is none.
@@ -215,6 +248,7 @@ struct SolveReport {
     std::int64_t bodies = 0, tets = 0, triangles = 0, dofs = 0, attachments = 0;
     std::vector<std::string> terms; ///< the energy terms that the scene uses
     WorstPlaces worst = {};
+    std::vector<LineReport> lines = {};
 };
 
 /// The solved tets of every body at one frame, for zEmbedder. Positions in scene units.
@@ -249,6 +283,7 @@ SINEW_NODE_VALUE(nodes::Mesh, "mesh")
 SINEW_NODE_VALUE(nodes::MeshList, "meshes")
 SINEW_NODE_VALUE(nodes::TetMeshValue, "tet mesh")
 SINEW_NODE_VALUE(nodes::CurvePoints, "curve")
+SINEW_NODE_VALUE(nodes::LineOfAction, "line of action")
 SINEW_NODE_VALUE(nodes::Material, "material")
 SINEW_NODE_VALUE(nodes::Fiber, "fiber")
 SINEW_NODE_VALUE(nodes::Attachment, "attachment")

@@ -42,16 +42,20 @@ void least_of_batch(const solver::Scene::System& system, const solver::TissueBat
 void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::State& state,
                   const solver::TissueBatches& tissue, WorstPlaces& worst) {
     const solver::Scene::System& system = scene.system();
-    const auto& values = std::get<solver::TissueInputs>(setup.body(static_cast<std::size_t>(tissue.body)).values);
-    const bool changed = changes_rest(values);
+    const solver::TissueInputs& values = setup.tissue_values(static_cast<std::size_t>(tissue.body));
+    std::vector<solver::PartValues> parts;
+    for (const Force& f : setup.forces) parts.push_back(f.values);
+    const solver::RestShapes shapes = rest_shapes_of(scene, tissue.body, parts);
+    const bool changed = changes_rest(values) || shapes.act();
     for (std::size_t i = 0; i < tissue.batch_count; ++i) {
         double least[solver::lanes];
         least_of_batch(system, tissue, i, state.x.data(), least);
         const solver::TetBatch& batch = system.batches[tissue.first_batch + i];
         for (int lane = 0; lane < solver::lanes; ++lane) {
             if (changed && batch.volume[lane] > 0)
-                least[lane] /= rest_change(*scene.tissue(tissue.body), values, i * solver::lanes + std::size_t(lane))
-                                   .determinant();
+                least[lane] /=
+                    rest_change(*scene.tissue(tissue.body), values, i * solver::lanes + std::size_t(lane), shapes)
+                        .determinant();
             if (!(batch.volume[lane] > 0) || (worst.tet >= 0 && !(least[lane] < worst.j))) continue;
             worst.j = least[lane];
             worst.body = setup.simulated[static_cast<std::size_t>(tissue.body)];

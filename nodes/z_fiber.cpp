@@ -79,7 +79,14 @@ const Input<double> excitation{
     .def = 0,
     .unit = "1",
     .limits = {.min = 0, .max = 1},
-    .doc = "0 relaxed to 1 fully excited; usually keyed or driven by trackChannel.outValue.",
+    .doc =
+        "0 relaxed to 1 fully excited; usually keyed or driven by trackChannel.outValue. What a line of action gives "
+        "is added, and the sum kept between 0 and 1.",
+};
+const Wire<LineOfAction> line_of_action{
+    .name = "lineOfAction",
+    .doc = "The muscle's path, from zLineOfAction.outLineOfAction; its shortening excites the fibres.",
+    .required = false,
 };
 const Input<bool> enable_muscle_growth{
     .name = "enableMuscleGrowth",
@@ -98,8 +105,8 @@ const Input<double> muscle_growth_scale{
 const Input<bool> use_loa_for_muscle_growth{
     .name = "useLoaForMuscleGrowth",
     .def = false,
-    .doc = "Raises muscleGrowthScale to the power of how far the muscle's line of action has shortened: without a line "
-           "of action it does not grow.",
+    .doc = "Raises muscleGrowthScale to the power of the line of action's loaValue: the muscle grows as its path "
+           "shortens, and without a line of action not at all.",
 };
 const Output<Fiber> out_fiber{.name = "outFiber", .doc = "The fibres; connect to zTissue.fibers."};
 
@@ -137,15 +144,16 @@ NumberList given_directions(const Reads& in) {
     return list;
 }
 
-/// What zFiber.muscleGrowthScale comes to; 1: none.
+/// What zFiber.muscleGrowthScale comes to, where it follows the line of action at a loaValue of 1; 1: none.
 double growth(const Reads& in) {
     if (!in[enable_muscle_growth]) return 1;
-    if (!in[use_loa_for_muscle_growth]) return in[muscle_growth_scale];
+    if (!in[use_loa_for_muscle_growth] || in.find(line_of_action)) return in[muscle_growth_scale];
     // To the power of a loaValue of 0.
     if (in[muscle_growth_scale] != 1)
         in.warn(use_loa_for_muscle_growth.name, "FE248",
                 "growth follows a line of action, but the fibre has none, so it does not grow",
-                "Switch useLoaForMuscleGrowth off, and key muscleGrowthScale where it shall change.");
+                "Connect a zLineOfAction to lineOfAction, or switch useLoaForMuscleGrowth off and key "
+                "muscleGrowthScale where it shall change.");
     return 1;
 }
 
@@ -155,6 +163,10 @@ void compute(const Reads& in, Writes& out) {
     f.weights = in[weights];
     f.end_points = in[end_points];
     f.directions = given_directions(in);
+    if (const LineOfAction* line = in.find(line_of_action)) {
+        f.line = std::make_shared<const LineOfAction>(*line);
+        f.growth_follows_line = in[enable_muscle_growth] && in[use_loa_for_muscle_growth];
+    }
     out.set(out_fiber, std::move(f));
 }
 
@@ -174,6 +186,7 @@ void add_z_fiber(Registry& registry) {
                    describe(strength),
                    describe(contraction_limit),
                    describe(excitation),
+                   describe(line_of_action),
                    describe(enable_muscle_growth),
                    describe(muscle_growth_scale),
                    describe(use_loa_for_muscle_growth)};

@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/contacts.h"
+#include "nodes/lines_of_action.h"
 #include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
@@ -48,6 +49,13 @@ const Output<ContactList> out_contacts{
     .doc =
         "Who touches whom at this frame: points, normals, depths, forces, the two bodies of each, sliding or held. In "
         "a fixed order, bodies by their places in `bodies`. Connect to contactWriter.contacts for a table.",
+};
+
+const Output<NumberList> out_loa_values{
+    .name = "outLoaValues",
+    .doc = "What each line of action comes to at this frame, 0 to its maxExcitation: by `bodies` and their fibers. "
+           "outReport has lengths and excitations in use, too.",
+    .unit = "1",
 };
 
 /// The scene and its buffers: derived data that is kept from frame to frame only to save work.
@@ -175,7 +183,9 @@ bool without_inertia(const Reads& in) {
 
 SimulationState initial(const Reads& in) {
     if (!in[enable]) return {};
-    const Setup setup = read_setup(in, nullptr, contact_of(in));
+    Setup setup = read_setup(in, nullptr, contact_of(in));
+    const std::vector<solver::LineMemory> lines = start_lines(in, setup);
+    use_lines(lines, setup);
     if (without_inertia(in)) check_all_tied(in, setup);
     auto stage = lease_stage(in, setup);
     const solver::StepInputs inputs = step_inputs(in, setup, 1);
@@ -183,8 +193,10 @@ SimulationState initial(const Reads& in) {
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) motions.push_back(setup.body(i).start);
     SimulationState out{setup.key,
                         solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions); })};
+    out.lines = lines;
     warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
     warn_of_lone_sets(in, setup);
+    warn_of_lines_elsewhere(in, setup);
     return out;
 }
 
@@ -202,14 +214,22 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     Setup setup;
     SceneKey known = before.scene; // of the sub-step before: which of two alike bones is meant stays known
     const Reads* contact = contact_of(now);
+    std::vector<solver::LineMemory> lines = before.lines;
     for (const auto& [in, within] : times) {
         setup = read_setup(in, &known, contact);
         if (setup.key != known) known = setup.key;
         if (without_inertia(in)) check_all_tied(in, setup);
+        const double step = 1 / (in[frames_per_second] * static_cast<double>(times.size()));
+        const std::vector<solver::LineMemory> lines_before = std::move(lines);
+        lines = follow_lines(setup, lines_before, step);
+        use_lines(lines, setup);
         inputs.push_back(step_inputs(in, setup, times.size()));
-        for (const Reads& stage : within)
-            inputs.back().at_gamma = std::make_shared<const solver::StepInputs>(
-                step_inputs(stage, read_setup(stage, &known, contact), times.size()));
+        for (const Reads& stage : within) {
+            Setup at_gamma = read_setup(stage, &known, contact);
+            use_lines(follow_lines(at_gamma, lines_before, solver::tr_bdf2_gamma * step), at_gamma);
+            inputs.back().at_gamma =
+                std::make_shared<const solver::StepInputs>(step_inputs(stage, at_gamma, times.size()));
+        }
     }
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
@@ -223,6 +243,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
                                   solver::with_other_parts(*stage->scene, before.state, same, inputs.front()), inputs,
                                   control_of(now));
                           })};
+    after.lines = std::move(lines);
     if (contact_came) warn_of_lone_sets(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)
         after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
@@ -260,13 +281,15 @@ int nearest_vertex(const solver::Points& points, const std::array<double, 3>& pl
 
 void publish(const SimulationState& s, const Reads& in, Writes& out) {
     const bool runs = in[enable];
-    const Setup setup = read_setup(in, runs ? &s.scene : nullptr, runs ? contact_of(in) : nullptr);
+    Setup setup = read_setup(in, runs ? &s.scene : nullptr, runs ? contact_of(in) : nullptr);
     MeshList meshes = unsolved_meshes(setup);
     Solved solved;
     SolveReport report;
     MarkList marks;
     ContactList contacts;
+    NumberList loa_values;
     if (runs) {
+        use_lines(s.lines, setup);
         auto stage = lease_stage(in, setup);
         report = describe_size(in, setup, *stage->scene);
         report.record = s.state.record;
@@ -278,6 +301,9 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
                               setup.simulated, setup.space);
             contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.space);
         }
+        add_line_marks(setup, s.lines, marks);
+        report.lines = line_reports(setup, s.lines);
+        for (const solver::LineMemory& line : s.lines) loa_values.push_back(line.value);
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);
             Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
@@ -303,6 +329,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
     out.set(out_report, std::move(report));
     out.set(out_marks, std::move(marks));
     out.set(out_contacts, std::move(contacts));
+    out.set(out_loa_values, std::move(loa_values));
 }
 
 } // namespace
@@ -344,8 +371,8 @@ void add_z_solver(Registry& registry) {
                         describe(collision_point_spacing),
                         describe(max_contact_length),
                         describe(contact_damping)};
-    type.base.outputs = {describe(out_meshes), describe(out_solved), describe(out_report), describe(out_marks),
-                         describe(out_contacts)};
+    type.base.outputs = {describe(out_meshes), describe(out_solved),   describe(out_report),
+                         describe(out_marks),  describe(out_contacts), describe(out_loa_values)};
     type.initial = initial;
     type.advance = advance;
     type.publish = publish;

@@ -101,10 +101,13 @@ void compute(const Reads& in, Writes& out) {
     values.rest_scale_envelope = part->rest_scale_envelope;
     guarded(in, rest_scale_envelope.name, [&] { solver::check_rest_scale(values); });
     guarded(in, fibers.name, [&] { solver::check_growth(values); });
+    std::vector<std::reference_wrapper<const Fiber>> all(part->fibers.begin(), part->fibers.end());
     for (const NestedPart& inner : nested_parts(part->parts)) {
         values.subtissues.push_back(part_inputs(*inner.part));
         for (const Fiber& f : inner.part->fibers) values.fibers.push_back(f.values);
+        all.insert(all.end(), inner.part->fibers.begin(), inner.part->fibers.end());
     }
+    body.lines = lines_of(all); // followed by the tissue; here they say that the part is another at every frame
     body.values = std::move(values);
     add_pressure(in, part->mesh, layers, in[pressure_envelope], body.forces);
     add_surface_tension(in, part->mesh, layers, in[surface_tension_envelope], body.forces);

@@ -6,6 +6,7 @@
 #include "nodes/carriers.h"
 #include "nodes/contact_inputs.h"
 #include "nodes/options.h"
+#include "nodes/rest_shapes.h"
 #include "nodes/subtissues.h"
 #include "nodes/surface_forces.h"
 #include "nodes/tissue_rest.h"
@@ -80,6 +81,11 @@ const Input<double> transverse_anisotropy{
     .limits = {.min = 0, .max = 1e6, .open_min = true},
     .doc = "Anisotropic only: stiffness across the fibre over stiffness along it; 1 is the same in all directions. "
            "Young's modulus is the one along the fibre.",
+};
+const WireList<RestShapeTarget> rest_shapes{
+    .name = "restShapes",
+    .doc = "Shapes in which the tissue is at rest instead of its model, each by its weight and paint; from "
+           "zRestShape.outRestShape. They act before restScale and muscle growth.",
 };
 const Input<Vec3> initial_velocity{
     .name = "initialVelocity",
@@ -235,12 +241,24 @@ void compute(const Reads& in, Writes& out) {
     values.rest_scale_envelope = in[rest_scale_envelope];
     check_rest(in, values);
     std::vector<Force> forces;
+    add_rest_shapes(in, rest_shapes.name, in[rest_shapes], *kept->rest, forces);
     add_pressure(in, *parts.mesh, parts.materials, in[pressure_envelope], forces);
     add_surface_tension(in, *parts.mesh, parts.materials, in[surface_tension_envelope], forces);
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
-    out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces),
-                           read_contact(in, true, *parts.mesh, collision.get()), nullptr, in.is_ever_on(enable)});
+    Body body{kept->rest,
+              in[enable],
+              std::move(values),
+              start,
+              collision,
+              std::move(forces),
+              read_contact(in, true, *parts.mesh, collision.get()),
+              nullptr,
+              in.is_ever_on(enable)};
+    std::vector<std::reference_wrapper<const Fiber>> all(parts.fibers); // in the order of values.fibers
+    for (const NestedPart& n : nested) all.insert(all.end(), n.part->fibers.begin(), n.part->fibers.end());
+    body.lines = lines_of(all);
+    out.set(out_body, std::move(body));
 }
 
 } // namespace
@@ -264,6 +282,7 @@ void add_z_tissue(Registry& registry) {
                    describe(initial_angular_velocity),
                    describe(inertial_damping),
                    describe(rest_scale_envelope),
+                   describe(rest_shapes),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),
                    describe(collision_shape),

@@ -12,14 +12,16 @@ using namespace bench;
 namespace {
 
 const std::vector<std::string> all_types = {
-    "aim",         "airField",        "combineWeights",   "contactWriter",   "curve",        "dragField",
-    "endPoints",   "gravityField",    "meshFile",         "meshSequence",    "meshWriter",   "newtonField",
-    "pickMesh",    "polyCube",        "polyCylinder",     "polyHelix",       "polyPlane",    "polySphere",
-    "radialField", "skinCluster",     "tetMeshFile",      "tetWriter",       "trackChannel", "transferWeights",
-    "transform",   "turbulenceField", "uniformField",     "volumeAxisField", "vortexField",  "weights",
-    "zAttachment", "zBone",           "zDelaunayTetMesh", "zEmbedder",       "zFiber",       "zGoalAttachment",
-    "zHold",       "zIsoMesh",        "zMaterial",        "zSolver",         "zSubtissue",   "zTet",
-    "zTissue"};
+    "aim",          "airField",        "combineWeights", "contactWriter",    "curve",
+    "dragField",    "endPoints",       "gravityField",   "meshFile",         "meshSequence",
+    "meshWriter",   "muscleCurve",     "newtonField",    "pickMesh",         "polyCube",
+    "polyCylinder", "polyHelix",       "polyPlane",      "polySphere",       "radialField",
+    "skinCluster",  "tetMeshFile",     "tetWriter",      "trackChannel",     "transferWeights",
+    "transform",    "turbulenceField", "uniformField",   "volumeAxisField",  "vortexField",
+    "weights",      "zAttachment",     "zBone",          "zDelaunayTetMesh", "zEmbedder",
+    "zFiber",       "zGoalAttachment", "zHold",          "zIsoMesh",         "zLineOfAction",
+    "zMaterial",    "zRestShape",      "zRivetToBone",   "zSolver",          "zSubtissue",
+    "zTet",         "zTissue"};
 
 /// Numbers that have no unit because they count frames or recorded things, not lengths in the scene.
 const std::set<std::string_view> counted = {"trackOffset", "trackRate", "offset",      "rate",
@@ -104,6 +106,13 @@ std::map<std::string, std::string> smallest_graphs(const Folder& folder) {
         {"zHold", node("zHold", R"("tissue": {"from": "tissue.outBody"})")},
         {"zDelaunayTetMesh", base + R"("skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "cube.outMesh"}]}},
                    "n": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": "skin.outMesh"}}})"},
+        {"muscleCurve", node("muscleCurve", R"("mesh": {"from": "cube.outMesh"}, "endPoints": [0,0,0,0, 1,1,1,1])")},
+        {"zRestShape", node("zRestShape", R"("target": {"from": "far.outMesh"})")},
+        {"zLineOfAction", base + R"("path": {"type": "curve", "inputs": {"points": [0,0,0, 1,0,0]}},
+                   "n": {"type": "zLineOfAction", "inputs": {"curves": [{"from": "path.outCurve"}]}})"},
+        {"zRivetToBone", base + R"("path": {"type": "curve", "inputs": {"points": [0,0.7,0, 1,1.2,0]}},
+                   "n": {"type": "zRivetToBone", "inputs": {"curve": {"from": "path.outCurve"},
+                                                            "bone": {"from": "bone.outBody"}}})"},
         {"zIsoMesh", node("zIsoMesh", R"("meshes": [{"from": "cube.outMesh"}])")},
         {"zMaterial", node("zMaterial", "")},
         {"zSolver", node("zSolver", R"("bodies": [{"from": "bone.outBody"}, {"from": "tissue.outBody"}],

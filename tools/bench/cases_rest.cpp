@@ -1,6 +1,8 @@
-// Accuracy of rest shapes that change: free bodies scaled and grown, of which everything is known, and a strip of two
-// halves that bends.
+// Accuracy of rest shapes that change: free bodies scaled, grown and shaped as targets, of which everything is known,
+// and a strip of two halves that bends.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/fiber/line_of_action.h"
+#include "solver/terms/elastic/rest_shape.h"
 #include "tools/bench/accuracy.h"
 #include "tools/bench/free_body.h"
 #include "tools/bench/models.h"
@@ -35,9 +37,11 @@ void add_fibre(TissueRest& rest, const Vec3& along) {
 
 /// Lets a body come to rest and judges distances, volume and energy by the affine map that it must have taken, but for
 /// a rigid motion.
+using Target = std::pair<std::shared_ptr<const RestShape>, double>;
 void judge_free(Book& book, const std::string& setting, std::shared_ptr<TissueRest> rest, const TissueInputs& values,
-                const Mat3& to, const RunOptions& options) {
+                const Mat3& to, const RunOptions& options, const std::vector<Target>& targets = {}) {
     FreeBody body(rest, values);
+    for (const auto& [shape, weight] : targets) body.reshape(shape, weight);
     body.settle(options.stop);
     const Points nodes = nodes_of(*rest);
     double worst = 0;
@@ -50,7 +54,8 @@ void judge_free(Book& book, const std::string& setting, std::shared_ptr<TissueRe
     book.judge(CaseKind::exact, setting, "farthest distance of two nodes from that of G X [m]", worst, 0,
                worst / length, 1e-8, body.work);
     book.compare(CaseKind::exact, setting, "volume / that of the model", body.volume() / model, to.determinant(), 1e-8);
-    const double energy = std::abs(body.elastic_energy()) / (values.layers[0].youngs_modulus * model);
+    const double left = targets.empty() ? body.elastic_energy() : body.stored_energy();
+    const double energy = std::abs(left) / (values.layers[0].youngs_modulus * model);
     book.judge(CaseKind::exact, setting, "energy / (E V)", energy, 0, energy, 1e-12);
 }
 
@@ -107,6 +112,61 @@ void growth(Book& book, const RunOptions& options) {
         judge_free(book, words(all_laws[0], element) + ", two fibres of growth 1.2 each", rest, values, g(along, 1.44),
                    options);
     }
+}
+
+/// Growth that follows a line of action which has shortened by a quarter: by the scale to the power of 1/4.
+void growth_by_line(Book& book, const RunOptions& options) {
+    book.open("9", "growth by a line of action");
+    const Vec3 along = Vec3(1, 0.5, -0.3).normalized();
+    const LineOfActionValues line;
+    const double loa = follow_line(line, start_line(line, 0.4), 0.3, 1.0 / 24).value;
+    for (const ElementName& element : elements)
+        for (const double scale : {0.5, 1.6}) {
+            TissueInputs values = material(2e4, 0.45);
+            values.fibers = {{0, 1, 0, 1, std::pow(scale, loa)}};
+            auto rest = block(all_laws[0], element, along);
+            add_fibre(*rest, along);
+            const double across = std::sqrt(std::sqrt(scale));
+            judge_free(book, words(all_laws[0], element) + ", growth " + number(scale, 2), rest, values,
+                       along * along.transpose() + across * (Mat3::Identity() - along * along.transpose()), options);
+        }
+}
+
+/// Targets that are affine maps: a free body takes their shape, or that of their blend where both stretch along the
+/// same axes.
+void rest_shapes(Book& book, const RunOptions& options) {
+    book.open("9", "rest shape of a free body");
+    Mat3 shear = Mat3::Identity();
+    shear(0, 1) = 0.4, shear(1, 2) = -0.2;
+    const Mat3 wide = Vec3(1.4, 0.7, 1).asDiagonal(), tall = Vec3(1, 1, 1.5).asDiagonal();
+    struct Blend {
+        const char* name;
+        std::vector<std::pair<Mat3, double>> targets;
+        Mat3 to;
+    };
+    const Blend blends[] = {
+        {"scaled by 0.8", {{0.8 * Mat3::Identity(), 1}}, 0.8 * Mat3::Identity()},
+        {"sheared", {{shear, 1}}, shear},
+        {"half of wide", {{wide, 0.5}}, Vec3(std::sqrt(1.4), std::sqrt(0.7), 1).asDiagonal()},
+        {"wide, and tall by -2", {{wide, 1}, {tall, -2}}, Vec3(1.4, 0.7, 1 / 2.25).asDiagonal()},
+    };
+    for (const LawName& law : all_laws)
+        for (const ElementName& element : elements)
+            for (const Blend& blend : blends) {
+                if (options.quick && &law != &all_laws[0]) continue;
+                TissueInputs values = material(2e4, 0.45);
+                values.transverse_anisotropy = 0.5;
+                const auto rest = block(law, element, Vec3(1, 0.5, -0.3).normalized());
+                std::vector<Target> targets;
+                for (const auto& [map, weight] : blend.targets) {
+                    Points moved;
+                    for (const Vec3& p : rest->tets.vertices) moved.push_back(map * p);
+                    const std::vector<double> everywhere(rest->tets.tets.size(), 1.0);
+                    targets.emplace_back(
+                        std::make_shared<const RestShape>(make_rest_shape(rest->tets, moved, everywhere)), weight);
+                }
+                judge_free(book, words(law, element) + ", " + blend.name, rest, values, blend.to, options, targets);
+            }
 }
 
 /// Stiffness about its rest of a body of restScale s over that of the model: one direction's, at one vertex.
@@ -171,10 +231,9 @@ void bilayer(Book& book, const RunOptions& options) {
 } // namespace
 
 std::vector<AccuracyCase> rest_cases() {
-    return {{"rest scale of a free body", rest_scale},
-            {"growth of a free body", growth},
-            {"stiffness of a scaled body", scaled_stiffness},
-            {"bilayer strip", bilayer}};
+    return {{"rest scale of a free body", rest_scale},        {"growth of a free body", growth},
+            {"growth by a line of action", growth_by_line},   {"rest shape of a free body", rest_shapes},
+            {"stiffness of a scaled body", scaled_stiffness}, {"bilayer strip", bilayer}};
 }
 
 } // namespace sinew::bench

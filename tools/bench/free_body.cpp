@@ -53,13 +53,19 @@ void FreeBody::load(const TermType& type, std::vector<SurfaceLayers::Layer> laye
     auto made = std::make_shared<SurfaceLayers>();
     made->layers = std::move(layers);
     parts_.push_back({&type, {0}, made});
+    full_.push_back(1);
+}
+
+void FreeBody::reshape(std::shared_ptr<const RestShape> shape, double weight) {
+    parts_.push_back({&rest_shape_type, {0}, std::move(shape)});
+    full_.push_back(weight);
 }
 
 StepInputs FreeBody::inputs(double share_of_load) const {
     StepInputs in = tight_inputs();
     in.step_size = 10;
     in.bodies = {values_};
-    in.parts.assign(parts_.size(), {share_of_load});
+    for (const double full : full_) in.parts.push_back({share_of_load * full});
     return in;
 }
 
@@ -158,5 +164,7 @@ double FreeBody::elastic_energy() const {
     HoldingForces(*rest, values_).at(x(), &energy);
     return energy;
 }
+
+double FreeBody::stored_energy() const { return simulation_->state.record.energy; }
 
 } // namespace sinew::bench

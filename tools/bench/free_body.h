@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/mesh/surface_mesh.h"
 #include "solver/term/layered_surfaces.h"
+#include "solver/terms/elastic/rest_shape.h"
 #include "tools/bench/beams.h"
 
 #include <memory>
@@ -22,6 +23,9 @@ class FreeBody {
     /// Before `settle`: pressure or tension on the surface. A layer that the tissue lacks becomes one that paints no
     /// tet.
     void load(const solver::TermType& type, std::vector<solver::SurfaceLayers::Layer> layers);
+    /// Before `settle`: a target of its rest shape. Energies that are asked for later do not know of it, but for
+    /// stored_energy.
+    void reshape(std::shared_ptr<const solver::RestShape> shape, double weight);
     /// To balance, by steps so long that inertia has no part in it; the load comes in parts.
     void settle(const std::stop_token& stop);
 
@@ -37,6 +41,7 @@ class FreeBody {
     /// Sum of f.x over all vertices, f the forces that hold the elastic body: the integral of the stress's trace [J].
     double elastic_virial() const;
     double elastic_energy() const; ///< [J]
+    double stored_energy() const;  ///< as the solver says after `settle` [J]
 
     std::shared_ptr<solver::TissueRest> rest;
     Work work;
@@ -49,6 +54,7 @@ class FreeBody {
 
     solver::TissueInputs values_;
     std::vector<solver::Part> parts_;
+    std::vector<double> full_; ///< value of each part under all of the load
     std::vector<double> at_rest_;
     std::unique_ptr<Simulation> simulation_;
 };

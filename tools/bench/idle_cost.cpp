@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/idle_cost.h"
 
+#include "solver/terms/elastic/rest_shape.h"
 #include "solver/terms/field/field.h"
 #include "solver/terms/pressure/pressure.h"
 #include "solver/terms/surface_tension/surface_tension.h"
@@ -64,6 +65,15 @@ constexpr Feature features[] = {
     {"restScale 1 in all layers, restScaleEnvelope 2", [](Subject& s) { s.tissue.rest_scale_envelope = 2; }},
     {"restScale 0.8, restScaleEnvelope 0",
      [](Subject& s) { s.tissue.layers.front().rest_scale = 0.8, s.tissue.rest_scale_envelope = 0; }},
+    {"target of a rest shape, targetWeight 0",
+     [](Subject& s) {
+         Points smaller;
+         for (const Vec3& v : s.rest->tets.vertices) smaller.push_back(0.8 * v);
+         const std::vector<double> everywhere(s.rest->tets.tets.size(), 1.0);
+         s.parts = {
+             {&rest_shape_type, {0}, std::make_shared<RestShape>(make_rest_shape(s.rest->tets, smaller, everywhere))}};
+         s.inputs.parts = {{0}};
+     }},
     {"muscle growth, envelope 0",
      [](Subject& s) {
          const std::size_t tets = s.rest->tets.tets.size();

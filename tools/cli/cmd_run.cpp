@@ -197,6 +197,7 @@ class Run {
             report_.size = value.as<nodes::SolveReport>();
             f.step = report_.size->record;
             f.worst = report_.size->worst;
+            f.lines = report_.size->lines;
         }
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);

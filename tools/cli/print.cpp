@@ -6,6 +6,7 @@
 #include "nodes/contacts.h"
 #include "nodes/marks.h"
 #include "nodes/options.h"
+#include "nodes/rest_shapes.h"
 #include "nodes/values.h"
 
 #include <algorithm>
@@ -114,6 +115,7 @@ Json describe(const nodes::SolveReport& r) {
     Json out = describe_step(r.record);
     out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},  {"triangles", r.triangles}, {"dofs", r.dofs},
                    {"attachments", r.attachments}, {"terms", r.terms}};
+    for (const nodes::LineReport& line : r.lines) out["lines_of_action"].push_back(describe_line(line));
     return out;
 }
 
@@ -148,11 +150,22 @@ Json describe(const nodes::ContactList& list) {
 }
 
 Json describe(const nodes::CurvePoints& curve) {
-    double length = 0;
-    for (std::size_t i = 1; i < curve.points.size(); ++i) length += (curve.points[i] - curve.points[i - 1]).norm();
-    Json out = {{"points", curve.points.size()}, {"length", length}};
+    Json out = {
+        {"points", curve.points.size()}, {"form", nodes::word_of(curve.form)}, {"length", solver::curve_length(curve)}};
+    for (const solver::Vec3& p : curve.points) out["at"].push_back({p.x(), p.y(), p.z()});
     add_box(out, curve.points);
     return out;
+}
+
+Json describe(const nodes::LineOfAction& line) {
+    Json out = {{"curves", Json::array()}};
+    for (const nodes::CurvePoints& curve : line.curves) out["curves"].push_back(describe(curve));
+    for (const auto& f : solver::LineOfActionValues::fields()) out[f.name] = line.values.*f.at;
+    return out;
+}
+
+Json describe(const nodes::RestShapeTarget& shape) {
+    return {{"target", describe(shape.target)}, {"weights", shape.weights}, {"weight", shape.weight}};
 }
 
 Json describe(const nodes::Solved& solved) {
@@ -224,6 +237,16 @@ Json describe_step(const solver::StepRecord& r) {
             {"terms", terms}};
 }
 
+Json describe_line(const nodes::LineReport& r) {
+    return {{"body", r.body},
+            {"fiber", r.fiber},
+            {"rest_length_m", r.line.rest_length},
+            {"length_m", r.line.length},
+            {"loaValue", r.line.value},
+            {"excitation", r.excitation},
+            {"growth", r.growth}};
+}
+
 Json describe_value(const engine::Value& v) {
     using namespace nodes;
     if (!v) return nullptr;
@@ -249,6 +272,8 @@ Json describe_value(const engine::Value& v) {
     }
     if (v.is<TetMeshValue>()) return describe(*v.as<TetMeshValue>().mesh);
     if (v.is<CurvePoints>()) return describe(v.as<CurvePoints>());
+    if (v.is<RestShapeTarget>()) return describe(v.as<RestShapeTarget>());
+    if (v.is<LineOfAction>()) return describe(v.as<LineOfAction>());
     if (v.is<Material>()) {
         Json out = describe(v.as<Material>().values);
         out["weights"] = v.as<Material>().weights;
@@ -258,6 +283,7 @@ Json describe_value(const engine::Value& v) {
         Json out = describe(v.as<Fiber>().values);
         out["weights"] = v.as<Fiber>().weights;
         out["endPoints"] = v.as<Fiber>().end_points;
+        if (v.as<Fiber>().line) out["lineOfAction"] = describe(*v.as<Fiber>().line);
         return out;
     }
     if (v.is<Body>()) return describe(v.as<Body>());

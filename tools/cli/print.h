@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/diagnostics.h"
 #include "engine/value.h"
+#include "nodes/values.h"
 #include "solver/state.h"
 
 #include <filesystem>
@@ -21,6 +22,8 @@ std::string file_url(const std::filesystem::path& absolute);
 nlohmann::ordered_json describe_value(const engine::Value& value);
 /// How a step went: the fields that every frame has in a report.
 nlohmann::ordered_json describe_step(const solver::StepRecord& record);
+/// A line of action at a frame: lengths in metres, bodies and fibres by their places.
+nlohmann::ordered_json describe_line(const nodes::LineReport& line);
 /// "key: value" lines; nested objects are indented, long lists shortened.
 std::string as_text(const nlohmann::ordered_json& description);
 

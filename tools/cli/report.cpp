@@ -51,6 +51,10 @@ Json frame_json(const FrameReport& f, const RunReport& r) {
     if (f.step) {
         out.update(describe_step(*f.step));
         out["where"] = where_json(f.worst, r);
+        for (const nodes::LineReport& line : f.lines) {
+            Json& entry = out["lines_of_action"].emplace_back(describe_line(line));
+            entry["body"] = name_at(r.bodies, line.body);
+        }
     }
     return out;
 }

@@ -16,6 +16,7 @@ struct FrameReport {
     double wall_s = 0;
     std::optional<solver::StepRecord> step; ///< none where no solver is involved
     nodes::WorstPlaces worst = {};
+    std::vector<nodes::LineReport> lines = {}; ///< of action
 };
 
 /// Why a run ended before its last frame.

@@ -202,18 +202,24 @@ class Collector {
         if (!source.is_solver || !e_.with_lattices) return;
         const Value value = pull({source.meshes.node, "outSolved"}, frame);
         const auto& solved = value.as<nodes::Solved>();
+        const Value report = pull({source.meshes.node, "outReport"}, frame);
         for (std::size_t i = 0; i < source.solved.size(); ++i) {
             BodyRecorder& recorder = recorders_[source.bodies[source.solved[i]]];
             if (!recorder.body().lattice) continue;
             recorder.add_tets(solved.positions.at(i));
-            add_excitation(source.nodes[source.solved[i]], recorder.body(), frame);
+            add_excitation(source.nodes[source.solved[i]], static_cast<int>(source.solved[i]),
+                           report.as<nodes::SolveReport>(), recorder.body(), frame);
         }
     }
 
-    void add_excitation(const std::string& node, ViewBody& body, int frame) {
+    /// \param place of the tissue in zSolver.bodies
+    void add_excitation(const std::string& node, int place, const nodes::SolveReport& report, ViewBody& body,
+                        int frame) {
         if (body.fibres.empty()) return;
         const Value value = pull({node, "outBody"}, frame);
-        const auto& inputs = std::get<solver::TissueInputs>(value.as<nodes::Body>().values);
+        auto inputs = std::get<solver::TissueInputs>(value.as<nodes::Body>().values);
+        for (const nodes::LineReport& line : report.lines) // what a line of action adds is known to the solver alone
+            if (line.body == place) inputs.fibers[static_cast<std::size_t>(line.fiber)].excitation = line.excitation;
         for (std::size_t i = 0; i < body.fibres.size(); ++i)
             body.fibres[i].excitation.push_back(
                 static_cast<float>(inputs.fibers[i].excitation * inputs.fibers[i].envelope));

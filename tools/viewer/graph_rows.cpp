@@ -2,6 +2,7 @@
 #include "tools/viewer/graph_rows.h"
 
 #include "engine/text.h"
+#include "nodes/rest_shapes.h"
 #include "nodes/values.h"
 
 #include <algorithm>
@@ -135,7 +136,9 @@ std::string family_of(const engine::NodeType* type) {
     };
     if (is_one_of({typeid(nodes::MeshList)})) return "solver";
     if (is_one_of({typeid(nodes::Body)})) return "body";
-    if (is_one_of({typeid(nodes::Material), typeid(nodes::Fiber)})) return "matter";
+    if (is_one_of({typeid(nodes::Material), typeid(nodes::Fiber), typeid(nodes::LineOfAction),
+                   typeid(nodes::RestShapeTarget)}))
+        return "matter";
     if (is_one_of({typeid(nodes::Attachment), typeid(nodes::Force)})) return "attachment";
     if (is_one_of({typeid(engine::NumberList)})) return "paint";
     if (is_one_of({typeid(double), typeid(engine::Matrix4), typeid(nodes::CurvePoints)})) return "value";

@@ -6,6 +6,7 @@
 #include "solver/parallel.h"
 #include "solver/surface/quadrature.h"
 #include "solver/terms/attachment/find_targets.h"
+#include "solver/terms/attachment/ride_on_bone.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -117,6 +118,12 @@ AnchorEnd on_bone(const Triangle& triangle, const Vec3& place) {
     return end;
 }
 
+/// \param on_target where the anchor's target is while the bone stands at `positions`
+void set_offset(Anchor& anchor, const Points& positions, const Vec3& on_target, const Vec3& point) {
+    const Vec3 local = frame_of(anchor.target, positions).transpose() * (point - on_target);
+    anchor.offset = {local[0], local[1], local[2]};
+}
+
 std::vector<Anchor> anchors_of(const Scene& scene, const AttachmentRest& a, const std::vector<Points>& surfaces,
                                Bodies& bodies, AttachmentStart& start) {
     const Points &source = surfaces[at(a.source)], &target = surfaces[at(a.target)];
@@ -150,10 +157,7 @@ std::vector<Anchor> anchors_of(const Scene& scene, const AttachmentRest& a, cons
                 anchor.target.coordinates = coordinates_in(target_tets->mesh(), anchor.target.tet, s.point);
         } else {
             anchor.target = on_bone(t.vertices, t.place);
-            if (a.maintain_offset) {
-                const Vec3 local = frame_of(anchor.target, target).transpose() * (s.point - t.point);
-                anchor.offset = {local[0], local[1], local[2]};
-            }
+            if (a.maintain_offset) set_offset(anchor, target, t.point, s.point);
         }
     });
     std::vector<Anchor> out;
@@ -184,6 +188,13 @@ Vec3 modelled_point(const Scene& scene, int body, const AnchorEnd& end) {
     for (int k = 0; k < point.count; ++k)
         p += point.weight[k] * Eigen::Map<const Vec3>(scene.numbering().rest.data() + 3 * at(point.vertex[k]));
     return p;
+}
+
+Anchor ride_on_bone(const Triangle& triangle, const Vec3& place, const Points& positions, const Vec3& point) {
+    Anchor anchor;
+    anchor.target = on_bone(triangle, place);
+    set_offset(anchor, positions, bone_point(anchor.target, positions), point);
+    return anchor;
 }
 
 Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {

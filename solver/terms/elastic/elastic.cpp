@@ -33,7 +33,7 @@ Elastic::Elastic(const Scene& scene)
     : scene_(scene)
     , system_(scene.system()) {
     const std::size_t n = system_.tissues.size();
-    inputs_.resize(n);
+    inputs_.resize(n), shapes_.resize(n);
     has_means_.assign(n, 0);
     fibers_.resize(n);
     active_count_.assign(n, 0);
@@ -50,8 +50,11 @@ Elastic::Elastic(const Scene& scene)
 }
 
 Changes Elastic::take(const StepInputs& inputs, const State&) {
-    for (const TissueBatches& t : system_.tissues) // all of them before anything is taken over
-        check_values(std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(t.body)]), t.body);
+    std::vector<RestShapes> shapes;
+    for (const TissueBatches& t : system_.tissues) { // all of them before anything is taken over
+        shapes.push_back(rest_shapes_of(scene_, t.body, inputs.parts));
+        check_values(std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(t.body)]), shapes.back(), t.body);
+    }
     bool changed = false, new_couplings = false;
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
         const TissueBatches& batches = system_.tissues[t];
@@ -62,7 +65,7 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
             patches_[t].reset();
             if (wants_patches) patches_[t] = std::make_unique<ConservedVolume>(scene_, batches);
         }
-        const bool new_rest = take_rest_change(t, in);
+        const bool new_rest = take_rest_change(t, in, std::move(shapes[t]));
         if (new_couplings || new_rest || inputs_[t].layers.empty() || !same_material(inputs_[t], in)) {
             set_materials(t, in);
             changed = true;
@@ -79,20 +82,27 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
         for (std::size_t i = 0; i < batches.batch_count && active_count_[t]; ++i)
             for (std::size_t k = 0; k < in.fibers.size(); ++k)
                 if (pull(k) != 0)
-                    fibers_[t].push_back({&batches.fibers[k][i], pull(k), in.fibers[k].contraction_limit});
+                    fibers_[t].push_back({changed_[t] ? &changed_[t]->fiber(k, i) : &batches.fibers[k][i], pull(k),
+                                          in.fibers[k].contraction_limit});
     }
     if (changed) set_scales();
     return {new_couplings, changed};
 }
 
-bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in) {
-    if (same_rest_change(inputs_[t], in)) return false;
+bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in, RestShapes shapes) {
+    const bool same_shapes = shapes.weights == shapes_[t].weights || (!shapes.act() && !shapes_[t].act());
+    if (same_shapes && same_rest_change(inputs_[t], in)) return false;
+    shapes_[t] = std::move(shapes);
     const TissueBatches& batches = system_.tissues[t];
-    if (!changes_rest(in))
+    if (!changes_rest(in) && !shapes_[t].act())
         changed_[t].reset();
     else if (!changed_[t])
         changed_[t] = std::make_unique<ChangedRest>(system_, batches);
-    if (changed_[t]) changed_[t]->set(*scene_.tissue(batches.body), in);
+    if (changed_[t]) changed_[t]->set(*scene_.tissue(batches.body), in, shapes_[t]);
+    for (std::size_t i = 0; i < anisotropy_[t].size(); ++i)
+        std::memcpy(anisotropy_[t][i].direction,
+                    (changed_[t] ? changed_[t]->stiff(i) : batches.anisotropy[i]).direction,
+                    sizeof anisotropy_[t][i].direction);
     return true;
 }
 

@@ -50,7 +50,7 @@ MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::s
     return m;
 }
 
-void check_values(const TissueInputs& in, int body) {
+void check_values(const TissueInputs& in, const RestShapes& shapes, int body) {
     const auto refuse = [&](const std::string& what) {
         Error e("FE304", what + " is not a finite number", "check the attribute and what it is connected to");
         e.body = body;
@@ -69,6 +69,7 @@ void check_values(const TissueInputs& in, int body) {
     try {
         check_rest_scale(in);
         check_growth(in);
+        check_rest_shapes(shapes);
     } catch (Error& e) {
         e.body = body;
         throw;

@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/scene.h"
 #include "solver/step_inputs.h"
+#include "solver/terms/elastic/rest_shape.h"
 
 namespace sinew::solver {
 
@@ -17,7 +18,7 @@ MaterialValues mix_layers(const TissueRest& rest, const TissueInputs& in, std::s
 /// What of a tet is the tissue's own, and no part's.
 double own_share(const TissueRest& rest, std::size_t tet);
 /// Throws Error FE304 that names the body where a value is not a finite number: further on it would only be an energy
-/// that is none, of the whole scene. Likewise FE247 where they leave no rest shape.
-void check_values(const TissueInputs& in, int body);
+/// that is none, of the whole scene. Likewise FE247 where they or the weights of targets leave no rest shape.
+void check_values(const TissueInputs& in, const RestShapes& shapes, int body);
 
 } // namespace sinew::solver

@@ -66,6 +66,9 @@ double checked_log(double scale, double exponent, const char* what) {
     return exponent * std::log(scale);
 }
 
+/// The direction in which a line of the flesh runs that ran along `a`; zero where there is none.
+Vec3 along(const Mat3& stretch, const Vec3& a) { return (stretch * a).stableNormalized(); }
+
 } // namespace
 
 bool changes_rest(const TissueInputs& in) { return scales(in) || grows(in); }
@@ -87,12 +90,14 @@ bool same_rest_change(const TissueInputs& a, const TissueInputs& b) {
            (!grows(a) || std::equal(a.fibers.begin(), a.fibers.end(), b.fibers.begin(), b.fibers.end(), same_fiber));
 }
 
-Mat3 rest_change(const TissueRest& rest, const TissueInputs& in, std::size_t tet) {
+Mat3 rest_change(const TissueRest& rest, const TissueInputs& in, std::size_t tet, const RestShapes& shapes) {
     Mat3 g = Mat3::Identity();
+    const Mat3 stretch = shapes.act() ? shapes.stretch(tet) : Mat3::Identity();
+    if (shapes.act()) g = stretch;
     if (scales(in)) g *= rest_scale(rest, in, tet);
     for (std::size_t k = 0; k < in.fibers.size(); ++k) {
         const FiberValues& f = in.fibers[k];
-        const Vec3& a = rest.fibers[k].directions[tet];
+        const Vec3 a = shapes.act() ? along(stretch, rest.fibers[k].directions[tet]) : rest.fibers[k].directions[tet];
         const double weight = f.envelope * rest.fibers[k].weights[tet];
         if (f.growth == 1 || weight == 0 || a.squaredNorm() == 0) continue;
         const double across = std::pow(f.growth, weight);
@@ -140,11 +145,15 @@ ChangedRest::ChangedRest(const Scene::System& system, const TissueBatches& batch
         if (edges_[i].places) edges_[i].places = places_[i] = std::make_shared<PointPlaces>(*edges_[i].places);
 }
 
-void ChangedRest::set(const TissueRest& rest, const TissueInputs& in) {
+void ChangedRest::set(const TissueRest& rest, const TissueInputs& in, const RestShapes& shapes) {
+    fibers_.clear(), stiff_.clear();
+    if (shapes.act()) fibers_ = batches_.fibers, stiff_ = batches_.anisotropy;
     parallel_for(batches_.batch_count, batch_grain, [&](std::size_t i) {
         const TetBatch& model = system_.batches[batches_.first_batch + i];
         for (std::size_t lane = 0; lane < lanes; ++lane) {
-            const Mat3 g = rest_change(rest, in, std::min(i * lanes + lane, batches_.tet_count - 1));
+            const std::size_t tet = std::min(i * lanes + lane, batches_.tet_count - 1);
+            const Mat3 g = rest_change(rest, in, tet, shapes);
+            if (shapes.act()) turn_directions(shapes.stretch(tet), i, lane);
             const Mat3 inverse = g.inverse();
             Mat3 shape;
             for (int k = 0; k < 9; ++k) shape(k / 3, k % 3) = model.shape[k][lane];
@@ -167,6 +176,15 @@ void ChangedRest::set(const TissueRest& rest, const TissueInputs& in) {
                 squares(edges) / squares(grown);
         }
     });
+}
+
+void ChangedRest::turn_directions(const Mat3& stretch, std::size_t i, std::size_t lane) {
+    const auto turn = [&](double(&direction)[3][lanes]) {
+        const Vec3 turned = along(stretch, {direction[0][lane], direction[1][lane], direction[2][lane]});
+        for (int c = 0; c < 3; ++c) direction[c][lane] = turned[c];
+    };
+    for (auto& field : fibers_) turn(field[i].direction);
+    if (!stiff_.empty()) turn(stiff_[i].direction);
 }
 
 void ChangedRest::pull(const Matrices& matrices, double* strains) const {
