@@ -39,6 +39,7 @@ void add_z_material(engine::Registry&);
 void add_z_fiber(engine::Registry&);
 void add_z_subtissue(engine::Registry&);
 void add_z_tissue(engine::Registry&);
+void add_z_cloth(engine::Registry&);
 void add_z_attachment(engine::Registry&);
 void add_z_goal_attachment(engine::Registry&);
 void add_z_hold(engine::Registry&);
@@ -119,6 +120,7 @@ void register_all(engine::Registry& registry) {
                       add_z_fiber,
                       add_z_subtissue,
                       add_z_tissue,
+                      add_z_cloth,
                       add_z_attachment,
                       add_z_goal_attachment,
                       add_z_hold,

@@ -228,7 +228,7 @@ void compute(const Reads& in, Writes& out) {
     const auto vector = [&](const Input<Vec3>& v) { return solver::Vec3(in[v][0], in[v][1], in[v][2]); };
     const solver::InitialMotion start{vector(initial_velocity), vector(initial_angular_velocity)};
     out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, collision, std::move(forces),
-                           read_contact(in, true, *parts.mesh, collision.get())});
+                           read_contact(in, Collider::tissue, *parts.mesh, collision.get())});
 }
 
 } // namespace
@@ -256,7 +256,7 @@ void add_z_tissue(Registry& registry) {
                    describe(collision_shape),
                    describe(appearance),
                    describe(colour)};
-    for (AttributeInfo& a : contact_attributes(true)) type.inputs.push_back(std::move(a));
+    for (AttributeInfo& a : contact_attributes(Collider::tissue)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));
