@@ -22,6 +22,8 @@ constexpr Measure measures[] = {
     {"cloth", "max_fold_rad", "rad", "sharpest fold of cloth", Combine::most},
 };
 
+const PackVector no_vector{Pack(0.0), Pack(0.0), Pack(0.0)};
+
 Pack squares_of(const PackVector* g, std::size_t count) {
     Pack sum(0.0);
     for (std::size_t i = 0; i < count; ++i) sum += dot(g[i], g[i]);
@@ -309,6 +311,8 @@ double Cloth::energy(const Positions& x, bool with_forces) {
             if (with_forces) {
                 m.gradient(g);
                 squares_of(g.data(), 3).store(squares_of_triangles_.data() + b * lanes);
+            } else {
+                g.fill(no_vector);
             }
             return m.energy();
         });
@@ -319,6 +323,8 @@ double Cloth::energy(const Positions& x, bool with_forces) {
         if (with_forces) {
             f.gradient(g);
             squares_of(g.data(), 6).store(squares_of_folds_.data() + b * lanes);
+        } else {
+            g.fill(no_vector);
         }
         return f.energy();
     });
