@@ -134,6 +134,10 @@ constexpr CodeInfo table[] = {
     {"FE265", "scale that mirrors", "Mirror the mesh where it is modelled, and turn its faces."},
     {"FE266", "motion that does not reach over the run", "Run the frames that it has, or key what it is to do."},
     // ---- FE3xx: the solve ----
+    {"FE270", "cloth with more than two faces at an edge", "Split the mesh there, and sew the parts by a zAttachment."},
+    {"FE271", "vertex of a cloth in no face", "Remove unused vertices from the mesh."},
+    {"FE272", "face of a cloth without area", "Remove or merge such faces."},
+    {"FE273", "cloth without mass or stiffness", "Give its first material both; neither may be negative."},
     {"FE280", "line of action without length", "Give its curve points that lie apart."},
     {"FE281", "line of action that runs nowhere in its muscle",
      "Draw the curve through the muscle as it is modelled, in the same units."},

@@ -128,6 +128,11 @@ void write_report(const SolveReport& r, ByteWriter& out) {
         out.put_text(m.what->term), out.put_text(m.what->name);
         out.put(m.value), out.put(m.part);
     }
+    out.put<std::uint64_t>(r.lines.size());
+    for (const LineReport& l : r.lines) {
+        out.put(l.body), out.put(l.fiber), out.put(l.line);
+        out.put(l.excitation), out.put(l.growth);
+    }
 }
 
 SolveReport read_report(ByteReader& in) {
@@ -143,6 +148,12 @@ SolveReport read_report(ByteReader& in) {
         if (!m.what) throw BadBytes("it holds \"" + term + "." + name + "\", which is not known here");
         m.value = in.get<double>(), m.part = in.get<int>();
         r.record.measured.push_back(m);
+    }
+    const auto lines = in.get<std::uint64_t>();
+    for (std::uint64_t i = 0; i < lines; ++i) {
+        LineReport& l = r.lines.emplace_back();
+        l.body = in.get<int>(), l.fiber = in.get<int>(), l.line = in.get<solver::LineMemory>();
+        l.excitation = in.get<double>(), l.growth = in.get<double>();
     }
     return r;
 }
@@ -200,6 +211,14 @@ MarkList read_marks(ByteReader& in) {
     return out;
 }
 
+void write_numbers(const engine::NumberList& list, ByteWriter& out) {
+    out.put_list(std::span<const double>(list.data(), list.size()));
+}
+engine::NumberList read_numbers(ByteReader& in) {
+    const std::vector<double> list = in.get_list<double>();
+    return {list.begin(), list.end()};
+}
+
 } // namespace
 
 void add_codecs(engine::Registry& registry) {
@@ -209,6 +228,7 @@ void add_codecs(engine::Registry& registry) {
     registry.add(engine::make_codec<SolveReport>(1, write_report, read_report));
     registry.add(engine::make_codec<ContactList>(1, write_contacts, read_contacts));
     registry.add(engine::make_codec<MarkList>(1, write_marks, read_marks));
+    registry.add(engine::make_codec<engine::NumberList>(1, write_numbers, read_numbers));
 }
 
 } // namespace sinew::nodes

@@ -50,6 +50,14 @@ const Input<double> contact_stiffness{
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };
+const Input<double> cloth_contact_stiffness{
+    .name = "contactStiffness",
+    .def = 1e5,
+    .unit = "N/m^3",
+    .limits = {.min = 0},
+    .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
+           "through.",
+};
 const Input<double> contact_friction{
     .name = "contactFriction",
     .def = 0,
@@ -116,19 +124,22 @@ bool is_volume(const Reads& in, const Mesh& surface, const char* whose) {
 
 } // namespace
 
-std::vector<AttributeInfo> contact_attributes(bool tissue) {
+std::vector<AttributeInfo> contact_attributes(Collider kind) {
     std::vector<AttributeInfo> out = {describe(collisions)};
-    if (tissue) out.push_back(describe(self_collisions));
+    const bool cloth = kind == Collider::cloth;
+    if (kind == Collider::tissue) out.push_back(describe(self_collisions));
+    if (!cloth) out.push_back(describe(collision_volume));
     for (AttributeInfo& a :
-         std::vector{describe(collision_volume), describe(contact_sliding), describe(contact_stiffness),
+         std::vector{describe(contact_sliding), describe(cloth ? cloth_contact_stiffness : contact_stiffness),
                      describe(contact_friction), describe(collision_sets)})
         out.push_back(std::move(a));
     return out;
 }
 
-Force read_contact(const Reads& in, bool tissue, const Mesh& surface, const CollisionSurface* shape) {
+Force read_contact(const Reads& in, Collider kind, const Mesh& surface, const CollisionSurface* shape) {
     auto rest = std::make_shared<solver::ContactRest>();
-    rest->is_volume = is_volume(in, shape ? shape->mesh : surface, shape ? "collisionShape" : "mesh");
+    const bool cloth = kind == Collider::cloth;
+    rest->is_volume = !cloth && is_volume(in, shape ? shape->mesh : surface, shape ? "collisionShape" : "mesh");
     rest->sets = sets_of(in);
     Hasher h;
     h.add("contact").add(rest->is_volume).add(in[collision_sets]).add(shape != nullptr);
@@ -142,9 +153,9 @@ Force read_contact(const Reads& in, bool tissue, const Mesh& surface, const Coll
     }
     solver::ContactValues values;
     values.collides = in[collisions] ? 1 : 0;
-    values.collides_with_itself = tissue && in[self_collisions] ? 1 : 0;
+    values.collides_with_itself = kind == Collider::tissue && in[self_collisions] ? 1 : 0;
     values.slides = in[contact_sliding] ? 1 : 0;
-    values.stiffness = in[contact_stiffness], values.friction = in[contact_friction];
+    values.stiffness = in[cloth ? cloth_contact_stiffness : contact_stiffness], values.friction = in[contact_friction];
     Force f;
     f.type = &solver::contact_type;
     f.rest = std::move(rest);

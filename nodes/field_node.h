@@ -15,7 +15,9 @@ using namespace engine;
 
 inline const WireList<Body> bodies{
     .name = "bodies",
-    .doc = "The tissues that the field acts on; none connected: all of the solver's.",
+    .doc = "The tissues and cloths that the field acts on; none connected: all of the solver's. What is a force per "
+           "volume on "
+           "tissue [N/m^3] is a force per area on cloth [N/m^2], in the same number.",
 };
 inline const Input<Vec3> translate{
     .name = "translate",

@@ -69,6 +69,16 @@ constexpr std::string_view word_of(solver::Fill fill) {
     return "";
 }
 
+constexpr std::string_view word_of(solver::BendRestAngle angle) {
+    switch (angle) {
+    case solver::BendRestAngle::mesh:
+        return "mesh";
+    case solver::BendRestAngle::flat:
+        return "flat";
+    }
+    return "";
+}
+
 constexpr std::string_view word_of(solver::AttachmentMode mode) {
     switch (mode) {
     case solver::AttachmentMode::none:

@@ -46,6 +46,7 @@ void add_z_fiber(engine::Registry&);
 void add_z_subtissue(engine::Registry&);
 void add_z_rest_shape(engine::Registry&);
 void add_z_tissue(engine::Registry&);
+void add_z_cloth(engine::Registry&);
 void add_z_attachment(engine::Registry&);
 void add_z_goal_attachment(engine::Registry&);
 void add_z_hold(engine::Registry&);
@@ -130,6 +131,7 @@ void register_all(engine::Registry& registry) {
                       add_z_subtissue,
                       add_z_rest_shape,
                       add_z_tissue,
+                      add_z_cloth,
                       add_z_attachment,
                       add_z_goal_attachment,
                       add_z_hold,

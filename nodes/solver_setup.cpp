@@ -218,6 +218,12 @@ std::shared_ptr<solver::TissueRest> in_metres(const solver::TissueRest& rest, do
     return t;
 }
 
+std::shared_ptr<const solver::ClothRest> in_metres(const solver::ClothRest& rest, double units) {
+    auto cloth = std::make_shared<solver::ClothRest>(rest);
+    cloth->surface = to_metres(rest.surface, units);
+    return cloth;
+}
+
 } // namespace
 
 solver::Points to_metres(const solver::Points& points, double units) {
@@ -293,6 +299,8 @@ solver::SceneDescription describe_scene(const Setup& setup) {
             auto tissue = in_metres(**t, units);
             if (setup.body(i).subtissue) tissue->carried_by = setup.carriers[i];
             scene.bodies.emplace_back(std::shared_ptr<const solver::TissueRest>(std::move(tissue)));
+        } else if (const auto* cloth = std::get_if<std::shared_ptr<const solver::ClothRest>>(&data)) {
+            scene.bodies.emplace_back(in_metres(**cloth, units));
         } else {
             auto bone = std::make_shared<solver::BoneRest>(*std::get<1>(data));
             bone->surface = to_metres(bone->surface, units);
@@ -360,6 +368,8 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
         const Body& b = setup.body(i);
         if (b.is_bone())
             s.bodies.emplace_back(solver::BoneInputs{setup.space.to_metres(*std::get<Mesh>(b.values).points)});
+        else if (b.is_cloth())
+            s.bodies.emplace_back(std::get<solver::ClothInputs>(b.values));
         else
             s.bodies.emplace_back(tissue_inputs(in, b, setup.tissue_values(i)));
     }
@@ -414,10 +424,16 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         r.attachments += a.values.mode() != solver::AttachmentMode::none;
     }
     std::vector<std::string> laws;
-    bool calms = false, fibers = false, resists = false, conserves = false, rest_changes = false;
+    bool calms = false, fibers = false, resists = false, conserves = false, rest_changes = false, cloth = false;
     for (int i = 0; i < scene.body_count(); ++i) {
         const solver::TissueRest* t = scene.tissue(i);
-        r.triangles += static_cast<std::int64_t>(t ? t->triangles.size() : scene.bone(i)->triangles.size());
+        r.triangles += static_cast<std::int64_t>(scene.triangles(i).size());
+        if (scene.cloth(i)) {
+            cloth = true;
+            const auto& values = std::get<solver::ClothInputs>(setup.body(static_cast<std::size_t>(i)).values);
+            for (const solver::ClothMaterial& m : values.layers)
+                rest_changes = rest_changes || (m.rest_scale != 1 && values.rest_scale_envelope != 0);
+        }
         if (!t || t->carried_by >= 0) continue; // what a subtissue has is counted with its tissue
         r.tets += static_cast<std::int64_t>(t->tets.tets.size());
         const solver::LawFacts& law = law_facts(t->law);
@@ -431,6 +447,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
     }
     const bool moves = meaning(options_of<solver::Integrator>, in[integrator]) != solver::Integrator::quasi_static;
     r.terms = std::move(laws);
+    if (cloth) r.terms.push_back("cloth");
     if (resists) r.terms.push_back("compressionResistance");
     if (conserves) r.terms.push_back("volumeConservation");
     if (rest_changes) r.terms.push_back("restShapeChange");

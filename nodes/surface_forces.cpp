@@ -17,17 +17,6 @@ using engine::Hasher;
 
 namespace {
 
-/// The first layer covers all of the tissue, so its own weights and mesh say nothing.
-engine::NumberList weights_of(const Mesh& mesh, const Layers& layers, std::size_t k) {
-    if (k == 0) return {};
-    const Material& layer = layers[k];
-    if (!layer.place) return layer.weights;
-    engine::NumberList out = solver::points_in_layer(*mesh.points, *layer.place);
-    if (layer.weights.empty()) return out;
-    for (std::size_t v = 0; v < out.size(); ++v) out[v] *= layer.weights[layer.weights.size() == 1 ? 0 : v];
-    return out;
-}
-
 bool has_any(const Layers& layers, double Material::*value) {
     return std::any_of(layers.begin(), layers.end(), [&](const Material& m) { return m.*value != 0; });
 }
@@ -51,7 +40,7 @@ void add(const engine::Reads& in, const solver::TermType& type, double Material:
     auto kept = in.lease<Kept>(digest, [&] {
         auto made = std::make_shared<solver::SurfaceLayers>();
         for (std::size_t k = 0; k < layers.size(); ++k)
-            made->layers.push_back({layers[k].get().*value, weights_of(mesh, layers, k)});
+            made->layers.push_back({layers[k].get().*value, painted_layer(mesh, layers, k)});
         return std::make_shared<Kept>(Kept{std::move(made)});
     });
     Force& f = forces.emplace_back();
@@ -99,9 +88,19 @@ void warn_of_facing(const engine::Reads& in, const Mesh& mesh) {
 
 } // namespace
 
+engine::NumberList painted_layer(const Mesh& mesh, const Layers& layers, std::size_t k) {
+    if (k == 0) return {};
+    const Material& layer = layers[k];
+    if (!layer.place) return layer.weights;
+    engine::NumberList out = solver::points_in_layer(*mesh.points, *layer.place);
+    if (layer.weights.empty()) return out;
+    for (std::size_t v = 0; v < out.size(); ++v) out[v] *= layer.weights[layer.weights.size() == 1 ? 0 : v];
+    return out;
+}
+
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
-                  std::vector<Force>& forces) {
-    if (has_any(layers, &Material::pressure)) warn_of_facing(in, mesh);
+                  std::vector<Force>& forces, bool closed) {
+    if (closed && has_any(layers, &Material::pressure)) warn_of_facing(in, mesh);
     add(in, solver::pressure_type, &Material::pressure, mesh, layers, envelope, forces);
 }
 

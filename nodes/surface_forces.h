@@ -1,5 +1,5 @@
-// What a tissue's material layers ask for on its surface: pressure and surface tension, as forces that the body brings
-// along.
+// What the material layers of a tissue or cloth ask for on its surface: pressure and surface tension, as forces that
+// the body brings along.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/node_type.h"
@@ -9,11 +9,16 @@
 
 namespace sinew::nodes {
 
-/// Each adds a force for the layers of a tissue, from bottom to top, whose maps fit its mesh, if some layer has a value
+/// Where layer k counts: a number for each vertex of the mesh, one for all, or none for 1 everywhere. The first layer
+/// covers all, so its own weights and mesh say nothing.
+engine::NumberList painted_layer(const Mesh& mesh, const Layers& layers, std::size_t k);
+
+/// Each adds a force for the layers of a body, from bottom to top, whose maps fit its mesh, if some layer has a value
 /// other than 0, and nothing otherwise. A layer that has a mesh acts at the vertices in it or on it, times their
-/// weights. Pressure warns (FE245) where the mesh, the tissue's, is open or looks inwards.
+/// weights. \param mesh the body's. \param closed warn (FE245) where it is open or looks inwards: of a cloth either may
+/// be meant.
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
-                  std::vector<Force>& forces);
+                  std::vector<Force>& forces, bool closed = true);
 void add_surface_tension(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                          std::vector<Force>& forces);
 

@@ -77,6 +77,16 @@ void add(Hasher& h, const solver::LineMemory& m) {
     h.add(m.rest_length).add(m.length).add(m.rate).add(m.step).add(m.value);
 }
 
+void add(Hasher& h, const solver::ClothMaterial& m) {
+    for (const auto& f : solver::ClothMaterial::fields()) h.add(m.*f.at);
+}
+
+void add(Hasher& h, const solver::ClothInputs& c) {
+    for (const auto& f : solver::ClothInputs::fields()) h.add(c.*f.at);
+    h.add(static_cast<std::uint64_t>(c.layers.size()));
+    for (const auto& layer : c.layers) add(h, layer);
+}
+
 void add(Hasher& h, const Mesh& m) { h.add(m.topology->digest).add(m.points_digest); }
 
 void add(Hasher& h, const solver::StepRecord& r) {
@@ -151,6 +161,7 @@ BodyId id_of(const Body& body) {
     Hasher h;
     h.add(body.enable).add(body.is_bone());
     if (body.takes_part && !body.enable) h.add("at another time");
+    if (body.is_cloth()) h.add("cloth");
     std::visit([&](const auto& v) { add(h, v); }, body.values);
     for (const solver::Vec3& v : {body.start.velocity, body.start.angular_velocity}) h.add(v.x()).add(v.y()).add(v.z());
     for (const Force& f : body.forces) h.add(static_digest(f)).add_doubles(f.values);
@@ -244,6 +255,7 @@ std::size_t ValueTraits<nodes::LineOfAction>::bytes(const nodes::LineOfAction& v
 
 void ValueTraits<nodes::Material>::hash(Hasher& h, const nodes::Material& v) {
     add(h, v.values);
+    add(h, v.cloth);
     h.add_doubles(v.weights).add(v.place_digest).add(v.pressure).add(v.surface_tension);
 }
 std::size_t ValueTraits<nodes::Material>::bytes(const nodes::Material& v) { return size_of(v.weights); }
@@ -277,6 +289,7 @@ void ValueTraits<nodes::Body>::hash_aside(Hasher& h, const nodes::Body& v) {
 std::size_t ValueTraits<nodes::Body>::bytes(const nodes::Body& v) {
     // The rest data is one object for all frames, so a frame pays for its values only.
     if (v.is_bone()) return ValueTraits<nodes::Mesh>::bytes(std::get<nodes::Mesh>(v.values));
+    if (v.is_cloth()) return size_of(std::get<solver::ClothInputs>(v.values).layers);
     return nodes::bytes_of(std::get<solver::TissueInputs>(v.values));
 }
 
@@ -346,8 +359,10 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     if (s.history.values)
-        for (const solver::BodyInputs& body : s.history.values->bodies)
+        for (const solver::BodyInputs& body : s.history.values->bodies) {
             if (const auto* t = std::get_if<solver::TissueInputs>(&body)) n += nodes::bytes_of(*t);
+            if (const auto* c = std::get_if<solver::ClothInputs>(&body)) n += size_of(c->layers) + size_of(c->forces);
+        }
     return n;
 }
 

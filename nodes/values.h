@@ -74,6 +74,7 @@ struct LineOfAction {
 /// it is, if there is one.
 struct Material {
     solver::MaterialValues values;
+    solver::ClothMaterial cloth; ///< what it is on a cloth; envelope and restScale as above
     engine::NumberList weights;
     std::shared_ptr<const solver::Solid> place = nullptr; ///< in scene units; null: not bounded
     engine::Digest place_digest = {};                     ///< of the mesh that `place` was made from
@@ -112,7 +113,7 @@ struct Subtissue {
 /// Rest data of a body in scene units (static) … The digest says what the data was made from; a bone's covers
 /// the connectivity alone, because its points move.
 struct BodyRest {
-    std::variant<std::shared_ptr<const solver::TissueRest>, std::shared_ptr<const solver::BoneRest>> data;
+    solver::BodyRest data;
     Mesh mesh; ///< for output: polygons; points as modelled
     engine::Digest digest;
     /// Of a tissue: its parts, those within parts too, a part before those within it. Each with the tissue's tets and
@@ -147,7 +148,7 @@ struct BodyId {
 struct Force {
     const solver::TermType* type = nullptr;
     std::vector<BodyId> bodies;                   ///< that it acts on
-    bool on_all = false;                          ///< on all tissues of the solver instead
+    bool on_all = false;                          ///< on all tissues and cloths of the solver instead
     std::shared_ptr<const solver::PartRest> rest; ///< may be null
     engine::Digest digest;                        ///< of all that `rest` was made from
     solver::PartValues values;
@@ -156,9 +157,9 @@ struct Force {
 /// A body: its rest data and its values at one time.
 struct Body {
     std::shared_ptr<const BodyRest> rest;
-    bool enable = true;                              ///< at this time
-    std::variant<solver::TissueInputs, Mesh> values; ///< bone: its mesh at this time, scene units
-    solver::InitialMotion start = {};                ///< of a tissue, at the start frame
+    bool enable = true;                                                   ///< at this time
+    std::variant<solver::TissueInputs, Mesh, solver::ClothInputs> values; ///< bone: its mesh now, scene units
+    solver::InitialMotion start = {};                                     ///< of a tissue or cloth, at the start frame
     /// Tissues with a collisionShape, else null: for zEmbedder. Contact reads it through `contact`.
     std::shared_ptr<const CollisionSurface> collision = nullptr;
     std::vector<Force> forces = {};    ///< that its own attributes ask for; they act on this body
@@ -170,6 +171,7 @@ struct Body {
     /// Of a tissue, in the order of its fibres. What they come to is known to zSolver alone, which keeps their lengths.
     std::vector<FiberLine> lines = {};
     bool is_bone() const { return values.index() == 1; }
+    bool is_cloth() const { return values.index() == 2; }
 };
 
 BodyId id_of(const Body& body);
@@ -255,7 +257,7 @@ struct SolveReport {
 struct Solved {
     std::vector<BodyId> bodies;
     std::vector<std::shared_ptr<const BodyRest>> rests; ///< same order
-    std::vector<solver::Points> positions;              ///< tissues: tet vertices; bones: surface vertices
+    std::vector<solver::Points> positions;              ///< tissues: tet vertices; others: surface vertices
     /// Of tissues of quadratic tets: vertices at the middles of the edges, in the order of solver::edges_of. Else
     /// empty.
     std::vector<solver::Points> midpoints;

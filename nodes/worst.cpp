@@ -18,9 +18,9 @@ Vec3 at(const std::vector<double>& x, int vertex) {
     return Eigen::Map<const Vec3>(x.data() + 3 * static_cast<std::size_t>(vertex));
 }
 
-/// The point of an anchor's end that lies on a tissue.
+/// The point of an anchor's end that lies on a body that deforms.
 Vec3 carried(const solver::Scene& scene, const solver::State& state, int body, const solver::AnchorEnd& end) {
-    const solver::PointWeights w = scene.embedded(body, end.tet, end.coordinates);
+    const solver::PointWeights w = solver::carried_end(scene, body, end);
     Vec3 out = Vec3::Zero();
     for (int k = 0; k < w.count; ++k) out += w.weight[k] * at(state.x, w.vertex[k]);
     return out;
@@ -70,14 +70,14 @@ void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::
 void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solver::State& state,
                      const std::vector<solver::Anchor>& anchors, std::size_t attachment, WorstPlaces& worst) {
     const auto [source, target] = setup.key.links[attachment];
-    const bool from_tissue = scene.tissue(source), to_tissue = scene.tissue(target);
-    if (!from_tissue && !to_tissue) return; // has no effect
+    const bool from_bone = scene.bone(source), to_bone = scene.bone(target);
+    if (from_bone && to_bone) return; // has no effect
     const auto bone = [&](int body) -> const solver::Points& { return state.bones[static_cast<std::size_t>(body)]; };
     for (const solver::Anchor& anchor : anchors) {
-        const Vec3 from = from_tissue ? carried(scene, state, source, anchor.source)
-                                      : solver::bone_point(anchor.source, bone(source));
-        const Vec3 to =
-            to_tissue ? carried(scene, state, target, anchor.target) : solver::bone_anchor(anchor, bone(target));
+        const Vec3 from =
+            from_bone ? solver::bone_point(anchor.source, bone(source)) : carried(scene, state, source, anchor.source);
+        Vec3 to = to_bone ? solver::bone_anchor(anchor, bone(target)) : carried(scene, state, target, anchor.target);
+        if (scene.cloth(target)) to += solver::cloth_offset(scene, target, anchor, state.x);
         const double stretch = (from - to).norm();
         if (worst.attachment >= 0 && stretch <= worst.stretch) continue;
         worst.stretch = stretch;

@@ -172,7 +172,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_attachment(Registry& registry) {
     NodeType type;
     type.name = "zAttachment";
-    type.doc = "Ties a tissue to a bone or to another tissue; forces act on both.";
+    type.doc = "Ties a tissue or cloth to a bone or to another tissue or cloth; forces act on both.";
     type.inputs = {describe(envelope),         describe(source),  describe(target),          describe(mode),
                    describe(stiffness),        describe(damping), describe(maintain_offset), describe(correspondence),
                    describe(max_distance),     describe(weights), describe(weights_on),      describe(target_weights),

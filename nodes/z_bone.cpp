@@ -65,7 +65,7 @@ void compute(const Reads& in, Writes& out) {
     auto kept = in.lease<Kept>(
         key, [&] { return guarded(in, mesh.name, [&] { return std::make_shared<Kept>(Kept{make_rest(modelled)}); }); });
     Body body{kept->rest, in[enable], guarded(in, matrix.name, [&] { return moved(modelled, in[matrix]); })};
-    body.contact = read_contact(in, false, modelled, nullptr);
+    body.contact = read_contact(in, Collider::bone, modelled, nullptr);
     body.takes_part = in.is_ever_on(enable);
     out.set(out_body, std::move(body));
 }
@@ -77,7 +77,7 @@ void add_z_bone(Registry& registry) {
     type.name = "zBone";
     type.doc = "A rigid or deforming body that moves as given; tissues are attached to it.";
     type.inputs = {describe(enable), describe(mesh), describe(matrix), describe(appearance), describe(colour)};
-    for (AttributeInfo& a : contact_attributes(false)) type.inputs.push_back(std::move(a));
+    for (AttributeInfo& a : contact_attributes(Collider::bone)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -81,8 +81,11 @@ void compute(const Reads& in, Writes& out) {
     const BodyRest& rest = *s.rests[at];
     const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&rest.data);
     if (!tissue)
-        in.fail(body.name, "FE218", in.source_name(body.name) + " is a bone and carries no meshes",
-                "Move the meshes of a bone by a transform.");
+        in.fail(body.name, "FE218",
+                in.source_name(body.name) +
+                    (in[body].is_cloth() ? " is a cloth and carries no meshes" : " is a bone and carries no meshes"),
+                in[body].is_cloth() ? "A cloth's own mesh is in zSolver.outMeshes; tie further ones to it as cloth."
+                                    : "Move the meshes of a bone by a transform.");
     MeshList list;
     const auto carry = [&](const Mesh& m, const std::optional<std::string>& whose) {
         solver::Points to = carried_by(in, rest, **tissue, m, whose, s.positions[at], s.midpoints[at]);

@@ -23,7 +23,7 @@ const Input<bool> enable{
     .doc = "Off holds nothing.",
     .keyable = false,
 };
-const Wire<Body> tissue{.name = "tissue", .doc = "The tissue that is held."};
+const Wire<Body> tissue{.name = "tissue", .doc = "The tissue or cloth that is held."};
 const Input<NumberList> weights{
     .name = "weights",
     .unit = "1",
@@ -100,7 +100,7 @@ void compute(const Reads& in, Writes& out) {
     refuse_subtissue(in, tissue.name, body, in.source_name(tissue.name));
     const Body* moving = in.find(bone);
     if (moving && !moving->is_bone())
-        in.fail(bone.name, "FE218", in.source_name(bone.name) + " is a tissue, which cannot hold another one",
+        in.fail(bone.name, "FE218", in.source_name(bone.name) + " is no bone: what deforms cannot hold another body",
                 "Connect a zBone, or tie the two with a zAttachment.");
     if (moving && in[matrix] != identity_matrix)
         in.fail(matrix.name, "DG110", "both a matrix and a bone shall move what is held", "Connect one of the two.");
@@ -128,7 +128,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_hold(Registry& registry) {
     NodeType type;
     type.name = "zHold";
-    type.doc = "Holds a painted part of a tissue exactly where it is, or moves it rigidly with a transform or a bone.";
+    type.doc = "Holds a painted part of a tissue or cloth exactly where it is, or moves it rigidly with a transform or "
+               "a bone.";
     type.inputs = {describe(enable), describe(tissue), describe(weights),     describe(weights_on),
                    describe(matrix), describe(bone),   describe(moment_point)};
     type.outputs = {describe(out_force)};

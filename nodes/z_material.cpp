@@ -1,4 +1,4 @@
-// zMaterial: one layer of what a tissue is made of.
+// zMaterial: one layer of what a tissue or cloth is made of.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
@@ -116,7 +116,37 @@ const Input<double> surface_tension{
         "key zTissue.surfaceTensionEnvelope.",
     .keyable = false,
 };
-const Output<Material> out_material{.name = "outMaterial", .doc = "The layer; connect to zTissue.materials."};
+const Input<double> tensile_stiffness{
+    .name = "tensileStiffness",
+    .def = 5e3,
+    .unit = "N/m",
+    .limits = {.min = 0, .max = 1e12},
+    .doc = "Cloth only: the force per width that a stretch by 100 % along warp or weft would need.",
+};
+const Input<double> shear_stiffness{
+    .name = "shearStiffness",
+    .def = 500,
+    .unit = "N/m",
+    .limits = {.min = 0, .max = 1e12},
+    .doc = "Cloth only: resists that the angle between warp and weft changes, as force per width and radian for small "
+           "angles.",
+};
+const Input<double> bend_stiffness{
+    .name = "bendStiffness",
+    .def = 1e-5,
+    .unit = "N*m",
+    .limits = {.min = 0, .max = 1e12},
+    .doc = "Cloth only: resists bending, as moment per width and curvature, so that it means the same on a finer mesh.",
+};
+const Input<double> cloth_mass_density{
+    .name = "clothMassDensity",
+    .def = 0.1,
+    .unit = "kg/m^2",
+    .limits = {.min = 0, .open_min = true},
+    .doc = "Cloth only: mass per area.",
+};
+const Output<Material> out_material{.name = "outMaterial",
+                                    .doc = "The layer; connect to zTissue.materials or zCloth.materials."};
 
 /// Prepared once for all frames.
 void set_place(const Reads& in, Material& m) {
@@ -139,6 +169,8 @@ void compute(const Reads& in, Writes& out) {
     Material m;
     m.values = {in[youngs_modulus], in[poissons_ratio],      in[mass_density],
                 in[envelope],       in[volume_conservation], in[rest_scale]};
+    m.cloth = {in[tensile_stiffness],  in[shear_stiffness], in[bend_stiffness],
+               in[cloth_mass_density], in[envelope],        in[rest_scale]};
     m.weights = in[weights];
     set_place(in, m);
     m.pressure = in[pressure];
@@ -151,7 +183,10 @@ void compute(const Reads& in, Writes& out) {
 void add_z_material(Registry& registry) {
     NodeType type;
     type.name = "zMaterial";
-    type.doc = "A material layer of a tissue; several are laid over each other, the first at the bottom.";
+    type.doc =
+        "A material layer of a tissue or cloth; several are laid over each other, the first at the bottom. A cloth "
+        "does not read youngsModulus, poissonsRatio, massDensity and volumeConservation, a tissue none of those "
+        "that are of cloth only.";
     type.inputs = {describe(envelope),
                    describe(weights),
                    describe(mesh),
@@ -161,7 +196,11 @@ void add_z_material(Registry& registry) {
                    describe(volume_conservation),
                    describe(rest_scale),
                    describe(pressure),
-                   describe(surface_tension)};
+                   describe(surface_tension),
+                   describe(tensile_stiffness),
+                   describe(shear_stiffness),
+                   describe(bend_stiffness),
+                   describe(cloth_mass_density)};
     type.outputs = {describe(out_material)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -252,7 +252,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     return after;
 }
 
-/// All bodies as they stand without simulation: bones where they are, tissues as modelled.
+/// All bodies as they stand without simulation: bones where they are, tissues and cloth as modelled.
 MeshList unsolved_meshes(const Setup& setup) {
     MeshList out;
     for (const Body& b : setup.bodies) out.meshes.push_back(b.is_bone() ? std::get<Mesh>(b.values) : b.rest->mesh);
@@ -309,7 +309,10 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             Mesh& mesh = meshes.meshes[static_cast<std::size_t>(setup.simulated[i])];
             solver::Points& positions = solved.positions.emplace_back();
             solver::Points& midpoints = solved.midpoints.emplace_back();
-            if (b.is_bone())
+            if (b.is_cloth())
+                mesh = mesh.with_points(
+                    setup.space.to_scene(solver::surface_positions(*stage->scene, s.state, static_cast<int>(i))));
+            if (b.is_bone() || b.is_cloth())
                 positions = *mesh.points;
             else
                 publish_tissue(*stage->scene, s.state, static_cast<int>(i), setup.space, mesh, positions, midpoints);
@@ -339,7 +342,7 @@ void add_z_solver(Registry& registry) {
     type.base.name = "zSolver";
     type.base.numerics = 9;
     type.base.machine = solver::machine_numerics();
-    type.base.doc = "Simulates soft tissue: bones move, tissues follow by the laws of physics.";
+    type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),
                         describe(attachments),
                         describe(forces),

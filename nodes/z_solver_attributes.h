@@ -11,7 +11,7 @@ using namespace engine;
 
 inline const WireList<Body> bodies{
     .name = "bodies",
-    .doc = "The bones and tissues of the simulation; outMeshes follows this order.",
+    .doc = "The bones, tissues and cloths of the simulation; outMeshes follows this order.",
     .min_count = 1,
     .aside_when = "collisionDetection",
 };

@@ -252,7 +252,7 @@ void compute(const Reads& in, Writes& out) {
               start,
               collision,
               std::move(forces),
-              read_contact(in, true, *parts.mesh, collision.get()),
+              read_contact(in, Collider::tissue, *parts.mesh, collision.get()),
               nullptr,
               in.is_ever_on(enable)};
     std::vector<std::reference_wrapper<const Fiber>> all(parts.fibers); // in the order of values.fibers
@@ -288,7 +288,7 @@ void add_z_tissue(Registry& registry) {
                    describe(collision_shape),
                    describe(appearance),
                    describe(colour)};
-    for (AttributeInfo& a : contact_attributes(true)) type.inputs.push_back(std::move(a));
+    for (AttributeInfo& a : contact_attributes(Collider::tissue)) type.inputs.push_back(std::move(a));
     type.outputs = {describe(out_body)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -60,7 +60,7 @@ State initial_state(const Scene& scene, const StepInputs& inputs, std::span<cons
     set_bones(scene, inputs, s.bones);
     std::vector<Points> surfaces(s.bones);
     for (int body = 0; body < scene.body_count(); ++body)
-        if (scene.tissue(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
+        if (scene.deforms(body)) surfaces[static_cast<std::size_t>(body)] = surface_positions(scene, s, body);
     for (const TermType* type : all_terms())
         if (type->start) {
             TermMemory memory{std::string(type->name), type->memory_version, {}};

@@ -3,8 +3,9 @@
 
 namespace sinew::solver {
 
-const Deformable& Numbering::add(int body, const Points& vertices, const std::vector<char>& held, double spacing) {
-    Deformable d{body, unknown.size(), vertices.size(), vertex_of_unknown.size(), 0, spacing};
+const Deformable& Numbering::add(int body, const Points& vertices, const std::vector<char>& held, double spacing,
+                                 bool is_sheet) {
+    Deformable d{body, unknown.size(), vertices.size(), vertex_of_unknown.size(), 0, spacing, is_sheet};
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         for (int c = 0; c < 3; ++c) rest.push_back(vertices[v][c]);
         unknown.push_back(held[v] ? -1 : static_cast<int>(vertex_of_unknown.size()));

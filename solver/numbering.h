@@ -14,7 +14,8 @@ struct Deformable {
     int body = -1; ///< in the scene
     std::size_t first_vertex = 0, vertex_count = 0;
     std::size_t first_unknown = 0, unknown_count = 0;
-    double spacing = 0; ///< mean distance of neighbouring vertices at rest [m]
+    double spacing = 0;    ///< mean distance of neighbouring vertices at rest [m]
+    bool is_sheet = false; ///< cloth: it has an area instead of a volume
 };
 
 struct Numbering {
@@ -26,7 +27,8 @@ struct Numbering {
     std::size_t unknown_count() const { return vertex_of_unknown.size(); }
     std::size_t vertex_count() const { return unknown.size(); }
     /// Appends a body: its vertices at rest, which of them are held (one flag each), and their spacing.
-    const Deformable& add(int body, const Points& vertices, const std::vector<char>& held, double spacing);
+    const Deformable& add(int body, const Points& vertices, const std::vector<char>& held, double spacing,
+                          bool is_sheet = false);
     /// Place of a body among the deformables; -1 if it does not deform.
     int deformable_of(int body) const;
 };

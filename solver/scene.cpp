@@ -4,6 +4,7 @@
 #include "solver/error.h"
 #include "solver/system.h"
 #include "solver/term/type.h"
+#include "solver/terms/cloth/check_cloth.h"
 
 #include <algorithm>
 #include <cmath>
@@ -167,6 +168,10 @@ Scene::Scene(SceneDescription description)
     for (int body = 0; body < body_count(); ++body) {
         first_vertex_.push_back(vertex_count_);
         vertex_counts_.push_back(0);
+        if (const ClothRest* sheet = cloth(body)) {
+            add_cloth(*sheet, body, *system);
+            continue;
+        }
         const TissueRest* t = tissue(body);
         if (!t) continue;
         if (t->carried_by >= 0) {
@@ -212,7 +217,7 @@ Scene::Scene(SceneDescription description)
         for (const int v : t->fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
         for (const Part& part : description_.parts)
             if (part.type->hold && std::find(part.bodies.begin(), part.bodies.end(), body) != part.bodies.end())
-                part.type->hold(part, *t, held);
+                part.type->hold(part, description_.bodies[static_cast<std::size_t>(body)], held);
         system->numbering.add(body, nodes, held, std::cbrt(volume_of(t->tets) / static_cast<double>(nodes.size())));
         system->tissues.push_back(std::move(batches));
         vertex_count_ += static_cast<int>(nodes.size());
@@ -248,8 +253,12 @@ Scene::Scene(SceneDescription description)
     };
     system->node_start.assign(system->numbering.vertex_of_unknown.size() + 1, 0);
     for_each_node([&](int u, int) { ++system->node_start[static_cast<std::size_t>(u) + 1]; });
+    std::vector<char> of_sheet(system->numbering.vertex_of_unknown.size(), 0); // no tets there
+    for (const Deformable& d : system->numbering.deformables)
+        if (d.is_sheet)
+            std::fill_n(of_sheet.begin() + static_cast<std::ptrdiff_t>(d.first_unknown), d.unknown_count, char{1});
     for (std::size_t u = 0; u + 1 < system->node_start.size(); ++u) {
-        if (system->node_start[u + 1] == 0) {
+        if (system->node_start[u + 1] == 0 && !of_sheet[u]) {
             const int vertex = system->numbering.vertex_of_unknown[u];
             int body = 0;
             for (const Deformable& d : system->numbering.deformables)
@@ -265,6 +274,21 @@ Scene::Scene(SceneDescription description)
     for_each_node(
         [&](int u, int at) { system->nodes[static_cast<std::size_t>(next[static_cast<std::size_t>(u)]++)] = at; });
     system_ = std::move(system);
+}
+
+void Scene::add_cloth(const ClothRest& sheet, int body, System& system) {
+    check_cloth(sheet, body);
+    std::vector<char> held(sheet.surface.size(), 0);
+    for (const int v : sheet.fixed_vertices) held.at(static_cast<std::size_t>(v)) = 1;
+    for (const Part& part : description_.parts)
+        if (part.type->hold && std::find(part.bodies.begin(), part.bodies.end(), body) != part.bodies.end())
+            part.type->hold(part, description_.bodies[static_cast<std::size_t>(body)], held);
+    double area = 0;
+    for (const double a : vertex_areas(sheet.surface, sheet.triangles)) area += a;
+    const double spacing = std::sqrt(area / static_cast<double>(sheet.surface.size()));
+    system.numbering.add(body, sheet.surface, held, spacing, true);
+    vertex_counts_.back() = sheet.surface.size();
+    vertex_count_ += static_cast<int>(sheet.surface.size());
 }
 
 Scene::~Scene() = default;
@@ -284,6 +308,41 @@ PointWeights Scene::embedded(int body, int tet, const std::array<double, 4>& bar
     const auto carrier = static_cast<std::size_t>(carrier_of(body));
     return embedded_point(
         corners, quadratic ? &system_->edge_vertices[carrier][static_cast<std::size_t>(tet)] : nullptr, barycentric);
+}
+
+const ClothRest* Scene::cloth(int body) const {
+    const auto* p = std::get_if<std::shared_ptr<const ClothRest>>(&description_.bodies[static_cast<std::size_t>(body)]);
+    return p ? p->get() : nullptr;
+}
+
+const Points& Scene::surface(int body) const {
+    return std::visit([](const auto& rest) -> const Points& { return rest->surface; },
+                      description_.bodies[static_cast<std::size_t>(body)]);
+}
+
+const std::vector<Triangle>& Scene::triangles(int body) const {
+    return std::visit([](const auto& rest) -> const std::vector<Triangle>& { return rest->triangles; },
+                      description_.bodies[static_cast<std::size_t>(body)]);
+}
+
+PointWeights Scene::on_cloth(int body, const std::array<int, 3>& vertices,
+                             const std::array<double, 4>& coordinates) const {
+    PointWeights out;
+    for (std::size_t c = 0; c < 3; ++c) {
+        out.vertex[out.count] = vertices[c] + first_vertex(body);
+        out.weight[out.count++] = coordinates[c];
+    }
+    return out;
+}
+
+PointWeights Scene::carrier_of(int body, int vertex) const {
+    if (const TissueRest* t = tissue(body)) {
+        const auto v = static_cast<std::size_t>(vertex);
+        return embedded(body, t->embedding.tet[v], t->embedding.barycentric[v]);
+    }
+    PointWeights out;
+    out.count = 1, out.vertex[0] = first_vertex(body) + vertex, out.weight[0] = 1;
+    return out;
 }
 
 const BoneRest* Scene::bone(int body) const {

@@ -60,7 +60,21 @@ struct BoneRest {
     Points surface; ///< as modelled; the start positions come with the first step inputs
 };
 
-using BodyRest = std::variant<std::shared_ptr<const TissueRest>, std::shared_ptr<const BoneRest>>;
+/// The angle between two faces of a cloth at which its bending is at rest: that of the mesh, or none.
+enum class BendRestAngle { mesh, flat };
+
+/// A cloth at rest: a sheet whose vertices are those of its mesh. Everything in metres.
+struct ClothRest {
+    std::vector<Triangle> triangles;
+    Points surface; ///< as modelled
+    Points warp;    ///< per triangle: unit vector in its plane along the warp; the weft is square to it
+    std::vector<std::vector<double>> layer_weights; ///< [material layer][vertex]; layer 0 is 1 everywhere
+    BendRestAngle bend_rest = BendRestAngle::mesh;
+    std::vector<int> fixed_vertices; ///< held at their rest positions (no unknowns); sorted, may be empty
+};
+
+using BodyRest =
+    std::variant<std::shared_ptr<const TissueRest>, std::shared_ptr<const BoneRest>, std::shared_ptr<const ClothRest>>;
 
 enum class Correspondence { closest_point, vertex_id };
 
@@ -91,8 +105,13 @@ class Scene {
     ~Scene();
     const SceneDescription& description() const { return description_; }
     int body_count() const { return static_cast<int>(description_.bodies.size()); }
-    const TissueRest* tissue(int body) const; ///< nullptr for bones
+    const TissueRest* tissue(int body) const; ///< nullptr for others
     const BoneRest* bone(int body) const;
+    const ClothRest* cloth(int body) const;
+    bool deforms(int body) const { return !bone(body); } ///< tissues and cloth: they own vertices
+    /// Surface of any body as modelled.
+    const Points& surface(int body) const;
+    const std::vector<Triangle>& triangles(int body) const;
     const Numbering& numbering() const;
     /// First vertex of what carries a body that deforms, in the state's arrays; the next one's for others.
     int first_vertex(int body) const { return first_vertex_[static_cast<std::size_t>(body)]; }
@@ -108,10 +127,15 @@ class Scene {
     int deformable_of(int body) const { return numbering().deformable_of(carrier_of(body)); }
     /// What carries a point with these barycentric coordinates in a tet of a tissue.
     PointWeights embedded(int body, int tet, const std::array<double, 4>& barycentric) const;
+    /// The same of a point with these barycentric coordinates among three vertices of a cloth.
+    PointWeights on_cloth(int body, const std::array<int, 3>& vertices, const std::array<double, 4>& coordinates) const;
+    /// What carries a vertex of the surface of a tissue or cloth.
+    PointWeights carrier_of(int body, int vertex) const;
     struct System; ///< element batches and pattern; solver-internal
     const System& system() const { return *system_; }
 
   private:
+    void add_cloth(const ClothRest& sheet, int body, System& system);
     SceneDescription description_;
     std::vector<int> first_vertex_;
     std::vector<std::size_t> vertex_counts_;

@@ -65,6 +65,12 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
                     bad.body = body;
                     throw bad;
                 }
+        } else if (const ClothRest* cloth = scene.cloth(body)) {
+            const auto& values = std::get<ClothInputs>(b);
+            if (values.layers.size() != cloth->layer_weights.size())
+                throw std::logic_error("step inputs must give values for every layer of a cloth");
+            if (!values.forces.empty() && values.forces.size() != scene.vertex_count(body))
+                throw std::logic_error("step inputs must give one load per vertex of a cloth, or none");
         } else {
             const auto& t = std::get<TissueInputs>(b);
             const TissueRest& rest = *scene.tissue(body);

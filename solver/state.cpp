@@ -165,6 +165,8 @@ void get_parts(Reader& r, std::vector<PartValues>& parts) {
     for (PartValues& part : parts) r.get_all(part);
 }
 
+enum class SavedKind : std::uint8_t { bone, tissue, cloth };
+
 void put_values(Writer& w, const std::optional<StepInputs>& values) {
     w.put(values.has_value());
     if (!values) return;
@@ -173,7 +175,13 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
     w.put(static_cast<std::uint64_t>(values->bodies.size()));
     for (const BodyInputs& body : values->bodies) {
         const auto* t = std::get_if<TissueInputs>(&body);
-        w.put(t != nullptr);
+        const auto* cloth = std::get_if<ClothInputs>(&body);
+        w.put(t ? SavedKind::tissue : cloth ? SavedKind::cloth : SavedKind::bone);
+        if (cloth) {
+            w.put(cloth->rest_scale_envelope);
+            w.put_all(cloth->layers);
+            put_points(w, cloth->forces);
+        }
         if (!t) continue;
         for (const auto& f : TissueInputs::fields()) w.put(t->*f.at);
         w.put_all(t->layers), w.put_all(t->fibers);
@@ -194,12 +202,21 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
     r.get(values->step_size), r.get(values->integrator), r.get(values->mass_damping), r.get(values->stiffness_damping);
     values->bodies.resize(r.get_count(sizeof(bool)));
     for (BodyInputs& body : values->bodies) {
-        bool tissue = false;
-        r.get(tissue);
-        if (!tissue) {
+        SavedKind kind{};
+        r.get(kind);
+        if (kind == SavedKind::bone) {
             body.emplace<BoneInputs>();
             continue;
         }
+        if (kind == SavedKind::cloth) {
+            ClothInputs cloth;
+            r.get(cloth.rest_scale_envelope);
+            r.get_all(cloth.layers);
+            get_points(r, cloth.forces);
+            body = std::move(cloth);
+            continue;
+        }
+        if (kind != SavedKind::tissue) throw Error("IO403", "a saved simulation state holds a body of no known kind");
         TissueInputs t;
         for (const auto& f : TissueInputs::fields()) r.get(t.*f.at);
         r.get_all(t.layers), r.get_all(t.fibers);

@@ -337,8 +337,14 @@ Marks marks_of(Workspace& workspace, const State& state, const StepInputs& input
 const Term* term_shown(Workspace& workspace, const TermType& type) { return workspace.impl().potential.find(type); }
 
 Points surface_positions(const Scene& scene, const State& state, int body) {
+    if (scene.bone(body)) return state.bones[static_cast<std::size_t>(body)];
     const TissueRest* tissue = scene.tissue(body);
-    if (!tissue) return state.bones[static_cast<std::size_t>(body)];
+    if (!tissue) {
+        Points out(scene.vertex_count(body));
+        const double* x = state.x.data() + 3 * static_cast<std::size_t>(scene.first_vertex(body));
+        for (std::size_t v = 0; v < out.size(); ++v) out[v] = Eigen::Map<const Vec3>(x + 3 * v);
+        return out;
+    }
     return carried_positions(scene, state.x, body, tissue->embedding);
 }
 

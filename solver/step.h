@@ -41,7 +41,8 @@ struct StepControl {
 State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
               const StepControl& control = {});
 
-/// Deformed surface of every body [m]: tissues through their embedding, bones as given.
+/// Deformed surface of every body [m]: tissues through their embedding, cloth by its vertices, bones as
+/// given.
 Points surface_positions(const Scene& scene, const State& state, int body);
 
 /// Points embedded in a tissue's tets, carried to vertex positions x of the whole scene (3 a vertex) [m].

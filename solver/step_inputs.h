@@ -94,11 +94,40 @@ inline bool conserves_volume(const TissueInputs& in) {
                                           [&](const SubtissueInputs& part) { return some(part.layers); });
 }
 
+/// Values of one material layer of a cloth; composited like a tissue's.
+struct ClothMaterial {
+    double tensile_stiffness = 5e3; ///< along warp and weft: force per width and stretch [N/m]
+    double shear_stiffness = 5e2;   ///< [N/m]
+    double bend_stiffness = 1e-5;   ///< moment per width and curvature [N m]
+    double mass_density = 0.1;      ///< [kg/m^2]
+    double envelope = 1;
+    double rest_scale = 1; ///< of lengths at rest, > 0; to the power of ClothInputs::rest_scale_envelope
+    static constexpr auto fields() {
+        using T = ClothMaterial;
+        return std::to_array<Field<T>>({{"tensileStiffness", "N/m", &T::tensile_stiffness},
+                                        {"shearStiffness", "N/m", &T::shear_stiffness},
+                                        {"bendStiffness", "N*m", &T::bend_stiffness},
+                                        {"clothMassDensity", "kg/m^2", &T::mass_density},
+                                        {"envelope", "1", &T::envelope},
+                                        {"restScale", "1", &T::rest_scale}});
+    }
+};
+
+struct ClothInputs {
+    double rest_scale_envelope = 1; ///< exponent of the layers' rest_scale; 0 = off
+    std::vector<ClothMaterial> layers;
+    Points forces; ///< dead loads, one per vertex [N]; empty = none
+    static constexpr auto fields() {
+        using T = ClothInputs;
+        return std::to_array<Field<T>>({{"restScaleEnvelope", "1", &T::rest_scale_envelope}});
+    }
+};
+
 struct BoneInputs {
     Points positions; ///< of every surface vertex at the end of the step [m]
 };
 
-using BodyInputs = std::variant<TissueInputs, BoneInputs>;
+using BodyInputs = std::variant<TissueInputs, BoneInputs, ClothInputs>;
 
 enum class AttachmentMode { none, fixed, sliding };
 

@@ -5,6 +5,17 @@
 
 namespace sinew::solver {
 
+namespace {
+
+/// No loads at all is a load of zero on every vertex.
+void mix_forces(const Points& from, Points& to, double share) {
+    if (to.empty()) to.assign(from.size(), Vec3::Zero());
+    for (std::size_t v = 0; v < to.size(); ++v)
+        for (int c = 0; c < 3; ++c) mix(from.empty() ? 0 : from[v][c], to[v][c], share);
+}
+
+} // namespace
+
 void copy_values(const StepInputs& in, StepInputs& out) {
     out.step_size = in.step_size;
     out.integrator = in.integrator;
@@ -13,10 +24,10 @@ void copy_values(const StepInputs& in, StepInputs& out) {
     out.stiffness_damping = in.stiffness_damping;
     out.bodies.resize(in.bodies.size());
     for (std::size_t i = 0; i < in.bodies.size(); ++i) {
-        if (std::holds_alternative<TissueInputs>(in.bodies[i]))
-            out.bodies[i] = in.bodies[i];
-        else
+        if (std::holds_alternative<BoneInputs>(in.bodies[i]))
             out.bodies[i].emplace<BoneInputs>();
+        else
+            out.bodies[i] = in.bodies[i];
     }
     out.attachments = in.attachments;
     out.parts = in.parts;
@@ -29,6 +40,13 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
     mix(before.mass_damping, out.mass_damping, share);
     mix(before.stiffness_damping, out.stiffness_damping, share);
     for (std::size_t i = 0; i < out.bodies.size(); ++i) {
+        if (auto* cloth = std::get_if<ClothInputs>(&out.bodies[i])) {
+            const auto& from = std::get<ClothInputs>(before.bodies[i]);
+            mix_fields(from, *cloth, share);
+            for (std::size_t k = 0; k < cloth->layers.size(); ++k) mix_fields(from.layers[k], cloth->layers[k], share);
+            mix_forces(from.forces, cloth->forces, share);
+            continue;
+        }
         auto* t = std::get_if<TissueInputs>(&out.bodies[i]);
         if (!t) continue;
         const auto& from = std::get<TissueInputs>(before.bodies[i]);
@@ -45,10 +63,7 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
             }
         }
         for (std::size_t k = 0; k < t->fibers.size(); ++k) mix_fields(from.fibers[k], t->fibers[k], share);
-        // No loads at all is a load of zero on every vertex.
-        if (t->forces.empty()) t->forces.assign(from.forces.size(), Vec3::Zero());
-        for (std::size_t v = 0; v < t->forces.size(); ++v)
-            for (int c = 0; c < 3; ++c) mix(from.forces.empty() ? 0 : from.forces[v][c], t->forces[v][c], share);
+        mix_forces(from.forces, t->forces, share);
     }
     for (std::size_t k = 0; k < out.attachments.size(); ++k) {
         const AttachmentInputs& a = before.attachments[k];

@@ -130,7 +130,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     x.resize(b.size());
     const bool automatic = method == LinearMethod::automatic;
     const bool plain = method == LinearMethod::plain;
-    if (plain || method == LinearMethod::direct || (automatic && pattern_.rows <= small_rows)) {
+    if (plain || method == LinearMethod::direct || (automatic && (pattern_.rows <= small_rows || places_.any_sheet))) {
         factorize_and_solve(a, b, x, tolerance, projected, outcome, plain);
         return outcome;
     }

@@ -18,6 +18,7 @@ struct UnknownPlaces {
     Points points;               ///< at rest [m]
     std::vector<int> body;       ///< unknowns of different bodies share no coarse ones
     std::vector<double> spacing; ///< per body: mean distance of neighbours [m]
+    bool any_sheet = false; ///< some body is cloth: stiff along the sheet and soft across it, too much so for grids
 };
 
 class Multigrid {

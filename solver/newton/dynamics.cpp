@@ -18,12 +18,14 @@ void Dynamics::take(const StepInputs& inputs) {
     inputs_ = &inputs;
     loads_.clear();
     for (const Deformable& d : numbering_.deformables) {
-        const auto* tissue = std::get_if<TissueInputs>(&inputs.bodies[static_cast<std::size_t>(d.body)]);
-        if (!tissue || tissue->forces.empty()) continue;
+        const BodyInputs& body = inputs.bodies[static_cast<std::size_t>(d.body)];
+        const auto* cloth = std::get_if<ClothInputs>(&body);
+        const Points& forces = cloth ? cloth->forces : std::get<TissueInputs>(body).forces;
+        if (forces.empty()) continue;
         loads_.resize(3 * numbering_.vertex_count(), 0.0);
         double* out = loads_.data() + 3 * d.first_vertex;
-        for (std::size_t v = 0; v < tissue->forces.size(); ++v)
-            for (std::size_t c = 0; c < 3; ++c) out[3 * v + c] = tissue->forces[v][static_cast<Eigen::Index>(c)];
+        for (std::size_t v = 0; v < forces.size(); ++v)
+            for (std::size_t c = 0; c < 3; ++c) out[3 * v + c] = forces[v][static_cast<Eigen::Index>(c)];
     }
 }
 

@@ -57,6 +57,7 @@ UnknownPlaces Potential::places() const {
     for (std::size_t d = 0; d < numbering_.deformables.size(); ++d) {
         const Deformable& body = numbering_.deformables[d];
         out.spacing.push_back(body.spacing);
+        out.any_sheet = out.any_sheet || body.is_sheet;
         for (std::size_t u = body.first_unknown; u < body.first_unknown + body.unknown_count; ++u) {
             const double* x = numbering_.rest.data() + 3 * static_cast<std::size_t>(numbering_.vertex_of_unknown[u]);
             out.points.emplace_back(x[0], x[1], x[2]);

@@ -42,7 +42,7 @@ std::vector<RideTerm> mixed(const std::vector<std::vector<RideTerm>>& rides, con
 CarriedSurface::CarriedSurface(const Scene& scene, int body, double longest_edge,
                                const std::optional<SurfaceInPlace>& instead)
     : body_(body)
-    , deforms_(scene.tissue(body) != nullptr) {
+    , deforms_(scene.deforms(body)) {
     make_triangles(scene, longest_edge, instead);
     make_search_tree();
 }
@@ -51,10 +51,8 @@ void CarriedSurface::make_triangles(const Scene& scene, double longest_edge,
                                     const std::optional<SurfaceInPlace>& instead) {
     const int body = body_;
     const TissueRest* tissue = scene.tissue(body);
-    const Points& surface = instead ? instead->points : tissue ? tissue->surface : scene.bone(body)->surface;
-    const std::vector<Triangle>& coarse = instead  ? instead->triangles
-                                          : tissue ? tissue->triangles
-                                                   : scene.bone(body)->triangles;
+    const Points& surface = instead ? instead->points : scene.surface(body);
+    const std::vector<Triangle>& coarse = instead ? instead->triangles : scene.triangles(body);
     carrier_range_ = {deforms_ ? at(scene.first_vertex(body)) : 0,
                       deforms_ ? scene.vertex_count(body) : surface.size()};
     // A tissue's own surface is made as fine as its tets: a coarse one would press on them like a bed of nails.
@@ -78,7 +76,7 @@ void CarriedSurface::make_triangles(const Scene& scene, double longest_edge,
             rides.push_back(
                 ride_of(scene.embedded(body, tissue->embedding.tet[v], tissue->embedding.barycentric[v]), 0));
         else
-            rides.push_back({{static_cast<int>(v), 1.0}});
+            rides.push_back({{static_cast<int>(v) + (deforms_ ? scene.first_vertex(body) : 0), 1.0}});
     }
     // Points between vertices ride on the tets below; else as the first of the triangles at them is carried.
     std::vector<std::pair<int, Vec3>> place(modelled_.size(), {-1, Vec3::Zero()});

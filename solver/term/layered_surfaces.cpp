@@ -16,9 +16,9 @@ namespace {
 const SurfaceLayers& layers_of(const Part& part) { return dynamic_cast<const SurfaceLayers&>(*part.rest); }
 
 void check(const Scene& scene, const Part& part) {
-    if (part.bodies.size() != 1 || !scene.tissue(part.bodies.front()))
-        throw std::logic_error("a force on a surface acts on one tissue");
-    const std::size_t vertices = scene.tissue(part.bodies.front())->surface.size();
+    if (part.bodies.size() != 1 || !scene.deforms(part.bodies.front()))
+        throw std::logic_error("a force on a surface acts on one tissue or cloth");
+    const std::size_t vertices = scene.surface(part.bodies.front()).size();
     const auto is_finite = [](double number) { return std::isfinite(number); };
     for (const SurfaceLayers::Layer& layer : layers_of(part).layers) {
         if (!is_finite(layer.value) || !std::all_of(layer.weights.begin(), layer.weights.end(), is_finite)) {
@@ -43,6 +43,35 @@ double share(const SurfaceLayers::Layer& layer, std::size_t vertex, double envel
     return envelope * layer.weights[layer.weights.size() == 1 ? 0 : vertex];
 }
 
+/// A cloth's triangles, each of which carries itself.
+ClippedSurface whole_triangles(const std::vector<Triangle>& triangles) {
+    ClippedSurface out;
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        SurfacePiece piece{static_cast<int>(t), static_cast<int>(t), {}, {}};
+        for (std::size_t c = 0; c < 3; ++c)
+            piece.place[c] = Vec3::Unit(static_cast<Eigen::Index>(c)), piece.inside[c][c] = 1;
+        out.pieces.push_back(piece);
+    }
+    out.is_outside.assign(triangles.size(), 0);
+    return out;
+}
+
+ClippedSurface clipped(const Scene& scene, int body) {
+    if (const TissueRest* tissue = scene.tissue(body))
+        return clip_surface(tissue->surface, tissue->triangles, CarrierTets(tissue->tets));
+    return whole_triangles(scene.triangles(body));
+}
+
+/// Envelopes of the layers of a body.
+std::vector<double> envelopes_of(const BodyInputs& inputs) {
+    std::vector<double> out;
+    if (const auto* cloth = std::get_if<ClothInputs>(&inputs))
+        for (const ClothMaterial& layer : cloth->layers) out.push_back(layer.envelope);
+    else
+        for (const MaterialValues& layer : std::get<TissueInputs>(inputs).layers) out.push_back(layer.envelope);
+    return out;
+}
+
 } // namespace
 
 bool LayeredSurfaces::used(const Scene& scene, const TermType& type) {
@@ -63,18 +92,19 @@ LayeredSurfaces::LayeredSurfaces(const Scene& scene, const TermType& type)
         if (parts[p].type != &type) continue;
         check(scene, parts[p]);
         const int body = parts[p].bodies.front();
-        const TissueRest& tissue = *scene.tissue(body);
+        const Points& surface = scene.surface(body);
+        const std::vector<Triangle>& triangles = scene.triangles(body);
+        const TissueRest* tissue = scene.tissue(body);
         const auto deformable = at(scene.deformable_of(body));
         const int first = static_cast<int>(points.size());
-        surfaces_.push_back({body, deformable, p, points.size(), tissue.surface.size(), triangles_.size(),
-                             tissue.triangles.size(),
-                             clip_surface(tissue.surface, tissue.triangles, CarrierTets(tissue.tets))});
-        for (const Triangle& t : tissue.triangles) triangles_.push_back({t[0] + first, t[1] + first, t[2] + first});
-        for (std::size_t v = 0; v < tissue.surface.size(); ++v) {
-            points.push_back(scene.embedded(body, tissue.embedding.tet[v], tissue.embedding.barycentric[v]));
-            carrier.push_back(first_carrier + tissue.embedding.tet[v]);
+        surfaces_.push_back({body, deformable, p, points.size(), surface.size(), triangles_.size(), triangles.size(),
+                             clipped(scene, body)});
+        for (const Triangle& t : triangles) triangles_.push_back({t[0] + first, t[1] + first, t[2] + first});
+        for (std::size_t v = 0; v < surface.size(); ++v) {
+            points.push_back(scene.carrier_of(body, static_cast<int>(v)));
+            carrier.push_back(first_carrier + (tissue ? tissue->embedding.tet[v] : static_cast<int>(v)));
         }
-        first_carrier += static_cast<int>(tissue.tets.tets.size());
+        first_carrier += static_cast<int>(tissue ? tissue->tets.tets.size() : surface.size());
     }
     values_.assign(points.size(), 0.0);
     vertices_ = std::make_unique<CarriedPoints>(scene.numbering(), points, carrier, std::vector<std::pair<int, int>>{});
@@ -87,10 +117,10 @@ LayeredSurfaces::Taken LayeredSurfaces::take(const StepInputs& inputs) {
         const double envelope = inputs.parts[s.part].front();
         out.envelopes = out.envelopes || envelope != s.envelope;
         s.envelope = envelope;
-        const auto& values = std::get<TissueInputs>(inputs.bodies[at(s.body)]);
-        if (layers_of(scene_.description().parts[s.part]).layers.size() != values.layers.size())
+        const std::vector<double> envelopes = envelopes_of(inputs.bodies[at(s.body)]);
+        if (layers_of(scene_.description().parts[s.part]).layers.size() != envelopes.size())
             throw std::logic_error("a force on a surface needs a value for each of the body's layers");
-        for (const MaterialValues& layer : values.layers) wanted_.push_back(layer.envelope);
+        wanted_.insert(wanted_.end(), envelopes.begin(), envelopes.end());
     }
     out.values = wanted_ != taken_;
     if (out.values) {
@@ -129,7 +159,12 @@ double LayeredSurfaces::value_at(const Surface& surface, int triangle, const Vec
 
 std::array<int, quadratic_nodes> LayeredSurfaces::nodes(const Surface& surface, int tet) const {
     std::array<int, quadratic_nodes> out{};
-    const int count = element(surface) == ElementKind::linear ? 4 : quadratic_nodes;
+    const int count = node_count(surface);
+    if (count == 3) {
+        const Triangle& t = scene_.triangles(surface.body)[at(tet)];
+        for (std::size_t c = 0; c < 3; ++c) out[c] = t[c] + scene_.first_vertex(surface.body);
+        return out;
+    }
     for (int n = 0; n < count; ++n) {
         std::array<double, 4> place{};
         if (n < 4)

@@ -1,5 +1,5 @@
-// Surfaces of tissues, cut along their tets, with a value painted on them in layers: what pressure and surface tension
-// act on.
+// Surfaces of tissues, cut along their tets, and of cloth, with a value painted on them in layers: what pressure and
+// surface tension act on.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/quadratic_tets.h"
@@ -14,19 +14,19 @@
 
 namespace sinew::solver {
 
-/// What the material layers of a tissue give a value on its surface, from bottom to top. Composited as the material is,
-/// but at the surface's vertices: M_n = a m_n + (1 - a) M_(n-1) with a = envelope of the layer x painted weight; the
-/// first layer covers all.
+/// What the material layers of a tissue or cloth give a value on its surface, from bottom to top. Composited as the
+/// material is, but at the surface's vertices: M_n = a m_n + (1 - a) M_(n-1) with a = envelope of the layer x painted
+/// weight; the first layer covers all.
 struct SurfaceLayers final : PartRest {
     struct Layer {
         double value = 0;
         std::vector<double> weights; ///< per vertex of the surface; one = for all, none = 1
     };
-    std::vector<Layer> layers; ///< as many as the tissue has
+    std::vector<Layer> layers; ///< as many as the body has
 };
 
-/// All parts of one type. Each acts on one tissue, keeps SurfaceLayers, and has one value: an envelope that multiplies
-/// what the layers give.
+/// All parts of one type. Each acts on one tissue or cloth, keeps SurfaceLayers, and has one value: an envelope that
+/// multiplies what the layers give.
 class LayeredSurfaces {
   public:
     struct Surface {
@@ -35,7 +35,7 @@ class LayeredSurfaces {
         std::size_t part;       ///< of the scene's
         std::size_t first_vertex, vertex_count;
         std::size_t first_triangle, triangle_count;
-        ClippedSurface clipped; ///< pieces and triangles as numbered in the tissue
+        ClippedSurface clipped; ///< pieces and triangles as numbered in the body; a cloth's triangles are its "tets"
         double envelope = 0;    ///< as taken
     };
 
@@ -57,9 +57,14 @@ class LayeredSurfaces {
     /// The same at a place of a triangle of the tissue, linear between its corners.
     double value_at(const Surface& surface, int triangle, const Vec3& place) const;
     bool all_zero() const { return all_zero_; }
-    /// Vertices of a tet of a surface's body: corners, then of a quadratic one the middles of edges (tet_edge_corners).
+    /// Vertices of a tet of a surface's body: corners, then of a quadratic one the middles of edges (tet_edge_corners);
+    /// of a cloth's triangle its corners.
     std::array<int, quadratic_nodes> nodes(const Surface& surface, int tet) const;
-    ElementKind element(const Surface& surface) const { return scene_.tissue(surface.body)->element; }
+    /// How many those are.
+    int node_count(const Surface& surface) const {
+        const TissueRest* tissue = scene_.tissue(surface.body);
+        return !tissue ? 3 : tissue->element == ElementKind::linear ? 4 : quadratic_nodes;
+    }
 
     /// Of all surfaces as they were modelled.
     const std::vector<Triangle>& triangles() const { return triangles_; }

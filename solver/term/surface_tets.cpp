@@ -11,7 +11,7 @@ SurfaceTets<N>::SurfaceTets(const LayeredSurfaces& surfaces) {
     for (std::size_t s = 0; s < surfaces.surfaces().size(); ++s) {
         const LayeredSurfaces::Surface& on = surfaces.surfaces()[s];
         stencil_of_piece.emplace_back();
-        if ((surfaces.element(on) == ElementKind::linear ? 4 : quadratic_nodes) != N) continue;
+        if (surfaces.node_count(on) != N) continue;
         std::vector<std::pair<int, int>> tets; // minus the count of pieces, number
         std::vector<int> numbers;
         for (const SurfacePiece& piece : on.clipped.pieces) numbers.push_back(piece.tet);
@@ -58,6 +58,7 @@ Stencils<N> SurfaceTets<N>::take_stencils(const Numbering& numbering) {
     return Stencils<N>(numbering, points, carrier, std::move(stencils));
 }
 
+template struct SurfaceTets<3>;
 template struct SurfaceTets<4>;
 template struct SurfaceTets<quadratic_nodes>;
 

@@ -7,7 +7,8 @@
 
 namespace sinew::solver {
 
-/// Tets of N = 4 or 10 nodes. Those with more pieces come first, so that the lanes of a batch have about as many.
+/// Tets of N = 4 or 10 nodes; 3: triangles of cloth. Those with more pieces come first, so that the lanes of a batch
+/// have about as many.
 template <int N>
 struct SurfaceTets {
     std::vector<PointWeights> points; ///< one a node and surface, which it is carried by alone
@@ -21,6 +22,7 @@ struct SurfaceTets {
     Stencils<N> take_stencils(const Numbering& numbering);
 };
 
+extern template struct SurfaceTets<3>;
 extern template struct SurfaceTets<4>;
 extern template struct SurfaceTets<quadratic_nodes>;
 

@@ -27,7 +27,7 @@ struct TermType {
     bool has_memory = false;
     /// Flags vertices of a deformable body that a part holds (they are no unknowns); null: none. `body`: in
     /// part.bodies.
-    void (*hold)(const Part&, const TissueRest&, std::vector<char>& held) = nullptr;
+    void (*hold)(const Part&, const BodyRest& body, std::vector<char>& held) = nullptr;
     /// Of parts whose values follow from where bodies are, puts them in; null: none do. `bones`: at the values' time,
     /// per body [m]. Throws Error (body set).
     void (*follow)(const Scene&, std::size_t part, const TermMemory&, const std::vector<Points>& bones,

@@ -2,6 +2,7 @@
 #include "solver/terms/all_terms.h"
 
 #include "solver/terms/attachment/attachment.h"
+#include "solver/terms/cloth/cloth.h"
 #include "solver/terms/contact/contact.h"
 #include "solver/terms/elastic/elastic.h"
 #include "solver/terms/field/field.h"
@@ -14,8 +15,8 @@ namespace sinew::solver {
 
 std::span<const TermType* const> all_terms() {
     static constexpr const TermType* terms[] = {
-        &elastic_type,  &attachment_type,      &sliding_type, &field_type,
-        &pressure_type, &surface_tension_type, &hold_type,    &contact_type,
+        &elastic_type,         &attachment_type, &sliding_type, &field_type, &pressure_type,
+        &surface_tension_type, &hold_type,       &contact_type, &cloth_type,
     };
     return terms;
 }

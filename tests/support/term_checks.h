@@ -46,6 +46,7 @@ std::vector<TermExample> pressure_examples();
 std::vector<TermExample> surface_tension_examples();
 std::vector<TermExample> hold_examples();
 std::vector<TermExample> contact_examples();
+std::vector<TermExample> cloth_examples();
 
 /// One term by itself: its own pattern, and a stage of backward Euler from the scene's state after two steps.
 class TermProbe {

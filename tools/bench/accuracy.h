@@ -84,6 +84,8 @@ std::vector<AccuracyCase> rest_cases();
 std::vector<AccuracyCase> dynamic_cases();
 /// Contact, sliding attachments and goals (11, 12).
 std::vector<AccuracyCase> contact_cases();
+/// Cloth (10).
+std::vector<AccuracyCase> cloth_cases();
 
 /// All cases that the options want, then what is not modelled. Throws solver::Stopped.
 std::vector<CaseResult> run_accuracy(const RunOptions& options);

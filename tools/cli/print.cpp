@@ -61,6 +61,12 @@ Json describe(const solver::MaterialValues& m) {
             {"restScale", m.rest_scale}};
 }
 
+Json describe(const solver::ClothMaterial& m) {
+    Json out = Json::object();
+    for (const auto& f : solver::ClothMaterial::fields()) out[f.name] = m.*f.at;
+    return out;
+}
+
 Json describe(const solver::FiberValues& f) {
     return {{"strength", f.strength},
             {"contractionLimit", f.contraction_limit},
@@ -70,7 +76,8 @@ Json describe(const solver::FiberValues& f) {
 }
 
 Json describe(const nodes::Body& body) {
-    Json out = {{"kind", body.is_bone() ? "bone" : body.subtissue ? "subtissue" : "tissue"}, {"enable", body.enable}};
+    const char* kind = body.is_bone() ? "bone" : body.is_cloth() ? "cloth" : body.subtissue ? "subtissue" : "tissue";
+    Json out = {{"kind", kind}, {"enable", body.enable}};
     out["mesh"] = describe(body.is_bone() ? std::get<nodes::Mesh>(body.values) : body.rest->mesh);
     const auto* tissue = std::get_if<std::shared_ptr<const solver::TissueRest>>(&body.rest->data);
     if (tissue && !body.subtissue) out["tets"] = describe((*tissue)->tets);
@@ -86,6 +93,10 @@ Json describe(const nodes::Body& body) {
             out["subtissues"].push_back(
                 {{"restScaleEnvelope", part.rest_scale_envelope}, {"materials", std::move(materials)}});
         }
+    }
+    if (const auto* values = std::get_if<solver::ClothInputs>(&body.values)) {
+        out["restScaleEnvelope"] = values->rest_scale_envelope;
+        for (const auto& layer : values->layers) out["materials"].push_back(describe(layer));
     }
     return out;
 }

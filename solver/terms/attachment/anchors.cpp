@@ -50,11 +50,8 @@ class Bodies {
         , surfaces_(surfaces)
         , tets_(surfaces.size())
         , trees_(surfaces.size()) {}
-    const std::vector<Triangle>& triangles(int body) const {
-        const TissueRest* t = scene_.tissue(body);
-        return t ? t->triangles : scene_.bone(body)->triangles;
-    }
-    /// Null for bones.
+    const std::vector<Triangle>& triangles(int body) const { return scene_.triangles(body); }
+    /// Null for bones and cloth.
     const CarrierTets* tets(int body) {
         const TissueRest* t = scene_.tissue(body);
         if (t && !tets_[at(body)]) tets_[at(body)] = std::make_unique<CarrierTets>(t->tets);
@@ -78,9 +75,8 @@ struct Samples {
 };
 
 Samples sample_source(const Scene& scene, const AttachmentRest& a, const Points& start, Bodies& bodies) {
-    const TissueRest* tissue = scene.tissue(a.source);
     // Areas at rest, so that the spring a sample gets does not depend on the pose of the start frame.
-    const Points& surface = tissue ? tissue->surface : start;
+    const Points& surface = scene.deforms(a.source) ? scene.surface(a.source) : start;
     const std::vector<Triangle>& triangles = bodies.triangles(a.source);
     const CornerWeights paint = corner_weights(surface, triangles, a.source_weights, a.source_painted);
     std::vector<int> painted;
@@ -182,7 +178,7 @@ Vec3 bone_point(const AnchorEnd& end, const Points& positions) {
 }
 
 Vec3 modelled_point(const Scene& scene, int body, const AnchorEnd& end) {
-    if (end.tet < 0) return bone_point(end, scene.bone(body)->surface);
+    if (end.tet < 0) return bone_point(end, scene.surface(body));
     const PointWeights point = scene.embedded(body, end.tet, end.coordinates);
     Vec3 p = Vec3::Zero();
     for (int k = 0; k < point.count; ++k)
@@ -201,6 +197,19 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions) {
     const Vec3 point = bone_point(anchor.target, positions);
     if (anchor.offset == std::array<double, 3>{}) return point;
     return point + frame_of(anchor.target, positions) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
+}
+
+PointWeights carried_end(const Scene& scene, int body, const AnchorEnd& end) {
+    return end.tet < 0 ? scene.on_cloth(body, end.vertices, end.coordinates)
+                       : scene.embedded(body, end.tet, end.coordinates);
+}
+
+Vec3 cloth_offset(const Scene& scene, int target, const Anchor& anchor, const std::vector<double>& x) {
+    if (anchor.offset == std::array<double, 3>{}) return Vec3::Zero();
+    const auto corner = [&](std::size_t c) {
+        return Vec3(Eigen::Map<const Vec3>(x.data() + 3 * at(anchor.target.vertices[c] + scene.first_vertex(target))));
+    };
+    return triangle_frame(corner(0), corner(1), corner(2)) * Vec3(anchor.offset[0], anchor.offset[1], anchor.offset[2]);
 }
 
 AttachmentMemory make_anchors(const Scene& scene, const std::vector<AttachmentInputs>& inputs,

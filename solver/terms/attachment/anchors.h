@@ -12,8 +12,8 @@ namespace sinew::solver {
 
 /// A point that a body carries.
 struct AnchorEnd {
-    int tet = -1;                            ///< of a tissue; -1 on a bone
-    std::array<int, 3> vertices{-1, -1, -1}; ///< of a bone's surface: those of a triangle
+    int tet = -1;                            ///< of a tissue; -1 on a bone or cloth
+    std::array<int, 3> vertices{-1, -1, -1}; ///< of a bone's or cloth's surface: those of a triangle
     std::array<double, 4> coordinates{};     ///< barycentric in the tet, or in the triangle (the fourth is 0)
     friend bool operator==(const AnchorEnd&, const AnchorEnd&) = default;
 };
@@ -21,7 +21,7 @@ struct AnchorEnd {
 /// Where a sample of a source's surface holds on to the target, fixed at the start frame.
 struct Anchor {
     AnchorEnd source, target;
-    std::array<double, 3> offset{}; ///< from the target's point, in the frame of its triangle [m]; bones only
+    std::array<double, 3> offset{}; ///< from the target's point, in the frame of its triangle [m]; bones and cloth
     double area_weight = 0;         ///< the sample's area x painted weight [m^2]
     friend bool operator==(const Anchor&, const Anchor&) = default;
 };
@@ -50,6 +50,10 @@ Vec3 bone_point(const AnchorEnd& end, const Points& positions);
 Vec3 modelled_point(const Scene& scene, int body, const AnchorEnd& end);
 /// Position of an anchor whose target is a bone: the point on its triangle plus the offset, turned with the triangle.
 Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
+/// What carries an end on a body that deforms.
+PointWeights carried_end(const Scene& scene, int body, const AnchorEnd& end);
+/// The offset of an anchor whose target is a cloth, turned with its triangle; `x`: 3 numbers a vertex of the scene.
+Vec3 cloth_offset(const Scene& scene, int target, const Anchor& anchor, const std::vector<double>& x);
 
 /// Anchors of all attachments, whatever their mode is, which may change; `inputs`, one an attachment, at the start
 /// frame: what is off then may lack a hold, and has no anchors. `surfaces[body]` are the surface positions of every
@@ -63,7 +67,8 @@ Vec3 bone_anchor(const Anchor& anchor, const Points& positions);
 /// A tissue target carries the anchor in the tet that holds the closest point: with maintain_offset the coordinates are
 /// those of the source point itself (outside the tet they extrapolate), so the offset turns and stretches with the
 /// target and the forces on both sides balance in sum and in moment. A bone target carries it in the closest
-/// triangle's own frame, which is exact for rigid motion.
+/// triangle's own frame, which is exact for rigid motion. So does a cloth target, whose triangle is looked at as it is
+/// at the start of a step: a cloth that turns fast under a large offset lags behind by a step's turn.
 /// Throws Error, its attachment set: FE204 (weights), FE212 (nothing painted), FE240 (nothing of it finds a hold),
 /// FE232 (too many samples).
 AttachmentMemory make_anchors(const Scene& scene, const std::vector<AttachmentInputs>& inputs,

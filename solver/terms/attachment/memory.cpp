@@ -75,7 +75,7 @@ void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs,
         throw Error("IO403", "a saved simulation state holds " + std::to_string(kept.anchors.size()) +
                                  " attachments, the scene has " + std::to_string(attachments.size()));
     for (std::size_t a = 0; a < attachments.size(); ++a) {
-        const bool has_effect = scene.tissue(attachments[a].source) || scene.tissue(attachments[a].target);
+        const bool has_effect = scene.deforms(attachments[a].source) || scene.deforms(attachments[a].target);
         if (!has_effect || inputs[a].mode() == AttachmentMode::none || !kept.anchors[a].empty()) continue;
         Error e("FE240", "it is switched on, but at the start frame nothing of it found a hold",
                 "paint source and target where they face each other");

@@ -29,7 +29,7 @@ Springs::Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors)
     const auto& attachments = scene.description().attachments;
     for (std::size_t a = 0; a < anchors_.size(); ++a) {
         const int source = attachments[a].source, target = attachments[a].target;
-        const bool pulls_source = scene.tissue(source), pulls_target = scene.tissue(target);
+        const bool pulls_source = scene.deforms(source), pulls_target = scene.deforms(target);
         if (!pulls_source && !pulls_target) continue;
         for (std::size_t i = 0; i < anchors_[a].size(); ++i) {
             const Anchor& anchor = anchors_[a][i];
@@ -52,7 +52,7 @@ Springs::Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors)
 
 /// Adds an embedded point to the last spring.
 void Springs::add_end(const AnchorEnd& end, int body, double sign) {
-    const PointWeights point = scene_.embedded(body, end.tet, end.coordinates);
+    const PointWeights point = carried_end(scene_, body, end);
     for (int k = 0; k < point.count; ++k) terms_.push_back({point.vertex[k], sign * point.weight[k]});
     springs_.back().count += point.count;
 }
@@ -101,6 +101,10 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
                                    : bone_point(anchor.source, (*bones[time])[at(rest.source)]);
             place += form.bone_position[time] * p;
             velocity += form.bone_velocity[time] * p;
+        }
+        if (scene_.cloth(rest.target)) {
+            const Vec3 offset = cloth_offset(scene_, rest.target, anchor, before.x);
+            place += from_bone ? Vec3(-offset) : offset;
         }
         places_[k] = place;
         if (!any_viscous) return;

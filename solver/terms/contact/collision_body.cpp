@@ -27,7 +27,8 @@ std::optional<SurfaceInPlace> shape_of(const ContactRest& rest) {
 } // namespace
 
 CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& rest)
-    : CarriedSurface(scene, body, rest.spacing, shape_of(rest)) {
+    : CarriedSurface(scene, body, rest.spacing, shape_of(rest))
+    , has_two_sides_(scene.cloth(body) != nullptr) {
     for (const auto& [a, b, c] : triangles())
         modelled_areas_.push_back(0.5 * (modelled(b) - modelled(a)).cross(modelled(c) - modelled(a)).norm());
     find_carriers();
@@ -124,7 +125,8 @@ double CollisionBody::facing_area(int point, const Vec3& normal, double past, do
     double all = 0, facing = 0, best = -1, widest = 0;
     for (const int t : fan(point)) {
         const Vec3 n = normal_of(t);
-        const double area = modelled_areas_[at(t)], cosine = n.dot(towards);
+        const double area = modelled_areas_[at(t)], along = n.dot(towards),
+                     cosine = has_two_sides_ ? std::abs(along) : along;
         all += area, facing += area * std::max(0.0, cosine), best = std::max(best, cosine);
         double alike = 0; // what looks the same way
         for (const int other : fan(point)) alike += modelled_areas_[at(other)] * std::max(0.0, n.dot(normal_of(other)));

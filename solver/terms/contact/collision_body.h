@@ -29,11 +29,12 @@ class CollisionBody : public CarriedSurface {
     /// the sides of a box that stands on it, does not count [m^2]. Where all looks past it, as where a flat floor's
     /// point has come in through a side of the box, what looks one way counts, by `past`, 0 to 1: else energy would
     /// vanish where the nearest place goes from the box's bottom to its side, and a box that leans would be pushed
-    /// along. Where all looks away a twentieth counts.
+    /// along. Where all looks away a twentieth counts. A cloth looks to both sides.
     double facing_area(int point, const Vec3& normal, double past, double whole, const Points& places) const;
 
   private:
     void find_carriers();
+    bool has_two_sides_; ///< a cloth
     std::vector<int> carriers_of_point_;
     std::vector<std::vector<int>> carriers_at_, carrier_vertices_;
     std::vector<double> modelled_areas_; ///< of triangles

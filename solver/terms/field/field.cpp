@@ -3,6 +3,7 @@
 
 #include "solver/error.h"
 #include "solver/parallel.h"
+#include "solver/terms/cloth/cloth_mix.h"
 #include "solver/terms/elastic/layer_mix.h"
 
 #include <Eigen/Eigenvalues>
@@ -45,7 +46,7 @@ const TermType field_type{
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         const std::vector<int> bodies = reached_bodies(scene);
         for (const int body : bodies)
-            if (!scene.tissue(body)) {
+            if (!scene.deforms(body)) {
                 Error e("FE218", "a field acts on a bone", "bones follow their animation alone: connect tissues");
                 e.body = body;
                 throw e;
@@ -64,15 +65,14 @@ BodyFields::BodyFields(const Scene& scene)
         if (!acts(parts[p])) continue;
         for (std::size_t b = 0; b < actions_.size(); ++b) {
             const VolumePoints::OfBody& body = points_.bodies()[b];
-            if (std::find(parts[p].bodies.begin(), parts[p].bodies.end(), body.tissue->body) == parts[p].bodies.end())
-                continue;
+            if (std::find(parts[p].bodies.begin(), parts[p].bodies.end(), body.body) == parts[p].bodies.end()) continue;
             actions_[b].push_back({static_cast<int>(p), parts_.size(), b, first});
             first += body.count;
         }
         parts_.push_back(static_cast<int>(p));
     }
     kept_.resize(first);
-    materials_.resize(actions_.size());
+    materials_.resize(actions_.size()), sheets_.resize(actions_.size());
     offset_.assign(points_.count(), Vec3::Zero());
     loads_.resize(points_.count());
     tangents_.assign(points_.count(), Mat3::Zero());
@@ -110,8 +110,18 @@ void BodyFields::take_materials(const StepInputs& inputs) {
     if (!by_mass_) return;
     bool changed = false;
     for (std::size_t b = 0; b < materials_.size(); ++b) {
-        const TissueBatches& t = *points_.bodies()[b].tissue;
-        const auto& in = std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(t.body)]);
+        const VolumePoints::OfBody& body = points_.bodies()[b];
+        const BodyInputs& values = inputs.bodies[static_cast<std::size_t>(body.body)];
+        if (!body.tissue) {
+            const auto& in = std::get<ClothInputs>(values);
+            if (!sheets_[b].layers.empty() && std::equal(in.layers.begin(), in.layers.end(), sheets_[b].layers.begin(),
+                                                         sheets_[b].layers.end(), same_fields<ClothMaterial>))
+                continue;
+            sheets_[b] = in;
+            changed = true;
+            continue;
+        }
+        const auto& in = std::get<TissueInputs>(values);
         if (!materials_[b].layers.empty() && same_material(materials_[b], in)) continue;
         materials_[b] = in;
         changed = true;
@@ -126,12 +136,18 @@ void BodyFields::bind(const BlockPattern& pattern) {
     for (std::size_t slot = 0; slot < of_tet_.size(); ++slot)
         of_tet_[slot] = system.batches[slot / lanes].volume[slot % lanes];
     points_.share_out(of_tet_, volumes_);
+    for (const VolumePoints::OfBody& b : points_.bodies())
+        if (!b.tissue) {
+            const std::vector<double> areas = vertex_areas(scene_.surface(b.body), scene_.triangles(b.body));
+            std::copy(areas.begin(), areas.end(), volumes_.begin() + static_cast<std::ptrdiff_t>(b.first));
+        }
     if (by_mass_) bind_masses();
 }
 
 void BodyFields::bind_masses() {
     const Scene::System& system = scene_.system();
     for (std::size_t b = 0; b < materials_.size(); ++b) {
+        if (!points_.bodies()[b].tissue) continue;
         const TissueBatches& t = *points_.bodies()[b].tissue;
         const TissueRest& rest = *scene_.tissue(t.body);
         for (std::size_t slot = 0; slot < t.tet_count; ++slot)
@@ -139,6 +155,16 @@ void BodyFields::bind_masses() {
                                                     system.batches[t.first_batch + slot / lanes].volume[slot % lanes];
     }
     points_.share_out(of_tet_, masses_);
+    for (std::size_t b = 0; b < sheets_.size(); ++b) {
+        const VolumePoints::OfBody& body = points_.bodies()[b];
+        if (body.tissue) continue;
+        const ClothRest& rest = *scene_.cloth(body.body);
+        std::vector<ClothMaterial> mixed;
+        std::vector<double> mass;
+        mix_layers(rest, sheets_[b], mixed);
+        cloth_masses(rest, mixed, mass);
+        std::copy(mass.begin(), mass.end(), masses_.begin() + static_cast<std::ptrdiff_t>(body.first));
+    }
 }
 
 void BodyFields::set_places(const Positions& x, std::vector<Vec3>& places) const {
@@ -226,7 +252,7 @@ void BodyFields::add_gradient(std::span<double> gradient) const {
     if (!acts_) return;
     const Numbering& n = scene_.numbering();
     for (const VolumePoints::OfBody& b : points_.bodies()) {
-        const Deformable& d = n.deformables[b.tissue->deformable];
+        const Deformable& d = n.deformables[b.deformable];
         for (std::size_t u = d.first_unknown; u < d.first_unknown + d.unknown_count; ++u)
             for (std::size_t c = 0; c < 3; ++c)
                 gradient[3 * u + c] -= at_vertices_[3 * static_cast<std::size_t>(n.vertex_of_unknown[u]) + c];
@@ -270,19 +296,19 @@ void BodyFields::raise_forces_at_work(const Positions&, std::span<double> larges
     if (!acts_) return;
     const Numbering& n = scene_.numbering();
     for (const VolumePoints::OfBody& b : points_.bodies()) {
-        const Deformable& d = n.deformables[b.tissue->deformable];
+        const Deformable& d = n.deformables[b.deformable];
         const double squares = ordered_sum(3 * d.unknown_count, [&](std::size_t i) {
             const std::size_t v = static_cast<std::size_t>(n.vertex_of_unknown[d.first_unknown + i / 3]);
             return at_vertices_[3 * v + i % 3] * at_vertices_[3 * v + i % 3];
         });
-        largest[b.tissue->deformable] = std::max(largest[b.tissue->deformable], std::sqrt(squares));
+        largest[b.deformable] = std::max(largest[b.deformable], std::sqrt(squares));
     }
 }
 
 void BodyFields::add_squared_stiffnesses(std::span<double> squares) const {
     if (!acts_) return;
     for (const VolumePoints::OfBody& b : points_.bodies())
-        squares[b.tissue->deformable] +=
+        squares[b.deformable] +=
             ordered_sum(b.count, [&](std::size_t i) { return tangents_[b.first + i].squaredNorm(); });
 }
 
@@ -310,7 +336,7 @@ void BodyFields::marks(const Positions& x, Marks& out) const {
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {
             if (a.field != k) return;
             points += b.count;
-            spacing = std::max(spacing, scene_.numbering().deformables[b.tissue->deformable].spacing);
+            spacing = std::max(spacing, scene_.numbering().deformables[b.deformable].spacing);
         });
         double largest = 0;
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {

@@ -73,6 +73,7 @@ class BodyFields final : public Term {
     std::vector<std::vector<Action>> actions_; ///< per body of points_
     bool by_mass_ = false, acts_ = false;      ///< some field is by mass; some magnitude is not zero
     std::vector<TissueInputs> materials_;      ///< per body of points_: what masses_ was made from
+    std::vector<ClothInputs> sheets_;          ///< the same of cloth
     std::vector<double> of_tet_, volumes_, masses_;
     double velocity_factor_ = 0;
     std::vector<Vec3> offset_;               ///< velocity at the points less velocity factor times place

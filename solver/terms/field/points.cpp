@@ -36,12 +36,18 @@ VolumePoints::VolumePoints(const Scene& scene, const std::vector<int>& bodies)
     for (const ElementKind kind : {ElementKind::quadratic, ElementKind::linear})
         for (const TissueBatches& t : system_.tissues)
             if (t.kind == kind && std::find(bodies.begin(), bodies.end(), t.body) != bodies.end()) add(t);
+    const std::vector<Deformable>& all = system_.numbering.deformables;
+    for (std::size_t d = 0; d < all.size(); ++d) {
+        if (!all[d].is_sheet || std::find(bodies.begin(), bodies.end(), all[d].body) == bodies.end()) continue;
+        bodies_.push_back({nullptr, all[d].body, d, count(), all[d].vertex_count});
+        tet_start_.emplace_back(), tets_.emplace_back();
+    }
 }
 
 void VolumePoints::add(const TissueBatches& t) {
     const Deformable& d = system_.numbering.deformables[t.deformable];
     const bool quadratic = t.kind == ElementKind::quadratic;
-    const OfBody body{&t, count(), quadratic ? quadratic_points * t.tet_count : d.vertex_count};
+    const OfBody body{&t, t.body, t.deformable, count(), quadratic ? quadratic_points * t.tet_count : d.vertex_count};
     bodies_.push_back(body);
     tet_start_.emplace_back(), tets_.emplace_back();
     if (!quadratic) return;
@@ -90,7 +96,8 @@ void VolumePoints::bind(const BlockPattern& pattern) {
 
 void VolumePoints::share_out(const std::vector<double>& of_tet, std::vector<double>& of_point) {
     of_point.resize(count());
-    const bool lumps = std::any_of(bodies_.begin(), bodies_.end(), [&](const OfBody& b) { return !is_quadratic(b); });
+    const bool lumps =
+        std::any_of(bodies_.begin(), bodies_.end(), [&](const OfBody& b) { return b.tissue && !is_quadratic(b); });
     if (lumps) {
         lumped_.start(system_.numbering, *pattern_);
         lumped_.add_tets(system_, of_tet);
@@ -100,10 +107,9 @@ void VolumePoints::share_out(const std::vector<double>& of_tet, std::vector<doub
             for (std::size_t i = 0; i < b.count; ++i)
                 of_point[b.first + i] = b.tissue->cut.mass_factor / quadratic_points *
                                         of_tet[b.tissue->first_batch * lanes + i / quadratic_points];
-        } else {
-            const auto from =
-                lumped_.weight().begin() +
-                static_cast<std::ptrdiff_t>(system_.numbering.deformables[b.tissue->deformable].first_vertex);
+        } else if (b.tissue) {
+            const auto from = lumped_.weight().begin() +
+                              static_cast<std::ptrdiff_t>(system_.numbering.deformables[b.deformable].first_vertex);
             std::copy_n(from, b.count, of_point.begin() + static_cast<std::ptrdiff_t>(b.first));
         }
 }
@@ -116,7 +122,7 @@ Vec3 VolumePoints::carried(std::size_t point, const std::vector<double>& of_vert
     const auto at = [&](std::size_t v) {
         return Vec3(of_vertices[3 * v], of_vertices[3 * v + 1], of_vertices[3 * v + 2]);
     };
-    if (!is_quadratic(b)) return at(system_.numbering.deformables[b.tissue->deformable].first_vertex + i);
+    if (!is_quadratic(b)) return at(system_.numbering.deformables[b.deformable].first_vertex + i);
     Vec3 sum = Vec3::Zero();
     const auto& shape = shapes(point / quadratic_points)[i % quadratic_points];
     for (int n = 0; n < quadratic_nodes; ++n)
@@ -127,7 +133,7 @@ Vec3 VolumePoints::carried(std::size_t point, const std::vector<double>& of_vert
 void VolumePoints::add_to_vertices(const std::vector<Vec3>& at_points, std::vector<double>& at_vertices) const {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
         const OfBody& b = bodies_[k];
-        const Deformable& d = system_.numbering.deformables[b.tissue->deformable];
+        const Deformable& d = system_.numbering.deformables[b.deformable];
         parallel_for(d.vertex_count, grain, [&](std::size_t i) {
             Vec3 sum = Vec3::Zero();
             if (!is_quadratic(b)) {
@@ -153,7 +159,7 @@ void VolumePoints::add_to_hessian(const std::vector<Mat3>& at_points, BlockMatri
     };
     for (const OfBody& b : bodies_) {
         if (is_quadratic(b)) continue;
-        const Deformable& d = system_.numbering.deformables[b.tissue->deformable];
+        const Deformable& d = system_.numbering.deformables[b.deformable];
         parallel_for(d.unknown_count, grain, [&](std::size_t i) {
             const std::size_t u = d.first_unknown + i;
             const std::size_t v = static_cast<std::size_t>(system_.numbering.vertex_of_unknown[u]) - d.first_vertex;

@@ -1,7 +1,8 @@
 // Where a force on a body's volume is taken: points that the vertices carry, with the volume and mass that lie there.
 // Linear tets: the vertices themselves, with what is lumped on them, as inertia and gravity have it. Quadratic ones:
 // the four points of elasticity (degree 2), because what lies on their corners is negative, and drag there would drive.
-// Of tets that are solid in part the part inside counts, where it lies.
+// Of tets that are solid in part the part inside counts, where it lies. On cloth: its vertices, with the area in place
+// of a volume.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/element/mass_matrix.h"
@@ -11,11 +12,13 @@ namespace sinew::solver {
 
 class VolumePoints {
   public:
-    /// The points of these bodies, tissues all, one after the other.
+    /// The points of these bodies, tissues and cloth, one after the other.
     VolumePoints(const Scene& scene, const std::vector<int>& bodies);
 
     struct OfBody {
-        const TissueBatches* tissue;
+        const TissueBatches* tissue; ///< null: a cloth
+        int body;
+        std::size_t deformable;
         std::size_t first, count; ///< points
     };
     const std::vector<OfBody>& bodies() const { return bodies_; }
@@ -24,7 +27,8 @@ class VolumePoints {
     void add_couplings(Couplings& couplings) const;
     /// Finds where the Hessian's entries go. The pattern must outlive this.
     void bind(const BlockPattern& pattern);
-    /// What lies at each point of what lies in the tets: `of_tet` by slots of all batches. After bind.
+    /// What lies at each point of what lies in the tets: `of_tet` by slots of all batches; of points of cloth nothing
+    /// is changed. After bind.
     void share_out(const std::vector<double>& of_tet, std::vector<double>& of_point);
     /// What the vertices carry to a point, of 3 numbers a vertex: its place, or its velocity.
     Vec3 carried(std::size_t point, const std::vector<double>& of_vertices) const;
@@ -35,7 +39,7 @@ class VolumePoints {
 
   private:
     void add(const TissueBatches& tissue);
-    bool is_quadratic(const OfBody& b) const { return b.tissue->kind == ElementKind::quadratic; }
+    bool is_quadratic(const OfBody& b) const { return b.tissue && b.tissue->kind == ElementKind::quadratic; }
     int vertex(const OfBody& b, std::size_t tet, int node) const {
         return system_.node(*b.tissue, tet / lanes, node)[tet % lanes];
     }

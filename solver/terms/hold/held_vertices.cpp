@@ -166,4 +166,13 @@ std::vector<int> carriers_of(const TissueRest& tissue, const PaintedPart& part) 
     return carriers.all();
 }
 
+std::vector<int> carriers_of(const BodyRest& body, const PaintedPart& part) {
+    if (const auto* tissue = std::get_if<std::shared_ptr<const TissueRest>>(&body)) return carriers_of(**tissue, part);
+    std::vector<int> out;
+    if (!std::holds_alternative<std::shared_ptr<const ClothRest>>(body)) return out;
+    for (std::size_t v = 0; v < part.vertices.size(); ++v)
+        if (part.vertices[v]) out.push_back(static_cast<int>(v));
+    return out;
+}
+
 } // namespace sinew::solver

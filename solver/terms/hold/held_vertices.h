@@ -22,5 +22,7 @@ PaintedPart painted_triangles(const std::vector<Triangle>& triangles, std::size_
 /// they pass. So where the surface is that of the tets, these are the painted vertices and the middles of painted
 /// edges; on a lattice, all corners (and edges) of tets that the part passes.
 std::vector<int> carriers_of(const TissueRest& tissue, const PaintedPart& part);
+/// Of a cloth: the part's own vertices. None for a bone.
+std::vector<int> carriers_of(const BodyRest& body, const PaintedPart& part);
 
 } // namespace sinew::solver

@@ -50,10 +50,10 @@ const TermType hold_type{
     .memory_version = 1,
     .has_memory = true,
     .hold =
-        [](const Part& part, const TissueRest& tissue, std::vector<char>& held) {
+        [](const Part& part, const BodyRest& body, std::vector<char>& held) {
             const auto& rest = static_cast<const HoldRest&>(*part.rest);
             if (rest.follows_bone && part.bodies.size() < 2) return;
-            for (const int v : carriers_of(tissue, rest.part)) held[at(v)] = 1;
+            for (const int v : carriers_of(body, rest.part)) held[at(v)] = 1;
         },
     .follow = follow_bone,
     .mix =
@@ -81,8 +81,8 @@ Holds::Holds(const Scene& scene)
     for (std::size_t k = 0; k < parts.size(); ++k) {
         const int body = parts[k].type == &hold_type ? held_body(scene, parts[k]) : -1;
         if (body < 0) continue;
-        Hold hold{
-            k, carriers_of(*scene.tissue(body), static_cast<const HoldRest&>(*parts[k].rest).part), {}, {}, {}, {}, {}};
+        const PaintedPart& painted = static_cast<const HoldRest&>(*parts[k].rest).part;
+        Hold hold{k, carriers_of(scene.description().bodies[at(body)], painted), {}, {}, {}, {}, {}};
         std::size_t twice = 0;
         for (int& v : hold.vertices) {
             v += scene.first_vertex(body);

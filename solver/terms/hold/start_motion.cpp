@@ -51,7 +51,7 @@ const double* numbers_of(const Scene& scene, std::size_t part, const TermMemory&
 int held_body(const Scene& scene, const Part& part) {
     if (rest_of(part).follows_bone && followed_bone(scene, part) < 0) return -1;
     for (const int body : part.bodies)
-        if (scene.tissue(body)) return body;
+        if (scene.deforms(body)) return body;
     return -1;
 }
 

@@ -150,6 +150,7 @@ void PressedTets<N>::add_squared_stiffnesses(std::span<double> squares) const {
         squares[surfaces_.surfaces()[surface_[slot]].deformable] += squares_[slot];
 }
 
+template class PressedTets<3>;
 template class PressedTets<4>;
 template class PressedTets<quadratic_nodes>;
 

@@ -54,6 +54,7 @@ class PressedTets {
     double rest_energy_ = 0, energy_scale_ = 0;
 };
 
+extern template class PressedTets<3>;
 extern template class PressedTets<4>;
 extern template class PressedTets<quadratic_nodes>;
 

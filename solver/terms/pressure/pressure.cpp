@@ -33,6 +33,7 @@ const TermType pressure_type{
 Pressure::Pressure(const Scene& scene)
     : surfaces_(scene, pressure_type)
     , pieces_(find_pieces(surfaces_.vertex_count(), surfaces_.triangles()))
+    , triangles_(scene, surfaces_)
     , linear_(scene, surfaces_)
     , quadratic_(scene, surfaces_) {
     has_potential_.assign(surfaces_.surfaces().size(), 0);

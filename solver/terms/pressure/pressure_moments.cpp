@@ -9,7 +9,7 @@ namespace sinew::solver {
 template <int N>
 void add_moments(const SurfacePiece& piece, const std::array<double, 3>& at_corners, std::size_t lane,
                  PressureMoments<N>& moments) {
-    for (const RulePoint& point : triangle_rule(N == 4 ? 2 : 5)) { // of p N_a and the area vector
+    for (const RulePoint& point : triangle_rule(N <= 4 ? 2 : 5)) { // of p N_a and the area vector
         const PieceShape<N> s(piece, point.place);
         const double p =
             at_corners[0] == at_corners[1] && at_corners[1] == at_corners[2]
@@ -24,6 +24,7 @@ void add_moments(const SurfacePiece& piece, const std::array<double, 3>& at_corn
     }
 }
 
+template void add_moments<3>(const SurfacePiece&, const std::array<double, 3>&, std::size_t, PressureMoments<3>&);
 template void add_moments<4>(const SurfacePiece&, const std::array<double, 3>&, std::size_t, PressureMoments<4>&);
 template void add_moments<quadratic_nodes>(const SurfacePiece&, const std::array<double, 3>&, std::size_t,
                                            PressureMoments<quadratic_nodes>&);

@@ -28,7 +28,7 @@ struct PressureMoments {
     }
 };
 
-/// Adds a piece's share for N = 4 or 10 nodes to a lane. `at_corners`: the pressure [Pa], linear between them.
+/// Adds a piece's share for N = 3, 4 or 10 nodes to a lane. `at_corners`: the pressure [Pa], linear between them.
 template <int N>
 void add_moments(const SurfacePiece& piece, const std::array<double, 3>& at_corners, std::size_t lane,
                  PressureMoments<N>& moments);

@@ -43,7 +43,7 @@ std::vector<std::vector<std::size_t>> samples_alike(const std::vector<Anchor>& a
 bool all_bones(const Scene& scene) {
     const auto& attachments = scene.description().attachments;
     return std::none_of(attachments.begin(), attachments.end(),
-                        [&](const AttachmentRest& a) { return scene.tissue(a.source) || scene.tissue(a.target); });
+                        [&](const AttachmentRest& a) { return scene.deforms(a.source) || scene.deforms(a.target); });
 }
 
 } // namespace
@@ -64,7 +64,7 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
         const AttachmentRest& rest = scene_.description().attachments[a];
         // Between bones there is nothing to move.
         wanted_.push_back(inputs.attachments[a].mode() == AttachmentMode::sliding &&
-                          (scene_.tissue(rest.source) || scene_.tissue(rest.target)));
+                          (scene_.deforms(rest.source) || scene_.deforms(rest.target)));
     }
     const bool any = std::find(wanted_.begin(), wanted_.end(), 1) != wanted_.end();
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
@@ -121,8 +121,8 @@ void Slides::add_slides(int attachment, const std::vector<Anchor>& anchors) {
     const AttachmentRest& rest = scene_.description().attachments[at(attachment)];
     const auto add = [&](const AnchorEnd& source, double area_weight) {
         slides_.push_back({attachment, at(rest.target), rides_.size(), 0, area_weight, source});
-        if (!scene_.tissue(rest.source)) return;
-        const PointWeights point = scene_.embedded(rest.source, source.tet, source.coordinates);
+        if (!scene_.deforms(rest.source)) return;
+        const PointWeights point = carried_end(scene_, rest.source, source);
         for (int k = 0; k < point.count; ++k)
             if (point.weight[k] != 0) rides_.push_back({point.vertex[k], point.weight[k]});
         slides_.back().terms = static_cast<int>(rides_.size() - slides_.back().first_term);

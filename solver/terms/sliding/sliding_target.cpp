@@ -57,9 +57,7 @@ SlidingTarget::SlidingTarget(const Scene& scene, int body)
 
 std::vector<char> SlidingTarget::allowed(const Scene& scene, const AttachmentRest& a) const {
     if (a.target_weights.empty()) return {};
-    const TissueRest* tissue = scene.tissue(a.target);
-    const std::vector<char> whole = allowed_triangles(a, tissue ? tissue->surface : scene.bone(a.target)->surface,
-                                                      tissue ? tissue->triangles : scene.bone(a.target)->triangles);
+    const std::vector<char> whole = allowed_triangles(a, scene.surface(a.target), scene.triangles(a.target));
     if (std::find(whole.begin(), whole.end(), 0) == whole.end()) return {};
     std::vector<char> out;
     for (const int t : surface_.parts_of()) out.push_back(whole[at(t)]);

@@ -27,6 +27,7 @@ const TermType surface_tension_type{
 
 SurfaceTension::SurfaceTension(const Scene& scene)
     : surfaces_(scene, surface_tension_type)
+    , triangles_(scene, surfaces_)
     , linear_(scene, surfaces_)
     , quadratic_(scene, surfaces_) {
     places_.assign(3 * surfaces_.vertex_count(), 0.0);

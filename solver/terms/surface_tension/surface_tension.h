@@ -1,6 +1,6 @@
-// Surface tension [N/m] on the surfaces of tissues: tension times deformed area, which it makes smaller where it is
-// positive and larger where it is negative. The area is that of the pieces of surface in each tet, which move by its
-// shape functions: flat in linear tets, curved in quadratic ones.
+// Surface tension [N/m] on the surfaces of tissues and on cloth: tension times deformed area, which it makes smaller
+// where it is positive and larger where it is negative. The area is that of the pieces of surface in each tet, which
+// move by its shape functions: flat in linear tets, curved in quadratic ones.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/layered_surfaces.h"
@@ -8,7 +8,7 @@
 
 namespace sinew::solver {
 
-/// Parts: one tissue, SurfaceLayers [N/m].
+/// Parts: one tissue or cloth, SurfaceLayers [N/m].
 extern const TermType surface_tension_type;
 
 class SurfaceTension final : public Term {
@@ -26,7 +26,9 @@ class SurfaceTension final : public Term {
     void add_hessian(const Positions& x, bool project, BlockMatrix& a) override;
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
-    double energy_scale() const override { return linear_.energy_scale() + quadratic_.energy_scale(); }
+    double energy_scale() const override {
+        return triangles_.energy_scale() + linear_.energy_scale() + quadratic_.energy_scale();
+    }
     double stored_energy(const Positions& x) override;
     void measure(const Positions& x, std::span<const double> reactions, std::vector<Measured>& out) const override;
     /// Points with the tension there.
@@ -34,19 +36,22 @@ class SurfaceTension final : public Term {
 
   private:
     bool acts() const { return !surfaces_.all_zero(); }
-    /// For both kinds of tets that are there.
+    /// For cloth's triangles and both kinds of tets, as far as they are there.
     template <class Do>
     void for_each(const Do& what) {
+        if (!triangles_.is_empty()) what(triangles_);
         if (!linear_.is_empty()) what(linear_);
         if (!quadratic_.is_empty()) what(quadratic_);
     }
     template <class Do>
     void for_each(const Do& what) const {
+        if (!triangles_.is_empty()) what(triangles_);
         if (!linear_.is_empty()) what(linear_);
         if (!quadratic_.is_empty()) what(quadratic_);
     }
 
     LayeredSurfaces surfaces_;
+    mutable TenseTets<3> triangles_;
     mutable TenseTets<4> linear_; ///< with their buffers
     mutable TenseTets<quadratic_nodes> quadratic_;
     mutable std::vector<double> squares_, places_;

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace sinew::solver {
 
@@ -32,18 +33,21 @@ TenseTets<N>::TenseTets(const Scene& scene, const LayeredSurfaces& surfaces, Sur
     for (std::size_t s = 0; s < tets.stencil_of_piece.size(); ++s) {
         if (tets.stencil_of_piece[s].empty()) continue;
         const LayeredSurfaces::Surface& surface = surfaces.surfaces()[s];
-        const TissueRest& tissue = *scene.tissue(surface.body);
-        const CarrierTets carriers(tissue.tets);
-        const SurfaceDensity density{{{&carriers, tissue.element}}};
+        const TissueRest* tissue = scene.tissue(surface.body);
+        std::optional<CarrierTets> carriers;
+        SurfaceDensity density;
+        if (tissue) density.carriers.push_back({&carriers.emplace(tissue->tets), tissue->element});
+        const Points& points = scene.surface(surface.body);
+        const std::vector<Triangle>& triangles = scene.triangles(surface.body);
         for (std::size_t k = 0; k < surface.clipped.pieces.size(); ++k) {
             const SurfacePiece& piece = surface.clipped.pieces[k];
             Vec3 corner[3];
             for (std::size_t c = 0; c < 3; ++c) {
                 corner[c].setZero();
                 for (int i = 0; i < 3; ++i)
-                    corner[c] += piece.place[c][i] * tissue.surface[at(tissue.triangles[at(piece.triangle)][at(i)])];
+                    corner[c] += piece.place[c][i] * points[at(triangles[at(piece.triangle)][at(i)])];
             }
-            const int degree = N == 4 ? 1 : density.degree(corner[0], corner[1], corner[2]);
+            const int degree = N <= 4 ? 1 : density.degree(corner[0], corner[1], corner[2]);
             const auto slot = at(tets.stencil_of_piece[s][k]);
             for (const RulePoint& q : triangle_rule(degree)) {
                 const Vec3 place =
@@ -188,6 +192,7 @@ double TenseTets<N>::area() {
     });
 }
 
+template class TenseTets<3>;
 template class TenseTets<4>;
 template class TenseTets<quadratic_nodes>;
 

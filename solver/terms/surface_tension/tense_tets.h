@@ -56,6 +56,7 @@ class TenseTets {
     double rest_energy_ = 0, energy_scale_ = 0;
 };
 
+extern template class TenseTets<3>;
 extern template class TenseTets<4>;
 extern template class TenseTets<quadratic_nodes>;
 

@@ -15,8 +15,8 @@ std::vector<TermExample> term_examples() {
     std::vector<TermExample> out;
     using Examples = std::vector<TermExample> (*)();
     constexpr Examples of_terms[] = {
-        elastic_examples,  attachment_examples,      sliding_examples, field_examples,
-        pressure_examples, surface_tension_examples, hold_examples,    contact_examples,
+        elastic_examples,         attachment_examples, sliding_examples, field_examples, pressure_examples,
+        surface_tension_examples, hold_examples,       contact_examples, cloth_examples,
     };
     for (const Examples make : of_terms) {
         const std::vector<TermExample> examples = make();

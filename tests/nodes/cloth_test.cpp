@@ -1,0 +1,80 @@
+// zCloth from end to end: a scene of cloth alone, units, layers, keys.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench.h"
+
+using namespace bench;
+
+namespace {
+
+/// A sheet of 1 x 0.5 m, held at one end, `unit` scene units a metre.
+std::string sheet(int unit, const std::string& cloth = "", const std::string& solver = "") {
+    const std::string u = std::to_string(unit);
+    return R"("mesh": {"type": "polyPlane", "inputs": {"width": )" + u + R"(, "height": )" +
+           std::to_string(0.5 * unit) + R"(, "subdivisionsWidth": 8, "subdivisionsHeight": 4}},
+        "cotton": {"type": "zMaterial", "inputs": {"tensileStiffness": 800, "shearStiffness": 80, "bendStiffness": 0.05, "clothMassDensity": 0.3}},
+        "heavy": {"type": "zMaterial", "inputs": {"clothMassDensity": 0.9, "weights": {"from": "far.outWeights"}}},
+        "far": {"type": "weights", "inputs": {"mesh": {"from": "mesh.outMesh"}, "mode": "ramp", "start": 0, "end": )" +
+           u + R"(}},
+        "cloth": {"type": "zCloth", "inputs": {"mesh": {"from": "mesh.outMesh"},
+            "materials": [{"from": "cotton.outMaterial"}, {"from": "heavy.outMaterial"}])" +
+           cloth + R"(}},
+        "end": {"type": "weights", "inputs": {"mesh": {"from": "mesh.outMesh"}, "mode": "ramp", "start": )" +
+           std::to_string(-0.49 * unit) + R"(, "end": )" + std::to_string(-0.5 * unit) + R"(}},
+        "hold": {"type": "zHold", "inputs": {"tissue": {"from": "cloth.outBody"}, "weights": {"from": "end.outWeights"}}},
+        "solver": {"type": "zSolver", "inputs": {"scale": )" +
+           u +
+           R"(, "maxNewtonIterations": 40, "bodies": [{"from": "cloth.outBody"}], "forces": [{"from": "hold.outForce"}])" +
+           solver + "}}";
+}
+
+solver::Points places(Session& s, double frame) {
+    return *s.get<nodes::MeshList>("solver", "outMeshes", frame).meshes.at(0).points;
+}
+
+} // namespace
+
+TEST_CASE("a scene of cloth alone is simulated, alike in metres and centimetres", "[nodes]") {
+    Session metres(sheet(1)), centimetres(sheet(100));
+    const solver::Points one = places(metres, 8), other = places(centimetres, 8);
+    REQUIRE(one.size() == 45);
+    double lowest = 0;
+    for (std::size_t v = 0; v < one.size(); ++v) {
+        CHECK((one[v] - other[v] / 100).norm() < 1e-6);
+        lowest = std::min(lowest, one[v].y());
+    }
+    CHECK(lowest < -0.1);
+    const auto report = metres.get<nodes::SolveReport>("solver", "outReport", 8);
+    CHECK(report.record.converged);
+    CHECK(report.triangles == 64);
+    CHECK(report.tets == 0);
+    CHECK(report.dofs == 135);
+    CHECK(std::find(report.terms.begin(), report.terms.end(), "cloth") != report.terms.end());
+    CHECK(metres.counter.warnings.empty());
+}
+
+TEST_CASE("at rest a held cloth weighs its layers, by their painted densities", "[nodes]") {
+    Session s(sheet(1, "", R"(, "integrator": "QuasiStatic", "gravity": [10, 0, 0])"));
+    const auto report = s.get<nodes::SolveReport>("solver", "outReport", 2);
+    CHECK(report.record.converged);
+    // The upper layer goes from 0 at x = 0 to half at x = 0.5: 0.3 + 0.6 x there, 0.3 elsewhere.
+    const double mass = 0.5 * (0.3 + 0.5 * 0.5 * 0.6 * 0.5);
+    double force = 0;
+    for (const solver::Measured& m : report.record.measured)
+        if (m.what->term == "hold" && m.what->name == "force_x_N") force = m.value;
+    CHECK(force == Approx(-10 * mass).epsilon(1e-4));
+}
+
+TEST_CASE("a cloth that is keyed to shrink does so", "[nodes]") {
+    Session s(sheet(1, R"(, "restScaleEnvelope": {"keys": [[1, 0], [4, 1]]})", R"(, "gravity": [0, 0, 0])"));
+    s.set("cotton", "restScale", "0.8");
+    s.set("heavy", "restScale", "0.8");
+    double end = -1;
+    for (const solver::Vec3& p : places(s, 30)) end = std::max(end, p.x());
+    CHECK(end == Approx(-0.5 + 0.8).epsilon(0.02));
+}
+
+TEST_CASE("what cannot ride on a cloth is told so", "[nodes]") {
+    const std::string rider =
+        R"(, "rider": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "cloth.outBody"}}})";
+    CHECK(codes(sheet(1) + rider, "rider", "outMeshes") == Codes{"FE218"});
+}
