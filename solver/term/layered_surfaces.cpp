@@ -62,14 +62,12 @@ ClippedSurface clipped(const Scene& scene, int body) {
     return whole_triangles(scene.triangles(body));
 }
 
-/// Envelopes of the layers of a body.
-std::vector<double> envelopes_of(const BodyInputs& inputs) {
-    std::vector<double> out;
+/// Appends the envelopes of the layers of a body.
+void add_envelopes(const BodyInputs& inputs, std::vector<double>& out) {
     if (const auto* cloth = std::get_if<ClothInputs>(&inputs))
         for (const ClothMaterial& layer : cloth->layers) out.push_back(layer.envelope);
     else
         for (const MaterialValues& layer : std::get<TissueInputs>(inputs).layers) out.push_back(layer.envelope);
-    return out;
 }
 
 } // namespace
@@ -117,10 +115,10 @@ LayeredSurfaces::Taken LayeredSurfaces::take(const StepInputs& inputs) {
         const double envelope = inputs.parts[s.part].front();
         out.envelopes = out.envelopes || envelope != s.envelope;
         s.envelope = envelope;
-        const std::vector<double> envelopes = envelopes_of(inputs.bodies[at(s.body)]);
-        if (layers_of(scene_.description().parts[s.part]).layers.size() != envelopes.size())
+        const std::size_t before = wanted_.size();
+        add_envelopes(inputs.bodies[at(s.body)], wanted_);
+        if (layers_of(scene_.description().parts[s.part]).layers.size() != wanted_.size() - before)
             throw std::logic_error("a force on a surface needs a value for each of the body's layers");
-        wanted_.insert(wanted_.end(), envelopes.begin(), envelopes.end());
     }
     out.values = wanted_ != taken_;
     if (out.values) {

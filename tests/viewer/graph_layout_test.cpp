@@ -67,13 +67,13 @@ TEST_CASE("boxes show values with units, keys by their range, files by name") {
 TEST_CASE("every node type is coloured by what it gives, one of an unknown type apart") {
     const std::map<std::string, std::vector<std::string>> families{
         {"solver", {"zSolver", "zEmbedder"}},
-        {"body", {"zTissue", "zBone"}},
+        {"body", {"zTissue", "zBone", "zCloth", "zSubtissue"}},
         {"matter", {"zMaterial", "zFiber"}},
         {"attachment", {"zAttachment", "zHold", "uniformField", "vortexField"}},
         {"geometry", {"meshFile", "tetMeshFile", "polyCube", "zIsoMesh", "zTet", "meshWriter"}},
         {"paint", {"weights", "endPoints", "combineWeights", "transferWeights"}},
         {"value", {"curve", "trackChannel", "transform", "aim"}},
-        {"unknown", {"zCloth"}}};
+        {"unknown", {"zSkin"}}};
     const auto registry = nodes::make_registry();
     for (const auto& [family, types] : families)
         for (const std::string& type : types) {

@@ -33,7 +33,7 @@ Elastic::Elastic(const Scene& scene)
     : scene_(scene)
     , system_(scene.system()) {
     const std::size_t n = system_.tissues.size();
-    inputs_.resize(n), shapes_.resize(n);
+    inputs_.resize(n), shapes_.resize(n), wanted_shapes_.resize(n);
     has_means_.assign(n, 0);
     fibers_.resize(n);
     active_count_.assign(n, 0);
@@ -50,10 +50,10 @@ Elastic::Elastic(const Scene& scene)
 }
 
 Changes Elastic::take(const StepInputs& inputs, const State&) {
-    std::vector<RestShapes> shapes;
-    for (const TissueBatches& t : system_.tissues) { // all of them before anything is taken over
-        shapes.push_back(rest_shapes_of(scene_, t.body, inputs.parts));
-        check_values(std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(t.body)]), shapes.back(), t.body);
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) { // all of them before anything is taken over
+        const int body = system_.tissues[t].body;
+        find_rest_shapes(scene_, body, inputs.parts, wanted_shapes_[t]);
+        check_values(std::get<TissueInputs>(inputs.bodies[static_cast<std::size_t>(body)]), wanted_shapes_[t], body);
     }
     bool changed = false, new_couplings = false;
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
@@ -65,7 +65,7 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
             patches_[t].reset();
             if (wants_patches) patches_[t] = std::make_unique<ConservedVolume>(scene_, batches);
         }
-        const bool new_rest = take_rest_change(t, in, std::move(shapes[t]));
+        const bool new_rest = take_rest_change(t, in, wanted_shapes_[t]);
         if (new_couplings || new_rest || inputs_[t].layers.empty() || !same_material(inputs_[t], in)) {
             set_materials(t, in);
             changed = true;
@@ -89,10 +89,10 @@ Changes Elastic::take(const StepInputs& inputs, const State&) {
     return {new_couplings, changed};
 }
 
-bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in, RestShapes shapes) {
+bool Elastic::take_rest_change(std::size_t t, const TissueInputs& in, const RestShapes& shapes) {
     const bool same_shapes = shapes.weights == shapes_[t].weights || (!shapes.act() && !shapes_[t].act());
     if (same_shapes && same_rest_change(inputs_[t], in)) return false;
-    shapes_[t] = std::move(shapes);
+    shapes_[t] = shapes;
     const TissueBatches& batches = system_.tissues[t];
     if (!changes_rest(in) && !shapes_[t].act())
         changed_[t].reset();

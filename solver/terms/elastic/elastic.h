@@ -49,7 +49,7 @@ class Elastic final : public Term {
 
   private:
     /// Takes the change of the rest shape that the values make; false: it is the one that is there.
-    bool take_rest_change(std::size_t tissue, const TissueInputs& in, RestShapes shapes);
+    bool take_rest_change(std::size_t tissue, const TissueInputs& in, const RestShapes& shapes);
     void set_materials(std::size_t tissue, const TissueInputs& in);
     void set_scales();
     void set_strains_of(const StrainReference& reference, std::span<const double> known_rates,
@@ -72,6 +72,7 @@ class Elastic final : public Term {
     const Scene::System& system_;
     std::vector<TissueInputs> inputs_;                ///< per tissue: what moduli and masses were made from
     std::vector<RestShapes> shapes_;                  ///< per tissue: what its rest shape was made from
+    std::vector<RestShapes> wanted_shapes_;           ///< scratch
     std::vector<TetModuli> moduli_;                   ///< per batch, as all below unless said
     std::vector<std::vector<Anisotropy>> anisotropy_; ///< [tissue][batch]
     std::vector<char> has_means_;                     ///< per tissue

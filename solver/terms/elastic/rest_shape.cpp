@@ -125,13 +125,18 @@ Mat3 RestShapes::stretch(std::size_t tet) const {
 
 RestShapes rest_shapes_of(const Scene& scene, int body, std::span<const PartValues> values) {
     RestShapes out;
+    find_rest_shapes(scene, body, values, out);
+    return out;
+}
+
+void find_rest_shapes(const Scene& scene, int body, std::span<const PartValues> values, RestShapes& out) {
+    out.shapes.clear(), out.weights.clear();
     const std::vector<Part>& parts = scene.description().parts;
     for (std::size_t k = 0; k < parts.size() && k < values.size(); ++k) {
         if (parts[k].type != &rest_shape_type || parts[k].bodies.front() != body) continue;
         out.shapes.push_back(static_cast<const RestShape*>(parts[k].rest.get()));
         out.weights.push_back(get_fields<RestShapeValues>(values[k]).weight);
     }
-    return out;
 }
 
 void check_rest_shapes(const RestShapes& shapes) {

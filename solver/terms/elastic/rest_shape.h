@@ -55,6 +55,8 @@ struct RestShapes {
     Mat3 stretch(std::size_t tet) const;
 };
 RestShapes rest_shapes_of(const Scene& scene, int body, std::span<const PartValues> values);
+/// The same into what is there, without new memory where it has been as many before.
+void find_rest_shapes(const Scene& scene, int body, std::span<const PartValues> values, RestShapes& out);
 /// Throws Error FE247 where lengths at rest could become more than a thousand times larger or smaller.
 void check_rest_shapes(const RestShapes& shapes);
 

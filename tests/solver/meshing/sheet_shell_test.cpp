@@ -99,7 +99,7 @@ TEST_CASE("corners of a sheet are mitred: an open box has walls of one thickness
     CHECK(solid_volume(box, 0.3, t) == Approx(outer - inner).epsilon(1e-6));
 }
 
-TEST_CASE("a closed surface is no sheet; with a thickness it is a shell with a cavity", "[meshing]") {
+TEST_CASE("a closed surface is no sheet, with a thickness it is a shell with a cavity", "[meshing]") {
     SurfaceMesh box = sheet(1, flat);
     box.points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     box.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
