@@ -24,7 +24,7 @@ constexpr double near_share = 0.1;
 double length_of(const Setup& setup, const SetupLine& l) {
     double length = 0;
     for (const CurvePoints& curve : l.line->line->curves) length += solver::curve_length(curve);
-    return length / setup.key.scale;
+    return length / (setup.key.scale * setup.space.stretch);
 }
 
 std::string line_name(const Reads& in, const Setup& setup, const SetupLine& l) {

@@ -69,11 +69,10 @@ struct PartTets {
 };
 
 PartTets tets_of_part(const solver::TetMesh& whole, const std::vector<double>& shares) {
-    constexpr double least = 1e-3; // slivers of it would only make the equations stiff
     PartTets out;
     std::vector<int> number(whole.vertices.size(), -1);
     for (std::size_t t = 0; t < shares.size(); ++t) {
-        if (shares[t] < least) continue;
+        if (shares[t] < least_part_share) continue;
         solver::Tet tet = whole.tets[t];
         for (int& v : tet) {
             int& n = number[static_cast<std::size_t>(v)];

@@ -35,8 +35,12 @@ struct Painted {
 Painted painted_in(const PaintedIn& t, const Layers& materials, const Fibers& fibers, const std::vector<int>& parent,
                    std::size_t count);
 
+/// Tets with less of a part than this are left out where its maps are extended: slivers would only make the equations
+/// stiff.
+inline constexpr double least_part_share = 1e-3;
+
 /// The same of a part of a tissue, found within the tets that it holds something of, and zero in all others.
-/// \param shares of each of the tissue's tets; not all zero
+/// \param shares of each of the tissue's tets; one at least of least_part_share
 Painted painted_in_part(const solver::TissueRest& tissue, const Subtissue& part, const std::vector<double>& shares,
                         const std::vector<int>& parent, std::size_t count);
 

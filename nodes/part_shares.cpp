@@ -31,7 +31,10 @@ std::vector<std::vector<double>> exclusive_shares(const std::vector<NestedPart>&
     for (std::size_t i = 0; i < count; ++i) {
         std::vector<double> limit =
             nested[i].within < 0 ? std::vector<double>(tets, 1.0) : held[static_cast<std::size_t>(nested[i].within)];
-        for (std::size_t t = 0; t < tets; ++t) held[i][t] = std::min(held[i][t], limit[t]);
+        for (std::size_t t = 0; t < tets; ++t) {
+            found.shared[i] += std::max(0.0, held[i][t] - limit[t]) * volumes[t];
+            held[i][t] = std::min(held[i][t], limit[t]);
+        }
     }
     for (int within = -1; within < static_cast<int>(count); ++within)
         for (std::size_t t = 0; t < tets; ++t) {

@@ -335,6 +335,12 @@ solver::TissueInputs tissue_inputs(const Reads& in, const Body& body, solver::Ti
     return out;
 }
 
+solver::ClothInputs cloth_inputs(const Reads& in, const Body& body) {
+    solver::ClothInputs out = std::get<solver::ClothInputs>(body.values);
+    out.rest_scale_envelope *= run_up(in, affect_rest_scale);
+    return out;
+}
+
 /// In metres, and in the solver's space.
 solver::PartValues part_values(const Reads& in, const Setup& setup, std::size_t force) {
     Force f = setup.forces[force];
@@ -369,7 +375,7 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
         if (b.is_bone())
             s.bodies.emplace_back(solver::BoneInputs{setup.space.to_metres(*std::get<Mesh>(b.values).points)});
         else if (b.is_cloth())
-            s.bodies.emplace_back(std::get<solver::ClothInputs>(b.values));
+            s.bodies.emplace_back(cloth_inputs(in, b));
         else
             s.bodies.emplace_back(tissue_inputs(in, b, setup.tissue_values(i)));
     }

@@ -95,8 +95,9 @@ void add_parts(const std::vector<NestedPart>& nested, std::vector<std::vector<do
     for (std::size_t i = 0; i < nested.size(); ++i) {
         ++next;
         solver::SubtissueRest& rest = t.subtissues.emplace_back();
-        if (std::all_of(own[i].begin(), own[i].end(), [](double s) { return s == 0; })) {
-            // Nothing of it: its caller refuses it, but the data must be whole.
+        if (std::all_of(own[i].begin(), own[i].end(), [](double s) { return s < least_part_share; })) {
+            // Nothing of it, which is refused where the part lies outside; or so little that paint within it has no
+            // place.
             rest.layer_weights.assign(nested[i].part->materials.size(), std::vector<double>(own[i].size(), 0.0));
             for (std::size_t f = 0; f < nested[i].part->fibers.size(); ++f)
                 t.fibers.push_back(

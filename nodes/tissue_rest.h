@@ -20,7 +20,7 @@ constexpr int tissue_numerics = 6;
 /// What is noticed of a tissue's parts, each in the order of BodyRest::parts.
 struct FoundParts {
     std::vector<double> inside; ///< share of the part's own volume that lies in the tissue
-    /// Share of the part's volume that another part within the same tissue or part holds as well.
+    /// Share of the part's volume that another part beside it holds as well, or that lies outside of the part it is in.
     std::vector<double> shared;
 };
 

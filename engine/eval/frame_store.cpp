@@ -223,7 +223,8 @@ std::vector<fs::directory_entry> files_in(const fs::path& folder, std::string_vi
     std::vector<fs::directory_entry> out;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error))
-        if (entry.path().extension() == ending) out.push_back(entry);
+        if (std::error_code gone; entry.path().extension() == ending && entry.is_regular_file(gone))
+            out.push_back(entry);
     return out;
 }
 
@@ -428,7 +429,7 @@ void remove_kept(const fs::path& folder) {
     for (const auto& entry : fs::directory_iterator(folder, error))
         if (is_ours(entry.path())) ours.push_back(entry.path());
     for (const fs::path& file : ours) fs::remove(file, error);
-    fs::remove(folder, error); // only if it is empty now
+    if (!ours.empty()) fs::remove(folder, error); // only if it is empty now
 }
 
 } // namespace sinew::engine

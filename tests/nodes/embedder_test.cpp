@@ -37,7 +37,8 @@ std::shared_ptr<const engine::Registry> registry_with_affine() {
             for (const auto& edge : solver::edges_of(t.tets.tets))
                 midpoints.push_back(0.5 * (t.tets.vertices[static_cast<std::size_t>(edge[0])] +
                                            t.tets.vertices[static_cast<std::size_t>(edge[1])]));
-        out.set(solved_out, nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}, {affine(midpoints)}});
+        out.set(solved_out,
+                nodes::Solved{{nodes::id_of(b)}, {b.rest}, {affine(t.tets.vertices)}, {affine(midpoints)}, {0}});
     };
     registry->add(std::move(type));
     return registry;

@@ -14,7 +14,9 @@ if (!existsSync(program)) throw new Error(`${program} is not built; say where it
 /** Runs sinew; gives {code, out, err}. */
 export async function sinew(...words) {
     try {
-        const { stdout, stderr } = await promisify(execFile)(program, words, { cwd: root, maxBuffer: 1 << 26 });
+        const { stdout, stderr } = await promisify(execFile)(program, words, {
+            cwd: root, maxBuffer: 1 << 26, env: { ...process.env, SINEW_KEEP_FRAMES: "off" },
+        });
         return { code: 0, out: stdout, err: stderr };
     } catch (e) {
         return { code: e.code, out: e.stdout, err: e.stderr };

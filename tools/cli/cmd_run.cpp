@@ -61,6 +61,14 @@ Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::G
     for (const engine::Plug& plug : plan.plugs) pulled.push_back(plug.node);
     plan.needed = upstream_of(*graph, pulled);
     plan.solvers = simulations(*graph, plan.needed);
+    // The one that no other reads comes first: it is what the report tells of.
+    std::vector<std::string> read;
+    for (const std::string& solver : plan.solvers)
+        for (const std::string& name : upstream_of(*graph, {solver}))
+            if (name != solver) read.push_back(name);
+    std::stable_partition(plan.solvers.begin(), plan.solvers.end(), [&](const std::string& solver) {
+        return std::find(read.begin(), read.end(), solver) == read.end();
+    });
     if (const auto text = arguments.value("--frames")) {
         plan.frames = parse_frames(*text);
     } else {
@@ -198,6 +206,14 @@ class Run {
             f.step = report_.size->record;
             f.worst = report_.size->worst;
             f.lines = report_.size->lines;
+            // A frame is as good as the worst of its solvers.
+            for (std::size_t k = 1; k < plan_.solvers.size(); ++k) {
+                const engine::Value other = evaluator_.pull(
+                    {plan_.graph, {plan_.solvers[k], "outReport"}, static_cast<double>(frame), in_.stop});
+                const solver::StepRecord& record = other.as<nodes::SolveReport>().record;
+                if (!record.converged && f.step->converged) f.step->residual = record.residual;
+                f.step->converged = f.step->converged && record.converged;
+            }
         }
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);

@@ -207,7 +207,9 @@ engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph)
     const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());
     const char* keeps = std::getenv("SINEW_KEEP_FRAMES");
-    policy.keeps_frames = arguments.has("--cache") || !keeps || std::string_view(keeps) != "off";
+    if (keeps && std::string_view(keeps) != "off" && std::string_view(keeps) != "on")
+        throw UsageError("SINEW_KEEP_FRAMES is on or off, not '" + std::string(keeps) + "'.");
+    policy.keeps_frames = arguments.has("--cache") || !keeps || std::string_view(keeps) == "on";
     policy.build = build_mark();
     if (const auto text = arguments.value("--cache-size")) {
         const auto bytes = to_bytes(*text);

@@ -92,7 +92,7 @@ void Progress::stepped(const std::string&, double frame, double) {
     const std::lock_guard lock(mutex_);
     ++steps_;
     stepped_frames_.insert(frame);
-    if (frame < current_) tell_preroll(static_cast<int>(frame));
+    if (frame_begun_ != Clock::time_point{} && frame < current_) tell_preroll(static_cast<int>(frame));
 }
 
 // A run that starts in the middle simulates what comes before first: which frame it is at, and how long it will take.
