@@ -24,7 +24,7 @@ struct Workspace::Impl {
     Potential potential;
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
-    std::vector<double> x, v, x_gamma, v_gamma, acceleration, whole_velocity;
+    std::vector<double> x, v, x_gamma, v_gamma, acceleration, whole_velocity, history_x, history_v;
     std::vector<Measured> measured;
     std::vector<Points> bones;          ///< at the end of the step
     std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
@@ -87,20 +87,36 @@ class DampedVelocity {
   public:
     DampedVelocity(Workspace::Impl& impl, State& s, const StepInputs& in)
         : whole_(impl.whole_velocity)
+        , before_(impl.history_x)
+        , velocity_before_(impl.history_v)
         , s_(s) {
-        whole_.clear();
+        whole_.clear(), before_.clear();
         if (in.integrator == Integrator::quasi_static || !damps_affine_momentum(in)) return;
         whole_ = s.v;
         impl.potential.damp_affine_momentum(s.x, s.v);
+        if (in.integrator == Integrator::bdf2 && s.history.step_size > 0) damp_history(impl);
     }
     DampedVelocity(const DampedVelocity&) = delete;
     void keep() { whole_.clear(); }
     ~DampedVelocity() {
-        if (!whole_.empty()) s_.v = whole_;
+        if (whole_.empty()) return;
+        s_.v = whole_;
+        if (before_.empty()) return;
+        s_.history.x = before_, s_.history.v = velocity_before_;
     }
 
   private:
-    std::vector<double>& whole_;
+    /// BDF2 draws its momentum from the step before as well, which then must have been as slow: what is taken out of
+    /// the velocities at both of its ends it has not gone either.
+    void damp_history(Workspace::Impl& impl) {
+        History& h = s_.history;
+        before_ = h.x, velocity_before_ = h.v;
+        impl.potential.damp_affine_momentum(before_, h.v);
+        for (std::size_t i = 0; i < h.x.size(); ++i)
+            h.x[i] += 0.5 * h.step_size * ((whole_[i] - s_.v[i]) + (velocity_before_[i] - h.v[i]));
+    }
+
+    std::vector<double>&whole_, &before_, &velocity_before_;
     State& s_;
 };
 
