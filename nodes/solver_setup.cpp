@@ -31,9 +31,16 @@ std::string body_name(const Reads& in, const Setup& setup, std::size_t simulated
 /// The tissue that a subtissue is a part of: its place among all bodies. Fails with FE228 where there is none.
 std::size_t whole_of(const Reads& in, const Setup& setup, std::size_t body) {
     const engine::Digest& wanted = setup.bodies[body].get().subtissue->digest;
+    std::vector<std::size_t> found;
     for (std::size_t i = 0; i < setup.bodies.size(); ++i)
         for (const BodyRest::Part& part : setup.bodies[i].get().rest->parts)
-            if (part.digest == wanted) return i;
+            if (part.digest == wanted) found.push_back(i);
+    if (found.size() > 1)
+        in.fail(bodies.name, "FE228",
+                in.source_name(bodies.name, body) + " is a part of both " + in.source_name(bodies.name, found[0]) +
+                    " and " + in.source_name(bodies.name, found[1]),
+                "Connect it to subtissues of one tissue, and a zSubtissue of its own to those of the other.");
+    if (!found.empty()) return found.front();
     in.fail(bodies.name, "FE228", in.source_name(bodies.name, body) + " is a part of none of this solver's bodies",
             "Connect it to subtissues of the tissue that it lies in, and that tissue to zSolver.bodies.");
 }

@@ -90,6 +90,11 @@ void add_parts(const std::vector<NestedPart>& nested, std::vector<std::vector<do
         for (std::size_t k = 1; k < n.part->materials.size(); ++k) place += n.part->materials[k].place != nullptr;
         found.inside.push_back(sum_of(inside.back(), volumes) /
                                std::abs(solver::enclosed_volume(n.part->place->points, n.part->place->triangles)));
+        // What flat sides of tets lose of a small part lies inside all the same.
+        const solver::Points& points = *n.part->mesh.points;
+        const auto is_inside = [&](const solver::Vec3& p) { return fit.tissue->winding_number(p) > 0.5; };
+        if (fit.tissue && found.inside.back() > 0 && std::all_of(points.begin(), points.end(), is_inside))
+            found.inside.back() = 1;
     }
     const std::vector<std::vector<double>> own = exclusive_shares(nested, inside, volumes, found);
     for (std::size_t i = 0; i < nested.size(); ++i) {

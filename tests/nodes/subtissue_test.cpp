@@ -242,6 +242,13 @@ TEST_CASE("parts that cannot be are refused, and doubtful ones named", "[nodes]"
                 "bar", "outBody", &text) == Codes{"FE229"});
     CHECK_THAT(text, Catch::Contains("nothing of muscle lies inside"));
 
+    std::string twice = with(R"("bodies": [{"from": "bar.outBody"}, )",
+                             R"("bodies": [{"from": "bar.outBody"}, {"from": "other.outBody"}, )");
+    twice += R"(, "other": {"type": "zTissue", "inputs": {"mesh": {"from": "barMesh.outMesh"},
+        "materials": [{"from": "firm.outMaterial"}], "subtissues": [{"from": "muscle.outBody"}]}})";
+    CHECK(codes(twice, "solver", "outMeshes", &text) == Codes{"FE228"});
+    CHECK_THAT(text, Catch::Contains("muscle is a part of both bar and other"));
+
     // Half of it sticks out.
     Session out(box("far", 1, 3, 1) + with(R"("mesh": {"from": "muscleMesh.outMesh"},
             "materials")",

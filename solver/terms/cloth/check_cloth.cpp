@@ -100,11 +100,12 @@ void check_cloth_values(const ClothInputs& in, int body) {
                 refuse(body, "FE273", std::string(name) + " of a cloth's material is " + number(value),
                        "stiffnesses and densities are not negative");
         const double scale = std::pow(m.rest_scale, in.rest_scale_envelope);
-        if (!(m.rest_scale > 0) || !(scale > 0) || !std::isfinite(scale))
+        constexpr double most_change = 1e3; // as of tissues
+        if (!(m.rest_scale > 0) || !(scale >= 1 / most_change) || !(scale <= most_change))
             refuse(body, "FE247",
                    "restScale " + number(m.rest_scale) + " to the power of restScaleEnvelope " +
                        number(in.rest_scale_envelope) + " is " + number(scale),
-                   "the rest shape needs a size: keep restScale positive and the envelope small");
+                   "lengths at rest may become 1000 times smaller to 1000 times larger");
     }
     if (!(in.layers.front().mass_density > 0))
         refuse(body, "FE273", "clothMassDensity of a cloth's first material is 0", "a cloth needs mass");

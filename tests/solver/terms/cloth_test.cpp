@@ -420,4 +420,6 @@ TEST_CASE("cloth: what cannot be simulated is refused by name") {
     CHECK(values([](ClothInputs& c) { c.layers[0].mass_density = 0; }) == "FE273");
     CHECK(values([](ClothInputs& c) { c.layers[0].bend_stiffness = NAN; }) == "FE304");
     CHECK(values([](ClothInputs& c) { c.layers[0].rest_scale = 0; }) == "FE247");
+    CHECK(values([](ClothInputs& c) { c.layers[0].rest_scale = 1e-3 * (1 - 1e-9); }) == "FE247");
+    CHECK(values([](ClothInputs& c) { c.layers[0].rest_scale = 11, c.rest_scale_envelope = 3; }) == "FE247");
 }
