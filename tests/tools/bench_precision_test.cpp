@@ -270,7 +270,15 @@ TEST_CASE("sinew bench report writes a page whose pictures are there, with machi
     CHECK(anew.find("## Cantilever", anew.find("## Cantilever") + 1) == std::string::npos);
     CHECK(run_program({"bench", "report", "--only", "cantilevr", "-o", page.string()}).code == 2);
     CHECK(run_program({"bench", "report", "--only", "rigs", "-o", page.string()}).code == 2);
+    CHECK(run_program({"bench", "report", "--only", "elements", "-o", page.string()}).code == 2);
     CHECK(run_program({"bench", "report", "-o", (folder / "page.txt").string()}).code == 2);
+
+    const std::string scene = SINEW_SOURCE_DIR "/graphs/learn/04_moving_bone.json";
+    REQUIRE(run_program({"bench", "report", "--quick", "--only", "elements", scene, "-o", page.string()}).code == 0);
+    const std::string curve = section(read_text(page), "Error against time: 04_moving_bone.json");
+    CHECK(curve.find("| quadratic | 1.5 |") < curve.find("| linear | 2 |"));
+    CHECK(curve.find("(images/bench_elements_04_moving_bone.svg)") != std::string::npos);
+    CHECK(read_text(folder / "images/bench_elements_04_moving_bone.svg").find("<svg") != std::string::npos);
 }
 
 TEST_CASE("without a graph bench elements knows the answer: bodies askew in the lattice", "[tools]") {

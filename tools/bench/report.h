@@ -2,6 +2,7 @@
 // can be measured anew while the others stay.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "tools/bench/elements.h"
 #include "tools/bench/run_options.h"
 #include "tools/bench/scene.h"
 
@@ -25,14 +26,15 @@ struct Section {
 };
 
 /// Names of the sections, in the order of the page: accuracy, convergence, hard, work-precision, levers, cantilever,
-/// scene, rigs, scaling, idle-cost.
+/// scene, rigs, elements, scaling, idle-cost.
 const std::vector<std::string>& section_names();
 /// Where a section of this title stands among them.
 std::size_t place_of(std::string_view title);
-/// Measures one of those but scene and rigs, which need graphs. Throws solver::Stopped.
+/// Measures one of those but scene, rigs and elements, which need graphs. Throws solver::Stopped.
 Section measure_section(const std::string& name, const RunOptions& options);
 Section scene_section(const SceneBench& scene);
 Section rigs_section(const std::vector<SceneBench>& rigs);
+Section elements_section(const ElementBench& curve);
 
 /// When and where a section was measured.
 struct Provenance {

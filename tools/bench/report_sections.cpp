@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 
 namespace sinew::bench {
@@ -256,6 +257,7 @@ constexpr NamedSection sections[] = {{"accuracy", "Accuracy", accuracy_section},
                                      {"cantilever", "Cantilever", cantilever_section},
                                      {"scene", "Scene: ", nullptr},
                                      {"rigs", "Rigs", nullptr},
+                                     {"elements", "Error against time: ", nullptr},
                                      {"scaling", "Scaling", scaling_section},
                                      {"idle-cost", "Idle cost", idle_cost_section}};
 
@@ -308,6 +310,20 @@ Section rigs_section(const std::vector<SceneBench>& rigs) {
                 as_markdown(scenes_table(rigs)),
             {},
             {{"rigs", rows}}};
+}
+
+Section elements_section(const ElementBench& curve) {
+    const std::string stem = std::filesystem::path(curve.name).stem().string();
+    return {"Error against time: " + curve.name,
+            "`sinew bench elements`: the scene with linear and quadratic tets of several sizes. CPU time of the whole "
+            "process for frames " +
+                std::to_string(curve.first + 1) + " to " + std::to_string(curve.last) +
+                ", and how far the vertices of all tissues are at the last of them from the quadratic tets of the "
+                "first row. That one is the finest, not the truth: this is how far one is from convergence in the "
+                "size of the tets, not from a real arm. The size of the scene as it ships is 1.\n\n" +
+                as_markdown(elements_table(curve)) + shown("elements_" + stem, "distance against CPU time a frame"),
+            {{"bench_elements_" + stem + ".svg", draw(elements_plot(curve))}},
+            {{"elements", elements_json(curve)}}};
 }
 
 } // namespace sinew::bench

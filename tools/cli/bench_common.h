@@ -1,6 +1,7 @@
 // What the subcommands of `sinew bench` share.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "tools/bench/elements.h"
 #include "tools/bench/run_options.h"
 #include "tools/bench/scene.h"
 #include "tools/bench/table.h"
@@ -34,6 +35,8 @@ nlohmann::ordered_json provenance(const std::string& name);
 bench::SceneBench measure_scene(const Invocation& in, const std::string& file);
 /// Its first frames with smaller tets and with quadratic ones, under Direct, Iterative and Auto.
 std::vector<bench::SceneBench> measure_rig(const Invocation& in, const std::string& file);
+/// Its motion's error against time, over tet sizes and both elements.
+bench::ElementBench measure_curve(const Invocation& in, const std::string& file);
 /// With --json one line that holds provenance, the summary, the rows and the members of `extra`; else the table, if it
 /// has rows, and the summary.
 void print_result(const Invocation& in, const std::string& name, const bench::Table& table,

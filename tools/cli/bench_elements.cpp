@@ -31,7 +31,20 @@ ExitCode known_bodies(const Invocation& in) {
     return done;
 }
 
+constexpr double curve_sizes[] = {2, 1.4, 1, 0.7, 0.5};
+constexpr int curve_frames = 32; // of the arm: to where the elbow is bent most for the first time
+
 } // namespace
+
+bench::ElementBench measure_curve(const Invocation& in, const std::string& file) {
+    const auto graph = engine::load_graph(nodes::make_registry(), file).graph;
+    const std::string solver = default_plug(*graph).node;
+    const int first = start_frame(*graph, upstream_of(*graph, {solver}));
+    std::vector<double> scales(std::begin(curve_sizes), std::end(curve_sizes));
+    int frames = std::min(curve_frames, std::max(graph->timing().end - first, 2));
+    if (in.arguments.has("--quick")) scales = {2, 1.5}, frames = 2;
+    return bench::run_elements(graph, solver, "", first, first + frames, scales, run_options(in));
+}
 
 ExitCode bench_elements(const Invocation& in) {
     const auto file = in.arguments.operand(1);

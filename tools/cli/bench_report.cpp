@@ -36,6 +36,8 @@ std::vector<bench::Section> measure(const Invocation& in, const std::string& nam
         for (const std::string& file : files)
             for (bench::SceneBench& rig : measure_rig(in, file)) rigs.push_back(std::move(rig));
         if (!rigs.empty()) out.push_back(bench::rigs_section(rigs));
+    } else if (name == "elements") {
+        for (const std::string& file : files) out.push_back(bench::elements_section(measure_curve(in, file)));
     } else {
         out.push_back(bench::measure_section(name, options));
     }
@@ -53,7 +55,7 @@ ExitCode bench_report(const Invocation& in) {
     const std::vector<std::string> wanted = words(in, "--only", bench::section_names(), bench::section_names());
     const bool some = in.arguments.value("--only").has_value();
     for (const std::string& name : wanted)
-        if (some && in.arguments.operands_from(1).empty() && (name == "scene" || name == "rigs"))
+        if (some && in.arguments.operands_from(1).empty() && (name == "scene" || name == "rigs" || name == "elements"))
             throw UsageError("report --only " + name + " needs graph files.");
     const std::filesystem::path images = page.parent_path() / "images";
     check_writable(images, "--output");

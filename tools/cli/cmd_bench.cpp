@@ -105,6 +105,7 @@ Command bench_command() {
           "letters in "
           "its name; elements: the one tissue that takes part, without a graph as the others; report: the sections to "
           "measure anew, a list of accuracy, convergence, hard, work-precision, levers, cantilever, scene, rigs, "
+          "elements, "
           "scaling, idle-cost"},
          {"--output", "PATH",
           "convergence, work-precision, scaling, elements: a folder to write plots to, of work-precision CSV and JSON "
