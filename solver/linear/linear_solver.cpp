@@ -33,7 +33,33 @@ constexpr int most_iterations = 5000;
 /// Cycles that this solve may take before the step has cost more than it would with a factor.
 int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
     const double by_factor = costs_.factor + solves * (newton_iteration + 1) * costs_.factor_solve;
-    return static_cast<int>(std::clamp((by_factor - spent_ - costs_.hierarchy) / costs_.cycle, 0.0, 1000.0));
+    return static_cast<int>(std::clamp((by_factor - spent_ - hierarchy_cost()) / cycle_cost(), 0.0, 1000.0));
+}
+
+double LinearSolver::hierarchy_cost() const {
+    return costs_.hierarchy + (held_block_ ? held_block_->costs().factor : 0);
+}
+
+double LinearSolver::cycle_cost() const {
+    return costs_.cycle + (held_block_ ? 2 * held_block_->costs().factor_solve : 0);
+}
+
+void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
+    spent_ = 0;
+    HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
+    if (held == held_) return;
+    held_ = std::move(held);
+    multigrid_.reset(), held_block_.reset();
+}
+
+void LinearSolver::make_multigrid() {
+    UnknownPlaces places = places_;
+    if (!held_.rows.empty()) {
+        places.body = held_.grid_of;
+        for (const Held h : held_.rows) places.left_out.push_back(h == Held::pinned);
+        held_block_ = std::make_unique<HeldBlock>(pattern_, iterative_->matrix(), held_);
+    }
+    multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places);
 }
 
 void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
@@ -112,14 +138,17 @@ ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std
                                                  std::vector<double>& x, double tolerance, int most) {
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
-    if (!multigrid_) multigrid_ = std::make_unique<Multigrid>(iterative_->matrix(), places_);
-    spent_ += costs_.hierarchy;
-    if (!multigrid_->set_values()) return {0, false, false};
+    if (!multigrid_) make_multigrid();
+    spent_ += hierarchy_cost();
+    if (!multigrid_->set_values() || (held_block_ && !held_block_->set_values(a))) return {0, false, false};
     const ConjugateGradients::Preconditioner cycle = [&](const std::vector<double>& in, std::vector<double>& out) {
-        multigrid_->apply(in, out);
+        if (held_block_)
+            held_block_->apply(*multigrid_, in, out);
+        else
+            multigrid_->apply(in, out);
     };
     const ConjugateGradients::Result r = iterative_->solve(b.data(), x.data(), tolerance, most, cycle);
-    spent_ += r.iterations * costs_.cycle;
+    spent_ += r.iterations * cycle_cost();
     return r;
 }
 

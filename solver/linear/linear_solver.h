@@ -9,6 +9,7 @@
 #pragma once
 #include "solver/linear/component_factors.h"
 #include "solver/linear/conjugate_gradients.h"
+#include "solver/linear/held_block.h"
 #include "solver/linear/linear_costs.h"
 #include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
@@ -32,8 +33,8 @@ class LinearSolver {
     };
     /// A new frame: the factor of the last one is not used any more.
     void begin_frame() { kept_ = Kept::none; }
-    /// A new nonlinear solve: what its iterations cost is counted anew.
-    void begin_step() { spent_ = 0; }
+    /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
+    void begin_step(std::span<const double> springs, std::span<const double> elastic);
     /// Solves A x = b. `newton_iteration` counts from 0 in the step. `projected`: the matrix is positive definite by
     /// construction, so iterations that find otherwise met the limits of single precision, and the factor decides.
     /// `tolerance` is for the iterative path; the direct one is exact to rounding.
@@ -55,12 +56,17 @@ class LinearSolver {
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
+    void make_multigrid();
+    double hierarchy_cost() const;
+    double cycle_cost() const;
     const BlockPattern& pattern_;
     UnknownPlaces places_;
+    HeldRows held_; ///< that the grids were, or will be, made for
     LinearCosts costs_;
     std::unique_ptr<ComponentFactors> factors_, single_; ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
     std::unique_ptr<Multigrid> multigrid_;               ///< likewise
+    std::unique_ptr<HeldBlock> held_block_;              ///< with multigrid_; null: nothing is held
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;

@@ -73,6 +73,8 @@ struct Multigrid::Level {
     std::vector<std::pair<int, float>> members;
     std::vector<int> product_start, product_target; ///< per member: where the entries of its T row go in the coarse row
 
+    std::vector<char> left_out; ///< flags; empty: none
+
     explicit Level(int rows) {
         for (auto* v : {&r, &x, &old, &rest}) v->assign(3 * at(rows) + 1, 0.0f);
         outside.resize(at(rows));
@@ -245,6 +247,7 @@ Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places)
     : coarsest_(std::make_unique<Coarsest>()) {
     levels_.push_back(std::make_unique<Level>(fine.rows));
     levels_.back()->a = &fine;
+    levels_.back()->left_out = places.left_out;
     // Places in units of the first grid's spacing, which is twice that of the mesh.
     Points points(places.points);
     std::vector<int> body = places.body;
@@ -255,11 +258,12 @@ Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places)
         std::map<GridPoint, int> number;
         std::vector<std::vector<std::pair<GridPoint, double>>> weights(points.size());
         for (std::size_t i = 0; i < points.size(); ++i) {
+            if (!level.left_out.empty() && level.left_out[i]) continue;
             kuhn_weights(body[i], points[i], weights[i]);
             for (const auto& [point, w] : weights[i]) number.emplace(point, 0);
         }
         // At least half as many: else a mesh of scattered pieces has come to its end.
-        if (static_cast<int>(number.size()) > level.a->rows / 2) break;
+        if (number.empty() || static_cast<int>(number.size()) > level.a->rows / 2) break;
         Points coarse_points;
         std::vector<int> coarse_body;
         for (auto& [point, n] : number) {
@@ -292,9 +296,11 @@ bool Multigrid::set_values() {
         if (k + 1 < levels_.size()) level.multiply_products(levels_[k + 1]->own);
         level.set_outside();
         if (!invert_diagonal(*level.a, level.outside, level.inverse)) return false;
+        for (std::size_t i = 0; i < level.left_out.size(); ++i)
+            if (level.left_out[i]) level.inverse[i] = {};
     }
     Level& last = *levels_.back();
-    if (last.a->rows > 4 * coarsest_rows) {
+    if (last.a->rows > 4 * coarsest_rows || !last.left_out.empty()) {
         coarsest_->matrix.resize(0, 0); // too many for a dense factor: a sweep up and down serves
         return true;
     }

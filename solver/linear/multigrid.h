@@ -17,6 +17,7 @@ namespace sinew::solver {
 struct UnknownPlaces {
     Points points;               ///< at rest [m]
     std::vector<int> body;       ///< unknowns of different bodies share no coarse ones
+    std::vector<char> left_out;  ///< flags of unknowns that grids do not carry: a cycle leaves 0 there; empty: none
     std::vector<double> spacing; ///< per body: mean distance of neighbours [m]
     bool any_sheet = false; ///< some body is cloth: stiff along the sheet and soft across it, too much so for grids
 };

@@ -293,7 +293,8 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
-    w.linear.begin_step();
+    potential.add_up_springs(w.springs, w.elastic);
+    w.linear.begin_step(w.springs, w.elastic);
     double r = 0;
     const int levels = potential.levels();
     bool definite = false;

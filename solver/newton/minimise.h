@@ -24,8 +24,9 @@ struct NewtonWorkspace {
     BlockMatrix hessian;
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
-    std::vector<double> gain;  ///< that the direction promises each tissue [J]
-    std::vector<char> carried; ///< deformables that start from where a hold takes them
+    std::vector<double> springs, elastic; ///< see Potential::add_up_springs
+    std::vector<double> gain;             ///< that the direction promises each tissue [J]
+    std::vector<char> carried;            ///< deformables that start from where a hold takes them
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;

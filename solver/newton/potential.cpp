@@ -67,6 +67,16 @@ UnknownPlaces Potential::places() const {
     return out;
 }
 
+void Potential::add_up_springs(std::vector<double>& springs, std::vector<double>& elastic) const {
+    springs.assign(pattern_->block_count(), 0.0);
+    for (const auto& term : terms_) term->add_springs(springs);
+    elastic.resize(unknown_count());
+    for (const Deformable& body : numbering_.deformables)
+        for (std::size_t u = body.first_unknown; u < body.first_unknown + body.unknown_count; ++u)
+            elastic[u] = vertex_stiffness_[static_cast<std::size_t>(numbering_.vertex_of_unknown[u])] /
+                         (body.spacing * body.spacing);
+}
+
 void Potential::begin_step(const State& before, const StepInputs& inputs) {
     dynamics_.begin_step(before.x, inputs);
     frozen_.clear();

@@ -63,6 +63,9 @@ class Potential {
     const BlockPattern& pattern() const { return *pattern_; }
     const MassMatrix& masses() const { return dynamics_.masses(); }
     UnknownPlaces places() const; ///< of the unknowns at rest
+    /// Of the stage: stiffness of springs by blocks of the pattern, and of what the unknowns are made of, one each
+    /// [N/m].
+    void add_up_springs(std::vector<double>& springs, std::vector<double>& elastic) const;
 
     /// How far every unknown, 3 numbers each, is from where it would be if only inertia and gravity acted, and each
     /// body's gain by going there, were it not elastic [J]. False, with nothing set, for a step without inertia, or if

@@ -94,6 +94,9 @@ class Term {
     virtual void add_squared_stiffnesses(std::span<double> squares) const = 0;
     /// Size of the numbers that the energy is the difference of [J]; 0 = that of the energy itself.
     virtual double energy_scale() const { return 0; }
+    /// Adds what springs between points contribute to the Hessian of the stage, by blocks of the pattern, each a
+    /// multiple of the identity [N/m]: where they are stiff, linear solvers take care of them.
+    virtual void add_springs(std::span<double> /*blocks*/) const {}
     /// Adds stiffness by vertices [J], with which rigid motions are weighed.
     virtual void add_vertex_stiffness(std::span<double>) const {}
     virtual void add_quality(const Positions* /*x: of the last evaluation, looks closer; null: as evaluated*/,

@@ -32,6 +32,7 @@ class Attachments final : public Term {
         gradient_.add_held(scene_.numbering(), by_vertices);
     }
     void add_hessian(const Positions&, bool, BlockMatrix& a) override { springs_->add_hessian(a); }
+    void add_springs(std::span<double> blocks) const override { springs_->add_springs(blocks); }
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
     double stored_energy(const Positions& x) override { return springs_->stored_energy(x); }

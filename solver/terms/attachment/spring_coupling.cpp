@@ -160,6 +160,10 @@ void SpringCoupling::add_hessian(BlockMatrix& a) const {
     });
 }
 
+void SpringCoupling::add_springs(std::span<double> blocks) const {
+    for (const auto& [block, entry] : blocks_) blocks[at(block)] += values_[entry];
+}
+
 void SpringCoupling::add_squared_stiffnesses(std::vector<double>& of_body) const {
     for (std::size_t n = 0; n < nodes_.size(); ++n) of_body[at(nodes_[n].body)] += square_stiffness_[n];
 }

@@ -44,6 +44,8 @@ class SpringCoupling {
     /// Takes the stage's stiffnesses, one an attachment.
     void set_pulls(const std::vector<SpringPull>& pulls);
     void add_hessian(BlockMatrix& a) const;
+    /// What add_hessian adds to the diagonals of the pattern's blocks, a number each [N/m].
+    void add_springs(std::span<double> blocks) const;
     /// (Stiffness times a move of every node) at a node [N]: of all, or without the viscous part.
     Vec3 product(std::size_t node, const std::vector<Vec3>& moves) const { return times(values_, node, moves); }
     Vec3 elastic_product(std::size_t node, const std::vector<Vec3>& moves) const {

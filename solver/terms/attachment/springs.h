@@ -35,6 +35,8 @@ class Springs {
     double energy(const std::vector<double>& x, double* gradient);
     /// Adds the Hessian to a matrix of the pattern of set_pattern.
     void add_hessian(BlockMatrix& a) const { coupling_.add_hessian(a); }
+    /// Likewise, a number a block of the pattern [N/m].
+    void add_springs(std::span<double> blocks) const { coupling_.add_springs(blocks); }
     /// Adds the squared elastic force on each vertex [N^2], or its squared stiffness [N^2/m^2], to that of its body.
     void add_squared_forces(const std::vector<double>& x, std::vector<double>& of_body);
     void add_squared_stiffnesses(std::vector<double>& of_body) const { coupling_.add_squared_stiffnesses(of_body); }

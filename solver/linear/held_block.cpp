@@ -1,0 +1,108 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/linear/held_block.h"
+
+#include "solver/index.h"
+#include "solver/parallel.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+namespace {
+
+constexpr std::size_t strip_grain = 256;
+
+std::vector<int> held_rows_of(const HeldRows& held) {
+    std::vector<int> out;
+    for (std::size_t i = 0; i < held.rows.size(); ++i)
+        if (held.rows[i] != Held::no) out.push_back(static_cast<int>(i));
+    return out;
+}
+
+/// The pattern of some rows and their columns, and which block of the whole each of its blocks is.
+BlockPattern part_of(const BlockPattern& pattern, const std::vector<int>& rows, std::vector<int>& source) {
+    std::vector<int> local(at(pattern.rows), -1);
+    for (std::size_t k = 0; k < rows.size(); ++k) local[at(rows[k])] = static_cast<int>(k);
+    std::vector<std::pair<int, int>> couplings;
+    for (const int i : rows)
+        for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
+            const int j = local[at(pattern.column[at(e)])];
+            if (j < 0) continue;
+            couplings.emplace_back(local[at(i)], j);
+            source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
+        }
+    return make_pattern(static_cast<int>(rows.size()), std::move(couplings));
+}
+
+} // namespace
+
+void HeldBlock::Strip::end_row(int row) {
+    rows.push_back(row);
+    start.push_back(static_cast<int>(entries.size()));
+}
+
+HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const HeldRows& held)
+    : fine_(fine)
+    , rows_(held_rows_of(held))
+    , pattern_(part_of(pattern, rows_, source_))
+    , matrix_(pattern_)
+    , factors_(pattern_, Factoring::single)
+    , costs_(linear_costs(pattern_)) {
+    for (int i = 0; i < fine.rows; ++i) {
+        const bool is_held = held.rows[at(i)] != Held::no;
+        Strip& strip = is_held ? within_ : beside_;
+        for (int e = fine.row_start[at(i)]; e < fine.row_start[at(i) + 1]; ++e) {
+            const Held column = held.rows[at(fine.column[at(e)])];
+            if (is_held ? column != Held::pinned : column != Held::no) strip.entries.push_back(e);
+        }
+        if (is_held || at(strip.start.back()) != strip.entries.size()) strip.end_row(i);
+    }
+    in_.resize(3 * rows_.size()), out_.resize(in_.size());
+    held_.resize(3 * at(fine.rows)), rest_.resize(held_.size());
+}
+
+bool HeldBlock::set_values(const BlockMatrix& a) {
+    parallel_for(source_.size(), 1024,
+                 [&](std::size_t k) { std::copy_n(a.block(at(source_[k])), 9, matrix_.block(k)); });
+    return factors_.factorize(matrix_);
+}
+
+Vec3 HeldBlock::product(const Strip& strip, std::size_t place, const std::vector<double>& x) const {
+    Float4 sum = {0, 0, 0, 0};
+    for (int k = strip.start[place]; k < strip.start[place + 1]; ++k) {
+        const std::size_t e = at(strip.entries[at(k)]);
+        const FloatBlock& b = fine_.blocks[e];
+        const double* v = x.data() + 3 * at(fine_.column[e]);
+        sum += b.col(0) * static_cast<float>(v[0]) + b.col(1) * static_cast<float>(v[1]) +
+               b.col(2) * static_cast<float>(v[2]);
+    }
+    return {sum[0], sum[1], sum[2]};
+}
+
+void HeldBlock::apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z) {
+    for (std::size_t k = 0; k < rows_.size(); ++k) std::copy_n(r.data() + 3 * at(rows_[k]), 3, in_.data() + 3 * k);
+    factors_.solve(in_.data(), out_.data());
+    rest_ = r;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        std::copy_n(out_.data() + 3 * k, 3, held_.data() + 3 * at(rows_[k]));
+        std::fill_n(rest_.data() + 3 * at(rows_[k]), 3, 0.0); // solved
+    }
+    parallel_for(beside_.rows.size(), strip_grain, [&](std::size_t k) {
+        const Vec3 p = product(beside_, k, held_);
+        for (std::size_t c = 0; c < 3; ++c) rest_[3 * at(beside_.rows[k]) + c] -= p[static_cast<Eigen::Index>(c)];
+    });
+    cycle.apply(rest_, z);
+    parallel_for(rows_.size(), strip_grain, [&](std::size_t k) {
+        const Vec3 p = product(within_, k, z);
+        for (std::size_t c = 0; c < 3; ++c) in_[3 * k + c] = -p[static_cast<Eigen::Index>(c)];
+    });
+    std::vector<double>& again = out_;
+    factors_.solve(in_.data(), again.data());
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t i = 3 * at(rows_[k]) + c;
+            z[i] += held_[i] + again[3 * k + c];
+        }
+}
+
+} // namespace sinew::solver

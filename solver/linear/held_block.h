@@ -1,0 +1,45 @@
+// A multigrid cycle between two exact solves of the block of held unknowns (held_rows.h): a symmetric preconditioner,
+// positive definite where the matrix is. The first solve leaves nothing to do in the block but what the grids will
+// change there; the second takes that up.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/linear/component_factors.h"
+#include "solver/linear/held_rows.h"
+#include "solver/linear/linear_costs.h"
+
+#include <vector>
+
+namespace sinew::solver {
+
+class HeldBlock {
+  public:
+    /// `fine`: the whole matrix. Both outlive this.
+    HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const HeldRows& held);
+    /// Takes the values that `fine` has now, of which `a` is the original. False: not positive definite.
+    bool set_values(const BlockMatrix& a);
+    /// z = block, cycle, block on r; 3 numbers a row. The cycle leaves pinned rows at 0.
+    void apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z);
+    /// Of what is done besides the cycle.
+    const LinearCosts& costs() const { return costs_; }
+
+  private:
+    /// Some entries of some rows of the whole matrix.
+    struct Strip {
+        std::vector<int> rows, start{0}, entries;
+        void end_row(int row);
+    };
+    Vec3 product(const Strip& strip, std::size_t place, const std::vector<double>& x) const;
+
+    const RowBlocks& fine_;
+    std::vector<int> rows_; ///< that are held, ascending
+    BlockPattern pattern_;
+    std::vector<int> source_; ///< per block of theirs: the block of the whole
+    BlockMatrix matrix_;
+    ComponentFactors factors_;
+    LinearCosts costs_;
+    Strip beside_; ///< free rows: their entries in held columns
+    Strip within_; ///< all held rows: their entries in columns that grids carry
+    std::vector<double> in_, out_, rest_, held_;
+};
+
+} // namespace sinew::solver
