@@ -46,6 +46,7 @@ struct Input {
     bool required = false; ///< a graph without it is wrong
     bool keyable =
         true; ///< may carry {keys}; bool, integer and option keys are stepped, other text and files never keyable
+    bool list_keys = false; ///< T = NumberList, which is not keyable otherwise: keys of as many numbers each
     Affects affects = Affects::result;
     std::vector<std::string_view> options = {}; ///< T = std::string: the allowed words
     std::vector<Preset> presets = {};           ///< T = double
@@ -133,7 +134,7 @@ AttributeInfo describe(const Input<T>& a) {
     i.from_timing = a.from_timing, i.when = a.when;
     i.looks_ahead = a.looks_ahead, i.names_entry_of = a.names_entry_of;
     i.keyable = a.keyable && !(std::is_same_v<T, std::string> && a.options.empty()) && !std::is_same_v<T, File> &&
-                !std::is_same_v<T, NumberList>;
+                (!std::is_same_v<T, NumberList> || a.list_keys);
     return i;
 }
 template <class T>

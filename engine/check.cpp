@@ -95,7 +95,10 @@ class Checker {
     void key(const Curve& c, std::size_t i, bool whole) {
         const Key& k = c.keys[i];
         const std::string place = "/keys/" + std::to_string(i);
-        const std::size_t width = input_.def.is<Vec3>() ? 3 : input_.def.is<Matrix4>() ? 16 : 1;
+        const std::size_t width = input_.def.is<Vec3>()         ? 3
+                                  : input_.def.is<Matrix4>()    ? 16
+                                  : input_.def.is<NumberList>() ? c.width()
+                                                                : 1;
         if (!std::isfinite(k.frame)) problem("DG027", "the frame of a key is not finite", {}, place + "/0");
         if (i > 0 && k.frame == c.keys[i - 1].frame)
             problem("DG017", "two keys at frame " + number_text(k.frame), "keep one of them", place);

@@ -54,6 +54,17 @@ constexpr CodeInfo table[] = {
     {"DG106", "sub-steps cannot be used", "Use a whole number of sub-steps, at least 1."},
     {"DG107", "start frame is not a whole number", "Write a whole frame number."},
     {"DG110", "inputs of a node that do not fit together", "Change one of the inputs that the message names."},
+    // ---- DG12x: hosts ----
+    {"DG120", "handle that is not alive", "Use the handle that was given out, and only until it is released."},
+    {"DG121", "no graph is loaded", "Load a graph first."},
+    {"DG122", "result that has no such part", "Ask for a mesh by a name or place that the result has."},
+    {"DG123", "argument of a call that cannot be used", "Give what the message names."},
+    {"DG124", "mesh that the host has not sent", "Send it before the frame is evaluated, or write it in the graph."},
+    {"DG125", "numbers that are no mesh", "Give x, y and z of each vertex, and faces whose corners are among them."},
+    {"DG126", "what to evaluate is not clear", "Name an output as node.output."},
+    {"DG127", "node type of the host failed", "Repair the host's code; the message has its own words."},
+    {"DG128", "node type of the host that cannot be used", "Change its declaration as the message says."},
+    {"DG129", "unforeseen error", "This is an error in Sinew; please tell us how it came about."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
     {"FE202", "number of a mesh or map is not finite",

@@ -41,19 +41,38 @@ double smooth(const std::vector<Key>& keys, std::size_t i, std::size_t c, double
 
 } // namespace
 
-double Curve::component_at(double frame, std::size_t c) const {
-    if (keys.empty()) return 0;
-    if (!(frame > keys.front().frame)) return keys.front().value[c];
-    if (frame >= keys.back().frame) return keys.back().value[c];
+namespace {
+
+/// The key from which a frame goes on, and how far it is on the way to the next; 0: it has the key's value.
+struct Span {
+    std::size_t from;
+    double t;
+};
+
+Span find_span(const std::vector<Key>& keys, Interpolation interpolation, double frame) {
+    if (!(frame > keys.front().frame)) return {0, 0};
+    if (frame >= keys.back().frame) return {keys.size() - 1, 0};
     const auto after =
         std::upper_bound(keys.begin(), keys.end(), frame, [](double f, const Key& k) { return f < k.frame; });
     const auto i = static_cast<std::size_t>(after - keys.begin()) - 1;
     const Key &a = keys[i], &b = keys[i + 1];
-    if (frame == a.frame || interpolation == Interpolation::step) return a.value[c];
-    const double t = (frame - a.frame) / (b.frame - a.frame);
-    if (interpolation == Interpolation::smooth) return smooth(keys, i, c, t);
-    if (a.value[c] == b.value[c]) return a.value[c];
-    return std::lerp(a.value[c], b.value[c], t);
+    if (interpolation == Interpolation::step) return {i, 0};
+    return {i, (frame - a.frame) / (b.frame - a.frame)};
+}
+
+double value_in(const std::vector<Key>& keys, Interpolation interpolation, const Span& span, std::size_t c) {
+    const double a = keys[span.from].value[c];
+    if (span.t == 0) return a;
+    if (interpolation == Interpolation::smooth) return smooth(keys, span.from, c, span.t);
+    const double b = keys[span.from + 1].value[c];
+    return a == b ? a : std::lerp(a, b, span.t);
+}
+
+} // namespace
+
+double Curve::component_at(double frame, std::size_t c) const {
+    if (keys.empty()) return 0;
+    return value_in(keys, interpolation, find_span(keys, interpolation, frame), c);
 }
 
 Matrix4 Curve::matrix_at(double frame) const {
@@ -73,8 +92,11 @@ Matrix4 Curve::matrix_at(double frame) const {
 }
 
 std::vector<double> Curve::at(double frame) const {
+    if (keys.empty()) return {};
+    const Span span = find_span(keys, interpolation, frame);
+    if (span.t == 0) return keys[span.from].value.list();
     std::vector<double> out(width());
-    for (std::size_t c = 0; c < out.size(); ++c) out[c] = component_at(frame, c);
+    for (std::size_t c = 0; c < out.size(); ++c) out[c] = value_in(keys, interpolation, span, c);
     return out;
 }
 

@@ -5,15 +5,45 @@
 #include "engine/value.h"
 
 #include <cstddef>
+#include <initializer_list>
+#include <memory>
+#include <utility>
 #include <vector>
 
 namespace sinew::engine {
 
 enum class Interpolation { step, linear, smooth };
 
+/// The numbers of a key. Shared and never changed: hosts send a frame after the other, each as an edit, and each edit
+/// copies the curve, but not the numbers of all frames before.
+class KeyNumbers {
+  public:
+    KeyNumbers() = default;
+    KeyNumbers(std::vector<double> numbers)
+        : numbers_(std::make_shared<const std::vector<double>>(std::move(numbers))) {}
+    KeyNumbers(std::initializer_list<double> numbers)
+        : KeyNumbers(std::vector<double>(numbers)) {}
+    const std::vector<double>& list() const {
+        static const std::vector<double> none;
+        return numbers_ ? *numbers_ : none;
+    }
+    double operator[](std::size_t i) const { return (*numbers_)[i]; }
+    double front() const { return (*numbers_)[0]; }
+    std::size_t size() const { return numbers_ ? numbers_->size() : 0; }
+    bool empty() const { return size() == 0; }
+    auto begin() const { return list().begin(); }
+    auto end() const { return list().end(); }
+    friend bool operator==(const KeyNumbers& a, const KeyNumbers& b) {
+        return a.numbers_ == b.numbers_ || a.list() == b.list();
+    }
+
+  private:
+    std::shared_ptr<const std::vector<double>> numbers_;
+};
+
 struct Key {
     double frame = 0;
-    std::vector<double> value;                             ///< one number, three for a vector, 16 for a matrix
+    KeyNumbers value; ///< one number, three for a vector, 16 for a matrix, any count for a list of numbers
     std::vector<double> tangent_in = {}, tangent_out = {}; ///< value per frame; empty = automatic
 };
 

@@ -291,7 +291,7 @@ class Edit::Draft {
         n.origin = std::move(origin);
     }
 
-    void bind(const Plug& at, Binding binding) {
+    void bind(const Plug& at, Binding binding, bool check = true) {
         const AttributeInfo* info = input(at);
         if (!info) return;
         const Value* v = std::get_if<Value>(&binding);
@@ -305,7 +305,7 @@ class Edit::Draft {
         if (std::find(n->input_order.begin(), n->input_order.end(), at.attribute) == n->input_order.end())
             n->input_order.push_back(at.attribute);
         forget_origin(*n, at.attribute);
-        touched_.insert(at);
+        if (check) touched_.insert(at);
     }
 
     void bind_json(const Op& op) {
@@ -352,6 +352,7 @@ class Edit::Draft {
         if (v.is<double>()) return std::vector{v.as<double>()};
         if (v.is<Vec3>()) return std::vector<double>(v.as<Vec3>().begin(), v.as<Vec3>().end());
         if (v.is<Matrix4>()) return std::vector<double>(v.as<Matrix4>().begin(), v.as<Matrix4>().end());
+        if (v.is<NumberList>()) return v.as<NumberList>();
         const auto word = v.is<std::string>() ? std::find(info.options.begin(), info.options.end(), v.as<std::string>())
                                               : info.options.end();
         if (word == info.options.end()) return {};
@@ -366,6 +367,7 @@ class Edit::Draft {
             return;
         }
         const auto value = key_value(*info, op.at_frame);
+        const KeyNumbers sent = value ? KeyNumbers(*value) : KeyNumbers();
         if (!value) {
             for (Problem& p : check_binding(graph_, op.plug.node, *graph_.find(op.plug.node)->type, *info, op.at_frame))
                 problem(p.diagnostic.code, op.plug, p.diagnostic.message, p.diagnostic.hint);
@@ -391,10 +393,11 @@ class Edit::Draft {
         const double kept = std::ceil(op.frame) - 1; // up to here nothing changes
         auto at = std::lower_bound(curve.keys.begin(), curve.keys.end(), kept, earlier);
         if (at == curve.keys.end() || at->frame >= op.frame) {
-            std::vector<double> stays;
-            if (curve.keys.empty())
+            KeyNumbers stays;
+            if (curve.keys.empty()) {
                 stays = key_value(*info, before).value();
-            else if (at == curve.keys.begin())
+                if (stays.empty()) stays = sent; // there was no list yet: nothing before that could stay
+            } else if (at == curve.keys.begin())
                 stays = at->value;
             else if (at == curve.keys.end() || curve.interpolation == Interpolation::step ||
                      (at - 1)->value == at->value)
@@ -409,10 +412,23 @@ class Edit::Draft {
         }
         at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame, earlier);
         if (at != curve.keys.end() && at->frame == op.frame)
-            at->value = *value;
+            at->value = sent;
         else
-            curve.keys.insert(at, Key{op.frame, *value});
-        bind(op.plug, std::move(curve));
+            at = curve.keys.insert(at, Key{op.frame, sent});
+        if (bound == n.inputs.end() || !std::holds_alternative<Curve>(bound->second)) {
+            bind(op.plug, std::move(curve));
+            return;
+        }
+        // The other keys stood there and are sound: a host that sends frame by frame must not pay for all of them
+        // again.
+        Curve changed;
+        changed.interpolation = curve.interpolation;
+        const auto i = static_cast<std::size_t>(at - curve.keys.begin());
+        for (std::size_t k = i - std::min<std::size_t>(i, 2); k < std::min(i + 2, curve.keys.size()); ++k)
+            changed.keys.push_back(curve.keys[k]);
+        for (Problem& p : check_binding(graph_, op.plug.node, *n.type, *info, changed))
+            problem(p.diagnostic.code, op.plug, p.diagnostic.message, p.diagnostic.hint);
+        bind(op.plug, std::move(curve), false);
     }
 
     void reset(const Plug& at) {

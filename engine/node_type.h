@@ -179,6 +179,8 @@ struct NodeType {
     int numerics = 1; ///< raised when the same inputs give other bits; old keys die
     /// What else bits hang on, on this machine: the kernels of a library that it works with. Other words, other keys.
     std::string machine = {};
+    /// Of types that a host brings: says which code computes them, for example a version. Other words, other keys.
+    std::string revision = {};
     std::string_view doc;
     std::vector<AttributeInfo> inputs = {}, outputs = {};
     bool uses_time = false; ///< only then does the frame enter the key and may compute ask for it

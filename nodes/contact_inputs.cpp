@@ -28,6 +28,22 @@ const Input<bool> self_collisions{
     .doc = "On keeps the tissue from passing through itself. What is near at rest along the surface, within three mean "
            "edges or three of collisionPointSpacing, does not collide.",
 };
+const Input<bool> cloth_self_collisions{
+    .name = "selfCollisions",
+    .def = false,
+    .doc = "On keeps the cloth from passing through itself: its layers and folds stay thickness apart.",
+};
+const Input<double> thickness{
+    .name = "thickness",
+    .def = 0.001,
+    .unit = "m",
+    .limits = {.min = 0},
+    .doc =
+        "What the cloth takes up in contacts, half of it on either side of its faces; always in metres, whatever the "
+        "scale. Layers of cloth lie so far apart, and solids half of it. 0: only its points press into solids, and "
+        "nothing into it.",
+    .keyable = false,
+};
 const Input<std::string> collision_volume{
     .name = "collisionVolume",
     .def = "auto",
@@ -128,6 +144,7 @@ std::vector<AttributeInfo> contact_attributes(Collider kind) {
     std::vector<AttributeInfo> out = {describe(collisions)};
     const bool cloth = kind == Collider::cloth;
     if (kind == Collider::tissue) out.push_back(describe(self_collisions));
+    if (cloth) out.push_back(describe(cloth_self_collisions)), out.push_back(describe(thickness));
     if (!cloth) out.push_back(describe(collision_volume));
     for (AttributeInfo& a :
          std::vector{describe(contact_sliding), describe(cloth ? cloth_contact_stiffness : contact_stiffness),
@@ -141,8 +158,10 @@ Force read_contact(const Reads& in, Collider kind, const Mesh& surface, const Co
     const bool cloth = kind == Collider::cloth;
     rest->is_volume = !cloth && is_volume(in, shape ? shape->mesh : surface, shape ? "collisionShape" : "mesh");
     rest->sets = sets_of(in);
+    if (cloth) rest->thickness = in[thickness];
     Hasher h;
     h.add("contact").add(rest->is_volume).add(in[collision_sets]).add(shape != nullptr);
+    if (cloth) h.add(rest->thickness);
     if (shape) {
         auto own = std::make_shared<solver::CollisionShape>();
         own->surface = *shape->mesh.points;
@@ -153,7 +172,8 @@ Force read_contact(const Reads& in, Collider kind, const Mesh& surface, const Co
     }
     solver::ContactValues values;
     values.collides = in[collisions] ? 1 : 0;
-    values.collides_with_itself = kind == Collider::tissue && in[self_collisions] ? 1 : 0;
+    if (kind == Collider::tissue) values.collides_with_itself = in[self_collisions] ? 1 : 0;
+    if (cloth) values.collides_with_itself = in[cloth_self_collisions] ? 1 : 0;
     values.slides = in[contact_sliding] ? 1 : 0;
     values.stiffness = in[cloth ? cloth_contact_stiffness : contact_stiffness], values.friction = in[contact_friction];
     Force f;

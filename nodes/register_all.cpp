@@ -14,6 +14,7 @@ namespace sinew::nodes {
 // geometry
 void add_mesh_file(engine::Registry&);
 void add_mesh_sequence(engine::Registry&);
+void add_host_mesh(engine::Registry&);
 void add_tet_mesh_file(engine::Registry&);
 void add_poly_sphere(engine::Registry&);
 void add_poly_cube(engine::Registry&);
@@ -156,6 +157,7 @@ void register_all(engine::Registry& registry) {
                       add_aim,
                       add_pick_mesh,
                       add_mesh_sequence,
+                      add_host_mesh,
                       add_skin_cluster})
         add(plain);
     for (const std::string& name : plain.names()) registry.add(with_errors_told(*plain.find(name)));

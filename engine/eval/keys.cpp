@@ -19,6 +19,7 @@ Hasher identity(const NodeType& t) {
     Hasher h;
     h.add(t.name).add(t.version).add(t.numerics);
     if (!t.machine.empty()) h.add(t.machine);
+    if (!t.revision.empty()) h.add("revision").add(t.revision);
     return h;
 }
 

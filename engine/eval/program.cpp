@@ -30,6 +30,7 @@ Value Slot::sample(double frame) const {
         return Value::of<Vec3>(
             {curve->component_at(frame, 0), curve->component_at(frame, 1), curve->component_at(frame, 2)});
     if (as.is<Matrix4>()) return Value::of<Matrix4>(curve->matrix_at(frame));
+    if (as.is<NumberList>()) return Value::of<NumberList>(curve->at(frame));
     const double v = curve->component_at(frame, 0);
     if (as.is<bool>()) return Value::of<bool>(v != 0);
     if (as.is<std::int64_t>()) return Value::of<std::int64_t>(static_cast<std::int64_t>(v));

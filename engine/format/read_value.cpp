@@ -333,7 +333,7 @@ class BindingReader {
     }
 
     std::vector<double> keyed(const Json& json, const std::string& below, double factor) {
-        if (input_.def.is<Vec3>() || input_.def.is<Matrix4>()) {
+        if (input_.def.is<Vec3>() || input_.def.is<Matrix4>() || input_.def.is<NumberList>()) {
             NumberList out;
             numbers(json, below, factor, input_.def.is<Matrix4>(), out);
             return out;

@@ -41,7 +41,7 @@ std::string curve_text(const AttributeInfo& info, const Curve& c) {
     static constexpr const char* words[] = {"step", "linear", "smooth"};
     std::string keys;
     for (const Key& k : c.keys) {
-        keys += (keys.empty() ? "[" : ", [") + number_text(k.frame) + ", " + keyed_text(info, k.value);
+        keys += (keys.empty() ? "[" : ", [") + number_text(k.frame) + ", " + keyed_text(info, k.value.list());
         std::string tangents;
         if (!k.tangent_in.empty()) tangents += "\"in\": " + keyed_text(info, k.tangent_in);
         if (!k.tangent_out.empty())

@@ -32,8 +32,8 @@ class HeldBlock {
 
     const RowBlocks& fine_;
     std::vector<int> rows_; ///< that are held, ascending
+    std::vector<int> source_; ///< per block of theirs: the block of the whole; filled as the pattern is made
     BlockPattern pattern_;
-    std::vector<int> source_; ///< per block of theirs: the block of the whole
     BlockMatrix matrix_;
     ComponentFactors factors_;
     LinearCosts costs_;

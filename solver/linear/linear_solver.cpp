@@ -27,6 +27,8 @@ constexpr double worn_out = 0.5;
 constexpr int small_rows = 200;
 /// Where there is no factor to fall back on.
 constexpr int most_iterations = 5000;
+/// A direction that is not exact after so many is taken as it is.
+constexpr int most_truncated = 60;
 
 } // namespace
 
@@ -132,6 +134,33 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
     }
     // What single precision cannot tell.
     factorize_and_solve(a, b, x, tolerance, projected, outcome);
+}
+
+bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcome) {
+    if (make_single(a, outcome)) return true;
+    if (!must) return false;
+    const Stopwatch timer(outcome.seconds_factor);
+    if (!factors_ || plain_factors_) {
+        factors_ = std::make_unique<ComponentFactors>(pattern_, Factoring::by_component);
+        plain_factors_ = false;
+        ++symbolic_analyses_;
+    }
+    const bool good = factors_->factorize(a);
+    ++outcome.factors;
+    kept_ = good ? Kept::full : Kept::none;
+    return good;
+}
+
+void LinearSolver::solve_truncated(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                   double tolerance, double& length, Outcome& outcome) {
+    const Stopwatch timer(outcome.seconds_solve);
+    ComponentFactors& factors = kept_ == Kept::single ? *single_ : *factors_;
+    const TruncatedNewton::Result r = truncated_.solve(a, factors, b, x, tolerance, most_truncated, length);
+    length = r.length;
+    outcome.iterations += r.iterations;
+    outcome.definite = !r.negative;
+    outcome.worn = (!r.converged && r.iterations == most_truncated) ||
+                   r.iterations > worn_out * costs_.factor / costs_.factor_solve;
 }
 
 ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std::vector<double>& b,

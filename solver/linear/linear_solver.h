@@ -13,6 +13,7 @@
 #include "solver/linear/linear_costs.h"
 #include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
+#include "solver/linear/truncated_newton.h"
 
 #include <memory>
 
@@ -30,6 +31,7 @@ class LinearSolver {
         int iterations = 0;    ///< of conjugate gradients, also those that were given up
         int factors = 0;       ///< made
         double seconds_factor = 0, seconds_solve = 0;
+        bool worn = false; ///< solve_truncated: a new factor would be cheaper
     };
     /// A new frame: the factor of the last one is not used any more.
     void begin_frame() { kept_ = Kept::none; }
@@ -40,6 +42,16 @@ class LinearSolver {
     /// `tolerance` is for the iterative path; the direct one is exact to rounding.
     Outcome solve(LinearMethod method, const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                   double tolerance, int newton_iteration, bool projected, LinearMemory& memory);
+    /// For sheets, whose Hessian is seldom positive definite. Makes a factor to precondition solve_truncated with;
+    /// false: the matrix is not positive definite. With `must` what single precision cannot tell is tried in double.
+    bool precondition(const BlockMatrix& a, bool must, Outcome& outcome);
+    bool is_preconditioned() const { return kept_ == Kept::single || kept_ == Kept::full; }
+    /// x = A^-1 b with that factor, which may be of an earlier matrix. `definite` says whether no negative curvature
+    /// was met; x gives descent in any case.
+    /// `length`: how far x may go at most in the norm of the factor, and how far it goes.
+    void solve_truncated(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x, double tolerance,
+                         double& length, Outcome& outcome);
+    bool takes_sheets(LinearMethod method) const { return method == LinearMethod::automatic && places_.any_sheet; }
     int symbolic_analyses() const { return symbolic_analyses_; }
 
   private:
@@ -67,6 +79,7 @@ class LinearSolver {
     std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
     std::unique_ptr<Multigrid> multigrid_;               ///< likewise
     std::unique_ptr<HeldBlock> held_block_;              ///< with multigrid_; null: nothing is held
+    TruncatedNewton truncated_;
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;

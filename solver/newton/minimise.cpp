@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sinew::solver {
 
@@ -22,6 +23,47 @@ double forcing(double residual, double tolerance) { return std::clamp(0.2 * tole
 
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
 /// projected one; `definite` says which. Returns the slope along it.
+/// What truncated directions go by from one iteration to the next.
+struct Truncated {
+    bool fresh = true;                                        ///< a new factor is due
+    bool negative = false;                                    ///< the Hessian was not positive definite
+    double longest = std::numeric_limits<double>::infinity(); ///< that is allowed, in the norm of the factor
+    double length = 0;                                        ///< of the last direction
+};
+
+/// direction = -H^-1 gradient, or as far as that is defined (linear/truncated_newton.h). Returns the slope along it; 0:
+/// there is none.
+double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
+                      const std::vector<double>& x, Truncated& how, bool& definite, StepRecord& record) {
+    LinearSolver::Outcome outcome;
+    const auto assemble = [&](bool project, BlockMatrix& a) {
+        const Stopwatch timer(record.seconds_assembly);
+        potential.assemble(x, project, a);
+    };
+    assemble(false, w.hessian);
+    bool good = w.linear.is_preconditioned() && !how.fresh;
+    // The Hessian itself, where it may be positive definite, else its projection.
+    if (!good && !how.negative) good = w.linear.precondition(w.hessian, false, outcome);
+    if (!good) {
+        if (!w.projected) w.projected = std::make_unique<BlockMatrix>(potential.pattern());
+        assemble(true, *w.projected);
+        good = w.linear.precondition(*w.projected, true, outcome);
+    }
+    how.length = how.longest;
+    if (good)
+        w.linear.solve_truncated(w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance), how.length,
+                                 outcome);
+    how.fresh = outcome.worn, how.negative = !outcome.definite;
+    record.linear_iterations += outcome.iterations;
+    record.factorizations += outcome.factors;
+    record.seconds_factor += outcome.seconds_factor;
+    record.seconds_solve += outcome.seconds_solve;
+    if (!good) return 0;
+    definite = outcome.definite;
+    for (double& d : w.direction) d = -d;
+    return dot(w.gradient, w.direction);
+}
+
 double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
                       int iteration, const std::vector<double>& x, LinearMemory& memory, bool& definite,
                       StepRecord& record) {
@@ -140,6 +182,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         return true;
     };
     bool stuck = false;
+    Truncated how;
     for (int iteration = 0; !converged; ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
@@ -151,7 +194,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
         if (look_anew(stuck) && converged) break;
         value += potential.begin_iteration(x);
-        const double slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
+        double slope = 0;
+        if (w.linear.takes_sheets(options.method))
+            slope = find_truncated(potential, w, options, r, x, how, definite, record);
+        if (!(slope < 0)) slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         ++record.newton_iterations;
 
         // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to
@@ -179,6 +225,8 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             continue;
         }
         stuck = t < stalled_step;
+        // A trust region: as far as the last step went where that was cut short, else twice as far.
+        how.longest = t < 1 ? t * how.length : std::max(how.longest, 2 * how.length);
         x.swap(w.trial);
         judge();
         if (!below_rounding || t < 1) {

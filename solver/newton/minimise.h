@@ -1,8 +1,9 @@
 // Newton's method with line search on the incremental potential. Hessians are exact; only where one is not positive
 // definite is it assembled again with every element's eigenvalues clamped (always clamping costs 2 to 2.4 times the
-// iterations: `sinew bench levers`). Converged: on every tissue |gradient| <= tolerance x the forces at work there, or
-// down to what rounding makes of zero: below what rounding of positions does to forces (Potential::balance), or where
-// whole Newton steps no longer bring it down (rounding_floor.h).
+// iterations: `sinew bench levers`). Scenes with sheets, which seldom are, take truncated directions within a trust
+// region instead (linear/truncated_newton.h). Converged: on every tissue |gradient| <= tolerance x the forces at work
+// there, or down to what rounding makes of zero: below what rounding of positions does to forces (Potential::balance),
+// or where whole Newton steps no longer bring it down (rounding_floor.h).
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/linear_solver.h"
@@ -10,6 +11,8 @@
 #include "solver/newton/potential.h"
 #include "solver/newton/rounding_floor.h"
 #include "solver/step.h"
+
+#include <memory>
 
 namespace sinew::solver {
 
@@ -22,6 +25,7 @@ struct NewtonOptions {
 /// Buffers that live as long as the pattern.
 struct NewtonWorkspace {
     BlockMatrix hessian;
+    std::unique_ptr<BlockMatrix> projected; ///< of scenes with sheets: the Hessian is needed beside it
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
     std::vector<double> springs, elastic; ///< see Potential::add_up_springs

@@ -4,19 +4,30 @@
 #include "solver/index.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace sinew::solver {
 
 void PointTriangleElement::set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
                                const Numbering& numbering, const BlockPattern& pattern) {
     if (point == point_ && triangle == triangle_) return;
+    const Triangle& t = target.triangles()[at(triangle)];
+    set({ride, target.free_ride(t[0]), target.free_ride(t[1]), target.free_ride(t[2])}, 1, numbering, pattern);
     point_ = point, triangle_ = triangle;
-    nodes_.clear(), entries_.clear(), free_.clear();
-    const auto add = [&](std::span<const RideTerm> terms, int corner) {
-        for (const RideTerm& t : terms) nodes_.push_back({corner, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
-    };
-    add(ride, 0);
-    for (int c = 0; c < 3; ++c) add(target.free_ride(target.triangles()[at(triangle)][at(c)]), c + 1);
+}
+
+void PointTriangleElement::set(const std::array<std::span<const RideTerm>, 4>& rides, int split,
+                               const Numbering& numbering, const BlockPattern& pattern) {
+    point_ = triangle_ = -1, split_ = split;
+    nodes_.clear();
+    for (int c = 0; c < 4; ++c)
+        for (const RideTerm& t : rides[at(c)])
+            nodes_.push_back({c, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
+    find_entries(pattern);
+}
+
+void PointTriangleElement::find_entries(const BlockPattern& pattern) {
+    entries_.clear(), free_.clear();
     const auto coupled_among = [&](int first_corner, int last_corner) {
         for (const Node& row : nodes_)
             for (const Node& column : nodes_) {
@@ -30,8 +41,10 @@ void PointTriangleElement::set(std::span<const RideTerm> ride, int point, const 
     coupled_ = coupled_among(0, 3);
     if (coupled_)
         group_ = {0, 0, 0, 0};
-    else if (coupled_among(1, 3))
+    else if (split_ == 1 && coupled_among(1, 3))
         group_ = {0, 1, 1, 1};
+    else if (split_ == 2 && coupled_among(0, 1) && coupled_among(2, 3))
+        group_ = {0, 0, 1, 1};
     else
         group_ = {0, 1, 2, 3};
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -76,13 +89,14 @@ void PointTriangleElement::add_hessian(const PointTriangleBlocks& blocks, double
     a.overlay.add(free_, across);
 }
 
-std::array<double, 2> PointTriangleElement::stiffness_below(const Vec3& place, const BlockMatrix& a) const {
+std::array<double, 2> PointTriangleElement::stiffness_below(const std::array<double, 4>& by_corners,
+                                                            const BlockMatrix& a) const {
     std::array<double, 2> out{0, 0};
     for (const Node& n : nodes_) {
-        const std::size_t side = n.corner == 0 ? 0 : 1;
+        const std::size_t side = n.corner < split_ ? 0 : 1;
         if (n.unknown < 0) continue;
         const double* diagonal = a.block(at(a.pattern->row_start[at(n.unknown)]));
-        const double share = n.corner == 0 ? n.weight : n.weight * place[n.corner - 1];
+        const double share = n.weight * std::abs(by_corners[at(n.corner)]);
         out[side] += share * (diagonal[0] + diagonal[4] + diagonal[8]) / 3;
     }
     return out;

@@ -1,4 +1,5 @@
-// One point and one triangle, and what carries them: the way from derivatives by the four to those by unknowns.
+// One point and one triangle, or two edges, and what carries them: the way from derivatives by the four corners to
+// those by unknowns.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/block_matrix.h"
@@ -16,6 +17,10 @@ class PointTriangleElement {
     /// point's number tells.
     void set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
              const Numbering& numbering, const BlockPattern& pattern);
+    /// Makes it stand for four corners that ride as given, of which the first `split` are one side, a point (1) or an
+    /// edge (2), and the others the other.
+    void set(const std::array<std::span<const RideTerm>, 4>& rides, int split, const Numbering& numbering,
+             const BlockPattern& pattern);
     /// Forgets which entries of the pattern it writes to.
     void forget() { point_ = triangle_ = -1; }
 
@@ -27,9 +32,9 @@ class PointTriangleElement {
     /// among what carries the triangle, or one of its corners, as far as the pattern couples them; the others to the
     /// overlay.
     void add_hessian(const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) const;
-    /// The diagonal that the matrix has where the point and the triangle are, mean over directions and weighed by what
-    /// carries them [N/m]; infinite where it is held.
-    std::array<double, 2> stiffness_below(const Vec3& place, const BlockMatrix& a) const;
+    /// The diagonal that the matrix has where the two sides are, mean over directions and weighed by `by_corners` and
+    /// what carries them [N/m]; infinite where it is held.
+    std::array<double, 2> stiffness_below(const std::array<double, 4>& by_corners, const BlockMatrix& a) const;
 
   private:
     struct Node {
@@ -40,7 +45,8 @@ class PointTriangleElement {
         int block;       ///< of the pattern
         int row, column; ///< nodes
     };
-    int point_ = -1, triangle_ = -1;
+    void find_entries(const BlockPattern& pattern);
+    int point_ = -1, triangle_ = -1, split_ = 1;
     std::vector<Node> nodes_;
     std::vector<Entry> entries_;
     std::array<int, 4> group_{}; ///< per corner: those of one group are coupled in the pattern

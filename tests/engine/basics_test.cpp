@@ -67,7 +67,7 @@ TEST_CASE("a value knows its type, digest and bytes, and refuses to be read as a
 TEST_CASE("curves hold their keys, are constant outside and exact on flat spans") {
     for (Interpolation i : {Interpolation::step, Interpolation::linear, Interpolation::smooth}) {
         const Curve c{i, {{1, {0.1}}, {7, {0.1}}, {9, {0.7}}, {12, {0.3}}, {13, {0.3}}}};
-        for (const Key& k : c.keys) CHECK(c.at(k.frame) == k.value);
+        for (const Key& k : c.keys) CHECK(c.at(k.frame) == k.value.list());
         for (double f : {-100.0, 0.0, 1.0, 1.0001, 2.3, 6.9999, 7.0}) CHECK(c.at(f)[0] == 0.1);
         for (double f : {12.0, 12.4, 13.0, 500.0}) CHECK(c.at(f)[0] == 0.3);
     }

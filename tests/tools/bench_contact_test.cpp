@@ -178,14 +178,18 @@ TEST_CASE("the scenes of graphs/bench have the tets and bodies that they are com
     const std::vector<std::pair<std::string, int>> tets{
         {"a_tilt_24k", 24576},    {"a_tilt_6k", 6000},    {"b_stack_12k", 12000}, {"b_stack_49k", 49152},
         {"c_balls_10", 12550},    {"c_balls_20", 25100},  {"c_cubes_10", 12960},  {"c_cubes_20", 25920},
-        {"d_squeeze_24k", 23352}, {"d_squeeze_6k", 6497}, {"f_drag_30k", 30000},  {"f_drag_6k", 6480},
-        {"g_fast_6k", 6000},      {"g_thin_5.1", 384}};
+        {"d_squeeze_24k", 23352}, {"d_squeeze_6k", 6497}, {"e_cloth_100", 0},     {"e_cloth_50", 0},
+        {"f_drag_30k", 30000},    {"f_drag_6k", 6480},    {"g_fast_6k", 6000},    {"g_thin_5.1", 384}};
     const json rows = rows_of(said);
     REQUIRE(rows.size() == tets.size());
     for (std::size_t k = 0; k < tets.size(); ++k) {
         CHECK(rows[k].at("scene") == tets[k].first);
         CHECK(rows[k].at("tets") == tets[k].second);
         CHECK(rows[k].at("unconverged") == 0);
+        const bool cloth = tets[k].first[0] == 'e';
+        CHECK(rows[k].at("crossings").is_null() == !cloth);
+        CHECK(rows[k].at("max_stretch_percent").is_null() == !cloth);
+        if (cloth) CHECK(rows[k].at("crossings") == 0);
         CHECK(rows[k].at("peer_s_median").is_null() == (tets[k].first[0] == 'g'));
     }
 }

@@ -3,6 +3,7 @@
 #include "tools/cli/report.h"
 
 #include "tools/cli/print.h"
+#include "tools/embed/frame_json.h"
 
 #include <catch2/catch.hpp>
 #include <limits>
@@ -125,7 +126,8 @@ TEST_CASE("a step is described field by field", "[tools]") {
     s.linear_iterations = 11, s.factorizations = 13, s.energy = 0.25, s.min_j = -0.125, s.inverted = 17;
     s.seconds_assembly = 1, s.seconds_factor = 2, s.seconds_solve = 3, s.seconds_other = 4;
     s.measured = {{&stretch, 0.0625}, {&force, 4}, {&each, 5, 0}, {&each, 6, 1}};
-    CHECK(json(describe_step(s)) == json::parse(R"({"residual": 0.5, "converged": false, "newton": 7, "substeps": 2,
+    CHECK(json(sinew::embed::step_json(s)) ==
+          json::parse(R"({"residual": 0.5, "converged": false, "newton": 7, "substeps": 2,
         "halvings": 3, "linear_iterations": 11, "factorizations": 13, "energy": 0.25, "min_J": -0.125, "inverted": 17,
         "phases": {"assembly": 1.0, "factor": 2.0, "solve": 3.0, "other": 4.0},
         "terms": {"spring": {"stretch_m": 0.0625}, "touch": {"force_N": 4.0, "each_N": [5.0, 6.0]}}})"));

@@ -3,6 +3,7 @@
 
 #include "engine/evaluator.h"
 #include "nodes/values.h"
+#include "solver/mesh/crossings.h"
 #include "solver/term/measure.h"
 #include "tools/bench/beams.h"
 #include "tools/bench/cantilever.h"
@@ -42,6 +43,8 @@ constexpr Peer peers[] = {
     {"d_squeeze_24k", Stays::nothing, .24, 5.3},
     {"f_drag_6k", Stays::nothing, .049, 5.1},
     {"f_drag_30k", Stays::nothing, .20, 5.7},
+    {"e_cloth_50", Stays::nothing, .34, 16},
+    {"e_cloth_100", Stays::nothing, 1.75, 22},
     {"g_fast_6k", Stays::body},
     {"g_thin_5.1", Stays::body},
 };
@@ -177,6 +180,29 @@ std::vector<std::size_t> below_all_bones(const nodes::Solved& now, int up) {
     return out;
 }
 
+bool is_cloth(const nodes::Solved& solved, std::size_t body) {
+    return std::holds_alternative<std::shared_ptr<const solver::ClothRest>>(solved.rests[body]->data);
+}
+
+/// Edges that go through faces, of cloth with itself, other cloth and bones; nothing where there is no cloth.
+std::optional<int> crossings_of_cloth(const nodes::Solved& now) {
+    std::optional<int> out;
+    const auto faces = [&](std::size_t b) -> const std::vector<solver::Triangle>& {
+        return now.rests[b]->mesh.topology->triangles;
+    };
+    for (std::size_t a = 0; a < now.rests.size(); ++a) {
+        if (!is_cloth(now, a)) continue;
+        std::size_t count = solver::own_crossings(now.positions[a], faces(a)).size();
+        for (std::size_t b = 0; b < now.rests.size(); ++b) {
+            if (a == b || tets_of(now, b) || (is_cloth(now, b) && b < a)) continue;
+            count += solver::crossings(now.positions[a], faces(a), now.positions[b], faces(b)).size() +
+                     solver::crossings(now.positions[b], faces(b), now.positions[a], faces(a)).size();
+        }
+        out = out.value_or(0) + static_cast<int>(count);
+    }
+    return out;
+}
+
 /// Frame after frame into the row; stops where an error does.
 void run_frames(const ContactScene& scene, const RunOptions& options, Stays stays, ContactRow& row,
                 std::vector<double>& seconds) {
@@ -207,6 +233,11 @@ void run_frames(const ContactScene& scene, const RunOptions& options, Stays stay
         row.contacts = std::max(row.contacts, static_cast<int>(solver::value_of(r.measured, "contact", "contacts")));
         row.depth_m = std::max(row.depth_m, solver::value_of(r.measured, "contact", "max_depth_m"));
         last = pull("outSolved", frame);
+        if (const auto crossings = crossings_of_cloth(last.as<nodes::Solved>())) {
+            row.crossings = std::max(row.crossings.value_or(0), *crossings);
+            row.stretch_percent =
+                std::max(row.stretch_percent.value_or(0), solver::value_of(r.measured, "cloth", "max_stretch_percent"));
+        }
         if (watch) {
             const auto [drift, centre] = watch->ways(last.as<nodes::Solved>());
             row.drift_m = std::max(row.drift_m.value_or(0), drift / scene.units_per_metre);
@@ -290,6 +321,8 @@ Table contact_table(const std::vector<ContactRow>& rows) {
              "contacts",
              "deepest [mm]",
              "inverted",
+             "crossings",
+             "stretch [%]",
              "unconverged",
              "drift [mm]",
              "centre [mm]",
@@ -313,6 +346,8 @@ Table contact_table(const std::vector<ContactRow>& rows) {
                           std::to_string(r.contacts),
                           number(1e3 * r.depth_m, 3),
                           std::to_string(r.inverted),
+                          r.crossings ? std::to_string(*r.crossings) : "-",
+                          number_or_dash(r.stretch_percent, 1, 2),
                           std::to_string(r.unconverged),
                           number_or_dash(r.drift_m, 1e3, 2),
                           number_or_dash(r.centre_m, 1e3, 2),
@@ -351,6 +386,8 @@ nlohmann::ordered_json contact_json(const std::vector<ContactRow>& rows) {
                        {"max_depth_m", r.depth_m},
                        {"inverted", r.inverted},
                        {"min_J", r.least_j},
+                       {"crossings", r.crossings ? nlohmann::ordered_json(*r.crossings) : nlohmann::ordered_json()},
+                       {"max_stretch_percent", or_null(r.stretch_percent)},
                        {"drift_m", or_null(r.drift_m)},
                        {"centre_m", or_null(r.centre_m)},
                        {"fallen", r.fallen},
@@ -376,6 +413,7 @@ std::string contact_summary(const std::vector<ContactRow>& rows) {
         if (!r.ended.empty()) out += " " + r.ended + ";";
         if (r.unconverged) out += " " + std::to_string(r.unconverged) + " frames not converged;";
         if (r.inverted) out += " " + std::to_string(r.inverted) + " tets inside out;";
+        if (r.crossings.value_or(0) > 0) out += " up to " + std::to_string(*r.crossings) + " edges through faces;";
         if (!r.fallen.empty()) out += " fell through: " + list_of(r.fallen) + ";";
         out.pop_back();
     }

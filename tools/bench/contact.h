@@ -37,6 +37,10 @@ struct ContactRow {
     double depth_m = 0; ///< deepest of all frames
     int inverted = 0;   ///< most at one frame
     double least_j = 1;
+    /// Of scenes with cloth, else nothing: most edges that go through faces at one frame, of cloth with cloth, itself
+    /// or bones, and its largest stretch of all frames [%].
+    std::optional<int> crossings;
+    std::optional<double> stretch_percent;
     /// Farthest way across of what should stay where it is [m]; nothing for other scenes. `drift_m`: of a body's centre
     /// of mass; of a body that stands on another, of its lowest vertices against what they stand on. `centre_m`: of the
     /// centre, against that of the one below if it stands on one; what leans without slipping moves it too.
@@ -47,8 +51,10 @@ struct ContactRow {
     /// machine.
     std::optional<double> peer_s, peer_newton, ratio;
     std::optional<double> cantilever_s; ///< a step of the yardstick, mean of before and after the scene
-    /// Whether it ran to the end, converged, and nothing is inside out or fell through.
-    bool is_sound() const { return ended.empty() && unconverged == 0 && inverted == 0 && fallen.empty(); }
+    /// Whether it ran to the end, converged, and nothing is inside out, fell through or crosses.
+    bool is_sound() const {
+        return ended.empty() && unconverged == 0 && inverted == 0 && fallen.empty() && crossings.value_or(0) == 0;
+    }
 };
 
 /// Runs on the calling thread's TBB arena. Where the other engine's time is known, and not in a quick run, a cantilever

@@ -48,7 +48,8 @@ class Search {
         if (std::all_of(keys.begin(), keys.end(), [&](const Key& k) { return same(k, keys.front()); })) return;
         const Reach reach{keys.front().frame, keys.back().frame};
         const engine::Timing& timing = graph_.timing();
-        const bool moves = info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>();
+        const bool moves =
+            info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>() || info.def.is<engine::NumberList>();
         if (!moves && (missing(reach.first - timing.start) || missing(timing.end - reach.last))) return;
         Gap gap = gap_of(reach);
         gap.begins_late = gap.begins_late && !same(keys[0], keys[1]);

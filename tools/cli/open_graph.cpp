@@ -20,19 +20,14 @@
 
 namespace sinew::cli {
 
+using embed::sources;
+using embed::split_plug;
 using engine::Binding;
 using engine::Graph;
 using engine::Node;
 using engine::Plug;
 
 namespace {
-
-/// "node.attribute", split at the last dot. Empty node if there is none.
-Plug split_plug(const std::string& text) {
-    const std::size_t dot = text.rfind('.');
-    if (dot == std::string::npos || dot == 0 || dot + 1 == text.size()) return {};
-    return {text.substr(0, dot), text.substr(dot + 1)};
-}
 
 void apply_setting(engine::Edit& edit, const std::string& setting) {
     const std::size_t equals = setting.find('=');
@@ -41,13 +36,6 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
     edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
-}
-
-/// The connections that stand at an input.
-std::vector<Plug> sources(const Binding& binding) {
-    if (const auto* plug = std::get_if<Plug>(&binding)) return {*plug};
-    if (const auto* list = std::get_if<std::vector<Plug>>(&binding)) return *list;
-    return {};
 }
 
 /// The literal at an input, or its default. Empty if it is connected, keyed or unknown.
@@ -141,48 +129,13 @@ Plug parse_plug(const Graph& graph, const std::string& text) {
     return plug;
 }
 
-namespace {
-
-/// Those that none of the others reads: the last of layers.
-std::vector<std::string> last_of(const Graph& graph, const std::vector<std::string>& solvers) {
-    std::set<std::string> read;
-    for (const std::string& solver : solvers)
-        for (const std::string& name : upstream_of(graph, {solver}))
-            if (name != solver) read.insert(name);
-    std::vector<std::string> out;
-    for (const std::string& solver : solvers)
-        if (!read.contains(solver)) out.push_back(solver);
-    return out;
-}
-
-} // namespace
-
 Plug default_plug(const Graph& graph) {
-    std::vector<std::string> found;
-    for (const std::string& name : graph.node_names())
-        if (graph.find(name)->type_name == "zSolver") found.push_back(name);
-    found = last_of(graph, found);
+    const std::vector<std::string> found = embed::last_solvers(graph, graph.node_names());
     if (found.size() == 1) return {found.front(), "outMeshes"};
     if (found.empty()) throw UsageError("the graph has no zSolver; name what to evaluate with --pull NODE.PLUG.");
     std::string list;
     for (const std::string& name : found) list += (list.empty() ? "" : ", ") + name + ".outMeshes";
     throw UsageError("the graph has several solvers; choose with --pull: " + list + ".");
-}
-
-std::vector<std::string> upstream_of(const Graph& graph, const std::vector<std::string>& nodes) {
-    std::set<std::string> seen(nodes.begin(), nodes.end());
-    std::vector<std::string> open(nodes), out;
-    while (!open.empty()) {
-        const Node* node = graph.find(open.back());
-        open.pop_back();
-        if (!node) continue;
-        for (const auto& [name, binding] : node->inputs)
-            for (const Plug& source : sources(binding))
-                if (seen.insert(source.node).second) open.push_back(source.node);
-    }
-    for (const std::string& name : graph.node_names())
-        if (seen.contains(name)) out.push_back(name);
-    return out;
 }
 
 std::size_t memory_budget(const Arguments& arguments) {
@@ -219,24 +172,6 @@ engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph)
         policy.disk_bytes = static_cast<std::uintmax_t>(std::min(*bytes, 1e18));
     }
     return policy;
-}
-
-std::vector<std::string> connected(const Graph& graph, const std::string& node, std::string_view attribute) {
-    std::vector<std::string> out;
-    const Node* n = graph.find(node);
-    if (!n) return out;
-    if (const auto it = n->inputs.find(attribute); it != n->inputs.end())
-        for (const Plug& source : sources(it->second)) out.push_back(source.node);
-    return out;
-}
-
-std::vector<std::string> simulations(const Graph& graph, const std::vector<std::string>& nodes) {
-    std::vector<std::string> out;
-    for (const std::string& name : nodes) {
-        const Node* node = graph.find(name);
-        if (node && node->type && node->type->simulation) out.push_back(name);
-    }
-    return out;
 }
 
 int start_frame(const Graph& graph, const std::vector<std::string>& nodes) {

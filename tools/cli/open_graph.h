@@ -4,6 +4,7 @@
 #include "engine/evaluator.h"
 #include "nodes/values.h"
 #include "tools/cli/arguments.h"
+#include "tools/embed/graph_walk.h"
 #include "tools/render/look.h"
 
 #include <memory>
@@ -53,14 +54,9 @@ engine::Plug parse_plug(const engine::Graph& graph, const std::string& text);
 /// The plug that `run` and `snapshot` pull when none is named: the only zSolver's outMeshes.
 engine::Plug default_plug(const engine::Graph& graph);
 
-/// `node` and all that it depends on, in file order.
-std::vector<std::string> upstream_of(const engine::Graph& graph, const std::vector<std::string>& nodes);
-
-/// The nodes connected to an input, in order; none if it is not connected.
-std::vector<std::string> connected(const engine::Graph& graph, const std::string& node, std::string_view attribute);
-
-/// Simulation nodes among `nodes`.
-std::vector<std::string> simulations(const engine::Graph& graph, const std::vector<std::string>& nodes);
+using embed::connected;
+using embed::simulations;
+using embed::upstream_of;
 
 /// A frame at which nothing among `nodes` has been stepped yet: the first start frame of their simulations,
 /// or the graph's.

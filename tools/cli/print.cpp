@@ -2,6 +2,7 @@
 #include "tools/cli/print.h"
 
 #include "tools/cli/json_text.h"
+#include "tools/embed/frame_json.h"
 
 #include "nodes/contacts.h"
 #include "nodes/marks.h"
@@ -123,10 +124,9 @@ Json describe(const nodes::Force& f) {
 }
 
 Json describe(const nodes::SolveReport& r) {
-    Json out = describe_step(r.record);
-    out["size"] = {{"bodies", r.bodies},           {"tets", r.tets},  {"triangles", r.triangles}, {"dofs", r.dofs},
-                   {"attachments", r.attachments}, {"terms", r.terms}};
-    for (const nodes::LineReport& line : r.lines) out["lines_of_action"].push_back(describe_line(line));
+    Json out = embed::step_json(r.record);
+    out["size"] = embed::size_json(r);
+    for (const nodes::LineReport& line : r.lines) out["lines_of_action"].push_back(embed::line_json(line));
     return out;
 }
 
@@ -220,43 +220,6 @@ void append_text(const Json& d, const std::string& indent, std::string& out) {
 }
 
 } // namespace
-
-Json describe_step(const solver::StepRecord& r) {
-    Json terms = Json::object();
-    for (const solver::Measured& m : r.measured) {
-        Json& entry = terms[std::string(m.what->term)][std::string(m.what->name)];
-        if (m.part < 0)
-            entry = m.value;
-        else
-            entry.push_back(m.value); // a list: a number for each of the term's parts
-    }
-    return {{"phases",
-             {{"assembly", r.seconds_assembly},
-              {"factor", r.seconds_factor},
-              {"solve", r.seconds_solve},
-              {"other", r.seconds_other}}},
-            {"substeps", r.substeps},
-            {"newton", r.newton_iterations},
-            {"linear_iterations", r.linear_iterations},
-            {"factorizations", r.factorizations},
-            {"halvings", r.halvings},
-            {"residual", r.residual},
-            {"converged", r.converged},
-            {"energy", r.energy},
-            {"min_J", r.min_j},
-            {"inverted", r.inverted},
-            {"terms", terms}};
-}
-
-Json describe_line(const nodes::LineReport& r) {
-    return {{"body", r.body},
-            {"fiber", r.fiber},
-            {"rest_length_m", r.line.rest_length},
-            {"length_m", r.line.length},
-            {"loaValue", r.line.value},
-            {"excitation", r.excitation},
-            {"growth", r.growth}};
-}
 
 Json describe_value(const engine::Value& v) {
     using namespace nodes;

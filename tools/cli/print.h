@@ -20,10 +20,6 @@ std::string file_url(const std::filesystem::path& absolute);
 
 /// What is in a value: numbers as they are, meshes by size, bounding box and digest.
 nlohmann::ordered_json describe_value(const engine::Value& value);
-/// How a step went: the fields that every frame has in a report.
-nlohmann::ordered_json describe_step(const solver::StepRecord& record);
-/// A line of action at a frame: lengths in metres, bodies and fibres by their places.
-nlohmann::ordered_json describe_line(const nodes::LineReport& line);
 /// "key: value" lines; nested objects are indented, long lists shortened.
 std::string as_text(const nlohmann::ordered_json& description);
 

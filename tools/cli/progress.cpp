@@ -3,6 +3,7 @@
 
 #include "tools/cli/json_text.h"
 #include "tools/cli/print.h"
+#include "tools/embed/frame_json.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -67,7 +68,7 @@ void Progress::end_frame(const FrameReport& f, const std::string& digest) {
     if (style_ == ProgressStyle::json) {
         nlohmann::ordered_json line = {
             {"event", "frame"}, {"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
-        if (f.step) line.update(describe_step(*f.step));
+        if (f.step) line.update(embed::step_json(*f.step));
         line["digest"] = digest;
         out_ << json_text(line) << "\n" << std::flush;
     } else if (style_ == ProgressStyle::lines) {

@@ -5,6 +5,7 @@
 #include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
 #include "tools/cli/print.h"
+#include "tools/embed/frame_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,10 @@
 namespace sinew::cli {
 
 using Json = nlohmann::ordered_json;
+using embed::line_json;
+using embed::name_at;
+using embed::step_json;
+using embed::where_json;
 
 namespace {
 
@@ -24,35 +29,13 @@ std::string text(const char* format, Values... values) {
     return buffer;
 }
 
-std::string name_at(const std::vector<std::string>& names, int i) {
-    return i >= 0 && i < static_cast<int>(names.size()) ? names[static_cast<std::size_t>(i)] : std::to_string(i);
-}
-
-/// Where the numbers of a frame are at their worst.
-Json where_json(const nodes::WorstPlaces& w, const RunReport& r) {
-    Json out = Json::object();
-    if (w.residual_body >= 0) out["residual"] = {{"body", name_at(r.bodies, w.residual_body)}};
-    if (w.tet >= 0) out["min_J"] = {{"tissue", name_at(r.bodies, w.body)}, {"tet", w.tet}, {"at", w.tet_place}};
-    if (w.attachment >= 0)
-        out["max_stretch_m"] = {{"attachment", name_at(r.attachments, w.attachment)},
-                                {"body", name_at(r.bodies, w.source_body)},
-                                {"vertex", w.vertex},
-                                {"at", w.stretch_place}};
-    if (w.contact_body >= 0)
-        out["max_depth_m"] = {{"body", name_at(r.bodies, w.contact_body)},
-                              {"in", name_at(r.bodies, w.contact_target)},
-                              {"depth_m", w.depth},
-                              {"at", w.contact_place}};
-    return out;
-}
-
 Json frame_json(const FrameReport& f, const RunReport& r) {
     Json out = {{"frame", f.frame}, {"reused", f.reused}, {"wall_s", f.wall_s}};
     if (f.step) {
-        out.update(describe_step(*f.step));
-        out["where"] = where_json(f.worst, r);
+        out.update(step_json(*f.step));
+        out["where"] = where_json(f.worst, r.bodies, r.attachments);
         for (const nodes::LineReport& line : f.lines) {
-            Json& entry = out["lines_of_action"].emplace_back(describe_line(line));
+            Json& entry = out["lines_of_action"].emplace_back(line_json(line));
             entry["body"] = name_at(r.bodies, line.body);
         }
     }
@@ -171,10 +154,7 @@ std::string report_json(const RunReport& r) {
         if (!r.error->node.empty()) out["error"]["node"] = r.error->node;
     }
     out["size"] = Json::object();
-    if (r.size)
-        out["size"] = {{"bodies", r.size->bodies},           {"tets", r.size->tets},
-                       {"triangles", r.size->triangles},     {"dofs", r.size->dofs},
-                       {"attachments", r.size->attachments}, {"terms", r.size->terms}};
+    if (r.size) out["size"] = embed::size_json(*r.size);
     return json_text(out, 1) + "\n";
 }
 

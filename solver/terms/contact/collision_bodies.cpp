@@ -38,26 +38,43 @@ CollisionBodies::CollisionBodies(const Scene& scene) {
     }
 }
 
+bool CollisionBodies::make_pair(const std::vector<PartValues>& values, std::size_t a, std::size_t b,
+                                ContactPair& out) const {
+    const auto one = get_fields<ContactValues>(values[parts_[a]]), other = get_fields<ContactValues>(values[parts_[b]]);
+    const bool itself = a == b;
+    if (!bodies_[a].deforms() && !bodies_[b].deforms()) return false;
+    if (!on(one.collides) || !on(other.collides) || (itself && !on(one.collides_with_itself))) return false;
+    if (!itself && !share_a_set(*rests_[a], *rests_[b])) return false;
+    if (one.stiffness <= 0 || other.stiffness <= 0) return false;
+    out.source = static_cast<int>(a), out.target = static_cast<int>(b);
+    out.stiffness = 2 * one.stiffness * other.stiffness / (one.stiffness + other.stiffness);
+    out.friction = std::sqrt(one.friction * other.friction);
+    out.damping = std::max(one.damping, other.damping);
+    out.longest = std::max(one.longest, other.longest);
+    out.range = 0.5 * (rests_[a]->thickness + rests_[b]->thickness);
+    out.slides = on(one.slides) && on(other.slides);
+    out.both_ways = has_faces(a);
+    return true;
+}
+
 void CollisionBodies::find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const {
     out.clear();
-    const auto values_of = [&](std::size_t body) { return get_fields<ContactValues>(values[parts_[body]]); };
     for (std::size_t a = 0; a < bodies_.size(); ++a)
         for (std::size_t b = 0; b < bodies_.size(); ++b) {
-            const ContactValues one = values_of(a), other = values_of(b);
-            const bool itself = a == b;
-            if (!bodies_[a].deforms() && !bodies_[b].deforms()) continue;
-            if (!on(one.collides) || !on(other.collides) || (itself && !on(one.collides_with_itself))) continue;
-            if (!rests_[b]->is_volume || (!itself && !share_a_set(*rests_[a], *rests_[b]))) continue;
-            if (one.stiffness <= 0 || other.stiffness <= 0) continue;
             ContactPair pair;
-            pair.source = static_cast<int>(a), pair.target = static_cast<int>(b);
-            pair.stiffness = 2 * one.stiffness * other.stiffness / (one.stiffness + other.stiffness);
-            pair.friction = std::sqrt(one.friction * other.friction);
-            pair.damping = std::max(one.damping, other.damping);
-            pair.longest = std::max(one.longest, other.longest);
-            pair.slides = on(one.slides) && on(other.slides);
-            pair.both_ways = rests_[a]->is_volume;
+            if (!has_faces(b) || !make_pair(values, a, b, pair)) continue;
+            pair.two_sided = bodies_[b].is_cloth(), pair.only_kept = pair.range > 0;
             out.push_back(pair);
+        }
+}
+
+void CollisionBodies::find_thick_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const {
+    out.clear();
+    for (std::size_t a = 0; a < bodies_.size(); ++a)
+        for (std::size_t b = a; b < bodies_.size(); ++b) {
+            ContactPair pair;
+            const bool any = rests_[a]->thickness > 0 || rests_[b]->thickness > 0;
+            if (any && make_pair(values, a, b, pair)) out.push_back(pair);
         }
 }
 

@@ -13,8 +13,12 @@ namespace sinew::solver {
 struct ContactPair {
     int source = -1, target = -1;
     double stiffness = 0, friction = 0, damping = 0, longest = 0; ///< see ContactValues; series stiffness
+    double range = 0; ///< contact begins so far from the surface [m]: half the thickness of what is cloth
     bool slides = true;
     bool both_ways = false; ///< the second one's points are tested against the first one's surface, too
+    bool two_sided = false; ///< the second one is a cloth
+    /// Points that start a step outside are the business of ClothContact: here are those that got through alone.
+    bool only_kept = false;
 };
 
 /// The bodies of contact in a scene.
@@ -27,8 +31,13 @@ class CollisionBodies {
     std::size_t part(int body) const { return parts_[at(body)]; } ///< of the scene's
     /// Pairs that collide under these values, in fixed order.
     void find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
+    /// Those of cloth that has a thickness with others and with itself: each once, the lower number first.
+    void find_thick_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
 
   private:
+    bool has_faces(std::size_t body) const { return rests_[body]->is_volume || rests_[body]->thickness > 0; }
+    /// What of a pair follows from values alone; false: it does not collide.
+    bool make_pair(const std::vector<PartValues>& values, std::size_t a, std::size_t b, ContactPair& out) const;
     std::vector<CollisionBody> bodies_;
     std::vector<const ContactRest*> rests_;
     std::vector<std::size_t> parts_;

@@ -101,6 +101,21 @@ std::vector<std::vector<int>> CollisionBody::elsewhere(double apart) const {
     return out;
 }
 
+bool CollisionBody::is_at_rim(int triangle, const Vec3& place) const {
+    int on[3], count = 0;
+    for (int c = 0; c < 3; ++c)
+        if (place[c] != 0) on[count++] = triangles()[at(triangle)][at(c)];
+    if (count == 3) return false;
+    const auto faces = [&](int v, int w) {
+        return std::ranges::count_if(fan(v), [&](int t) { return has_vertex(triangles()[at(t)], w); });
+    };
+    if (count == 2) return faces(on[0], on[1]) < 2;
+    for (const int t : fan(on[0]))
+        for (const int v : triangles()[at(t)])
+            if (v != on[0] && faces(on[0], v) < 2) return true;
+    return false;
+}
+
 void CollisionBody::areas(const Points& places, std::vector<double>& out) const {
     if (deforms()) {
         out = rest_areas_;

@@ -12,6 +12,9 @@ class CollisionBody : public CarriedSurface {
     /// Throws Error FE232 if the spacing asks for more than 4 million triangles.
     CollisionBody(const Scene& scene, int body, const ContactRest& rest);
 
+    bool is_cloth() const { return has_two_sides_; }
+    /// Whether a place of a triangle, zeros in it say that it is on an edge or a vertex, is at the rim of the surface.
+    bool is_at_rim(int triangle, const Vec3& place) const;
     /// What carries a point, by number: a set of vertices, such as those of a tet. -1 for bones.
     int carrier(int point) const { return carriers_of_point_[at(point)]; }
     /// Likewise of the corners of a triangle; empty for bones.

@@ -45,7 +45,8 @@ void begin_at(const Scene& scene, const StepInputs& inputs, const std::vector<do
         for (; next < touches.size(); ++next) {
             const Touch& t = touches[next];
             const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
-            const double force = pair.stiffness * search.area(pair, t) * t.feature.away.norm();
+            const double depth = press_of(bodies[t.target], pair, t.side, t.feature).depth;
+            const double force = pair.stiffness * search.area(pair, t) * depth;
             kept.contacts.push_back(
                 {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
         }
@@ -65,7 +66,7 @@ void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermM
 
 const TermType contact_type{
     .name = "contact",
-    .numerics = 2,
+    .numerics = 3,
     .values = value_names,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
@@ -84,7 +85,8 @@ Contacts::Contacts(const Scene& scene)
     : scene_(scene)
     , bodies_(scene)
     , search_(bodies_)
-    , attached_(scene, bodies_) {
+    , attached_(scene, bodies_)
+    , cloth_(scene, bodies_) {
     bones_.resize(bodies_.count());
     reach_.resize(bodies_.count()), moves_.resize(bodies_.count()), places_.resize(bodies_.count());
 }
@@ -135,24 +137,28 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const
     const Touch& t = touches_[i];
     const ContactPair& pair = pair_of(i);
     const double k = stiffness(i);
+    const bool has_side = pair.two_sided && !bodies_[t.target].is_at_rim(f.triangle, f.place);
+    // What began at the rim is on the side where it has come to lie.
+    const int side = !has_side ? 0 : t.side != 0 ? t.side : f.inside() ? -1 : 1;
     KeptContact out{t.source,
                     t.point,
                     t.target,
                     f.triangle,
                     {f.place[0], f.place[1], f.place[2]},
                     f.triangle,
-                    0,
+                    side,
                     {f.place[0], f.place[1], f.place[2]},
-                    k * f.away.norm()};
+                    k * press(i, f).depth};
     if (t.kept < 0 || (pair.slides && pair.friction <= 0)) return out;
     const KeptContact& was = kept_.contacts[at(t.kept)];
     const Vec3 anchor_place(was.anchor[0], was.anchor[1], was.anchor[2]);
-    const Vec3 p = point_at(t), way = p - place_at(t.target, was.anchor_triangle, anchor_place);
+    const Vec3 p = point_at(t);
+    const Vec3 way = p - place_at(t.target, was.anchor_triangle, anchor_place) - offset_of(pair, t.side, f);
     if (!pair.slides) out.force = k * way.norm();
     const Vec3 n = f.normal.normalized(), along = way - n * n.dot(way);
     const double most = pair.friction * out.force, length = along.norm();
     if (pair.slides && k * length > most) {
-        const Vec3 behind = p - f.away - (most / k / length) * along;
+        const Vec3 behind = p - f.away - (most / k / length) * along; // on the surface
         const ClosestFeature end = follow_feature(bodies_[t.target], places_[at(t.target)], f.triangle, behind);
         out.anchor_triangle = end.triangle, out.anchor = {end.place[0], end.place[1], end.place[2]};
     } else {
@@ -174,7 +180,8 @@ bool Contacts::is_left_to_attachments(const KeptContact& c) const {
 /// What is coupled changes only where something ties firmly that is not: each change costs an analysis.
 void Contacts::remember_couplings() const {
     next_.couplings.clear();
-    if (std::find(strong_.begin(), strong_.end(), 1) == strong_.end()) {
+    const bool strong_cloth = std::find(cloth_strong_.begin(), cloth_strong_.end(), 1) != cloth_strong_.end();
+    if (!strong_cloth && std::find(strong_.begin(), strong_.end(), 1) == strong_.end()) {
         next_.couplings = kept_.couplings;
         return;
     }
@@ -190,6 +197,7 @@ void Contacts::remember_couplings() const {
             return true;
         });
     }
+    for (const ClothContact::Press& press : presses_) couple_cloth(press);
     tidy(next_.couplings);
 }
 
@@ -201,12 +209,14 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
         if (f.triangle < 0) continue;
         const Touch& t = touches_[i];
         const ContactPair& pair = pair_of(i);
-        bool out = !f.inside();
+        const Press pressed = press(i, f);
+        bool out = pressed.depth <= 0;
         if (t.kept >= 0 && !pair.slides) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
             const Vec3 place(was.anchor[0], was.anchor[1], was.anchor[2]);
-            const Vec3 way = point_at(t) - place_at(t.target, was.anchor_triangle, place);
-            out = way.dot(face_normal(bodies_[t.target], places_[at(t.target)], was.anchor_triangle)) > 0;
+            const Vec3 way = point_at(t) - place_at(t.target, was.anchor_triangle, place) - offset_of(pair, t.side, f);
+            const double along = way.dot(face_normal(bodies_[t.target], places_[at(t.target)], was.anchor_triangle));
+            out = (t.side < 0 ? -along : along) > 0;
         }
         if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
         next_.contacts.push_back(kept_contact(i, f));
@@ -214,6 +224,7 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     // What is left to attachments is kept for when they let go.
     for (const KeptContact& c : kept_.contacts)
         if (is_left_to_attachments(c)) next_.contacts.push_back(c);
+    remember_lost();
     std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
         return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
     });
@@ -226,10 +237,15 @@ void Contacts::measure(const Positions& x, std::span<const double>, std::vector<
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const ClosestFeature& f = now_[i];
-        if (f.triangle < 0 || !f.inside()) continue;
-        const double depth = f.away.norm();
+        if (f.triangle < 0) continue;
+        const double depth = press(i, f).depth;
+        if (!(depth > 0)) continue;
         count += 1, deepest = std::max(deepest, depth);
         force += stiffness(i) * depth;
+    }
+    for (const ClothContact::Press& press : presses_) {
+        count += 1, deepest = std::max(deepest, press.depth());
+        force += press.force();
     }
     out.push_back({&measures[0], count}), out.push_back({&measures[1], deepest}), out.push_back({&measures[2], force});
 }
@@ -247,6 +263,7 @@ void Contacts::marks(const Positions& x, Marks& out) const {
                                c.force,
                                {bodies_[c.source].body(), bodies_[c.target].body()}});
     }
+    mark_cloth(x, group);
     out.push_back(std::move(group));
 }
 

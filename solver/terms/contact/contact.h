@@ -5,6 +5,7 @@
 #include "solver/term/point_triangle_element.h"
 #include "solver/term/type.h"
 #include "solver/term/vertex_gradient.h"
+#include "solver/terms/contact/cloth_contact.h"
 #include "solver/terms/contact/contact_list.h"
 #include "solver/terms/contact/held_points.h"
 #include "solver/terms/contact/touches.h"
@@ -57,6 +58,7 @@ class Contacts final : public Term {
         std::size_t touch = 0;
         int triangle = -1;
         Vec3 place = Vec3::Zero();
+        Vec3 offset = Vec3::Zero(); ///< where the point is at rest, from there [m]
         Mat3 holds = Mat3::Zero();  ///< projects on the directions that the spring sees
         double stiffness = 0;       ///< [N/m]
         double most = 0;            ///< force at which it slips [N]; infinite if it does not
@@ -66,6 +68,16 @@ class Contacts final : public Term {
     struct Force {
         double energy = 0;
         Vec3 by_point = Vec3::Zero(); ///< derivative by the point's place [N]
+    };
+
+    /// What holds the sides of a press between layers as they were at the start of the step: friction and damping.
+    struct Drag {
+        ClothContact::Press press;  ///< then
+        Vec3 way = Vec3::Zero();    ///< between the sides, then [m]
+        Mat3 holds = Mat3::Zero();  ///< as of tethers
+        double most = 0;            ///< likewise [N]
+        Mat3 brakes = Mat3::Zero(); ///< likewise
+        Vec3 drift = Vec3::Zero();  ///< likewise
     };
 
     const double* carriers(int body, const Positions& x) const {
@@ -91,16 +103,42 @@ class Contacts final : public Term {
         return pair_of(touch).stiffness * area;
     }
     ClosestFeature feature_at(std::size_t touch) const;
-    bool presses(std::size_t touch, const ClosestFeature& f) const;
+    Press press(std::size_t touch, const ClosestFeature& f) const {
+        const Touch& t = touches_[touch];
+        return press_of(bodies_[t.target], pair_of(touch), t.side, f);
+    }
+    /// Whether a touch of that depth has the energy of a sliding contact.
+    bool presses(std::size_t touch, double depth) const {
+        return depth > 0 && (touches_[touch].kept < 0 || pair_of(touch).slides);
+    }
+    /// From where a held point would be on the surface to where it is: half of a cloth's thickness is between.
+    Vec3 offset_of(const ContactPair& pair, int side, const ClosestFeature& f) const;
     bool is_left_to_attachments(const KeptContact& contact) const;
     void find_all_touches();
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
+    Vec3 drift_of(int body, int point) const;
     Vec3 reach(const Tether& tether) const;
     Force tether_force(const Tether& tether, double* stored) const;
     double evaluate(const Positions& x, bool with_damping);
     void remember_couplings() const;
+    // Of layers of cloth, in contact_layers.cpp:
+    void begin_cloth();
+    void begin_cloth_search();
+    std::vector<ClothContact::Lost> lost_points() const;
+    void remember_lost() const;
+    void make_drags();
+    bool widen_cloth(const Positions& x);
+    Vec3 way_between(const ClothContact::Press& press) const;
+    Force drag_force(const Drag& drag, double* stored) const;
+    double evaluate_cloth(bool with_damping);
+    void add_cloth_forces();
+    void add_cloth_hessian(bool project, BlockMatrix& a);
+    void couple_cloth(const ClothContact::Press& press) const;
+    void show_cloth(const Positions& x) const;
+    void mark_cloth(const Positions& x, MarkGroup& group) const;
+    void list_cloth(std::vector<ContactPoint>& out) const;
     KeptContact kept_contact(std::size_t touch, const ClosestFeature& f) const;
 
     const Scene& scene_;
@@ -128,7 +166,7 @@ class Contacts final : public Term {
     std::vector<std::size_t> pair_of_touch_;
     mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
     std::vector<FeatureStart> starts_;  ///< per touch
-    std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1 inside
+    std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1: it pressed
     Positions committed_x_;
     bool found_ = false;                ///< whether the touches of this stage are
     bool iterated_ = false;             ///< since the stage began: bones are where they will be
@@ -139,6 +177,18 @@ class Contacts final : public Term {
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;
     VertexGradient gradient_;
+
+    // Of layers of cloth:
+    mutable ClothContact cloth_;
+    std::vector<ContactPair> cloth_pairs_;
+    std::vector<std::array<std::vector<char>, 2>> cloth_held_;
+    mutable std::vector<Points> cloth_places_;         ///< per body of contact; empty for what is no cloth
+    mutable std::vector<ClothContact::Press> presses_; ///< at looked_at_
+    mutable std::vector<ClothContact::Press> shown_;   ///< of the state shown last
+    std::vector<Drag> drags_;
+    std::vector<Force> drag_forces_;
+    PointTriangleElement cloth_element_; ///< kept for its room
+    std::vector<char> cloth_strong_;     ///< per press at looked_at_: the pattern leaves out what it ties
 };
 
 } // namespace sinew::solver

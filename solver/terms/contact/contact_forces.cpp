@@ -20,10 +20,25 @@ constexpr double resting_share = 0.25;
 /// of little use.
 bool is_strong(const PointTriangleElement& element, const Vec3& place, double stiffness, const BlockMatrix& a) {
     constexpr double strong = 0.7;
-    const auto [source, target] = element.stiffness_below(place, a);
+    const auto [source, target] = element.stiffness_below(corner_weights_of(place), a);
     const double one = source > 0 ? stiffness / (source + stiffness) : 1,
                  other = target > 0 ? stiffness / (target + stiffness) : 1;
     return one * other > strong * strong;
+}
+
+/// Second derivatives of half the squared depth in a surface that pushes from a range on. With the gap g = range -
+/// depth they are n n^T - depth g'', where g g'' + n n^T is what the squared distance has.
+PointTriangleBlocks thick_hessian(const std::array<Vec3, 3>& corners, const Vec3& place, const Vec3& away,
+                                  const Vec3& out, double depth, double range, bool project) {
+    constexpr double least_gap = 1e-6; // of the range; nearer than that rounding is all that g'' would be made of
+    PointTriangleBlocks along;
+    for (Mat3& block : along) block.setZero();
+    add_square(place, out * out.transpose(), along);
+    const double gap = range - depth;
+    if (project || std::abs(gap) < least_gap * range) return along;
+    PointTriangleBlocks blocks = point_triangle_hessian(corners, place, away, false);
+    for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b] = along[b] - depth / gap * (blocks[b] - along[b]);
+    return blocks;
 }
 
 double largest_move(const double* a, const double* b, std::size_t vertices) {
@@ -51,8 +66,9 @@ ClosestFeature Contacts::feature_at(std::size_t i) const {
     return follow_feature(bodies_[t.target], places_[at(t.target)], starts_[i], point_at(t));
 }
 
-bool Contacts::presses(std::size_t i, const ClosestFeature& f) const {
-    return f.inside() && (touches_[i].kept < 0 || pair_of(i).slides);
+Vec3 Contacts::offset_of(const ContactPair& pair, int side, const ClosestFeature& f) const {
+    if (pair.slides || !(pair.range > 0)) return Vec3::Zero(); // sliding contacts are held along the surface alone
+    return (side < 0 ? -pair.range : pair.range) * f.normal.normalized();
 }
 
 void Contacts::place_points(int body, const double* carriers) const {
@@ -87,6 +103,7 @@ void Contacts::begin_stage(const Stage& stage) {
     bodies_.find_pairs(stage.inputs.parts, pairs_);
     held_.resize(pairs_.size());
     for (std::size_t p = 0; p < pairs_.size(); ++p) attached_.find(pairs_[p], stage.inputs.attachments, held_[p]);
+    begin_cloth();
     const auto weighed = bones_weighed(stage.form, stage.before, stage.bones_after);
     before_.clear();
     expected_.clear();
@@ -122,6 +139,7 @@ void Contacts::find_all_touches() {
         find_touches(p, first);
     }
     make_tethers();
+    begin_cloth_search();
 }
 
 void Contacts::sweep(const std::vector<const double*>& later) {
@@ -142,11 +160,25 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
         const CollisionBody& target = bodies_[touches_[t].target];
         starts_.push_back(start_of(f, target.corners(f.triangle, before_[at(touches_[t].target)])));
         // Where the solve has moved on already nothing is sure, nor where the place was followed.
-        clearance_.push_back(f.inside() || iterated_ || touches_[t].kept >= 0 ? -1 : f.away.norm());
+        const double depth = press(t, f).depth;
+        clearance_.push_back(depth > 0 || iterated_ || touches_[t].kept >= 0 ? -1 : -depth);
     }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
     looked_at_.clear();
     if (elements_.size() < touches_.size()) elements_.resize(touches_.size());
+}
+
+/// A point's velocity is factor x place + this: of what deforms the form's offset, of bones as they move.
+Vec3 Contacts::drift_of(int b, int point) const {
+    const ImplicitForm& form = stage_->form;
+    const CollisionBody& body = bodies_[b];
+    if (body.deforms()) return body.place(point, form.velocity_offset.data());
+    const auto weighed = bones_weighed(form, stage_->before, stage_->bones_after);
+    Vec3 out = -form.velocity_factor * body.place(point, bones_[at(b)].data()->data());
+    for (std::size_t time = 0; time < 3; ++time)
+        if (form.bone_velocity[time] != 0)
+            out += form.bone_velocity[time] * body.place(point, (*weighed[time])[at(body.body())].data()->data());
+    return out;
 }
 
 void Contacts::make_tethers() {
@@ -168,6 +200,7 @@ void Contacts::make_tethers() {
         if (!pair.slides) {
             anchored.holds = Mat3::Identity(), anchored.most = std::numeric_limits<double>::infinity();
             anchored.brakes = c * Mat3::Identity();
+            anchored.offset = offset_of(pair, t.side, t.feature);
             tethers_.push_back(anchored);
             continue;
         }
@@ -183,21 +216,9 @@ void Contacts::make_tethers() {
     tether_forces_.resize(tethers_.size());
     if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
     for (PointTriangleElement& e : tether_elements_) e.forget();
-    const auto weighed = bones_weighed(form, stage_->before, stage_->bones_after);
     for (Tether& tether : tethers_) {
         if (tether.brakes.isZero(0)) continue;
         const Touch& t = touches_[tether.touch];
-        // Its velocity is factor x way + drift, for what deforms factor x + offset, for bones as they move.
-        const auto drift_of = [&](int b, int point) {
-            const CollisionBody& body = bodies_[b];
-            if (body.deforms()) return body.place(point, form.velocity_offset.data());
-            Vec3 out = -form.velocity_factor * body.place(point, bones_[at(b)].data()->data());
-            for (std::size_t time = 0; time < 3; ++time)
-                if (form.bone_velocity[time] != 0)
-                    out +=
-                        form.bone_velocity[time] * body.place(point, (*weighed[time])[at(body.body())].data()->data());
-            return out;
-        };
         tether.drift = drift_of(t.source, t.point);
         const Triangle& corners = bodies_[t.target].triangles()[at(tether.triangle)];
         for (int c = 0; c < 3; ++c) tether.drift -= tether.place[c] * drift_of(t.target, corners[at(c)]);
@@ -209,7 +230,7 @@ double Contacts::begin_iteration(const Positions& x) {
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         // Never raised again: where it was followed to is a nearest place, but not always the nearest of all.
-        if (now_[i].triangle >= 0 && now_[i].inside()) clearance_[i] = -1;
+        if (now_[i].triangle >= 0 && press(i, now_[i]).depth > 0) clearance_[i] = -1;
         clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
     }
     committed_x_ = x, iterated_ = true;
@@ -218,6 +239,7 @@ double Contacts::begin_iteration(const Positions& x) {
 
 bool Contacts::widen(const Positions& x) {
     find_all_touches();
+    const bool more_cloth = widen_cloth(x);
     // Where nothing is farther from where it was looked for than the margin, all is known.
     expected_.clear();
     off_.resize(bodies_.count());
@@ -230,19 +252,19 @@ bool Contacts::widen(const Positions& x) {
     if (std::all_of(pairs_.begin(), pairs_.end(), [&](const ContactPair& pair) {
             return off_[at(pair.source)] + off_[at(pair.target)] <= resting_share * bodies_[pair.target].mean_edge();
         }))
-        return false;
+        return more_cloth;
     sweep(expected_);
     const std::size_t known = touches_.size();
     for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
     look_at(x);
     for (std::size_t i = known; i < touches_.size(); ++i)
-        if (presses(i, feature_at(i))) return true;
-    return false;
+        if (presses(i, press(i, feature_at(i)).depth)) return true;
+    return more_cloth;
 }
 
 Vec3 Contacts::reach(const Tether& tether) const {
     const Touch& t = touches_[tether.touch];
-    return point_at(t) - place_at(t.target, tether.triangle, tether.place);
+    return point_at(t) - place_at(t.target, tether.triangle, tether.place) - tether.offset;
 }
 
 /// With `stored` only what it stores, there.
@@ -277,6 +299,7 @@ void Contacts::find_features(const Positions& x) const {
         else
             now_[i] = feature_at(i);
     });
+    cloth_.find_presses(places_, presses_);
     looked_at_ = x;
 }
 
@@ -285,9 +308,11 @@ double Contacts::evaluate(const Positions& x, bool with_damping) {
     find_features(x);
     parallel_for(touches_.size(), 64, [&](std::size_t i) {
         forces_[i] = {};
-        if (now_[i].triangle < 0 || !presses(i, now_[i])) return;
+        if (now_[i].triangle < 0) return;
+        const Press pressed = press(i, now_[i]);
+        if (!presses(i, pressed.depth)) return;
         const double k = stiffness(i);
-        forces_[i] = {0.5 * k * now_[i].away.squaredNorm(), k * now_[i].away};
+        forces_[i] = {0.5 * k * pressed.depth * pressed.depth, -k * pressed.depth * pressed.out};
     });
     parallel_for(tethers_.size(), 64, [&](std::size_t i) {
         double stored = 0;
@@ -295,7 +320,8 @@ double Contacts::evaluate(const Positions& x, bool with_damping) {
         if (!with_damping) tether_forces_[i].energy = stored;
     });
     return ordered_sum(forces_.size(), [&](std::size_t i) { return forces_[i].energy; }) +
-           ordered_sum(tether_forces_.size(), [&](std::size_t i) { return tether_forces_[i].energy; });
+           ordered_sum(tether_forces_.size(), [&](std::size_t i) { return tether_forces_[i].energy; }) +
+           evaluate_cloth(with_damping);
 }
 
 double Contacts::stored_energy(const Positions& x) { return evaluate(x, false); }
@@ -318,6 +344,7 @@ double Contacts::energy(const Positions& x, bool with_forces) {
                                 scene_.numbering(), *pattern_);
         tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
+    add_cloth_forces();
     return energy;
 }
 
@@ -326,11 +353,16 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const Touch& t = touches_[i];
         const ClosestFeature& f = now_[i];
-        if (f.triangle < 0 || !presses(i, f)) continue;
+        if (f.triangle < 0) continue;
+        const Press pressed = press(i, f);
+        if (!presses(i, pressed.depth)) continue;
         elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], f.triangle,
                          scene_.numbering(), *pattern_);
-        const PointTriangleBlocks blocks = point_triangle_hessian(
-            bodies_[t.target].corners(f.triangle, places_[at(t.target)]), f.place, f.away, project);
+        const std::array<Vec3, 3> corners = bodies_[t.target].corners(f.triangle, places_[at(t.target)]);
+        const PointTriangleBlocks blocks =
+            pair_of(i).range > 0
+                ? thick_hessian(corners, f.place, f.away, pressed.out, pressed.depth, pair_of(i).range, project)
+                : point_triangle_hessian(corners, f.place, f.away, project);
         if (!elements_[i].coupled() && is_strong(elements_[i], f.place, stiffness(i), a))
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks, stiffness(i), a);
@@ -354,6 +386,7 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
     }
+    add_cloth_hessian(project, a);
 }
 
 void Contacts::add_squared_stiffnesses(std::span<double> squares) const {
@@ -369,6 +402,8 @@ void Contacts::add_squared_stiffnesses(std::span<double> squares) const {
     }
     for (const Tether& t : tethers_)
         add(touches_[t.touch].source, t.stiffness), add(touches_[t.touch].target, t.stiffness);
+    for (const ClothContact::Press& p : presses_)
+        for (const std::size_t c : {std::size_t{0}, std::size_t{3}}) add(cloth_.body_of(p.corners[c]), p.rise());
 }
 
 } // namespace sinew::solver

@@ -24,24 +24,27 @@ void Contacts::list(std::vector<ContactPoint>& out) const {
         nearest.triangle = c.triangle, nearest.place = Vec3(c.place[0], c.place[1], c.place[2]);
         nearest.point = place_at(c.target, c.triangle, nearest.place);
         const ClosestFeature f = feature_of(bodies_[c.target], surface, nearest, p);
-        const double distance = f.away.norm(), length = f.normal.norm();
+        const Press pressed = press_of(bodies_[c.target], *pair, pair->two_sided ? c.side : 1, f);
+        const double length = f.normal.norm(), flip = c.side < 0 ? -1 : 1;
         ContactPoint& made = out.emplace_back();
         made.source = bodies_[c.source].body(), made.target = bodies_[c.target].body(), made.point = c.point;
         made.slides = pair->slides;
         made.place = p;
-        const Vec3 outwards = length > 0 ? Vec3(f.normal / length) : Vec3(Vec3::Zero());
+        const Vec3 outwards = length > 0 ? Vec3(flip / length * f.normal) : Vec3(Vec3::Zero());
         // Of an edge or a vertex it is where the contact pushes to, not the mean of the faces about.
-        made.normal = f.inside() && distance > 0 ? Vec3(-f.away / distance) : outwards;
-        made.depth = f.inside() ? distance : -distance;
-        const Vec3 way = p - place_at(c.target, c.anchor_triangle, Vec3(c.anchor[0], c.anchor[1], c.anchor[2]));
+        made.normal = pressed.depth > 0 ? pressed.out : outwards;
+        made.depth = pressed.depth;
+        const Vec3 way = p - place_at(c.target, c.anchor_triangle, Vec3(c.anchor[0], c.anchor[1], c.anchor[2])) -
+                         offset_of(*pair, c.side, f);
         if (!pair->slides) {
             if (const double stretch = way.norm(); stretch > 0) made.force = -c.force / stretch * way;
-        } else if (distance > 0) {
+        } else if (pressed.depth > 0) {
             // Friction is a spring as stiff as the contact, along the surface, to where the point sticks.
             const Vec3 along = pair->friction > 0 ? Vec3(way - outwards * outwards.dot(way)) : Vec3(Vec3::Zero());
-            made.force = -c.force / distance * (f.away + along);
+            made.force = c.force / pressed.depth * (pressed.depth * pressed.out - along);
         }
     }
+    list_cloth(out);
 }
 
 std::vector<ContactPoint> contacts_shown(Workspace& workspace) {

@@ -15,7 +15,7 @@ struct KeptContact {
     int target = -1, triangle = -1; ///< whose surface, and where it is touched
     std::array<double, 3> place{};  ///< barycentric coordinates there
     int anchor_triangle = -1;       ///< where the point sticks; it is drawn there by friction or, if fixed, altogether
-    int unused = 0;
+    int side = 0; ///< of a cloth, along its faces' normals, on which the point is: 1 or -1; 0: at its rim, or a solid's
     std::array<double, 3> anchor{}; ///< barycentric coordinates there
     double force = 0;               ///< that it presses with [N]
     friend bool operator==(const KeptContact&, const KeptContact&) = default;

@@ -20,6 +20,9 @@ struct CollisionShape {
 /// One part a body.
 struct ContactRest final : PartRest {
     bool is_volume = true; ///< its surface bounds a solid, out of which others are pushed
+    /// Of a cloth [m]: half of it lies on either side of the faces, and others are pushed out of that. 0, and for all
+    /// that are no cloth: nothing meets the faces but what they press into.
+    double thickness = 0;
     std::vector<int> sets; ///< bodies that share a number collide; none = with all
     double spacing = 0;    ///< no two points that are tested along an edge are farther apart [m]; 0 = vertices alone
     std::shared_ptr<const CollisionShape> shape; ///< null: the body's own surface

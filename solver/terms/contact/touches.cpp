@@ -23,7 +23,26 @@ constexpr double surely_its_side = 0.25;
 /// Searches look so much farther than is asked, so that most points need none at the next steps.
 constexpr double look_farther = 4;
 
+/// Of a cloth, see KeptContact.
+int side_of(const CollisionBody& cloth, const ClosestFeature& f) {
+    return cloth.is_at_rim(f.triangle, f.place) ? 0 : f.inside() ? -1 : 1;
+}
+
 } // namespace
+
+Press press_of(const CollisionBody& target, const ContactPair& pair, int side, const ClosestFeature& f) {
+    Press out;
+    out.behind = side >= 0 ? f.inside() : f.away.dot(f.normal) > 0;
+    // Beyond the rim of a cloth neither side is the wrong one.
+    if (pair.two_sided && (side == 0 || target.is_at_rim(f.triangle, f.place))) out.behind = false;
+    const double distance = f.away.norm(), length = f.normal.norm();
+    out.depth = pair.range + (out.behind ? distance : -distance);
+    if (distance > 0)
+        out.out = (out.behind ? -1 : 1) / distance * f.away;
+    else if (length > 0)
+        out.out = (side < 0 ? -1 : 1) / length * f.normal;
+    return out;
+}
 
 TouchSearch::TouchSearch(const CollisionBodies& bodies)
     : bodies_(bodies)
@@ -78,8 +97,9 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
     const double own = areas_[at(pair.source)][at(point)];
     // The nearest place of a point deep inside may be of any side: what it looks past counts no more there.
     const double depth = feature.away.norm() / (surely_its_side * bodies_[pair.target].mean_edge());
-    const double facing = bodies_[pair.source].facing_area(point, feature.normal, std::clamp(2 - depth, 0.0, 1.0), own,
-                                                           boxes_[at(pair.source)].places());
+    const double facing =
+        bodies_[pair.source].facing_area(point, touch.side < 0 ? Vec3(-feature.normal) : feature.normal,
+                                         std::clamp(2 - depth, 0.0, 1.0), own, boxes_[at(pair.source)].places());
     if (!pair.both_ways) return facing;
     double others = 0;
     for (const int v : bodies_[pair.target].triangles()[at(feature.triangle)])
@@ -96,7 +116,7 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
     for (; it != kept.end() && it->source == pair.source && it->target == pair.target; ++it) {
         const KeptContact& c = *it;
         if (!held.empty() && held[at(c.point)]) continue;
-        Touch t{c.source, c.point, c.target, static_cast<int>(it - kept.begin()), {}};
+        Touch t{c.source, c.point, c.target, static_cast<int>(it - kept.begin()), 1, {}};
         const CollisionBody& target = bodies_[c.target];
         const Points& where = boxes_[at(c.target)].places();
         const Vec3 p = boxes_[at(c.source)].places()[at(c.point)];
@@ -105,6 +125,7 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
         t.feature = follow_feature(target, where, c.triangle, p);
         if (face_normal(target, where, t.feature.triangle).dot(side) < -least_facing)
             t.feature = follow_feature(target, where, c.triangle, p, side);
+        if (pair.two_sided) t.side = c.side != 0 ? c.side : side_of(target, t.feature);
         if (pair.longest > 0 && t.feature.away.norm() > pair.longest) continue;
         out.push_back(t);
     }
@@ -112,6 +133,7 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
 
 void TouchSearch::find_near(const ContactPair& pair, double margin, const std::vector<char>& held, std::size_t first,
                             std::vector<Touch>& out) {
+    if (pair.only_kept) return;
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
     has_.assign(source.point_count(), 0);
     std::copy(held.begin(), held.end(), has_.begin());
@@ -133,9 +155,9 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, const std::v
         found_[p].triangle = -1;
         if (has_[p]) return;
         const Vec3 end = sweep.seen(later[p]);
-        const double distance = (end - now[p]).norm() + sweep.farthest() + margin;
+        const double distance = (end - now[p]).norm() + sweep.farthest() + margin + pair.range;
         if (known[p].distance > distance) return;
-        if (!sweep.meets(now[p], end, margin)) return;
+        if (!sweep.meets(now[p], end, margin + pair.range)) return;
         const Vec3& modelled = source.modelled(static_cast<int>(p));
         double turned_away = std::numeric_limits<double>::infinity(); // to what may turn to it until later
         const auto far_along = [&](int triangle) {
@@ -157,17 +179,20 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, const std::v
         const double look = std::max(look_farther * distance, 2 * target.mean_edge());
         const ClosestFeature f =
             find_feature(target, boxes_[at(pair.target)], now[p], look, far_along, known[p].triangle);
-        const double far = f.triangle < 0 ? look : f.inside() ? 0 : f.away.norm();
+        const bool inside = !pair.two_sided && f.inside();
+        const double far = f.triangle < 0 ? look : inside ? 0 : f.away.norm();
         known[p] = {std::min(far, std::sqrt(turned_away)), f.triangle};
-        if (f.triangle >= 0 && far <= distance && !f.inside()) found_[p] = f;
+        if (f.triangle >= 0 && far <= distance && !inside) found_[p] = f;
     });
     for (std::size_t p = 0; p < found_.size(); ++p)
-        if (found_[p].triangle >= 0) out.push_back({pair.source, static_cast<int>(p), pair.target, -1, found_[p]});
+        if (found_[p].triangle >= 0)
+            out.push_back({pair.source, static_cast<int>(p), pair.target, -1,
+                           pair.two_sided ? side_of(target, found_[p]) : 1, found_[p]});
 }
 
 void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
-    if (pair.source == pair.target) return;
+    if (pair.source == pair.target || pair.two_sided) return;
     const SurfaceBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
     if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
     const SurfaceTree tree(boxes.places(), target.triangles());
@@ -180,7 +205,7 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
     });
     for (std::size_t p = 0; p < found.size(); ++p)
         if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))
-            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, found[p]});
+            out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 1, found[p]});
 }
 
 } // namespace sinew::solver

@@ -16,8 +16,18 @@ namespace sinew::solver {
 struct Touch {
     int source = -1, point = -1, target = -1; ///< bodies: places among those of contact
     int kept = -1;                            ///< its contact of the state; -1: it is outside
+    int side = 1;                             ///< of a cloth, see KeptContact; of others 1
     ClosestFeature feature;                   ///< at the start of the step
 };
+
+/// How far a point is in what a surface pushes others out of, on the side that it belongs to.
+struct Press {
+    double depth = 0;        ///< [m]; negative: so far outside
+    Vec3 out = Vec3::Zero(); ///< of unit length, the way that it is pushed
+    bool behind = false;     ///< it is on the other side of the surface itself
+};
+/// `side`: of the touch.
+Press press_of(const CollisionBody& target, const ContactPair& pair, int side, const ClosestFeature& f);
 
 /// Calls visit(CoupledCarriers) for all that a point and a triangle couple; with `widely` also the triangles about it.
 /// Stops, and returns false, where a visit returns false.

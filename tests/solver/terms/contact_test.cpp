@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
 #include "solver/terms/contact/contact.h"
+#include "tests/support/sheets.h"
 #include "tests/support/term_checks.h"
 
 #include <catch2/catch.hpp>
@@ -132,10 +133,63 @@ ExampleScene pressed(ElementKind kind, bool on_bone, const ContactValues& values
             }};
 }
 
+/// A sheet of cloth pressed onto another one, or onto a bone, over less than their thickness.
+ExampleScene pressed_cloth(bool on_bone, const ContactValues& values, int fineness) {
+    constexpr double thickness = 0.02;
+    auto d = SceneDescription{};
+    StepInputs in = still_inputs();
+    const auto collide = [&](double thick) {
+        auto rest = std::make_shared<ContactRest>();
+        rest->thickness = thick, rest->is_volume = thick == 0;
+        d.parts.push_back({&contact_type, {static_cast<int>(d.bodies.size()) - 1}, std::move(rest)});
+        put_fields(values, in.parts.emplace_back(contact_type.values.size()));
+    };
+    const auto add = [&](double x, double z, int cells) {
+        Sheet sheet = make_sheet(evenly(x, x + 0.3, cells), 0.2, cells, Weave::crossed);
+        // Not level, so that edges pass each other at different heights.
+        for (Vec3& p : sheet.points) p.z() = z + 0.004 * std::sin(20 * p.x() + 31 * p.y());
+        d.bodies.emplace_back(cloth(sheet.points, sheet.triangles));
+        in.bodies.emplace_back(cloth_material(500, 100, 1e-3, 0.3));
+        collide(thickness);
+    };
+    add(0, 0.012 * (on_bone ? 0.7 : 1), 3 * fineness);
+    if (on_bone) {
+        const auto ground = box_bone({-0.2, -0.2, -0.1}, {0.6, 0.5, 0}, 3);
+        d.bodies.emplace_back(ground), in.bodies.emplace_back(BoneInputs{ground->surface});
+        collide(0);
+    } else {
+        add(0.037, 0, 4 * fineness);
+    }
+    in.gravity = Vec3(0, 0, -9.8);
+    in.step_size = 0.002; // they would be far from each other after longer ones
+    auto scene = std::make_shared<const Scene>(d);
+    return {scene, [in, scene](int step) {
+                StepInputs now = in;
+                std::get<ClothInputs>(now.bodies[0])
+                    .forces.assign(scene->vertex_count(0), Vec3(1e-6 * step, 0, -1e-5 * step));
+                return now;
+            }};
+}
+
 } // namespace
 
 std::vector<TermExample> sinew::test::contact_examples() {
     std::vector<TermExample> out;
+    for (const bool on_bone : {false, true})
+        for (const auto& [what, values] :
+             {std::pair{", sliding", with(1e4)}, {", friction and damping", with(1e4, 0.4, 50)}}) {
+            TermExample e;
+            e.name = std::string("contact of cloth with ") + (on_bone ? "a bone" : "cloth") + what;
+            e.type = &contact_type;
+            e.make = [on_bone = on_bone, values = values](int fineness) {
+                return pressed_cloth(on_bone, values, fineness);
+            };
+            e.forces_cancel = !on_bone;
+            e.torques_cancel = !on_bone && values.friction == 0;
+            e.couples_all = false;
+            e.projects_exactly = false; // the part that bends is left out
+            out.push_back(std::move(e));
+        }
     for (const ElementKind kind : both_elements)
         for (const bool on_bone : {false, true})
             for (const auto& [what, values, held] :

@@ -1,0 +1,142 @@
+// Node types of a host: used like any other, found again by their revision, and told of when they fail.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/graph_file.h"
+#include "nodes/register_all.h"
+#include "tools/embed/host_types.h"
+#include "tools/embed/session.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <functional>
+
+using namespace sinew;
+
+namespace {
+
+const engine::Wire<nodes::Mesh> mesh{.name = "mesh", .doc = "The mesh to lift."};
+const engine::Input<double> by{.name = "by", .def = 1, .limits = {.min = 0}, .doc = "How far, in scene units."};
+const engine::Output<nodes::Mesh> out_mesh{.name = "outMesh", .doc = "The lifted mesh."};
+
+engine::NodeType lift(const std::string& revision, std::atomic<int>* runs = nullptr) {
+    engine::NodeType type;
+    type.name = "lift";
+    type.doc = "Lifts a mesh.";
+    type.revision = revision;
+    type.inputs = {engine::describe(mesh), engine::describe(by)};
+    type.outputs = {engine::describe(out_mesh)};
+    type.compute = [runs](const engine::Reads& in, engine::Writes& out) {
+        if (runs) ++*runs;
+        if (in[by] == 13) throw std::runtime_error("thirteen is not liked here");
+        solver::Points points = *in[mesh].points;
+        for (solver::Vec3& p : points) p[1] += in[by];
+        out.set(out_mesh, in[mesh].with_points(std::move(points)));
+    };
+    return type;
+}
+
+std::shared_ptr<const engine::Registry> types(const std::string& revision, std::atomic<int>* runs = nullptr) {
+    auto registry = std::make_shared<engine::Registry>();
+    nodes::register_all(*registry);
+    embed::add_host_type(*registry, lift(revision, runs));
+    return registry;
+}
+
+const std::string scene =
+    R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9}, "nodes": {
+    "cube": {"type": "polyCube"},
+    "lifted": {"type": "lift", "inputs": {"mesh": {"from": "cube.outMesh"}, "by": 2}},
+    "plate": {"type": "zBone", "inputs": {"mesh": {"from": "lifted.outMesh"}}},
+    "ball": {"type": "polySphere"}, "flesh": {"type": "zMaterial"},
+    "hung": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"},
+             "materials": [{"from": "flesh.outMaterial"}]}},
+    "tie": {"type": "zAttachment", "inputs": {"source": {"from": "hung.outBody"}, "target": {"from": "plate.outBody"}}},
+    "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "hung.outBody"}, {"from": "plate.outBody"}],
+               "attachments": [{"from": "tie.outAttachment"}]}}}})";
+
+std::vector<std::string> codes(const std::function<void()>& call, std::string* text = nullptr) {
+    std::vector<std::string> out;
+    try {
+        call();
+    } catch (const engine::Failure& f) {
+        for (const auto& d : f.diagnostics()) out.push_back(d.code + " " + d.node);
+        if (text) *text = f.what();
+    }
+    return out;
+}
+
+} // namespace
+
+TEST_CASE("a host's node type works in a graph like any other", "[embed]") {
+    embed::Session s({.registry = types("1")});
+    s.load_text(scene);
+    double low = 1e9;
+    for (const solver::Vec3& p : *s.evaluate(3).meshes[1].points) low = std::min(low, p[1]);
+    CHECK(low == 1.5);
+    const embed::Setting wrong{{"lifted", "by"}, std::vector<double>{-1}};
+    CHECK(codes([&] { s.set({&wrong, 1}); }) == std::vector<std::string>{"DG013 lifted"});
+    // Sent from frame 3 on, it moves the bone from there, and the two frames before stay.
+    const embed::Setting higher{{"lifted", "by"}, std::vector<double>{2.25}};
+    s.set_at(3, {&higher, 1});
+    s.evaluate(4);
+    CHECK(s.counts().simulated == 3 + 2);
+}
+
+TEST_CASE("results of a host's type are found by its revision", "[embed]") {
+    std::atomic<int> runs = 0;
+    engine::Evaluator evaluator({}, 1);
+    const auto pull = [&](const std::string& revision) {
+        const auto graph = engine::read_graph(types(revision, &runs), scene, "test.json").graph;
+        return evaluator.pull({graph, {"lifted", "outMesh"}, 1}).digest();
+    };
+    const engine::Digest first = pull("1");
+    CHECK(runs == 1);
+    CHECK(pull("1") == first);
+    CHECK(runs == 1);
+    CHECK(pull("2") == first); // other code, which happens to give the same
+    CHECK(runs == 2);
+    pull("1");
+    CHECK(runs == 2);
+}
+
+TEST_CASE("another revision that gives the same bits leaves simulated frames alone", "[embed]") {
+    struct Steps : engine::Observer {
+        std::atomic<int> count = 0;
+        void stepped(const std::string&, double, double) override { ++count; }
+    } steps;
+    engine::Evaluator evaluator({}, 1, &steps);
+    std::atomic<int> runs = 0;
+    for (const char* revision : {"1", "2"}) {
+        const auto graph = engine::read_graph(types(revision, &runs), scene, "test.json").graph;
+        evaluator.pull({graph, {"solver", "outMeshes"}, 3});
+    }
+    CHECK(runs == 2);
+    CHECK(steps.count == 3);
+}
+
+TEST_CASE("what a host's type throws is a failure of its node, with its words", "[embed]") {
+    embed::Session s({.registry = types("1")});
+    s.load_text(scene);
+    const embed::Setting thirteen{{"lifted", "by"}, std::vector<double>{13}};
+    s.set({&thirteen, 1});
+    std::string text;
+    CHECK(codes([&] { s.evaluate(1); }, &text) == std::vector<std::string>{"DG127 lifted"});
+    CHECK(text.find("thirteen is not liked here") != std::string::npos);
+}
+
+TEST_CASE("declarations of a host that cannot be are refused", "[embed]") {
+    engine::Registry registry;
+    nodes::register_all(registry);
+    const auto refused = [&](const std::function<void(engine::NodeType&)>& spoil) {
+        engine::NodeType type = lift("1");
+        spoil(type);
+        const auto found = codes([&] { embed::add_host_type(registry, type); });
+        return found.size() == 1 && found[0].starts_with("DG128");
+    };
+    CHECK(refused([](engine::NodeType& t) { t.revision = ""; }));
+    CHECK(refused([](engine::NodeType& t) { t.name = "zBone"; }));
+    CHECK(refused([](engine::NodeType& t) { t.doc = ""; }));
+    CHECK(refused([](engine::NodeType& t) { t.outputs.clear(); }));
+    CHECK(refused([](engine::NodeType& t) { t.compute = {}; }));
+    CHECK(refused([](engine::NodeType& t) { t.inputs.push_back(t.inputs.front()); }));
+    CHECK_FALSE(refused([](engine::NodeType&) {}));
+}

@@ -1,0 +1,194 @@
+// The facade for hosts: bodies by name, what was sent keyed by content, frames kept for later processes, cancelling.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/temporary_folder.h"
+#include "tools/embed/session.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+using namespace sinew;
+using embed::Counts;
+using embed::Frame;
+using embed::HostValue;
+using embed::Misuse;
+using embed::Session;
+using embed::Setting;
+
+namespace {
+
+const std::string hanging =
+    R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9}, "nodes": {
+    "cube": {"type": "polyCube", "inputs": {"width": 6, "depth": 6}},
+    "plate": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}}},
+    "ball": {"type": "polySphere", "inputs": {"radius": 2}}, "flesh": {"type": "zMaterial"},
+    "hung": {"type": "zTissue", "inputs": {"mesh": {"from": "ball.outMesh"},
+             "materials": [{"from": "flesh.outMaterial"}]}},
+    "tie": {"type": "zAttachment", "inputs": {"source": {"from": "hung.outBody"}, "target": {"from": "plate.outBody"}}},
+    "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "hung.outBody"}, {"from": "plate.outBody"}],
+               "attachments": [{"from": "tie.outAttachment"}]}},
+    "skin": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "hung.outBody"},
+             "meshes": [{"from": "ball.outMesh"}]}}}})";
+
+std::vector<double> lifted(double y) { return {1, 0, 0, 0, 0, 1, 0, y, 0, 0, 1, 0, 0, 0, 0, 1}; }
+
+void send(Session& s, double frame, double y) {
+    const Setting setting{{"plate", "matrix"}, lifted(y)};
+    s.set_at(frame, {&setting, 1});
+}
+
+void set(Session& s, const char* node, const char* attribute, HostValue value) {
+    const Setting setting{{node, attribute}, std::move(value)};
+    s.set({&setting, 1});
+}
+
+std::string code(const std::function<void()>& call, bool* misuse = nullptr) {
+    try {
+        call();
+    } catch (const engine::Failure& f) {
+        if (misuse) *misuse = dynamic_cast<const Misuse*>(&f) != nullptr;
+        return f.diagnostics().front().code;
+    }
+    return "";
+}
+
+} // namespace
+
+TEST_CASE("bodies are found by name in whatever is evaluated", "[embed]") {
+    Session s;
+    s.load_text(hanging);
+    const Frame solved = s.evaluate(2);
+    CHECK(solved.names == std::vector<std::string>{"hung", "plate"});
+    CHECK(solved.find("plate") == 1);
+    CHECK_FALSE(solved.find("ball"));
+    const Frame carried = s.evaluate(2, "skin.outMeshes");
+    CHECK(carried.names == std::vector<std::string>{"ball"});
+    CHECK(carried.bodies == std::vector<std::string>{"hung", "plate"});
+    const Frame plain = s.evaluate(2, "cube.outMesh");
+    CHECK(plain.names == std::vector<std::string>{"cube"});
+    CHECK(plain.report_json() == "{}");
+    // The skin is the tissue's own mesh, so it is where the tissue is.
+    CHECK(s.counts().simulated == 2);
+    for (std::size_t v = 0; v < carried.meshes[0].points->size(); ++v)
+        CHECK(((*carried.meshes[0].points)[v] - (*solved.meshes[0].points)[v]).norm() < 1e-12);
+}
+
+TEST_CASE("a frame's report is that of the program, with names", "[embed]") {
+    Session s;
+    s.load_text(hanging);
+    const auto report = nlohmann::json::parse(s.evaluate(3, "skin.outMeshes").report_json());
+    CHECK(report.at("frame") == 3);
+    CHECK(report.at("converged") == true);
+    CHECK(report.at("size").at("bodies") == 2);
+    CHECK(report.at("size").at("attachments") == 1);
+    CHECK(report.at("where").at("max_stretch_m").at("attachment") == "tie");
+    CHECK(report.at("where").at("min_J").at("tissue") == "hung");
+    CHECK(report.at("terms").at("attachment").at("max_stretch_m").get<double>() > 0);
+}
+
+TEST_CASE("only what was sent anew runs again, and what is sent back is found", "[embed]") {
+    Session s;
+    s.load_text(hanging);
+    for (int frame = 1; frame <= 5; ++frame) {
+        send(s, frame, 0.1 * frame);
+        s.evaluate(frame);
+        CHECK(s.counts().simulated == frame);
+    }
+    const engine::Digest fifth = s.evaluate(5).value.digest();
+    send(s, 4, 0.1);
+    s.evaluate(5);
+    CHECK(s.counts().simulated == 7);
+    send(s, 4, 0.1 * 4);
+    CHECK(s.evaluate(5).value.digest() == fifth);
+    CHECK(s.counts().simulated == 7);
+    CHECK(s.is_ready(5));
+    CHECK_FALSE(s.is_ready(6));
+    CHECK(s.explain(6).first_frame == 6);
+    // Display and names change nothing.
+    set(s, "hung", "appearance", std::string("fat"));
+    s.evaluate(5);
+    CHECK(s.counts().simulated == 7);
+    // The same graph loaded again finds its frames too.
+    const auto text = s.graph();
+    s.load_text(hanging);
+    for (int frame = 1; frame <= 5; ++frame) send(s, frame, 0.1 * frame);
+    CHECK(s.evaluate(5).value.digest() == fifth);
+    CHECK(s.counts().simulated == 7);
+}
+
+TEST_CASE("frames kept in a folder are found by the next session", "[embed]") {
+    const test::TemporaryFolder folder;
+    embed::Options options;
+    options.cache_folder = folder.path().string();
+    engine::Digest fourth;
+    {
+        Session s(options);
+        s.load_text(hanging);
+        fourth = s.evaluate(4).value.digest();
+        CHECK(s.counts().simulated == 4);
+    }
+    Session s(options);
+    s.load_text(hanging);
+    CHECK(s.evaluate(4).value.digest() == fourth);
+    CHECK(s.counts().simulated == 0);
+    s.evaluate(6);
+    CHECK(s.counts().simulated == 2);
+}
+
+TEST_CASE("numbers and texts become what the attribute takes, or are refused with the count that fits", "[embed]") {
+    Session s;
+    s.load_text(hanging);
+    set(s, "solver", "substeps", std::vector<double>{2});
+    set(s, "solver", "enable", std::vector<double>{0});
+    set(s, "flesh", "youngsModulus", std::string("30 kPa"));
+    set(s, "hung", "material", std::string("NeoHookean"));
+    const auto literal = [&](const char* node, const char* attribute) {
+        return std::get<engine::Value>(s.graph()->find(node)->inputs.find(attribute)->second);
+    };
+    CHECK(literal("solver", "substeps").as<std::int64_t>() == 2);
+    CHECK(literal("solver", "enable").as<bool>() == false);
+    CHECK(literal("flesh", "youngsModulus").as<double>() == 30000);
+    bool misuse = false;
+    CHECK(code([&] { set(s, "solver", "enable", std::vector<double>{2}); }, &misuse) == "DG123");
+    CHECK(misuse);
+    CHECK(code([&] { set(s, "solver", "gravity", std::vector<double>{2}); }) == "DG123");
+    CHECK(code([&] { set(s, "plate", "matrix", std::vector<double>(12)); }) == "DG123");
+    CHECK(code([&] { set(s, "flesh", "youngsModulus", std::vector<double>{1, 2}); }) == "DG123");
+    CHECK(code([&] { set(s, "flesh", "youngsModulus", std::vector<double>{-1}); }, &misuse) == "DG013");
+    CHECK_FALSE(misuse);
+    CHECK(code([&] { set(s, "solver", "substeps", std::vector<double>{1.5}); }) == "DG012");
+    CHECK(code([&] { set(s, "hung", "material", std::string("Rubber")); }) == "DG014");
+    CHECK(literal("hung", "material").as<std::string>() == "NeoHookean");
+}
+
+TEST_CASE("what to evaluate must be clear", "[embed]") {
+    Session s;
+    s.load_text(R"({"format": "sinew 1", "nodes": {"cube": {"type": "polyCube"}}})");
+    CHECK(code([&] { s.evaluate(1); }) == "DG126");
+    const std::string body = R"({"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}}})";
+    const std::string solver = R"({"type": "zSolver", "inputs": {"bodies": [{"from": "bone.outBody"}]}})";
+    s.load_text(R"({"format": "sinew 1", "nodes": {"cube": {"type": "polyCube"}, "bone": )" + body + R"(, "s": )" +
+                solver + R"(, "t": )" + solver + "}}");
+    bool misuse = false;
+    CHECK(code([&] { s.evaluate(1); }, &misuse) == "DG126");
+    CHECK(misuse);
+    CHECK(s.evaluate(1, "t.outMeshes").names == std::vector<std::string>{"bone"});
+}
+
+TEST_CASE("sessions in threads give the bits that one alone gives", "[embed]") {
+    const auto run = [] {
+        embed::Options options;
+        options.threads = 1;
+        Session s(options);
+        s.load_text(hanging);
+        for (int frame = 1; frame <= 4; ++frame) send(s, frame, 0.2 * frame), s.evaluate(frame);
+        return s.evaluate(4).value.digest();
+    };
+    const engine::Digest alone = run();
+    std::vector<engine::Digest> found(3);
+    std::vector<std::thread> threads;
+    for (engine::Digest& d : found) threads.emplace_back([&] { d = run(); });
+    for (std::thread& t : threads) t.join();
+    for (const engine::Digest& d : found) CHECK(d == alone);
+}

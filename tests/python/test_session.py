@@ -1,0 +1,319 @@
+# The Python module: what is sent and what comes out, what runs again, errors, threads, Ctrl-C.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import gc
+import os
+import signal
+import tempfile
+import threading
+import time
+import unittest
+import warnings
+
+import numpy as np
+import sinew
+from scenes import hanging, lifted
+
+
+class Frames(unittest.TestCase):
+    def test_bodies_come_by_name_and_place(self):
+        frame = sinew.Session(text=hanging()).evaluate(1)
+        self.assertEqual(frame.names, ["hung", "plate"])
+        self.assertEqual(list(frame), ["hung", "plate"])
+        self.assertEqual(frame["plate"].name, "plate")
+        self.assertEqual(frame[-1].name, "plate")
+        self.assertEqual(frame["plate"].points.shape, (8, 3))
+        self.assertEqual(frame["plate"].triangles.shape, (12, 3))
+        self.assertEqual(frame["plate"].face_sizes.tolist(), [4] * 6)
+        self.assertEqual(frame["plate"].face_vertices.size, 24)
+        self.assertEqual(frame.plug, "solver.outMeshes")
+        self.assertIn("hung", frame)
+        self.assertNotIn("ball", frame)
+        with self.assertRaises(KeyError):
+            frame["ball"]
+        with self.assertRaises(IndexError):
+            frame[2]
+
+    def test_a_bone_is_where_its_matrix_puts_it(self):
+        session = sinew.Session(text=hanging())
+        session.set_input("plate.matrix", 2, lifted(0.25))
+        for number, y in ((1, 0), (2, 0.25)):
+            points = session.evaluate(number)["plate"].points
+            np.testing.assert_array_equal(np.unique(points[:, 1]), [y - 0.5, y + 0.5])
+
+    def test_arrays_show_what_sinew_holds_and_cannot_be_written(self):
+        frame = sinew.Session(text=hanging()).evaluate(2)
+        first, second = frame["hung"], frame["hung"]
+        for name in ("points", "triangles", "face_sizes", "face_vertices"):
+            a, b = getattr(first, name), getattr(second, name)
+            self.assertEqual(a.ctypes.data, b.ctypes.data, name)
+            self.assertFalse(a.flags.owndata, name)
+            self.assertTrue(a.flags.c_contiguous, name)
+            with self.assertRaises(ValueError):
+                a[0] = 0
+            with self.assertRaises(ValueError):
+                a.setflags(write=True)
+
+    def test_arrays_outlive_everything(self):
+        session = sinew.Session(text=hanging())
+        mesh = session.evaluate(3)["hung"]
+        part = mesh.points[::2, 1]
+        wanted = part.copy()
+        faces = mesh.triangles
+        wanted_faces = faces.copy()
+        session["ball.radius"] = 1.5
+        del session, mesh
+        gc.collect()
+        others = [sinew.Session(text=hanging()).evaluate(3) for _ in range(3)]
+        np.testing.assert_array_equal(part, wanted)
+        np.testing.assert_array_equal(faces, wanted_faces)
+        self.assertEqual(len(others), 3)
+
+    def test_values_are_numbers_arrays_and_texts(self):
+        session = sinew.Session(
+            text=hanging(
+                turn={"type": "transform", "inputs": {"translate": [1, 2, 3]}},
+                paint={"type": "weights", "inputs": {"mesh": {"from": "cube.outMesh"}, "value": 0.25}},
+            )
+        )
+        matrix = session.evaluate(1, "turn.outMatrix").value
+        np.testing.assert_array_equal(matrix, [[1, 0, 0, 1], [0, 1, 0, 2], [0, 0, 1, 3], [0, 0, 0, 1]])
+        self.assertFalse(matrix.flags.owndata)
+        np.testing.assert_array_equal(session.evaluate(1, "paint.outWeights").value, [0.25] * 8)
+        self.assertIsNone(session.evaluate(1, "flesh.outMaterial").value)
+        self.assertEqual(session.evaluate(1, "cube.outMesh").value[0].points.shape, (8, 3))
+
+    def test_the_report_is_that_of_the_frame(self):
+        report = sinew.Session(text=hanging()).evaluate(3).report
+        self.assertEqual(report["frame"], 3)
+        self.assertTrue(report["converged"])
+        self.assertEqual(report["size"]["bodies"], 2)
+        self.assertEqual(report["where"]["min_J"]["tissue"], "hung")
+        self.assertEqual(sinew.Session(text=hanging()).evaluate(1, "cube.outMesh").report, {})
+
+
+class Sending(unittest.TestCase):
+    def test_only_what_changed_runs_again(self):
+        session = sinew.Session(text=hanging())
+        for number in range(1, 6):
+            session.set_inputs(number, {"plate.matrix": lifted(0.1 * number)})
+            session.evaluate(number)
+            self.assertEqual(session.counts.simulated, number)
+        fifth = session.evaluate(5)["hung"].points.tobytes()
+        session.set_input("plate.matrix", 4, lifted(0.9))
+        self.assertFalse(session.is_ready(5))
+        self.assertIn("plate", session.explain(5))
+        self.assertNotEqual(session.evaluate(5)["hung"].points.tobytes(), fifth)
+        self.assertEqual(session.counts.simulated, 7)
+        session.set_input("plate.matrix", 4, lifted(0.1 * 4))
+        self.assertTrue(session.is_ready(5))
+        self.assertEqual(session.evaluate(5)["hung"].points.tobytes(), fifth)
+        self.assertEqual(session.counts.simulated, 7)
+
+    def test_run_goes_over_the_timing(self):
+        session = sinew.Session(text=hanging())
+        self.assertEqual([frame.number for frame in session.run()], [1, 2, 3, 4, 5, 6])
+        self.assertEqual([frame.number for frame in session.run(5, 7)], [5, 6, 7])
+        self.assertEqual(session.counts.simulated, 7)
+        self.assertEqual(session.timing, sinew.Timing(24, 1, 6))
+
+    def test_meshes_are_sent_in_the_shapes_that_hosts_have(self):
+        session = sinew.Session(text=hanging())
+        square = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], np.float32)
+        session.set_mesh("sent", 1, square, [[0, 1, 2, 3]])
+        mesh = session.evaluate(1, "sent.outMesh")[0]
+        self.assertEqual(mesh.face_sizes.tolist(), [4])
+        np.testing.assert_array_equal(mesh.points, square)
+        session.set_mesh("sent", 3, square + 2)
+        np.testing.assert_array_equal(session.evaluate(2, "sent.outMesh")[0].points, square)
+        np.testing.assert_array_equal(session.evaluate(2.5, "sent.outMesh")[0].points, square + 1)
+        session.set_mesh("sent", 1, square[:3], [0, 1, 2])
+        self.assertEqual(session.evaluate(9, "sent.outMesh")[0].triangles.tolist(), [[0, 1, 2]])
+        session.set_mesh("sent", 1, np.asfortranarray(square), np.array([0, 1, 2, 0, 2, 3], np.int64))
+        self.assertEqual(session.evaluate(1, "sent.outMesh")[0].triangles.shape, (2, 3))
+        for wrong in (lambda: session.set_mesh("sent", 1, square[:, :2]), lambda: session.set_mesh("sent", 1, [1, 2])):
+            self.assertRaises(ValueError, wrong)
+        with self.assertRaises(sinew.UsageError):
+            session.set_mesh("sent", 1, square, [0, 1, 1.5])
+        with self.assertRaises(sinew.UsageError):
+            session.set_mesh("ball", 1, square)
+
+    def test_values_are_taken_as_python_has_them(self):
+        session = sinew.Session(text=hanging())
+        session.set("flesh.youngsModulus", {"value": 30, "unit": "kPa"})
+        session["solver.enable"] = True
+        session["solver.substeps"] = np.int64(2)
+        session["solver.gravity"] = (0, -5, 0)
+        session["hung.material"] = "NeoHookean"
+        session["solver.attachments"] = [{"from": "tie.outAttachment"}]
+        for part in ('"youngsModulus": 30000', '"substeps": 2', '"gravity": [0, -5, 0]', "NeoHookean"):
+            self.assertIn(part, session.text)
+        self.assertEqual(session.nodes["solver"], "zSolver")
+        self.assertRaises(TypeError, session.set, "flesh.youngsModulus", None)
+        self.assertRaises(TypeError, session.set, "flesh.youngsModulus", object())
+        self.assertRaises(sinew.UsageError, session.set, "youngsModulus", 1)
+        self.assertRaises(sinew.UsageError, session.set, "solver.gravity", [1, 2])
+
+    def test_a_cache_is_found_by_the_next_session(self):
+        with tempfile.TemporaryDirectory() as folder:
+            first = sinew.Session(text=hanging(), cache=folder)
+            wanted = first.evaluate(4)["hung"].points.tobytes()
+            del first
+            second = sinew.Session(text=hanging(), cache=folder)
+            self.assertEqual(second.evaluate(4)["hung"].points.tobytes(), wanted)
+            self.assertEqual(second.counts.simulated, 0)
+
+
+class Wrong(unittest.TestCase):
+    def test_all_that_is_wrong_comes_with_its_place(self):
+        text = '{"format": "sinew 1", "nodes": {\n "a": {"type": "polyCube",\n  "inputs": {"widht": 1, "depth": -1}}}}'
+        with self.assertRaises(sinew.GraphError) as caught:
+            sinew.Session(text=text, file_name="wrong.json")
+        found = caught.exception.diagnostics
+        self.assertEqual([d.code for d in found], ["DG011", "DG013"])
+        self.assertEqual((found[0].file, found[0].line, found[0].column), ("wrong.json", 3, 14))
+        self.assertEqual((found[1].node, found[1].attribute), ("a", "depth"))
+        self.assertEqual(found[0].severity, "error")
+        self.assertIn("width", found[0].hint)
+        self.assertIn("DG011", str(caught.exception))
+        self.assertIsInstance(caught.exception, sinew.Error)
+
+    def test_wrong_calls_are_another_error(self):
+        for call in (
+            lambda: sinew.Session().evaluate(1),
+            lambda: sinew.Session(text=hanging()).evaluate(1, "solver"),
+            lambda: sinew.Session("a.json", text=hanging()),
+        ):
+            self.assertRaises(sinew.UsageError, call)
+        self.assertRaises(sinew.GraphError, sinew.Session, "/there/is/none.json")
+        self.assertRaises(sinew.GraphError, sinew.Session(text=hanging()).evaluate, 1, "sent.outMesh")
+
+    def test_warnings_are_warnings(self):
+        text = '{"format": "sinew 1", "nodes": {"a": {"type": "polyCubes"}}}'
+        with self.assertWarns(sinew.SinewWarning) as caught:
+            sinew.Session(text=text)
+        self.assertIn("DG010", str(caught.warning))
+        self.assertEqual(caught.filename, __file__)
+        told = []
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            sinew.Session(text=text, on_warning=told.append)
+        self.assertEqual([d.code for d in told], ["DG010"])
+
+    def test_meshes_are_checked(self):
+        self.assertRaises(ValueError, sinew.Mesh, [[0, 0, 0]], [0, 0])
+        self.assertRaises(ValueError, sinew.Mesh, [[0, 0]], [0, 0, 0])
+        self.assertRaises(ValueError, sinew.Mesh, [[0, 0, 0]], [0.5, 0, 0])
+        self.assertRaises(sinew.Error, sinew.Mesh, [[0, 0, 0]], [0, 1, 2])
+        self.assertRaises(sinew.Error, sinew.Mesh, [[0, 0, np.nan], [1, 0, 0], [0, 1, 0]], [0, 1, 2])
+        mesh = sinew.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [0, 1, 2])
+        self.assertEqual(mesh.with_points(mesh.points + 1).points.sum(), mesh.points.sum() + 9)
+        self.assertRaises(ValueError, mesh.with_points, mesh.points[:2])
+
+
+class Going(unittest.TestCase):
+    def test_events_tell_what_runs_and_what_is_reused(self):
+        steps, kinds = [], set()
+
+        def watch(event):
+            kinds.add(event.kind)
+            if event.kind == "stepped":
+                steps.append((event.node, event.frame))
+
+        session = sinew.Session(text=hanging(), on_event=watch)
+        session.evaluate(3)
+        self.assertEqual(steps, [("solver", 1), ("solver", 2), ("solver", 3)])
+        session.evaluate(3)
+        self.assertEqual(len(steps), 3)
+        self.assertLessEqual({"stepped", "computed", "reused"}, kinds)
+
+    def test_a_callback_cancels_and_finished_frames_stay(self):
+        session = sinew.Session(text=hanging(), on_event=lambda e: e.kind == "stepped" and e.frame == 3)
+        self.assertRaises(sinew.Cancelled, session.evaluate, 6)
+        self.assertEqual(session.counts.simulated, 3)
+        self.assertEqual([session.is_ready(n) for n in (1, 2, 3, 4)], [True, True, True, False])
+
+    def test_what_a_callback_raises_comes_out(self):
+        def watch(event):
+            if event.kind == "stepped" and event.frame == 2:
+                raise ZeroDivisionError("of the host")
+
+        session = sinew.Session(text=hanging(), on_event=watch)
+        self.assertRaisesRegex(ZeroDivisionError, "of the host", session.evaluate, 6)
+        self.assertEqual(session.counts.simulated, 2)
+        session.evaluate(6)
+        self.assertEqual(session.counts.simulated, 6)
+
+    def test_ctrl_c_ends_it_and_finished_frames_stay(self):
+        pressed = []
+
+        def watch(event):
+            if event.kind == "stepped" and event.frame == 3 and not pressed:
+                pressed.append(True)
+                os.kill(os.getpid(), signal.SIGINT)
+                time.sleep(0.3)  # the main thread sees it meanwhile
+
+        session = sinew.Session(text=hanging(), on_event=watch)
+        with self.assertRaises(KeyboardInterrupt):
+            session.evaluate(6)
+        self.assertEqual(session.counts.simulated, 3)
+        self.assertTrue(session.is_ready(3))
+        session.evaluate(6)
+        self.assertEqual(session.counts.simulated, 6)
+
+    def test_another_thread_may_cancel(self):
+        reached = threading.Event()
+        session = sinew.Session(text=hanging(), on_event=lambda e: e.kind == "stepped" and e.frame == 3 and
+                                (reached.set(), time.sleep(0.2)) and False)
+        canceller = threading.Thread(target=lambda: (reached.wait(), session.cancel()))
+        canceller.start()
+        self.assertRaises(sinew.Cancelled, session.evaluate, 6)
+        canceller.join()
+        self.assertEqual(session.counts.simulated, 3)
+
+    def test_python_goes_on_while_something_is_computed(self):
+        session = sinew.Session(text=hanging(), threads=1)
+        worker = threading.Thread(target=session.evaluate, args=(40,))
+        ticks = 0
+        worker.start()
+        while worker.is_alive():
+            ticks += 1
+            time.sleep(0.001)
+        self.assertEqual(session.counts.simulated, 40)
+        self.assertGreater(ticks, 10)
+
+    def test_sessions_in_threads_give_the_bits_of_one_alone(self):
+        def run():
+            session = sinew.Session(text=hanging(), threads=1)
+            for number in range(1, 5):
+                session.set_input("plate.matrix", number, lifted(0.2 * number))
+                frame = session.evaluate(number)
+            return frame["hung"].points.tobytes()
+
+        alone, found = run(), []
+        threads = [threading.Thread(target=lambda: found.append(run())) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(found, [alone] * 3)
+
+    def test_threads_may_share_a_session(self):
+        session = sinew.Session(text=hanging())
+        found = []
+
+        def run():
+            for number in range(1, 7):
+                found.append((number, session.evaluate(number)["hung"].points.tobytes()))
+
+        threads = [threading.Thread(target=run) for _ in range(3)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual(len(found), 18)
+        self.assertEqual(len(set(found)), 6)
+        self.assertEqual(session.counts.simulated, 6)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/embed/session.h"
+
+#include "engine/check.h"
+#include "engine/format/graph_file.h"
+#include "engine/text.h"
+#include "nodes/mesh_names.h"
+#include "nodes/register_all.h"
+#include "tools/embed/build_mark.h"
+#include "tools/embed/frame_json.h"
+#include "tools/embed/graph_walk.h"
+
+#include <atomic>
+#include <list>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+namespace sinew::embed {
+
+using engine::Edit;
+using engine::Graph;
+using engine::Plug;
+using engine::Value;
+
+namespace {
+
+engine::Diagnostic diagnostic(std::string code, std::string message, std::string hint, const Plug& at) {
+    engine::Diagnostic d;
+    d.code = std::move(code);
+    d.node = at.node, d.attribute = at.attribute;
+    d.message = std::move(message), d.hint = std::move(hint);
+    return d;
+}
+
+/// Counts, and passes on.
+class Watch : public engine::Observer {
+  public:
+    explicit Watch(Observer* next)
+        : next_(next) {}
+    void begins(const std::string& node, double frame) override {
+        pass([&](Observer& o) { o.begins(node, frame); });
+    }
+    void ends(const std::string& node, double frame) override {
+        pass([&](Observer& o) { o.ends(node, frame); });
+    }
+    void computed(const std::string& node, double frame, double seconds) override {
+        ++computed_count;
+        pass([&](Observer& o) { o.computed(node, frame, seconds); });
+    }
+    void stepped(const std::string& node, double frame, double seconds) override {
+        ++stepped_count;
+        pass([&](Observer& o) { o.stepped(node, frame, seconds); });
+    }
+    void reused(const std::string& node, double frame) override {
+        ++reused_count;
+        pass([&](Observer& o) { o.reused(node, frame); });
+    }
+    void warning(const engine::Diagnostic& d) override {
+        pass([&](Observer& o) { o.warning(d); });
+    }
+    void progress(const std::string& node, double done, std::string_view what) override {
+        pass([&](Observer& o) { o.progress(node, done, what); });
+    }
+    std::atomic<std::int64_t> computed_count = 0, stepped_count = 0, reused_count = 0;
+
+  private:
+    /// One call at a time, those of readers among them.
+    template <class Call>
+    void pass(Call&& call) {
+        if (!next_) return;
+        const std::lock_guard lock(mutex_);
+        call(*next_);
+    }
+    Observer* next_;
+    std::mutex mutex_;
+};
+
+engine::StorePolicy policy_of(const Options& options) {
+    engine::StorePolicy policy;
+    if (options.memory_bytes > 0) policy = engine::StorePolicy::within(options.memory_bytes);
+    policy.disk_folder = options.cache_folder;
+    policy.keeps_frames = !options.cache_folder.empty();
+    policy.disk_bytes = options.cache_bytes;
+    if (policy.keeps_frames) policy.build = build_mark();
+    return policy;
+}
+
+[[noreturn]] void refuse_count(const Plug& at, const engine::AttributeInfo& info, std::size_t count,
+                               const std::string& fit) {
+    throw Misuse("DG123", std::to_string(count) + " numbers for a " + std::string(info.type_name), "send " + fit, at);
+}
+
+/// The numbers as the attribute's type. What no type fits becomes a list, about which the edit then says what is wrong.
+Value to_value(const Plug& at, const engine::AttributeInfo* info, const std::vector<double>& v) {
+    if (!info || info->kind != engine::AttributeKind::literal || info->def.is<engine::NumberList>())
+        return Value::of<engine::NumberList>(v);
+    if (info->def.is<engine::Vec3>()) {
+        if (v.size() != 3) refuse_count(at, *info, v.size(), "x, y and z");
+        return Value::of<engine::Vec3>({v[0], v[1], v[2]});
+    }
+    if (info->def.is<engine::Matrix4>()) {
+        if (v.size() != 16) refuse_count(at, *info, v.size(), "16, row by row");
+        engine::Matrix4 m{};
+        std::copy(v.begin(), v.end(), m.begin());
+        return Value::of<engine::Matrix4>(m);
+    }
+    if (v.size() != 1) refuse_count(at, *info, v.size(), "one");
+    if (info->def.is<bool>()) {
+        if (v[0] != 0 && v[0] != 1)
+            throw Misuse("DG123", engine::number_text(v[0]) + " for a switch", "send 0 or 1", at);
+        return Value::of<bool>(v[0] != 0);
+    }
+    if (info->def.is<std::int64_t>() && v[0] == std::floor(v[0]) && std::abs(v[0]) < 9e15)
+        return Value::of<std::int64_t>(static_cast<std::int64_t>(v[0]));
+    return Value::of<double>(v[0]);
+}
+
+const engine::AttributeInfo* info_of(const Graph& graph, const Plug& at) {
+    const engine::Node* node = graph.find(at.node);
+    return node && node->type ? node->type->find_input(at.attribute) : nullptr;
+}
+
+/// The meshes in a value: one, several or none.
+std::vector<nodes::Mesh> meshes_in(const Value& value) {
+    if (value.is<nodes::Mesh>()) return {value.as<nodes::Mesh>()};
+    if (value.is<nodes::MeshList>()) return value.as<nodes::MeshList>().meshes;
+    return {};
+}
+
+std::vector<double> as_numbers(std::span<const int> whole) { return {whole.begin(), whole.end()}; }
+
+} // namespace
+
+Misuse::Misuse(std::string code, std::string message, std::string hint, Plug at)
+    : Failure(diagnostic(std::move(code), std::move(message), std::move(hint), at)) {}
+
+std::optional<std::size_t> Frame::find(std::string_view name) const {
+    const auto it = std::find(names.begin(), names.end(), name);
+    if (it == names.end()) return {};
+    return static_cast<std::size_t>(it - names.begin());
+}
+
+std::string Frame::report_json() const {
+    using Json = nlohmann::ordered_json;
+    if (!report) return "{}";
+    const auto& r = report->as<nodes::SolveReport>();
+    Json out = {{"frame", number}};
+    out.update(step_json(r.record));
+    out["where"] = where_json(r.worst, bodies, attachments);
+    for (const nodes::LineReport& line : r.lines) {
+        Json& entry = out["lines_of_action"].emplace_back(line_json(line));
+        entry["body"] = name_at(bodies, line.body);
+    }
+    out["size"] = size_json(r);
+    return out.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+struct Session::Impl {
+    explicit Impl(Options options, engine::Observer* observer)
+        : registry(options.registry ? options.registry : nodes::make_registry())
+        , watch(observer)
+        , evaluator(policy_of(options), options.threads, &watch) {}
+
+    /// Puts another graph in place and tells the reader's warnings.
+    void take(engine::Loaded loaded) {
+        {
+            const std::lock_guard lock(mutex);
+            graph = std::move(loaded.graph);
+        }
+        for (const engine::Diagnostic& d : loaded.notes) watch.warning(d);
+    }
+
+    Plug plug_of(const Graph& g, std::string_view text) const {
+        if (!text.empty()) {
+            Plug plug = split_plug(text);
+            if (plug.node.empty())
+                throw Misuse("DG126", "\"" + std::string(text) + "\" names no output", "write node.output");
+            if (!g.find(plug.node))
+                throw Misuse("DG102", "there is no node \"" + plug.node + "\"",
+                             engine::name_hint(plug.node, g.node_names(), {}), plug);
+            return plug;
+        }
+        const std::vector<std::string> found = last_solvers(g, g.node_names());
+        if (found.size() == 1) return {found.front(), "outMeshes"};
+        if (found.empty()) throw Misuse("DG126", "the graph has no zSolver", "name what to evaluate: node.output");
+        throw Misuse("DG126", "the graph has several solvers: " + engine::listed(found),
+                     "name one: " + found.front() + ".outMeshes");
+    }
+
+    const std::shared_ptr<const engine::Registry> registry;
+    Watch watch;
+    engine::Evaluator evaluator;
+    mutable std::mutex mutex; ///< of what follows
+    std::mutex editing;       ///< one edit at a time; evaluations need not wait for it
+    std::shared_ptr<const Graph> graph;
+    std::list<std::stop_source> running;
+};
+
+Session::Session(Options options, engine::Observer* watch)
+    : impl_(std::make_unique<Impl>(std::move(options), watch)) {}
+Session::~Session() = default;
+
+void Session::load_file(const std::string& path) {
+    const std::lock_guard edits(impl_->editing);
+    impl_->take(engine::load_graph(impl_->registry, path));
+}
+
+void Session::load_text(std::string_view json, const std::string& file_name) {
+    const std::lock_guard edits(impl_->editing);
+    impl_->take(engine::read_graph(impl_->registry, json, file_name));
+}
+
+std::shared_ptr<const Graph> Session::graph() const {
+    const std::lock_guard lock(impl_->mutex);
+    if (!impl_->graph) throw Misuse("DG121", "no graph is loaded", "load one from a file or text first");
+    return impl_->graph;
+}
+
+void Session::edit(const std::function<void(Edit&)>& changes) {
+    const std::lock_guard edits(impl_->editing);
+    Edit edit(graph());
+    changes(edit);
+    auto done = edit.commit();
+    const std::lock_guard lock(impl_->mutex);
+    impl_->graph = std::move(done.graph);
+}
+
+void Session::set_json(const Plug& input, const std::string& json) {
+    edit([&](Edit& e) { e.set_json(input, json); });
+}
+
+void Session::set(std::span<const Setting> settings) {
+    edit([&](Edit& e) {
+        const std::shared_ptr<const Graph> g = graph();
+        for (const Setting& s : settings) {
+            const auto* numbers = std::get_if<std::vector<double>>(&s.value);
+            if (numbers)
+                e.set(s.input, to_value(s.input, info_of(*g, s.input), *numbers));
+            else
+                e.set_json(s.input, engine::json_quoted(std::get<std::string>(s.value)));
+        }
+    });
+}
+
+void Session::set_at(double frame, std::span<const Setting> settings) {
+    if (!std::isfinite(frame)) throw Misuse("DG123", "the frame is not a finite number", "send a frame");
+    edit([&](Edit& e) {
+        const std::shared_ptr<const Graph> g = graph();
+        for (const Setting& s : settings) {
+            const auto* numbers = std::get_if<std::vector<double>>(&s.value);
+            e.set_input(s.input, frame,
+                        numbers ? to_value(s.input, info_of(*g, s.input), *numbers)
+                                : Value::of<std::string>(std::get<std::string>(s.value)));
+        }
+    });
+}
+
+void Session::set_mesh(const std::string& node, double frame, const HostMesh& mesh) {
+    if (!std::isfinite(frame)) throw Misuse("DG123", "the frame is not a finite number", "send a frame", {node, ""});
+    edit([&](Edit& e) {
+        const std::shared_ptr<const Graph> g = graph();
+        const engine::Node* n = g->find(node);
+        if (n && n->type_name != "hostMesh")
+            throw Misuse("DG123", "\"" + node + "\" is a " + n->type_name + " and takes no mesh from a host",
+                         "send it to a hostMesh", {node, ""});
+        std::vector<double> points(mesh.points.begin(), mesh.points.end());
+        const auto differs = [&](const char* input, const Value& value) {
+            const auto it = n ? n->inputs.find(input) : decltype(n->inputs.find(input)){};
+            if (!n || it == n->inputs.end()) return true;
+            const auto* there = std::get_if<Value>(&it->second);
+            return !there || there->digest() != value.digest();
+        };
+        if (!mesh.face_vertices.empty()) {
+            const Value corners = Value::of<engine::NumberList>(as_numbers(mesh.face_vertices));
+            const Value sizes = Value::of<engine::NumberList>(as_numbers(mesh.face_sizes));
+            if (differs("faceVertices", corners) || differs("faceSizes", sizes)) {
+                // Another mesh: nothing of the one before holds.
+                e.set({node, "faceVertices"}, corners).set({node, "faceSizes"}, sizes).reset({node, "points"});
+                if (mesh.face_sizes.empty())
+                    e.reset({node, "restPoints"});
+                else
+                    e.set({node, "restPoints"}, Value::of<engine::NumberList>(points));
+            }
+        }
+        e.set_input({node, "points"}, frame, Value::of<engine::NumberList>(std::move(points)));
+    });
+}
+
+Frame Session::evaluate(double frame, std::string_view plug, std::stop_token stop) {
+    Frame out;
+    const std::shared_ptr<const Graph> g = graph();
+    std::list<std::stop_source>::iterator mine;
+    {
+        const std::lock_guard lock(impl_->mutex);
+        mine = impl_->running.emplace(impl_->running.end());
+    }
+    struct Leave {
+        Impl& impl;
+        std::list<std::stop_source>::iterator mine;
+        ~Leave() {
+            const std::lock_guard lock(impl.mutex);
+            impl.running.erase(mine);
+        }
+    } leave{*impl_, mine};
+    const std::stop_callback link(stop, [source = *mine]() mutable { source.request_stop(); });
+    out.plug = impl_->plug_of(*g, plug);
+    out.number = frame;
+    out.value = impl_->evaluator.pull({g, out.plug, frame, mine->get_token(), {}});
+    out.meshes = meshes_in(out.value);
+    out.names = nodes::mesh_names(*g, out.plug, out.meshes.size());
+    out.names.resize(out.meshes.size());
+    if (out.meshes.size() == 1 && out.names[0].empty()) out.names[0] = out.plug.node;
+    const std::vector<std::string> solvers = last_solvers(*g, upstream_of(*g, {out.plug.node}));
+    if (!solvers.empty()) {
+        out.report = impl_->evaluator.pull({g, {solvers.front(), "outReport"}, frame, mine->get_token(), {}});
+        out.bodies = connected(*g, solvers.front(), "bodies");
+        out.attachments = connected(*g, solvers.front(), "attachments");
+    }
+    return out;
+}
+
+bool Session::is_ready(double frame, std::string_view plug) const {
+    return explain(frame, plug).readiness == engine::Readiness::ready;
+}
+
+engine::Verdict Session::explain(double frame, std::string_view plug) const {
+    const auto g = graph();
+    return impl_->evaluator.explain({g, impl_->plug_of(*g, plug), frame, {}, {}});
+}
+
+void Session::cancel() {
+    const std::lock_guard lock(impl_->mutex);
+    for (std::stop_source& source : impl_->running) source.request_stop();
+}
+
+Counts Session::counts() const {
+    return {impl_->watch.stepped_count, impl_->watch.computed_count, impl_->watch.reused_count};
+}
+
+} // namespace sinew::embed

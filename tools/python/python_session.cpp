@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/python/python_session.h"
+
+#include <chrono>
+#include <future>
+#include <thread>
+
+namespace sinew::python {
+
+namespace {
+
+/// How long Ctrl-C may go unseen while something is computed.
+constexpr std::chrono::milliseconds look_for_signals{50};
+
+} // namespace
+
+class PythonSession::Watch : public engine::Observer {
+  public:
+    Watch(py::object on_event, py::object on_warning)
+        : on_event_(std::move(on_event))
+        , on_warning_(std::move(on_warning)) {}
+
+    void computed(const std::string& node, double frame, double seconds) override {
+        tell("computed", node, frame, seconds, 1, {});
+    }
+    void stepped(const std::string& node, double frame, double seconds) override {
+        tell("stepped", node, frame, seconds, 1, {});
+    }
+    void reused(const std::string& node, double frame) override { tell("reused", node, frame, 0, 1, {}); }
+    void progress(const std::string& node, double done, std::string_view what) override {
+        tell("progress", node, 0, 0, done, what);
+    }
+    void warning(const engine::Diagnostic& d) override {
+        if (on_warning_.is_none()) {
+            const std::lock_guard lock(mutex_);
+            warnings_.push_back(d);
+            return;
+        }
+        call([&] {
+            on_warning_.get()(d);
+            return false;
+        });
+    }
+
+    std::vector<engine::Diagnostic> take_warnings() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(warnings_, {});
+    }
+    /// What a callback threw, once.
+    std::exception_ptr take_error() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(error_, nullptr);
+    }
+    embed::Session* session = nullptr;
+
+  private:
+    void tell(const char* kind, const std::string& node, double frame, double seconds, double done,
+              std::string_view what) {
+        if (on_event_.is_none()) return;
+        call([&] {
+            const py::object answer = on_event_.get()(Event{kind, node, frame, seconds, done, std::string(what)});
+            return !answer.is_none() && answer.cast<bool>();
+        });
+    }
+    template <class Call>
+    void call(Call&& python) {
+        bool stop = true;
+        {
+            const py::gil_scoped_acquire lock;
+            try {
+                stop = python();
+            } catch (...) {
+                const std::lock_guard guard(mutex_);
+                if (!error_) error_ = std::current_exception();
+            }
+        }
+        if (stop && session) session->cancel();
+    }
+    const Kept on_event_, on_warning_;
+    std::mutex mutex_;
+    std::vector<engine::Diagnostic> warnings_;
+    std::exception_ptr error_;
+};
+
+PythonSession::PythonSession(embed::Options options, py::object on_event, py::object on_warning)
+    : watch_(std::make_unique<Watch>(std::move(on_event), std::move(on_warning))) {
+    const py::gil_scoped_release free;
+    session_ = std::make_unique<embed::Session>(std::move(options), watch_.get());
+    watch_->session = session_.get();
+}
+
+PythonSession::~PythonSession() {
+    const py::gil_scoped_release free; // workers may wait for it
+    session_.reset();
+}
+
+embed::Frame PythonSession::evaluate(double frame, const std::string& plug) {
+    std::exception_ptr interrupted, failed;
+    std::optional<embed::Frame> out;
+    {
+        const py::gil_scoped_release free;
+        std::stop_source stop;
+        std::promise<void> done;
+        const std::future<void> end = done.get_future();
+        const std::jthread worker([&] {
+            try {
+                out = session_->evaluate(frame, plug, stop.get_token());
+            } catch (...) {
+                failed = std::current_exception();
+            }
+            done.set_value();
+        });
+        while (end.wait_for(look_for_signals) != std::future_status::ready) {
+            if (interrupted) continue; // it ends with the Newton iteration that it is in
+            const py::gil_scoped_acquire lock;
+            if (PyErr_CheckSignals() == 0) continue;
+            interrupted = std::make_exception_ptr(py::error_already_set());
+            stop.request_stop();
+        }
+    }
+    if (interrupted) std::rethrow_exception(interrupted);
+    if (!failed) return std::move(*out);
+    if (const std::exception_ptr thrown = watch_->take_error()) std::rethrow_exception(thrown);
+    std::rethrow_exception(failed);
+}
+
+std::vector<engine::Diagnostic> PythonSession::take_warnings() { return watch_->take_warnings(); }
+
+} // namespace sinew::python

@@ -1,0 +1,257 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/python/python_types.h"
+
+#include "tools/embed/host_types.h"
+#include "tools/python/arrays.h"
+#include "tools/python/python_session.h"
+#include "tools/python/python_value.h"
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <pybind11/stl.h>
+
+namespace sinew::python {
+
+using engine::AttributeInfo;
+using engine::Input;
+using engine::Limits;
+using engine::Output;
+using engine::Reads;
+using engine::Value;
+using engine::Wire;
+using engine::WireList;
+
+namespace {
+
+[[noreturn]] void refuse(const std::string& type, const std::string& what, const std::string& hint) {
+    throw embed::Misuse("DG128", "node type " + type + ": " + what, hint, {type, ""});
+}
+
+template <std::size_t N>
+std::array<double, N> exactly(const std::vector<double>& v) {
+    if (v.size() != N) throw py::value_error(std::to_string(v.size()) + " numbers where " + std::to_string(N) + " fit");
+    std::array<double, N> out{};
+    std::copy(v.begin(), v.end(), out.begin());
+    return out;
+}
+
+std::vector<double> numbers_of(const py::handle& object) {
+    const auto array = Doubles::ensure(object);
+    if (!array) throw py::error_already_set();
+    return numbers(array);
+}
+
+/// From what a Python function gives to the type of an output or a default.
+template <class T>
+T from_python(const py::handle& o) {
+    if constexpr (std::is_same_v<T, engine::Vec3>)
+        return exactly<3>(numbers_of(o));
+    else if constexpr (std::is_same_v<T, engine::Matrix4>)
+        return exactly<16>(numbers_of(o));
+    else if constexpr (std::is_same_v<T, engine::NumberList>)
+        return numbers_of(o);
+    else if constexpr (std::is_same_v<T, nodes::Mesh>)
+        return o.cast<const NamedMesh&>().mesh;
+    else if constexpr (std::is_same_v<T, nodes::MeshList>) {
+        nodes::MeshList out;
+        for (const py::handle& mesh : o.cast<py::list>()) out.meshes.push_back(mesh.cast<const NamedMesh&>().mesh);
+        return out;
+    } else
+        return o.cast<T>();
+}
+
+/// What must be known of a type of value, by the name that engine::ValueTraits gives it.
+struct Kind {
+    /// An input that a graph file can write, made of its Python description; null where there is none.
+    std::function<AttributeInfo(const py::object&, std::string_view name, std::string_view doc, std::string_view unit,
+                                std::vector<std::string_view> options)>
+        input;
+    std::function<AttributeInfo(std::string_view name, std::string_view doc, bool required)> wire;
+    std::function<AttributeInfo(std::string_view name, std::string_view doc)> list, output;
+    std::function<Value(const Reads&, std::string_view name, bool is_wire)> read;
+    std::function<std::vector<Value>(const Reads&, std::string_view name)> read_list;
+    std::function<Value(const py::handle&)> make;
+};
+
+template <class T>
+constexpr bool is_literal = !std::is_same_v<T, nodes::Mesh> && !std::is_same_v<T, nodes::MeshList>;
+
+template <class T>
+Kind kind_of() {
+    Kind k;
+    if constexpr (is_literal<T>)
+        k.input = [](const py::object& d, std::string_view name, std::string_view doc, std::string_view unit,
+                     std::vector<std::string_view> options) {
+            Input<T> input{.name = name};
+            input.def = from_python<T>(d.attr("default"));
+            input.doc = doc, input.unit = unit, input.options = std::move(options);
+            input.keyable = d.attr("keyable").cast<bool>();
+            if (!d.attr("min").is_none()) input.limits.min = d.attr("min").cast<double>();
+            if (!d.attr("max").is_none()) input.limits.max = d.attr("max").cast<double>();
+            return engine::describe(input);
+        };
+    k.wire = [](std::string_view name, std::string_view doc, bool required) {
+        return engine::describe(Wire<T>{.name = name, .doc = doc, .required = required});
+    };
+    k.list = [](std::string_view name, std::string_view doc) {
+        return engine::describe(WireList<T>{.name = name, .doc = doc});
+    };
+    k.output = [](std::string_view name, std::string_view doc) {
+        return engine::describe(Output<T>{.name = name, .doc = doc});
+    };
+    k.read = [](const Reads& in, std::string_view name, bool is_wire) {
+        if constexpr (is_literal<T>)
+            if (!is_wire) return Value::of<T>(in[Input<T>{.name = name}]);
+        const T* found = in.find(Wire<T>{.name = name});
+        return found ? Value::of<T>(*found) : Value();
+    };
+    k.read_list = [](const Reads& in, std::string_view name) {
+        std::vector<Value> out;
+        for (const T& v : in[WireList<T>{.name = name}]) out.push_back(Value::of<T>(v));
+        return out;
+    };
+    k.make = [](const py::handle& o) { return Value::of<T>(from_python<T>(o)); };
+    return k;
+}
+
+const std::map<std::string, Kind>& kinds() {
+    static const std::map<std::string, Kind> all{{"bool", kind_of<bool>()},
+                                                 {"integer", kind_of<std::int64_t>()},
+                                                 {"number", kind_of<double>()},
+                                                 {"text", kind_of<std::string>()},
+                                                 {"vector", kind_of<engine::Vec3>()},
+                                                 {"matrix", kind_of<engine::Matrix4>()},
+                                                 {"numbers", kind_of<engine::NumberList>()},
+                                                 {"mesh", kind_of<nodes::Mesh>()},
+                                                 {"meshes", kind_of<nodes::MeshList>()}};
+    return all;
+}
+
+/// One attribute as compute needs it.
+struct Attribute {
+    std::string name;
+    const Kind* kind = nullptr;
+    enum class Form { literal, wire, list } form = Form::literal;
+};
+
+/// A type with all that it points to: the engine keeps views of names and texts.
+struct Description {
+    std::deque<std::string> texts;
+    std::vector<Attribute> inputs, outputs;
+    bool uses_time = false;
+    std::optional<Kept> function;
+    std::string_view keep(std::string text) { return texts.emplace_back(std::move(text)); }
+};
+
+const Kind& find_kind(const std::string& type, const py::object& attribute) {
+    const auto word = attribute.attr("kind").cast<std::string>();
+    const auto it = kinds().find(word);
+    if (it != kinds().end()) return it->second;
+    std::string known;
+    for (const auto& [name, kind] : kinds()) known += (known.empty() ? "" : ", ") + name;
+    refuse(type, "there is no kind of value '" + word + "'", "the kinds are " + known);
+}
+
+AttributeInfo add_input(Description& d, const std::string& type, const std::string& name, const py::object& given) {
+    const auto form = given.attr("form").cast<std::string>();
+    Attribute a{name, &find_kind(type, given)};
+    const std::string_view kept = d.keep(name), doc = d.keep(given.attr("doc").cast<std::string>());
+    AttributeInfo info;
+    if (form == "wire" || form == "list") {
+        a.form = form == "wire" ? Attribute::Form::wire : Attribute::Form::list;
+        info = form == "wire" ? a.kind->wire(kept, doc, given.attr("required").cast<bool>()) : a.kind->list(kept, doc);
+    } else {
+        if (!a.kind->input) refuse(type, name + " can only be connected", "declare it with sinew.Wire");
+        std::vector<std::string_view> options;
+        for (const auto& word : given.attr("options").cast<std::vector<std::string>>()) options.push_back(d.keep(word));
+        const std::string_view unit = d.keep(given.attr("unit").cast<std::string>());
+        try {
+            info = a.kind->input(given, kept, doc, unit, std::move(options));
+        } catch (const py::cast_error&) {
+            refuse(type, "the default of " + name + " is of another kind", "give a value of the kind that it has");
+        }
+    }
+    d.inputs.push_back(std::move(a));
+    return info;
+}
+
+py::object argument(const Reads& in, const Attribute& a) {
+    if (a.form != Attribute::Form::list) {
+        const Value v = a.kind->read(in, a.name, a.form == Attribute::Form::wire);
+        return v ? to_python(v) : py::none();
+    }
+    py::list out;
+    for (const Value& v : a.kind->read_list(in, a.name)) out.append(to_python(v));
+    return out;
+}
+
+/// "ZeroDivisionError: division by zero (puff.py, line 12)".
+std::string described(const py::error_already_set& e) {
+    std::string out =
+        py::str(e.type().attr("__name__")).cast<std::string>() + ": " + py::str(e.value()).cast<std::string>();
+    py::object trace = e.trace();
+    if (!trace || trace.is_none()) return out;
+    while (!trace.attr("tb_next").is_none()) trace = trace.attr("tb_next");
+    return out + " (" + trace.attr("tb_frame").attr("f_code").attr("co_filename").cast<std::string>() + ", line " +
+           py::str(trace.attr("tb_lineno")).cast<std::string>() + ")";
+}
+
+py::dict results_of(const Description& d, py::object given) {
+    if (py::isinstance<py::dict>(given)) return given;
+    if (d.outputs.size() != 1) throw py::type_error("a node of several outputs gives a dict with a value for each");
+    py::dict out;
+    out[py::str(d.outputs.front().name)] = given;
+    return out;
+}
+
+void compute(const Description& d, const Reads& in, engine::Writes& out) {
+    const py::gil_scoped_acquire lock;
+    try {
+        py::dict arguments;
+        for (const Attribute& a : d.inputs) arguments[py::str(a.name)] = argument(in, a);
+        if (d.uses_time) arguments["frame"] = in.frame();
+        const py::dict results = results_of(d, d.function->get()(**arguments));
+        for (const auto& [name, value] : results) {
+            const auto text = py::str(name).cast<std::string>();
+            const auto same = [&](const Attribute& a) { return a.name == text; };
+            if (std::none_of(d.outputs.begin(), d.outputs.end(), same))
+                throw py::key_error("there is no output '" + text + "'");
+        }
+        for (const Attribute& a : d.outputs) {
+            if (!results.contains(a.name)) throw py::key_error("nothing is given for the output '" + a.name + "'");
+            try {
+                out.put(a.name, a.kind->make(results[py::str(a.name)]));
+            } catch (const py::cast_error&) {
+                throw py::type_error("what is given for the output '" + a.name + "' is of another kind");
+            }
+        }
+    } catch (const py::error_already_set& e) {
+        in.fail({}, "DG127", described(e), "this node type is the host's: repair it there");
+    } // the others, with words of their own, become the same (embed::add_host_type)
+}
+
+} // namespace
+
+void add_python_type(engine::Registry& registry, const py::object& given) {
+    auto d = std::make_shared<Description>();
+    engine::NodeType type;
+    const auto name = given.attr("name").cast<std::string>();
+    type.name = d->keep(name);
+    type.doc = d->keep(given.attr("doc").cast<std::string>());
+    type.revision = given.attr("version").cast<std::string>();
+    type.uses_time = d->uses_time = given.attr("uses_time").cast<bool>();
+    for (const auto& [key, value] : given.attr("inputs").cast<py::dict>())
+        type.inputs.push_back(add_input(*d, name, key.cast<std::string>(), py::reinterpret_borrow<py::object>(value)));
+    for (const auto& [key, value] : given.attr("outputs").cast<py::dict>()) {
+        const auto attribute = py::reinterpret_borrow<py::object>(value);
+        Attribute a{key.cast<std::string>(), &find_kind(name, attribute)};
+        type.outputs.push_back(a.kind->output(d->keep(a.name), d->keep(attribute.attr("doc").cast<std::string>())));
+        d->outputs.push_back(std::move(a));
+    }
+    d->function.emplace(given.attr("compute"));
+    type.compute = [d](const Reads& in, engine::Writes& out) { compute(*d, in, out); };
+    embed::add_host_type(registry, std::move(type));
+}
+
+} // namespace sinew::python

@@ -1,0 +1,13 @@
+// Node types whose compute is a Python function.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/registry.h"
+
+#include <pybind11/pybind11.h>
+
+namespace sinew::python {
+
+/// Adds a type as sinew/node_types.py describes it. Throws Misuse DG128 for a description that cannot be.
+void add_python_type(engine::Registry& registry, const pybind11::object& description);
+
+} // namespace sinew::python

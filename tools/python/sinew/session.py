@@ -1,0 +1,198 @@
+# A graph and what has been computed of it.
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from typing import Any, Callable, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
+
+import numpy as np
+
+from . import _sinew
+from .errors import SinewWarning, UsageError
+from .node_types import NodeType
+
+Value = Any
+"""A number, an array of numbers, a text, or what a graph file would hold as a dict or a list of dicts."""
+
+
+class Counts(NamedTuple):
+    """What has been done since a session began. Look-ups cost nothing and count as reused."""
+
+    simulated: int
+    computed: int
+    reused: int
+
+
+class Timing(NamedTuple):
+    fps: float
+    start: int
+    end: int
+
+
+def _split(plug: str) -> Tuple[str, str]:
+    node, dot, attribute = plug.rpartition(".")
+    if not dot or not node or not attribute:
+        raise UsageError(f'"{plug}" names no input: write node.attribute')
+    return node, attribute
+
+
+def _is_json(value: Value) -> bool:
+    return isinstance(value, dict) or (
+        isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(v, dict) for v in value)
+    )
+
+
+class Session:
+    """A graph, what has been computed of it, and what the host sends.
+
+    May be used from several threads: edits come one after the other, evaluations run side by side, and each sees the
+    graph as it was when it began. The interpreter's lock is free while anything is computed.
+
+    graph: path of a graph file; or give `text`, whose messages name `file_name` and whose relative paths start at its
+        folder.
+    threads: 0 takes all of the machine.
+    memory: bytes for results that are kept; 0 takes a quarter of the machine's.
+    cache: folder in which frames are kept for later processes; None keeps none.
+    on_event: called with an Event from worker threads, one at a time; True cancels the evaluations that run. What it
+        raises does, too, and comes out of evaluate. In it, of this session only cancel() and counts may be used.
+    on_warning: called with a Diagnostic; without it evaluate gives a SinewWarning.
+    node_types: types of the host's own, beside Sinew's.
+    """
+
+    def __init__(
+        self,
+        graph: Union[str, "os.PathLike[str]", None] = None,
+        *,
+        text: Optional[str] = None,
+        file_name: str = "graph.json",
+        threads: int = 0,
+        memory: int = 0,
+        cache: Union[str, "os.PathLike[str]", None] = None,
+        cache_size: int = 0,
+        on_event: Optional[Callable[[_sinew.Event], Optional[bool]]] = None,
+        on_warning: Optional[Callable[[_sinew.Diagnostic], None]] = None,
+        node_types: Sequence[NodeType] = (),
+    ) -> None:
+        folder = "" if cache is None else os.fspath(cache)
+        self._core = _sinew.Core(threads, memory, folder, cache_size, on_event, on_warning, list(node_types))
+        if graph is not None and text is not None:
+            raise UsageError("give a graph's path or its text, not both")
+        if graph is not None:
+            self.load(graph)
+        if text is not None:
+            self.load_text(text, file_name)
+
+    def load(self, path: Union[str, "os.PathLike[str]"]) -> None:
+        """Another graph in place of this one; what has been computed is found again where it fits."""
+        self._core.load_file(os.fspath(path))
+        self._warn()
+
+    def load_text(self, text: str, file_name: str = "graph.json") -> None:
+        """The same of a text."""
+        self._core.load_text(text, file_name)
+        self._warn()
+
+    @property
+    def text(self) -> str:
+        """The graph as a file would hold it, with all that was set."""
+        return self._core.graph_text()
+
+    @property
+    def timing(self) -> Timing:
+        return Timing(*self._core.timing())
+
+    @property
+    def nodes(self) -> Dict[str, str]:
+        """The type of each node, in the order of the file."""
+        return dict(self._core.nodes())
+
+    def set(self, plug: str, value: Value) -> None:
+        """Sets "node.attribute" at all frames alike."""
+        node, attribute = _split(plug)
+        if _is_json(value):
+            self._core.set_json(node, attribute, json.dumps(value))
+        else:
+            self._core.set([(node, attribute, value)])
+
+    __setitem__ = set
+
+    def set_input(self, plug: str, frame: float, value: Value) -> None:
+        """Sets "node.attribute" from `frame` on; the frames before keep what they have, so simulations go on from
+        there. Sub-steps between two frames interpolate. The same values sent again find the same frames."""
+        self.set_inputs(frame, {plug: value})
+
+    def set_inputs(self, frame: float, values: Mapping[str, Value]) -> None:
+        """The same of several: all of them or none."""
+        self._core.set_at(frame, [(*_split(plug), value) for plug, value in values.items()])
+
+    def set_mesh(
+        self,
+        node: str,
+        frame: float,
+        points: Any,
+        face_vertices: Any = None,
+        face_sizes: Any = None,
+    ) -> None:
+        """Sends a mesh to a hostMesh node, from `frame` on; the first one holds for the frames before, too.
+
+        points: (n, 3). face_vertices: corners, face after face, wanted once; left out, the faces stay. Without
+        face_sizes they are triangles, and an array of shape (m, k) holds faces of k corners."""
+        corners = np.zeros(0, np.int32) if face_vertices is None else np.asarray(face_vertices)
+        sizes = np.zeros(0, np.int32) if face_sizes is None else np.asarray(face_sizes)
+        if corners.ndim == 2 and face_sizes is None and corners.shape[1] != 3:
+            sizes = np.full(corners.shape[0], corners.shape[1])
+        self._core.set_mesh(node, frame, points, _whole(corners, "face_vertices"), _whole(sizes, "face_sizes"))
+
+    def evaluate(self, frame: float, plug: str = "") -> _sinew.Frame:
+        """What "node.output" is at a frame; without a plug outMeshes of the solver that no other one reads. Only what
+        is not there yet runs. Ctrl-C ends it with KeyboardInterrupt and leaves the finished frames."""
+        try:
+            return self._core.evaluate(frame, plug)
+        finally:
+            self._warn()
+
+    def run(self, first: Optional[int] = None, last: Optional[int] = None, plug: str = "") -> Iterator[_sinew.Frame]:
+        """Frame after frame; without bounds those of the graph's timing."""
+        timing = self.timing
+        for frame in range(timing.start if first is None else first, (timing.end if last is None else last) + 1):
+            yield self.evaluate(frame, plug)
+
+    def is_ready(self, frame: float, plug: str = "") -> bool:
+        """Whether evaluate would be a look-up."""
+        return self._core.is_ready(frame, plug)
+
+    def explain(self, frame: float, plug: str = "") -> str:
+        """Why it would run, in words."""
+        return self._core.explain(frame, plug)
+
+    def cancel(self) -> None:
+        """Ends the evaluations that are running now, in whatever threads; finished frames stay."""
+        self._core.cancel()
+
+    @property
+    def counts(self) -> Counts:
+        return Counts(*self._core.counts())
+
+    def _warn(self) -> None:
+        for warning in self._core.take_warnings():
+            warnings.warn(str(warning), SinewWarning, stacklevel=_level_of_caller())
+
+
+def _level_of_caller() -> int:
+    """For warnings: how far above the function that asks the code is that called the session."""
+    level = 1
+    frame = sys._getframe(1)
+    while frame.f_back is not None and frame.f_code.co_filename == __file__:
+        frame = frame.f_back
+        level += 1
+    return level
+
+
+def _whole(array: "np.ndarray[Any, Any]", name: str) -> "np.ndarray[Any, Any]":
+    out: "np.ndarray[Any, Any]" = array.astype(np.int32, copy=False)
+    if not np.array_equal(out, array):
+        raise UsageError(f"{name} holds what is no vertex number")
+    return np.ascontiguousarray(out).ravel()
