@@ -31,7 +31,7 @@ class HeldBlock {
     Vec3 product(const Strip& strip, std::size_t place, const std::vector<double>& x) const;
 
     const RowBlocks& fine_;
-    std::vector<int> rows_; ///< that are held, ascending
+    std::vector<int> rows_;   ///< that are held, ascending
     std::vector<int> source_; ///< per block of theirs: the block of the whole; filled as the pattern is made
     BlockPattern pattern_;
     BlockMatrix matrix_;

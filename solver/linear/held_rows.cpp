@@ -40,6 +40,7 @@ std::vector<Tie> ties_of(const BlockPattern& pattern, std::span<const double> sp
 
 HeldRows find_held_rows(const BlockPattern& pattern, std::span<const double> springs, std::span<const double> elastic,
                         const UnknownPlaces& places) {
+    if (std::ranges::none_of(springs, [](double k) { return k > 0; })) return {};
     const std::size_t n = at(pattern.rows);
     // A row of springs between unknowns sums to zero; what is left goes to bones.
     std::vector<double> to_fixed(n, 0.0), to_others(n, 0.0);

@@ -48,6 +48,8 @@ double LinearSolver::cycle_cost() const {
 
 void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
     spent_ = 0;
+    if (std::ranges::equal(springs, springs_) && std::ranges::equal(elastic, elastic_)) return;
+    springs_.assign(springs.begin(), springs.end()), elastic_.assign(elastic.begin(), elastic.end());
     HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
     if (held == held_) return;
     held_ = std::move(held);

@@ -1,4 +1,5 @@
-// One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle. Where the iterations of a step
+// One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle, and around it exact solves of
+// what attachments hold too stiffly for grids (held_block.h). Where the iterations of a step
 // have cost as much as a factor would (stiff attachments on soft flesh, small bodies), or Newton does not converge on
 // what they give, it goes over to a kept factor for a while: made once, in single precision, it preconditions conjugate
 // gradients on the later matrices of the frame until those take so many iterations that a new one is cheaper. The
@@ -73,7 +74,8 @@ class LinearSolver {
     double cycle_cost() const;
     const BlockPattern& pattern_;
     UnknownPlaces places_;
-    HeldRows held_; ///< that the grids were, or will be, made for
+    HeldRows held_;                         ///< that the grids were, or will be, made for
+    std::vector<double> springs_, elastic_; ///< of which held_ was made
     LinearCosts costs_;
     std::unique_ptr<ComponentFactors> factors_, single_; ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
