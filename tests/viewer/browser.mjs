@@ -8,7 +8,7 @@ import { promisify } from "node:util";
 import { chromium } from "playwright-core";
 
 export const root = path.resolve(path.dirname(fileURLToPath(import.meta.url)), "../..");
-const program = process.env.SINEW_PROGRAM ?? path.join(root, "build/release/tools/sinew");
+export const program = process.env.SINEW_PROGRAM ?? path.join(root, "build/release/tools/sinew");
 if (!existsSync(program)) throw new Error(`${program} is not built; say where it is with SINEW_PROGRAM`);
 
 /** Runs sinew; gives {code, out, err}. */

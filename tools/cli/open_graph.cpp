@@ -151,13 +151,17 @@ std::size_t memory_budget(const Arguments& arguments) {
 }
 
 engine::StorePolicy store_policy(const Arguments& arguments, const Graph& graph) {
+    return store_policy(arguments, graph.file());
+}
+
+engine::StorePolicy store_policy(const Arguments& arguments, const std::string& file) {
     if (arguments.has("--cache") && arguments.has("--no-cache"))
         throw UsageError("--cache and --no-cache contradict each other.");
     if (arguments.value("--cache") == "")
         throw UsageError("--cache needs the name of a folder, not ''; --no-cache keeps nothing on disk.");
     engine::StorePolicy policy = engine::StorePolicy::within(memory_budget(arguments));
     if (arguments.has("--no-cache")) return policy;
-    const std::filesystem::path beside = std::filesystem::path(graph.file()).replace_extension(".sinew-cache");
+    const std::filesystem::path beside = std::filesystem::path(file).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());
     const char* keeps = std::getenv("SINEW_KEEP_FRAMES");
     if (keeps && std::string_view(keeps) != "off" && std::string_view(keeps) != "on")

@@ -47,6 +47,8 @@ std::size_t memory_budget(const Arguments& arguments);
 /// Where results are kept, and how many of them (--memory): in the folder of --cache, else beside the graph file in
 /// NAME.sinew-cache, which is made when a node first asks for it. Throws UsageError if both flags are given.
 engine::StorePolicy store_policy(const Arguments& arguments, const engine::Graph& graph);
+/// The same for a graph file that may not be readable yet.
+engine::StorePolicy store_policy(const Arguments& arguments, const std::string& file);
 
 /// "node.output" of this graph. Throws UsageError with the nearest name.
 engine::Plug parse_plug(const engine::Graph& graph, const std::string& text);

@@ -265,6 +265,7 @@ GraphCollector::GraphCollector(Evaluation evaluation)
     : impl_(std::make_unique<Impl>(Impl{Collector(std::move(evaluation))})) {}
 GraphCollector::~GraphCollector() = default;
 void GraphCollector::add(int frame) { impl_->collector.add(frame); }
+ViewScene GraphCollector::so_far() const { return Collector(impl_->collector).finish(); }
 ViewScene GraphCollector::finish() { return impl_->collector.finish(); }
 
 } // namespace sinew::viewer

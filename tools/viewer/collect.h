@@ -40,6 +40,8 @@ class GraphCollector {
     ~GraphCollector();
     /// Frames rise. Nothing is added any more after a frame that failed.
     void add(int frame);
+    /// What has been added up to now; more may be added.
+    ViewScene so_far() const;
     ViewScene finish();
 
   private:

@@ -1,0 +1,181 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/live/server.h"
+
+#include "tools/live/shell.h"
+
+// As the packaged library was built.
+#define CPPHTTPLIB_OPENSSL_SUPPORT
+#define CPPHTTPLIB_ZLIB_SUPPORT
+#define CPPHTTPLIB_BROTLI_SUPPORT
+#include <httplib.h>
+
+#include <chrono>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+
+namespace sinew::live {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// News come in bursts; a browser need not hear more often.
+constexpr std::chrono::milliseconds between_news{30};
+/// The largest body that a request may have: an attribute's value.
+constexpr std::size_t most_body = std::size_t{1} << 20;
+
+std::string random_token() {
+    std::random_device random; // the system's own
+    std::string out;
+    for (int k = 0; k < 4; ++k) {
+        char part[9];
+        std::snprintf(part, sizeof part, "%08x", random());
+        out += part;
+    }
+    return out;
+}
+
+std::string refusal(const engine::Failure& failure) {
+    Json list = Json::array();
+    for (const engine::Diagnostic& d : failure.diagnostics()) {
+        list.push_back(Json::parse(engine::to_json(d)));
+        list.back()["text"] = engine::to_text(d);
+    }
+    return Json{{"diagnostics", list}}.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+constexpr const char* shell_policy =
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; "
+    "connect-src 'self'; frame-src 'self'; base-uri 'none'; form-action 'none'";
+
+} // namespace
+
+struct Server::Impl {
+    Session& session;
+    httplib::Server http;
+    std::string token = random_token();
+    int port = 0;
+    std::atomic<bool> over = false;
+
+    explicit Impl(Session& s)
+        : session(s) {}
+
+    bool is_for_us(const httplib::Request& request) const {
+        const std::string host = request.get_header_value("Host"), at = ":" + std::to_string(port);
+        return host == "127.0.0.1" + at || host == "localhost" + at;
+    }
+
+    void route() {
+        http.set_payload_max_length(most_body);
+        http.set_tcp_nodelay(true);
+        http.set_keep_alive_timeout(2);
+        http.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
+            response.set_header("Cache-Control", "no-store");
+            response.set_header("X-Content-Type-Options", "nosniff");
+            response.set_header("Referrer-Policy", "no-referrer");
+            if (is_for_us(request)) return httplib::Server::HandlerResponse::Unhandled;
+            response.status = 403;
+            return httplib::Server::HandlerResponse::Handled;
+        });
+        const std::string root = "/" + token + "/";
+        http.Get(root, [](const httplib::Request&, httplib::Response& response) {
+            response.set_header("Content-Security-Policy", shell_policy);
+            response.set_content(std::string(shell_page()), "text/html; charset=utf-8");
+        });
+        // Numbered, so that a browser takes each anew; what comes is the newest.
+        http.Get(root + R"(page/\d+)", [this](const httplib::Request&, httplib::Response& response) {
+            const std::shared_ptr<const std::string> page = session.page();
+            if (!page) {
+                response.status = 404;
+                return;
+            }
+            response.set_content_provider(page->size(), "text/html; charset=utf-8",
+                                          [page](std::size_t offset, std::size_t length, httplib::DataSink& sink) {
+                                              sink.write(page->data() + offset, length);
+                                              return true;
+                                          });
+        });
+        http.Get(root + "nodes", [this](const httplib::Request&, httplib::Response& response) {
+            response.set_content(session.nodes(), "application/json");
+        });
+        http.Get(root + "status", [this](const httplib::Request&, httplib::Response& response) {
+            response.set_content(session.wait_status(0).second, "application/json");
+        });
+        http.Get(root + "news", [this](const httplib::Request&, httplib::Response& response) {
+            // Server-sent events (HTML standard, section 9.2).
+            response.set_chunked_content_provider(
+                "text/event-stream", [this, seen = std::uint64_t{0}](std::size_t, httplib::DataSink& sink) mutable {
+                    if (over) {
+                        sink.done();
+                        return true;
+                    }
+                    const auto [number, status] = session.wait_status(seen);
+                    // Also without news: so it is found out when the browser has gone.
+                    const std::string text = number > seen ? "data: " + status + "\n\n" : ":\n\n";
+                    seen = number;
+                    if (!sink.write(text.data(), text.size())) return false;
+                    std::this_thread::sleep_for(between_news);
+                    return true;
+                });
+        });
+        http.Post(root + "change", [this](const httplib::Request& request, httplib::Response& response) {
+            answer(response, [&] {
+                const Json json = Json::parse(request.body);
+                Change change{{json.at("node"), json.at("attribute")}, json.at("value").dump(), {}};
+                if (json.contains("frame")) change.frame = json.at("frame").get<int>();
+                session.change(change);
+            });
+        });
+        http.Post(root + "discard", [this](const httplib::Request&, httplib::Response& response) {
+            answer(response, [&] { session.discard_changes(); });
+        });
+        http.Post(root + "save", [this](const httplib::Request&, httplib::Response& response) {
+            answer(response, [&] { session.save_changes(); });
+        });
+    }
+
+    template <class Action>
+    static void answer(httplib::Response& response, const Action& action) {
+        try {
+            action();
+            response.set_content("{}", "application/json");
+        } catch (const engine::Failure& failure) {
+            response.status = 422;
+            response.set_content(refusal(failure), "application/json");
+        } catch (const Json::exception& error) {
+            response.status = 400;
+            response.set_content(Json{{"error", error.what()}}.dump(), "application/json");
+        }
+    }
+};
+
+Server::Server(Session& session, int port)
+    : impl_(std::make_unique<Impl>(session)) {
+    const bool bound = port == 0 ? (impl_->port = impl_->http.bind_to_any_port("127.0.0.1")) > 0
+                                 : impl_->http.bind_to_port("127.0.0.1", impl_->port = port);
+    if (!bound) {
+        engine::Diagnostic d;
+        d.code = "IO405";
+        d.message = "cannot listen on port " + std::to_string(port) + " of this machine";
+        d.hint = "Another program may use it; give another --port, or none.";
+        throw engine::Failure(d);
+    }
+    impl_->route();
+}
+
+Server::~Server() = default;
+
+std::string Server::address() const {
+    return "http://127.0.0.1:" + std::to_string(impl_->port) + "/" + impl_->token + "/";
+}
+
+void Server::serve(const std::stop_token& stop) {
+    const std::stop_callback end(stop, [this] {
+        impl_->over = true;
+        impl_->http.stop();
+    });
+    impl_->http.listen_after_bind();
+}
+
+} // namespace sinew::live

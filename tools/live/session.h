@@ -1,0 +1,83 @@
+// A graph that is simulated again whenever it, a file that it reads, or an attribute in the page changes. What has not
+// changed is not computed again: one evaluator serves all the time. Knows no network; server.h asks it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/evaluator.h"
+#include "tools/live/watched_files.h"
+
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace sinew::live {
+
+struct Options {
+    std::string file;
+    /// Reads the file anew, with the command line's settings. Throws Failure.
+    std::function<std::shared_ptr<const engine::Graph>(std::vector<engine::Diagnostic>& notes)> open;
+    std::vector<int> frames; ///< rising; empty: all of the graph's timing
+    bool with_lattices = true;
+    engine::StorePolicy store;
+    int threads = 0;
+};
+
+/// What an attribute was given in the page.
+struct Change {
+    engine::Plug input;
+    std::string json;         ///< what a graph file would hold there
+    std::optional<int> frame; ///< a key there; else the input itself
+};
+
+class Session {
+  public:
+    explicit Session(Options options);
+    ~Session();
+    Session(const Session&) = delete;
+
+    /// JSON of what is going on (docs/live.md), and its number, which grows with each change. Waits until there is a
+    /// newer one than `seen`, for a quarter of a second at most.
+    std::pair<std::uint64_t, std::string> wait_status(std::uint64_t seen) const;
+    /// The newest page that could be made; null: none yet.
+    std::shared_ptr<const std::string> page() const;
+    /// JSON: each node's type and inputs as they are now, with what the reference says of them.
+    std::string nodes() const;
+    /// Throws Failure, with nothing changed, for what a graph file could not hold there.
+    void change(const Change& change);
+    void discard_changes();
+    /// Writes them into the graph file, which keeps its order and comments. Throws Failure: a file that cannot be read
+    /// or written, or that has changed so that they do not fit.
+    void save_changes();
+
+  private:
+    struct Watcher;
+    void work(const std::stop_token& stop);
+    void run(const std::stop_token& stop);
+    void look_at_files(const std::stop_token& stop);
+    void start_anew();
+    std::shared_ptr<const engine::Graph> changed(std::shared_ptr<const engine::Graph> graph) const;
+    template <class Action>
+    void tell(const Action& action);
+
+    const Options options_;
+    mutable std::mutex mutex_;
+    mutable std::condition_variable_any news_;
+    bool is_due_ = true;       ///< a run must begin
+    std::stop_source current_; ///< of the run that goes on
+    struct Status;
+    std::unique_ptr<Status> status_;
+    std::shared_ptr<const std::string> page_;
+    std::shared_ptr<const engine::Graph> graph_; ///< the newest that could be read
+    std::vector<Change> changes_;
+    WatchedFiles files_;
+    std::unique_ptr<Watcher> watcher_;
+    std::unique_ptr<engine::Evaluator> evaluator_;
+    std::jthread worker_, looker_; ///< last: they end before what they use
+};
+
+} // namespace sinew::live

@@ -1,0 +1,35 @@
+// Which files a graph reads, and whether one of them has changed since it was last looked at.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/graph.h"
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::live {
+
+/// The graph file itself and every file that an input names; numbered files each, and their folder.
+std::vector<std::string> files_of(const engine::Graph& graph);
+
+/// Looks by name, size, time of change and inode, so that editors that write aside and rename are seen as well.
+class WatchedFiles {
+  public:
+    /// Files that were watched before keep what was last seen of them.
+    void watch(const std::vector<std::string>& files);
+    /// Files that are not as they were; each is told once. A file that is gone is told when it is back.
+    std::vector<std::string> take_changed();
+
+  private:
+    struct Stamp {
+        std::int64_t seconds = 0, nanoseconds = 0, size = 0;
+        std::uint64_t inode = 0;
+        bool operator==(const Stamp&) const = default;
+    };
+    static std::optional<Stamp> look(const std::string& file);
+    std::map<std::string, std::optional<Stamp>> seen_; ///< none: it was never there
+};
+
+} // namespace sinew::live
