@@ -1,0 +1,199 @@
+// `sinew live` by its own interface: who may ask, what a save, a broken save and a change do. The page itself is tested
+// in a browser (tests/viewer/live_test.mjs).
+// SPDX-License-Identifier: GPL-3.0-or-later
+#define CPPHTTPLIB_OPENSSL_SUPPORT
+#define CPPHTTPLIB_ZLIB_SUPPORT
+#define CPPHTTPLIB_BROTLI_SUPPORT
+#include "tests/tools/program.h"
+#include "tools/live/watched_files.h"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <httplib.h>
+#include <thread>
+
+using namespace sinew;
+using namespace sinew::test;
+using nlohmann::json;
+using namespace std::chrono_literals;
+
+namespace {
+
+void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+
+/// The program at work, and what it answers.
+struct Live {
+    Program program;
+    std::string root; ///< "/TOKEN/"
+    std::unique_ptr<httplib::Client> http;
+    int port = 0;
+
+    explicit Live(const std::vector<std::string>& words)
+        : program(words) {
+        for (int k = 0; k < 400 && root.empty(); ++k) {
+            std::this_thread::sleep_for(25ms);
+            const std::string out = program.out();
+            const std::size_t at = out.find("http://127.0.0.1:"), end = out.find('\n', at);
+            if (at == std::string::npos || end == std::string::npos) continue;
+            const std::string rest = out.substr(at + 17, end - at - 17);
+            port = std::stoi(rest);
+            root = rest.substr(rest.find('/'));
+        }
+        REQUIRE_FALSE(root.empty());
+        http = std::make_unique<httplib::Client>("127.0.0.1", port);
+    }
+    json status() const { return json::parse(http->Get(root + "status")->body); }
+    /// Waits for the end of run `number` or of a later one.
+    json ended(int number) const {
+        json s;
+        for (int k = 0; k < 400; ++k) {
+            s = status();
+            if (s["run"] >= number && s["state"] != "running") return s;
+            std::this_thread::sleep_for(25ms);
+        }
+        FAIL("no end of run " << number << ": " << s.dump());
+        return s;
+    }
+    int post(const std::string& what, const json& body) const {
+        return http->Post(root + what, body.dump(), "application/json")->status;
+    }
+};
+
+} // namespace
+
+TEST_CASE("live: only who knows the token and asks for this machine is answered", "[live]") {
+    const TemporaryFolder folder;
+    const Live live({"live", write_graph(folder, small_graph()), "--no-cache", "--frames", "1-2"});
+    CHECK(live.root.size() == 34); // 128 bits in hexadecimal digits between slashes
+    CHECK(live.http->Get(live.root)->status == 200);
+    CHECK(live.http->Get("/")->status == 404);
+    CHECK(live.http->Get("/status")->status == 404);
+    CHECK(live.http->Get("/0123456789abcdef0123456789abcdef/status")->status == 404);
+    const httplib::Headers elsewhere{{"Host", "example.org:" + std::to_string(live.port)}};
+    CHECK(live.http->Get(live.root + "status", elsewhere)->status == 403);
+    CHECK(live.http->Post(live.root + "save", elsewhere, "{}", "application/json")->status == 403);
+    CHECK(live.http->Get(live.root)->get_header_value("Content-Security-Policy").find("default-src 'none'") == 0);
+    CHECK(live.http->Get(live.root)->get_header_value("Cache-Control") == "no-store");
+}
+
+TEST_CASE("live: a save runs what changed, a save of the same runs nothing, and Ctrl-C ends it", "[live]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    const std::string file = write_graph(folder, graph);
+    Live live({"live", file, "--no-cache"});
+    const json first = live.ended(1);
+    CHECK(first["state"] == "ready");
+    CHECK(first["simulated"] == 6);
+    CHECK(first["frames"] == json({1, 2, 3, 4, 5, 6}));
+    CHECK(live.http->Get(live.root + "page/1")->body.find("id=\"sinew-scene\"") != std::string::npos);
+    const std::string text = read_text(file);
+    write(file, text + "\n");
+    const json again = live.ended(2);
+    CHECK(again["simulated"] == 0);
+    CHECK(again["files"] == json({file}));
+    for (auto& [name, node] : graph["nodes"].items())
+        if (node["type"] == "zSolver") node["inputs"]["gravity"] = {0, -3, 0};
+    write(file, graph.dump());
+    CHECK(live.ended(3)["simulated"] == 6);
+    live.program.signal(SIGINT);
+    CHECK(live.program.exit_code() == 0);
+}
+
+TEST_CASE("live: a broken save is told with its place, and the last page stays", "[live]") {
+    const TemporaryFolder folder;
+    const std::string file = write_graph(folder, small_graph());
+    const Live live({"live", file, "--no-cache", "--frames", "1-2"});
+    live.ended(1);
+    const std::string page = live.http->Get(live.root + "page/1")->body;
+    const std::string text = read_text(file);
+    write(file, text.substr(0, text.size() / 2));
+    const json wrong = live.ended(2);
+    CHECK(wrong["state"] == "wrong");
+    REQUIRE(wrong["diagnostics"].size() == 1);
+    CHECK(wrong["diagnostics"][0]["code"] == "DG001");
+    CHECK(wrong["diagnostics"][0]["text"].get<std::string>().find(file + ":") == 0);
+    CHECK(live.http->Get(live.root + "page/1")->body == page);
+    write(file, text);
+    CHECK(live.ended(3)["state"] == "ready");
+}
+
+TEST_CASE("live: a graph that is wrong from the start can be mended; a file that is not there is refused", "[live]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "later.json").string();
+    CHECK(run_program({"live", file}).code == 1);
+    write(file, "{");
+    const Live live({"live", file, "--no-cache", "--frames", "1"});
+    CHECK(live.ended(1)["state"] == "wrong");
+    CHECK(live.http->Get(live.root + "page/1")->status == 404);
+    write(file, small_graph().dump());
+    CHECK(live.ended(2)["state"] == "ready");
+}
+
+TEST_CASE("live: changes are kept apart from the file until they are written, and what fits nowhere is refused",
+          "[live]") {
+    const TemporaryFolder folder;
+    const json graph = small_graph();
+    const std::string file = write_graph(folder, graph), text = "// mine\n" + read_text(file);
+    write(file, text);
+    std::string solver, material;
+    for (const auto& [name, node] : graph["nodes"].items()) {
+        if (node["type"] == "zSolver") solver = name;
+        if (node["type"] == "zMaterial") material = name;
+    }
+    const Live live({"live", file, "--no-cache"});
+    live.ended(1);
+    CHECK(live.post("change", {{"node", solver}, {"attribute", "substeps"}, {"value", 2}}) == 200);
+    json s = live.ended(2);
+    CHECK(s["simulated"] == 6);
+    CHECK(s["changes"] == json::parse(R"([{"node":")" + solver + R"(","attribute":"substeps","value":2}])"));
+    CHECK(read_text(file) == text);
+    // A key at frame 5 leaves 1 to 4 alone.
+    CHECK(live.post("change", {{"node", material}, {"attribute", "massDensity"}, {"value", 1060}, {"frame", 4}}) ==
+          200);
+    live.ended(3);
+    CHECK(live.post("change", {{"node", material}, {"attribute", "massDensity"}, {"value", 2000}, {"frame", 5}}) ==
+          200);
+    CHECK(live.ended(4)["simulated"] == 2);
+    for (const json& bad : {json{{"node", solver}, {"attribute", "substeps"}, {"value", -1}},
+                            json{{"node", "nobody"}, {"attribute", "substeps"}, {"value", 1}},
+                            json{{"node", solver}, {"attribute", "substep"}, {"value", 1}},
+                            json{{"node", material}, {"attribute", "massDensity"}, {"value", "x"}, {"frame", 1}}})
+        CHECK(live.post("change", bad) == 422);
+    CHECK(live.post("change", {{"node", solver}}) == 400);
+    CHECK(live.status()["changes"].size() == 3);
+    CHECK(live.post("save", {}) == 200);
+    const std::string written = read_text(file);
+    CHECK(written.find("// mine") != std::string::npos);
+    const json now = json::parse(written, nullptr, true, true);
+    CHECK(now["nodes"][solver]["inputs"]["substeps"] == 2);
+    CHECK(now["nodes"][material]["inputs"]["massDensity"]["keys"] == json::parse("[[4,1060],[5,2000]]"));
+    s = live.ended(5);
+    CHECK(s["changes"].empty());
+    CHECK(s["simulated"] == 0);
+    CHECK(live.post("change", {{"node", solver}, {"attribute", "substeps"}, {"value", 3}}) == 200);
+    CHECK(live.post("discard", {}) == 200);
+    CHECK(live.status()["changes"].empty());
+    CHECK(read_text(file) == written);
+}
+
+TEST_CASE("live: files are told once, also when they are replaced, and when they come back", "[live]") {
+    const TemporaryFolder folder;
+    const std::string a = (folder / "a").string(), b = (folder / "b").string();
+    write(a, "1");
+    live::WatchedFiles files;
+    files.watch({a, b});
+    CHECK(files.take_changed().empty());
+    write(b, "2");
+    CHECK(files.take_changed() == std::vector{b});
+    CHECK(files.take_changed().empty());
+    write(a + "~", "1");
+    std::filesystem::rename(a + "~", a);
+    CHECK(files.take_changed() == std::vector{a});
+    std::filesystem::remove(a);
+    CHECK(files.take_changed().empty());
+    write(a, "1");
+    CHECK(files.take_changed() == std::vector{a});
+}
