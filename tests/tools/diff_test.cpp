@@ -30,7 +30,7 @@ TEST_CASE("order, comments, spelling and defaults written out are no difference"
     Pair p;
     CHECK(p.diff().code == 0);
     p.input("flesh", "youngsModulus") = "0.02 MPa";
-    p.input("flesh", "poissonsRatio") = json::parse("{\"value\": 0.45, \"comment\": \"the default\"}");
+    p.input("flesh", "poissonsRatio") = json::parse("{\"value\": 0.4, \"comment\": \"the default\"}");
     p.b["comment"] = "another";
     p.b["editor"] = {{"positions", {{"flesh", {1, 2}}}}};
     p.input("solver", "startFrame") = 1;
@@ -106,6 +106,26 @@ TEST_CASE("what is included is compared, however it is included", "[tools]") {
     CHECK(p.diff().out == "x.m.youngsModulus: 5000 Pa → 6000 Pa\n");
     p.b["includes"] = {{"y", {{"file", "part.json"}}}};
     CHECK(p.diff().out == "x.m is called y.m\n");
+}
+
+TEST_CASE("a graph under a prefix is the same graph with other names, lists and names of bodies too", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string scene = std::string(SINEW_SOURCE_DIR) + "/graphs/scenes/layers.json"; // picks bodies by name
+    const json whole = {{"format", "sinew 1"},
+                        {"timing", {{"start", 1}, {"end", 48}}},
+                        {"includes", {{"all", {{"file", scene}}}}},
+                        {"nodes", json::object()}};
+    write_text(folder / "t.json", whole.dump());
+    const Said said = run_program({"diff", (folder / "t.json").string(), scene, "--json"});
+    CHECK(said.code == 1);
+    std::size_t renamed = 0;
+    for (const json& line : said.lines()) {
+        if (line["event"] != "difference" || line["kind"] == "timing") continue;
+        ++renamed;
+        CHECK(line["kind"] == "renamed");
+        CHECK(line["before"] == "all." + line["after"].get<std::string>());
+    }
+    CHECK(renamed == 52);
 }
 
 TEST_CASE("files are compared by what is in them", "[tools]") {

@@ -41,6 +41,42 @@ std::string_view local_name(std::string_view name) {
     return dot == std::string_view::npos ? name : name.substr(dot + 1);
 }
 
+/// Nodes that only one graph has, and how many of those they wait for.
+class Unmatched {
+  public:
+    /// \param ready takes those that wait for none
+    Unmatched(const Graph& graph, const Graph& other, std::vector<std::string>& ready) {
+        for (const std::string& name : graph.node_names()) {
+            const Node& n = *graph.find(name);
+            if (other.find(name) || !n.type) continue;
+            int& count = waits_[name];
+            const auto source = [&](const std::string& node) {
+                if (!graph.find(node) || other.find(node)) return;
+                ++count;
+                readers_[node].push_back(name);
+            };
+            for (const auto& [input, binding] : n.inputs) {
+                if (const Plug* p = std::get_if<Plug>(&binding)) source(p->node);
+                if (const auto* all = std::get_if<std::vector<Plug>>(&binding))
+                    for (const Plug& p : *all) source(p.node);
+                const Value* v = std::get_if<Value>(&binding);
+                if (v && v->is<std::string>() && !n.type->find_input(input)->names_entry_of.empty())
+                    source(v->as<std::string>());
+            }
+            if (count == 0) ready.push_back(name);
+        }
+    }
+
+    void matched(const std::string& name, std::vector<std::string>& ready) {
+        for (const std::string& reader : readers_[name])
+            if (--waits_[reader] == 0) ready.push_back(reader);
+    }
+
+  private:
+    std::map<std::string, int> waits_;
+    std::map<std::string, std::vector<std::string>> readers_;
+};
+
 class Comparison {
   public:
     Comparison(const Graph& a, const Graph& b)
@@ -75,65 +111,58 @@ class Comparison {
 
     // ---- which node is which ----
 
+    /// From the sources on: a node is known by what it says, once those that it reads are known.
     void match() {
-        std::set<std::string> removed, added;
         for (const std::string& name : a_.node_names())
-            b_.find(name) ? void(names_.emplace(name, name)) : void(removed.insert(name));
-        for (const std::string& name : b_.node_names())
-            if (!a_.find(name)) added.insert(name);
-        // From the sources on: a node is known by what it says, once those that it reads are known.
-        for (bool is_more = true; is_more && !removed.empty() && !added.empty();) {
-            std::map<std::string, std::pair<std::vector<std::string>, std::vector<std::string>>> alike;
-            std::set<std::string> known;
-            for (const auto& [from, to] : names_) known.insert(to);
-            for (const std::string& name : removed)
-                if (const std::string s = signature(a_, name,
-                                                    [&](const std::string& n) {
-                                                        const auto it = names_.find(n);
-                                                        return it == names_.end() ? std::string() : it->second;
-                                                    });
-                    !s.empty())
-                    alike[s].first.push_back(name);
-            for (const std::string& name : added)
-                if (const std::string s = signature(
-                        b_, name, [&](const std::string& n) { return known.contains(n) ? n : std::string(); });
-                    !s.empty())
-                    alike[s].second.push_back(name);
-            is_more = false;
-            for (const auto& [s, both] : alike)
-                for (const std::string& from : both.first)
-                    if (const std::string to = only_match(from, both.first, both.second); !to.empty()) {
-                        names_.emplace(from, to);
-                        removed.erase(from);
-                        added.erase(to);
-                        is_more = true;
-                    }
+            if (b_.find(name)) names_.emplace(name, name);
+        std::vector<std::string> removed, added; // those whose sources have become known
+        Unmatched left(a_, b_, removed), right(b_, a_, added);
+        while (!removed.empty() && !added.empty()) {
+            std::map<std::string, Alike> alike;
+            for (const std::string& name : removed) alike[says(a_, name)].removed.push_back(name);
+            for (const std::string& name : added) alike[says(b_, name)].added.push_back(name);
+            removed.clear(), added.clear();
+            for (const auto& [what, nodes] : alike)
+                for (const auto& [from, to] : pairs(nodes)) {
+                    names_.emplace(from, to);
+                    left.matched(from, removed);
+                    right.matched(to, added);
+                }
         }
     }
 
+    struct Alike {
+        std::vector<std::string> removed, added;
+    };
+
     /// Of several nodes that say the same, only one with the same name but for prefixes can be meant.
-    static std::string only_match(const std::string& from, const std::vector<std::string>& removed,
-                                  const std::vector<std::string>& added) {
-        if (removed.size() == 1 && added.size() == 1) return added.front();
-        const auto is_like = [&](const std::string& name) { return local_name(name) == local_name(from); };
-        if (std::count_if(removed.begin(), removed.end(), is_like) != 1) return {};
-        if (std::count_if(added.begin(), added.end(), is_like) != 1) return {};
-        return *std::find_if(added.begin(), added.end(), is_like);
+    static std::vector<std::pair<std::string, std::string>> pairs(const Alike& all) {
+        std::vector<std::pair<std::string, std::string>> out;
+        std::map<std::string_view, Alike> by_name;
+        for (const std::string& name : all.removed) by_name[local_name(name)].removed.push_back(name);
+        for (const std::string& name : all.added) by_name[local_name(name)].added.push_back(name);
+        Alike rest;
+        for (const auto& [name, nodes] : by_name)
+            if (nodes.removed.size() == 1 && nodes.added.size() == 1) {
+                out.emplace_back(nodes.removed.front(), nodes.added.front());
+            } else {
+                rest.removed.insert(rest.removed.end(), nodes.removed.begin(), nodes.removed.end());
+                rest.added.insert(rest.added.end(), nodes.added.begin(), nodes.added.end());
+            }
+        if (rest.removed.size() == 1 && rest.added.size() == 1)
+            out.emplace_back(rest.removed.front(), rest.added.front());
+        return out;
     }
 
-    /// Equal for nodes that say the same, names of other nodes aside; empty if it reads a node that `name_of` does not
-    /// know.
-    template <class NameOf>
-    std::string signature(const Graph& graph, const std::string& name, const NameOf& name_of) {
+    /// Equal for nodes of both graphs that say the same. What it reads is known.
+    std::string says(const Graph& graph, const std::string& name) {
         const Node& n = *graph.find(name);
-        if (!n.type) return {};
         std::string out = n.type_name;
-        bool is_complete = true;
-        const auto plug = [&](const Plug& p) {
-            const std::string source = name_of(p.node);
-            is_complete = is_complete && !source.empty();
-            out += " " + source + "." + p.attribute;
+        const auto name_of = [&](const std::string& node) {
+            const auto it = &graph == &a_ ? names_.find(node) : names_.end();
+            return it == names_.end() ? node : it->second;
         };
+        const auto plug = [&](const Plug& p) { out += " " + name_of(p.node) + "." + p.attribute; };
         for (const AttributeInfo& info : n.type->inputs) {
             const auto bound = n.inputs.find(info.name);
             if (bound == n.inputs.end()) continue;
@@ -152,7 +181,7 @@ class Comparison {
             else
                 out += engine::binding_json(info, b);
         }
-        return is_complete ? out : std::string();
+        return out;
     }
 
     std::string content(const std::string& path) {
