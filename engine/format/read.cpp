@@ -407,8 +407,10 @@ class GraphReader {
     }
 
     void merge(const std::string& prefix, const Graph& part, std::size_t offset, const std::string& pointer) {
+        const bool was_too_many = reading_.included_nodes > most_included_nodes; // said once
         reading_.included_nodes += part.order_.size();
         if (reading_.included_nodes > most_included_nodes) {
+            if (was_too_many) return;
             problem("DG135", offset, pointer, prefix, {},
                     "more than " + std::to_string(most_included_nodes) + " nodes are included");
             return;

@@ -241,6 +241,11 @@ TEST_CASE("includes without an end are refused before memory runs out") {
               "\"l\": { \"file\": \"" + name(i - 1) + "\" },\n\"r\": { \"file\": \"" + name(i - 1) + "\" }");
     f.put("top.json", "", R"("all": { "file": "9.json" })");
     CHECK(f.graph()->node_names().size() == 512);
+    f.put("top.json", "", R"("all": { "file": "30.json" })");
+    const auto many = f.problems();
+    REQUIRE(many.size() == 1);
+    CHECK(many[0].code == "DG135");
+    CHECK(many[0].message == "more than 1000000 nodes are included");
     f.put(name(0), "", R"("n": { "file": "40.json" })");
     for (int i = 40; i < 80; ++i) f.put(name(i), "", "\"n\": { \"file\": \"" + name(i + 1) + "\" }");
     f.put("top.json", "", R"("n": { "file": "40.json" })");
