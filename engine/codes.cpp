@@ -65,6 +65,16 @@ constexpr CodeInfo table[] = {
     {"DG127", "node type of the host failed", "Repair the host's code; the message has its own words."},
     {"DG128", "node type of the host that cannot be used", "Change its declaration as the message says."},
     {"DG129", "unforeseen error", "This is an error in Sinew; please tell us how it came about."},
+    // ---- DG13x: graphs that include graphs ----
+    {"DG130", "include that cannot be used", "Write \"prefix\": { \"file\": \"graph.json\" }."},
+    {"DG131", "prefix that cannot be used",
+     "Choose another: not empty, without dot or control character, and no node's name."},
+    {"DG132", "graphs that include each other in a circle", "Take one of the includes on the path out."},
+    {"DG133", "override of a node that is not there", "Correct the name; it is that of the included file."},
+    {"DG134", "override written wrongly", "Write \"node.input\": value, with the names of the included file."},
+    {"DG135", "includes without an end", "Include fewer graphs inside each other, or fewer nodes."},
+    {"DG136", "included graph of other frames a second", "Write the same fps in both, or leave it out there."},
+    {"DG137", "edit of what an included file says", "Edit that file, or the include."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
     {"FE202", "number of a mesh or map is not finite",

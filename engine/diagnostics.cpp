@@ -67,6 +67,10 @@ std::string to_text(const Diagnostic& d) {
     if (d.frame) out += " (frame " + number_text(*d.frame) + ")";
     if (!d.hint.empty()) out += "\n  hint: " + d.hint;
     if (d.spot && !d.spot->pointer.empty()) out += "\n  at " + d.spot->pointer;
+    if (d.spot)
+        for (const SourceSpot& s : d.spot->included_by)
+            out += "\n  included by " + s.file + ":" + std::to_string(s.line) + ":" + std::to_string(s.column) +
+                   " at " + s.pointer;
     return out;
 }
 
@@ -78,6 +82,12 @@ std::string to_json(const Diagnostic& d) {
         out += ", \"file\": " + json_quoted(d.spot->file) + ", \"pointer\": " + json_quoted(d.spot->pointer);
         if (d.spot->line > 0)
             out += ", \"line\": " + std::to_string(d.spot->line) + ", \"column\": " + std::to_string(d.spot->column);
+        std::string chain;
+        for (const SourceSpot& s : d.spot->included_by)
+            chain += (chain.empty() ? "{\"file\": " : ", {\"file\": ") + json_quoted(s.file) +
+                     ", \"pointer\": " + json_quoted(s.pointer) + ", \"line\": " + std::to_string(s.line) +
+                     ", \"column\": " + std::to_string(s.column) + "}";
+        if (!chain.empty()) out += ", \"included_by\": [" + chain + "]";
     }
     if (d.frame) out += ", \"frame\": " + number_text(*d.frame);
     out += ", \"message\": " + json_quoted(d.message);

@@ -14,6 +14,7 @@ namespace sinew::engine {
 struct SourceSpot {
     std::string file, pointer;
     int line = 0, column = 0;
+    std::vector<SourceSpot> included_by = {}; ///< the places that include the file, the nearest first; empty: none
 };
 
 enum class Severity { note, warning, error };

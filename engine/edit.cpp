@@ -159,9 +159,20 @@ class Edit::Draft {
         return copy;
     }
 
+    /// Nodes of included graphs are what their file says; only their inputs can be others here.
+    bool refuse_included(const Plug& at, const char* what) {
+        if (!is_included(at.node)) return false;
+        const Include* include = graph_.find_include(included_name(at.node).prefix);
+        problem("DG137", at, std::string("an included node cannot be ") + what + " here",
+                include ? "edit " + include->file : std::string());
+        return true;
+    }
+
     bool free_name(const std::string& name) {
         if (const std::string fault = name_fault(name); !fault.empty())
             problem("DG028", {name, ""}, fault);
+        else if (graph_.find_include(name))
+            problem("DG041", {name, ""}, "a graph is included under this prefix");
         else if (graph_.find(name))
             problem("DG041", {name, ""}, "there is a node of this name already");
         else
@@ -192,7 +203,7 @@ class Edit::Draft {
     }
 
     void remove(const Op& op) {
-        if (!node(op.plug)) return;
+        if (!node(op.plug) || refuse_included(op.plug, "removed")) return;
         const std::string& name = op.plug.node;
         Op back{.kind = Op::Kind::restore, .plug = op.plug, .text = {}};
         back.node = graph_.nodes_.find(name)->second;
@@ -204,7 +215,7 @@ class Edit::Draft {
             auto bound = n->inputs.find(plug.attribute);
             auto* list = std::get_if<std::vector<Plug>>(&bound->second);
             if (list) std::erase_if(*list, [&](const Plug& p) { return p.node == name; });
-            if (!list || list->empty()) n->inputs.erase(bound);
+            if (!list || list->empty()) unbind(*n, plug);
         }
         graph_.order_.erase(at);
         graph_.nodes_.erase(name);
@@ -221,7 +232,9 @@ class Edit::Draft {
         for (const auto& [attribute, binding] : op.node->inputs) touched_.insert({name, attribute});
         for (const auto& [plug, binding] : op.consumers)
             if (graph_.find(plug.node)) { // consumers that are gone by now are no reason to refuse
-                own(plug.node)->inputs[plug.attribute] = binding;
+                auto n = own(plug.node);
+                n->inputs[plug.attribute] = binding;
+                if (is_included(plug.node)) n->overrides[plug.attribute] = std::string::npos;
                 touched_.insert(plug);
             }
         rewired_ = true;
@@ -229,7 +242,7 @@ class Edit::Draft {
 
     void rename(const Op& op) {
         const std::string from = op.plug.node, to = op.text;
-        if (!node(op.plug) || from == to || !free_name(to)) return;
+        if (!node(op.plug) || from == to || refuse_included(op.plug, "renamed") || !free_name(to)) return;
         rename_entries(from, to);
         auto moved = graph_.nodes_.extract(from);
         moved.key() = to;
@@ -241,7 +254,7 @@ class Edit::Draft {
         for (const std::string& name : graph_.order_) {
             const Node& n = *graph_.find(name);
             if (!n.type) {
-                if (n.raw_json.find(from) != std::string::npos)
+                if (!is_included(name) && n.raw_json.find(from) != std::string::npos)
                     own(name)->raw_json = with_renamed_sources(n.raw_json, from, to);
                 continue;
             }
@@ -269,7 +282,9 @@ class Edit::Draft {
                 if (!text || !text->is<std::string>() || text->as<std::string>() != from) continue;
                 const std::vector<std::string> names = entry_names(graph_, n, info);
                 if (std::find(names.begin(), names.end(), from) == names.end()) continue;
-                own(name)->inputs.find(info.name)->second = Value::of<std::string>(to);
+                auto changed = own(name);
+                changed->inputs.find(info.name)->second = Value::of<std::string>(to);
+                if (is_included(name)) changed->overrides.try_emplace(std::string(info.name), std::string::npos);
                 break; // n is the old node now
             }
         }
@@ -279,8 +294,18 @@ class Edit::Draft {
     void undo_binding(const Plug& at) {
         const Node& n = *graph_.find(at.node);
         const auto bound = n.inputs.find(at.attribute);
-        if (bound == n.inputs.end()) return undo({.kind = Op::Kind::reset, .plug = at, .text = {}});
+        const bool from_include = is_included(at.node) && !n.overrides.contains(at.attribute);
+        if (bound == n.inputs.end() || from_include) return undo({.kind = Op::Kind::reset, .plug = at, .text = {}});
         undo({.kind = Op::Kind::bind, .plug = at, .text = {}, .binding = bound->second});
+    }
+
+    // Back to what stands here without this graph: the default, or what an included file says.
+    void unbind(Node& n, const Plug& at) {
+        n.inputs.erase(at.attribute);
+        n.overrides.erase(at.attribute);
+        if (!is_included(at.node)) return forget_origin(n, at.attribute);
+        if (auto included = graph_.included_binding(at.node, at.attribute))
+            n.inputs.emplace(at.attribute, std::move(*included));
     }
 
     // The file no longer says what stands here.
@@ -304,7 +329,10 @@ class Edit::Draft {
         n->inputs[at.attribute] = std::move(binding);
         if (std::find(n->input_order.begin(), n->input_order.end(), at.attribute) == n->input_order.end())
             n->input_order.push_back(at.attribute);
-        forget_origin(*n, at.attribute);
+        if (is_included(at.node))
+            n->overrides[at.attribute] = std::string::npos;
+        else
+            forget_origin(*n, at.attribute);
         if (check) touched_.insert(at);
     }
 
@@ -433,10 +461,10 @@ class Edit::Draft {
 
     void reset(const Plug& at) {
         if (!input(at) || !graph_.find(at.node)->inputs.contains(at.attribute)) return;
+        if (is_included(at.node) && !graph_.find(at.node)->overrides.contains(at.attribute)) return;
         undo_binding(at);
-        auto n = own(at.node);
-        n->inputs.erase(at.attribute);
-        forget_origin(*n, at.attribute);
+        unbind(*own(at.node), at);
+        rewired_ = rewired_ || is_included(at.node); // what its file says may be a connection
     }
 
     void editor(const Op& op) {

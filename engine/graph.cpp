@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/graph.h"
 
+#include "engine/check.h"
+#include "engine/include.h"
 #include "engine/origin.h"
 #include "engine/text.h"
 
@@ -31,23 +33,79 @@ const Node* Graph::find(std::string_view name) const {
 
 std::vector<std::string> Graph::node_names() const { return order_; }
 
+IncludedName included_name(std::string_view node) {
+    const std::size_t dot = node.find('.');
+    if (dot == std::string_view::npos) return {{}, node};
+    return {node.substr(0, dot), node.substr(dot + 1)};
+}
+
+const Include* Graph::find_include(std::string_view prefix) const {
+    for (const auto& [name, include] : includes_)
+        if (name == prefix) return include.get();
+    return nullptr;
+}
+
+std::optional<Binding> Graph::included_binding(std::string_view node, std::string_view attribute) const {
+    const IncludedName name = included_name(node);
+    const Include* include = name.prefix.empty() ? nullptr : find_include(name.prefix);
+    const Node* n = include ? include->graph->find(name.name) : nullptr;
+    if (!n || !n->inputs.contains(attribute)) return {};
+    return prefixed_binding(*include->graph, *n, attribute, name.prefix);
+}
+
+Binding prefixed_binding(const Graph& graph, const Node& n, std::string_view attribute, std::string_view prefix) {
+    Binding out = n.inputs.find(attribute)->second;
+    const auto follow = [&](Plug& p) { p.node.insert(0, std::string(prefix) + "."); };
+    if (Plug* p = std::get_if<Plug>(&out)) follow(*p);
+    if (auto* all = std::get_if<std::vector<Plug>>(&out)) std::for_each(all->begin(), all->end(), follow);
+    const auto* text = std::get_if<Value>(&out);
+    const AttributeInfo* info = n.type ? n.type->find_input(attribute) : nullptr;
+    if (!text || !text->is<std::string>() || !info || info->names_entry_of.empty()) return out;
+    const std::vector<std::string> names = entry_names(graph, n, *info);
+    if (std::find(names.begin(), names.end(), text->as<std::string>()) == names.end()) return out;
+    return Value::of<std::string>(std::string(prefix) + "." + text->as<std::string>());
+}
+
+namespace {
+
+SourceSpot spot_in(const SourceText& source, std::size_t offset, std::string pointer) {
+    const TextPlace place = source.lines.at(offset);
+    return {source.file, std::move(pointer), place.line, place.column};
+}
+
+} // namespace
+
+SourceSpot include_spot(const Include& include, std::string_view prefix) {
+    return spot_in(*include.source, include.at, "/includes" + pointer_token(prefix));
+}
+
 std::optional<SourceSpot> Graph::spot(std::string_view node, std::string_view attribute) const {
     const Node* n = find(node);
-    if (!n || !n->origin) return {};
+    if (!n) return {};
+    const IncludedName name = included_name(node);
+    if (const Include* include = name.prefix.empty() ? nullptr : find_include(name.prefix)) {
+        const auto own = n->overrides.find(attribute);
+        if (own == n->overrides.end()) {
+            auto out = include->graph->spot(name.name, attribute);
+            if (out) out->included_by.push_back(include_spot(*include, name.prefix));
+            return out;
+        }
+        if (own->second == std::string_view::npos) return {};
+        const std::string plug = std::string(name.name) + "." + std::string(attribute);
+        return spot_in(*include->source, own->second,
+                       "/includes" + pointer_token(name.prefix) + "/overrides" + pointer_token(plug));
+    }
+    if (!n->origin) return {};
     const NodeOrigin& o = *n->origin;
-    SourceSpot out;
     std::size_t offset = o.at;
-    out.file = o.source->file;
-    out.pointer = "/nodes" + pointer_token(o.name);
+    std::string pointer = "/nodes" + pointer_token(o.name);
     if (!attribute.empty()) {
         const auto it = o.inputs.find(attribute);
         if (it == o.inputs.end()) return {};
         offset = it->second;
-        out.pointer += "/inputs" + pointer_token(attribute);
+        pointer += "/inputs" + pointer_token(attribute);
     }
-    const TextPlace place = o.source->lines.at(offset);
-    out.line = place.line, out.column = place.column;
-    return out;
+    return spot_in(*o.source, offset, std::move(pointer));
 }
 
 namespace {

@@ -24,6 +24,8 @@ struct Plug {
 using Binding = std::variant<Value, Curve, Plug, std::vector<Plug>>;
 
 struct NodeOrigin;
+struct SourceText;
+class Graph;
 
 /// What a person wrote beside the data of a graph file; written again with the graph.
 struct Remark {
@@ -41,7 +43,27 @@ struct Node {
     std::vector<std::string> input_order;               ///< the order in which a file lists `inputs`
     Remarks remarks;                                    ///< by input; "" for the node itself
     std::shared_ptr<const NodeOrigin> origin;           ///< where it stood in a file; nullptr if it came from an edit
+    /// Of included nodes: the inputs that this graph sets instead of the included one, each with its place in this
+    /// graph's file, or npos if it came from an edit. `remarks` are then those of the overrides.
+    std::map<std::string, std::size_t, std::less<>> overrides;
 };
+
+/// A graph whose nodes stand in another one under a prefix: its node "biceps" is "left.biceps" there.
+struct Include {
+    std::string file;                        ///< the path to open
+    std::shared_ptr<const Graph> graph;      ///< as the file says, what it includes itself in it
+    std::vector<std::string> override_order; ///< "node.attribute", as the file lists them
+    Remark remark;
+    std::shared_ptr<const SourceText> source; ///< of the including file
+    std::size_t at = 0;                       ///< of the prefix in it
+};
+
+/// "left.arm.biceps" -> "left" and "arm.biceps"; of a graph's own node the prefix is empty.
+struct IncludedName {
+    std::string_view prefix, name;
+};
+IncludedName included_name(std::string_view node);
+inline bool is_included(std::string_view node) { return node.find('.') != std::string_view::npos; }
 
 struct Timing {
     double fps = 24;
@@ -58,13 +80,20 @@ class Graph {
     const std::shared_ptr<const Registry>& registry_ptr() const { return registry_; }
     /// nullptr if there is none.
     const Node* find(std::string_view name) const;
-    std::vector<std::string> node_names() const; ///< in file order
+    std::vector<std::string> node_names() const; ///< in file order, included ones first
+    /// By prefix, in file order.
+    const std::vector<std::pair<std::string, std::shared_ptr<const Include>>>& includes() const { return includes_; }
+    const Include* find_include(std::string_view prefix) const; ///< nullptr if there is none
+    /// What stands at an input of an included node as long as this graph does not override it; nothing if the included
+    /// graph leaves it at its default. Names are those of this graph.
+    std::optional<Binding> included_binding(std::string_view node, std::string_view attribute) const;
     const Timing& timing() const { return timing_; }
     const std::string& file() const { return file_; }
     const std::string& editor_json() const { return editor_json_; }
     /// By top-level key of the file; "" for its end. "$schema" has its value for `json`.
     const Remarks& remarks() const { return remarks_; }
-    /// Where an input (or a node, with an empty attribute) stands in the graph file, if it came from one.
+    /// Where an input (or a node, with an empty attribute) stands in the graph file, if it came from one; of included
+    /// nodes in the included file, or in the one that overrides the input.
     std::optional<SourceSpot> spot(std::string_view node, std::string_view attribute = {}) const;
 
   private:
@@ -73,6 +102,7 @@ class Graph {
     std::shared_ptr<const Registry> registry_;
     std::vector<std::string> order_;
     std::map<std::string, std::shared_ptr<const Node>, std::less<>> nodes_; ///< shared between snapshots
+    std::vector<std::pair<std::string, std::shared_ptr<const Include>>> includes_;
     Timing timing_;
     std::string file_, editor_json_ = "{}";
     Remarks remarks_;
@@ -85,8 +115,8 @@ class Edit {
     struct Done; // {graph, inverse}
     explicit Edit(std::shared_ptr<const Graph> base);
     Edit& add_node(std::string name, std::string type);
-    Edit& remove_node(std::string name);
-    Edit& rename_node(std::string from, std::string to); ///< connections follow
+    Edit& remove_node(std::string name);                 ///< a node of its own: what is included stays as its file says
+    Edit& rename_node(std::string from, std::string to); ///< connections follow; not what is included
     Edit& set(Plug input, Binding binding);
     /// `json` is what a graph file would hold at this input: literal, {value, unit}, {keys}, {from}, [ … ].
     Edit& set_json(Plug input, std::string json);
@@ -98,7 +128,7 @@ class Edit {
     /// same values sent again find the same frames. Kept as keys: a literal becomes a curve. DG043 where a curve would
     /// have to be cut between two keys of different values, or is smooth: earlier frames could not stay.
     Edit& set_input(Plug input, double frame, Value value);
-    Edit& reset(Plug input); ///< back to the default, disconnected
+    Edit& reset(Plug input); ///< back to the default, disconnected; of included nodes to what their file says
     Edit& set_editor_json(std::string json);
     Edit& set_timing(Timing timing);
     Done commit() const;

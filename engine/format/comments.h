@@ -15,6 +15,7 @@ struct Anchor {
     std::size_t begin = 0, end = 0;                 ///< from its key to the end of its value
     std::size_t kept_from = std::string_view::npos; ///< from here on its text is kept as it is, comments too
     std::string node = {}, input = {};              ///< "" and a key of the file; a node and ""; a node and an input
+    std::string include = {};                       ///< the prefix of an include; node and input are empty then
 };
 
 /// For each comment of the document the anchor that it belongs to: an index, `end_of_file` behind the document, or

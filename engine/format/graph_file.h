@@ -23,6 +23,9 @@ Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& p
 /// Only what is not default, keys in order, paths relative to the graph's folder; read_graph(write_graph(g))
 /// is g.
 std::string write_graph(const Graph& graph);
+/// What a graph file holds at an input for this binding: in SI units, also if it is the default.
+/// \param folder that paths are written from; empty: as they are
+std::string binding_json(const AttributeInfo& input, const Binding& binding, const std::string& folder = {});
 /// JSON Schema (draft 2020-12) of a graph file that uses the registry's types.
 std::string graph_schema(const Registry& registry);
 

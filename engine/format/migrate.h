@@ -2,6 +2,7 @@
 // format load for ever.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -21,5 +22,8 @@ std::span<const MigrationStep> migration_steps();
 
 /// The step that leaves format `from`, or nullptr.
 const MigrationStep* migration_from(int from);
+
+/// The text in format `to`, by one step after the other; nothing if one is missing.
+std::optional<std::string> migrated(std::string text, int from, int to, std::span<const MigrationStep> steps);
 
 } // namespace sinew::engine

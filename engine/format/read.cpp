@@ -2,43 +2,72 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/comments.h"
 #include "engine/format/graph_file.h"
+#include "engine/format/graph_text.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
+#include "engine/include.h"
 #include "engine/origin.h"
 #include "engine/text.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace sinew::engine {
 
+namespace {
+
+constexpr std::size_t most_levels = 32, most_included_nodes = 1000000;
+
+/// What one file gives.
+struct Part {
+    std::shared_ptr<const Graph> graph; ///< nullptr: not even its nodes are known. Else as far as it is right
+    std::vector<Diagnostic> problems, notes;
+    std::optional<double> fps; ///< if the file says it
+};
+
+/// What the files of one graph have in common while they are read.
+struct Reading {
+    std::map<std::string, Part> parts; ///< by file: a graph that is included twice is read once
+    std::vector<std::string> open;     ///< the files that include the one at work, the outermost first
+    std::size_t included_nodes = 0;
+};
+
+} // namespace
+
 class GraphReader {
   public:
-    GraphReader(std::shared_ptr<const Registry> registry, std::string_view text, const std::string& file)
+    GraphReader(std::shared_ptr<const Registry> registry, std::string_view text, const std::string& file,
+                Reading& reading)
         : graph_(std::move(registry))
         , source_(std::make_shared<SourceText>(file, text))
-        , folder_(folder_of(file)) {
+        , folder_(folder_of(file))
+        , reading_(reading)
+        , is_outermost_(reading.open.empty()) {
         graph_.file_ = file;
     }
 
-    Loaded read() {
+    Part read() {
+        Part out;
         JsonDocument doc = parse_json(source_->text);
         for (JsonProblem& p : doc.problems) problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message));
-        give_up_if_wrong();
-        const int format = format_number(doc.root);
-        give_up_if_wrong();
-        if (format < current_format) return migrated(format);
-        top(doc.root);
-        give_up_if_wrong();
-        remarks(doc.comments);
-        Loaded out;
-        out.notes = std::move(notes_);
-        out.graph = std::make_shared<const Graph>(std::move(graph_));
-        for (Diagnostic& d : check_timing(*out.graph)) out.notes.push_back(std::move(d));
+        const int format = problems_.empty() ? format_number(doc.root) : 0;
+        if (problems_.empty() && format < current_format)
+            return GraphReader(graph_.registry_,
+                               migrated(source_->text, format, current_format, migration_steps()).value(),
+                               source_->file, reading_)
+                .read();
+        if (problems_.empty()) {
+            reading_.open.push_back(file_key(source_->file));
+            top(doc.root);
+            reading_.open.pop_back();
+            if (problems_.empty()) remarks(doc.comments);
+            if (is_outermost_ && problems_.empty())
+                for (Diagnostic& d : check_timing(graph_)) notes_.push_back(std::move(d));
+            if (says_fps_) out.fps = graph_.timing_.fps;
+            out.graph = std::make_shared<const Graph>(std::move(graph_));
+        }
+        out.problems = std::move(problems_), out.notes = std::move(notes_);
         return out;
     }
 
@@ -59,12 +88,6 @@ class GraphReader {
         d.spot = SourceSpot{source_->file, pointer, place.line, place.column};
         problems_.push_back(std::move(d));
         return problems_.back();
-    }
-
-    void give_up_if_wrong() {
-        if (problems_.empty()) return;
-        problems_.insert(problems_.end(), notes_.begin(), notes_.end()); // what is wrong may follow from them
-        throw Failure(std::move(problems_));
     }
 
     int format_number(const Json& root) {
@@ -98,12 +121,6 @@ class GraphReader {
         return number;
     }
 
-    Loaded migrated(int format) {
-        std::string text = source_->text;
-        for (; format < current_format; ++format) text = migration_from(format)->apply(text);
-        return read_graph(graph_.registry_, text, source_->file);
-    }
-
     void unknown_keys(const Json::Object& object, const std::vector<std::string>& known, const std::string& pointer,
                       std::string_view node) {
         for (const JsonMember& m : object)
@@ -113,17 +130,22 @@ class GraphReader {
     }
 
     void top(const Json& root) {
-        unknown_keys(*root.as<Json::Object>(), {"$schema", "format", "comment", "timing", "nodes", "editor"}, "", {});
+        unknown_keys(*root.as<Json::Object>(),
+                     {"$schema", "format", "comment", "timing", "includes", "nodes", "editor"}, "", {});
         for (const JsonMember& m : *root.as<Json::Object>()) {
             anchors_.push_back({m.key_begin, m.value.end, std::string::npos, "", m.key});
             if (m.key == "editor") anchors_.back().kept_from = m.value.begin;
             if (m.key == "$schema" || m.key == "comment") graph_.remarks_[m.key].json = raw(m.value);
         }
-        if (const Json* t = root.find("timing")) timing(*t);
+        if (const Json* t = root.find("timing")) {
+            timing(*t);
+            says_fps_ = t->find("fps") != nullptr;
+        }
         if (const Json* e = root.find("editor")) {
             if (!e->as<Json::Object>()) wrong_kind(*e, "/editor", {}, "an object");
             graph_.editor_json_ = raw(*e);
         }
+        if (const Json* i = root.find("includes")) includes(*i, root.find("nodes"));
         const Json* all = root.find("nodes");
         if (!all) {
             problem("DG008", root.begin, "", {}, {}, "the key \"nodes\" is missing", "write \"nodes\": { … }");
@@ -132,10 +154,13 @@ class GraphReader {
         if (!all->as<Json::Object>()) return wrong_kind(*all, "/nodes", {}, "an object, one entry a node");
         for (const JsonMember& m : *all->as<Json::Object>()) node(m);
         for (const Pending& p : pending_) bindings(p);
+        if (const Json* i = root.find("includes")) overrides(*i);
+        if (!is_outermost_) return; // who includes it may connect what is missing here
         for (const Pending& p : pending_) required(p);
+        required_of_included();
         const std::string cycle = find_cycle(graph_);
         if (!cycle.empty()) {
-            const std::string first = cycle.substr(0, cycle.find('.'));
+            const std::string first = parse_plug(cycle.substr(0, cycle.find(' '))).value_or(Plug{}).node;
             const auto spot = graph_.spot(first);
             problem("DG030", 0, "", first, {}, "connections form a cycle: " + cycle).spot = spot;
         }
@@ -153,15 +178,17 @@ class GraphReader {
             const JsonComment& c = comments[i];
             const Anchor* a = owner.anchor < 0 ? nullptr : &anchors_[static_cast<std::size_t>(owner.anchor)];
             Remark* remark = nullptr;
-            if (a && !a->node.empty()) {
+            if (a && !a->include.empty()) {
+                remark = &own_include(a->include).remark;
+            } else if (a && !a->node.empty()) {
                 auto n = std::make_shared<Node>(*graph_.find(a->node));
                 remark = &n->remarks[a->input];
                 graph_.nodes_[a->node] = std::move(n);
             } else {
                 remark = &graph_.remarks_[a ? a->input : ""];
             }
-            // Only the list of nodes has a place behind what it holds.
-            const bool last = a && a->node.empty() && a->input == "nodes" && owner.at_end;
+            // Only the lists of nodes and includes have a place behind what they hold.
+            const bool last = a && a->node.empty() && (a->input == "nodes" || a->input == "includes") && owner.at_end;
             (last ? remark->last : remark->lines).push_back(source_->text.substr(c.begin, c.end - c.begin));
         }
     }
@@ -260,13 +287,233 @@ class GraphReader {
         notes_.push_back(std::move(d));
     }
 
-    void report(std::vector<Problem>&& found, const Pending& p, const JsonMember& input) {
+    void report(std::vector<Problem>&& found, const Plug& at, const std::string& pointer, const Json& value) {
         for (Problem& f : found) {
-            const Json& part = offending_part(input.value, f.below);
+            const Json& part = offending_part(value, f.below);
             Diagnostic& d = f.diagnostic;
-            problem(d.code, part.begin, p.pointer + "/inputs" + pointer_token(input.key) + f.below, p.name, input.key,
-                    std::move(d.message), std::move(d.hint));
+            problem(d.code, part.begin, pointer + f.below, at.node, at.attribute, std::move(d.message),
+                    std::move(d.hint));
         }
+    }
+
+    // ---- includes ----
+
+    Include& own_include(std::string_view prefix) {
+        const auto at = std::find_if(graph_.includes_.begin(), graph_.includes_.end(),
+                                     [&](const auto& i) { return i.first == prefix; });
+        auto copy = std::make_shared<Include>(*at->second);
+        at->second = copy;
+        return *copy;
+    }
+
+    void includes(const Json& json, const Json* nodes) {
+        if (!json.as<Json::Object>()) return wrong_kind(json, "/includes", {}, "an object, one entry a prefix");
+        for (const JsonMember& m : *json.as<Json::Object>()) {
+            std::string fault;
+            if (m.key.empty())
+                fault = "the nodes of an included graph need a prefix";
+            else if (m.key.find('.') != std::string::npos)
+                fault = "the prefix holds a dot, which separates it from the node";
+            else if (!name_fault(m.key).empty())
+                fault = "the prefix holds a control character";
+            else if (nodes && nodes->find(m.key))
+                fault = "there is a node of this name, too";
+            if (!fault.empty())
+                problem("DG131", m.key_begin, "/includes" + pointer_token(m.key), m.key, {}, fault,
+                        "choose another prefix");
+            if (!fault.empty() || !include(m)) unread_.push_back(m.key);
+        }
+    }
+
+    /// False if its nodes are not known.
+    bool include(const JsonMember& m) {
+        const std::string pointer = "/includes" + pointer_token(m.key);
+        anchors_.push_back({m.key_begin, m.value.end, std::string::npos, "", "", m.key});
+        auto out = std::make_shared<Include>();
+        out->source = source_, out->at = m.key_begin;
+        out->graph = std::make_shared<const Graph>(graph_.registry_);
+        graph_.includes_.emplace_back(m.key, out); // also one that is wrong has its prefix
+        const auto* object = m.value.as<Json::Object>();
+        if (!object) return wrong_kind(m.value, pointer, m.key, "an object with the \"file\" to include"), false;
+        unknown_keys(*object, {"file", "comment", "overrides"}, pointer, m.key);
+        for (const JsonMember& part : *object)
+            anchors_.push_back({part.key_begin, part.value.end, std::string::npos, "", "", m.key});
+        if (const Json* comment = m.value.find("comment")) out->remark.json = raw(*comment);
+        const Json* file = m.value.find("file");
+        const auto* path = file ? file->as<std::string>() : nullptr;
+        if (!path || path->empty()) {
+            problem("DG130", file ? file->begin : m.value.begin, pointer + (file ? "/file" : ""), m.key, {},
+                    "an include needs the \"file\" to include, in quotes", "write { \"file\": \"graph.json\" }");
+            return false;
+        }
+        out->file = resolved_path(*path, folder_);
+        const Part* part = included_part(m.key, out->file, file->begin, pointer + "/file");
+        if (!part) return false;
+        out->graph = part->graph;
+        merge(m.key, *out->graph, file->begin, pointer + "/file");
+        if (part->fps && *part->fps != graph_.timing_.fps && (is_outermost_ || says_fps_)) {
+            Diagnostic d = std::move(problem("DG136", file->begin, pointer + "/file", m.key, {},
+                                             "the included graph is made for " + number_text(*part->fps) +
+                                                 " frames a second, this one for " + number_text(graph_.timing_.fps) +
+                                                 ": its keys are played by frame",
+                                             "write the same timing.fps in both"));
+            problems_.pop_back();
+            d.severity = Severity::warning;
+            notes_.push_back(std::move(d));
+        }
+        return true;
+    }
+
+    /// nullptr if its nodes are not known; what is wrong with it has been said then.
+    const Part* included_part(const std::string& prefix, const std::string& path, std::size_t offset,
+                              const std::string& pointer) {
+        const auto wrong = [&](std::string_view code, std::string message, std::string hint = {}) {
+            problem(code, offset, pointer, prefix, {}, std::move(message), std::move(hint));
+            return nullptr;
+        };
+        const std::string key = file_key(path);
+        const auto open = std::find(reading_.open.begin(), reading_.open.end(), key);
+        if (open != reading_.open.end()) {
+            std::string way;
+            for (auto f = open; f != reading_.open.end(); ++f) way += *f + " -> ";
+            return wrong("DG132", "these graphs include each other in a circle: " + way + key,
+                         "take one of these includes out");
+        }
+        if (reading_.open.size() >= most_levels)
+            return wrong("DG135",
+                         "more than " + std::to_string(most_levels) + " graphs are included one inside the other");
+        const auto known = reading_.parts.find(key);
+        if (known != reading_.parts.end()) return known->second.graph ? &known->second : nullptr;
+        const GraphText text = graph_text(path);
+        if (!text.code.empty()) {
+            reading_.parts[key]; // said once
+            return wrong(text.code, text.message + ": " + path,
+                         text.code == "IO401" ? "the path starts at the folder of the file that includes" : "");
+        }
+        Part part = GraphReader(graph_.registry_, text.text, path, reading_).read();
+        const SourceSpot here = include_spot(*graph_.find_include(prefix), prefix);
+        const auto hand_on = [&](std::vector<Diagnostic>& from, std::vector<Diagnostic>& to) {
+            for (Diagnostic& d : from) {
+                if (!d.node.empty()) d.node.insert(0, prefix + ".");
+                if (d.spot) d.spot->included_by.push_back(here);
+                to.push_back(std::move(d));
+            }
+            from.clear();
+        };
+        hand_on(part.problems, problems_);
+        hand_on(part.notes, notes_);
+        const Part& kept = reading_.parts[key] = std::move(part);
+        return kept.graph ? &kept : nullptr;
+    }
+
+    void merge(const std::string& prefix, const Graph& part, std::size_t offset, const std::string& pointer) {
+        const bool was_too_many = reading_.included_nodes > most_included_nodes; // said once
+        reading_.included_nodes += part.order_.size();
+        if (reading_.included_nodes > most_included_nodes) {
+            if (was_too_many) return;
+            problem("DG135", offset, pointer, prefix, {},
+                    "more than " + std::to_string(most_included_nodes) + " nodes are included");
+            return;
+        }
+        for (const std::string& name : part.order_) {
+            const Node& from = *part.find(name);
+            auto n = std::make_shared<Node>(from);
+            n->remarks.clear(); // they stay in their file
+            n->overrides.clear();
+            for (auto& [input, binding] : n->inputs) binding = prefixed_binding(part, from, input, prefix);
+            graph_.order_.push_back(prefix + "." + name);
+            graph_.nodes_.emplace(graph_.order_.back(), std::move(n));
+        }
+    }
+
+    void overrides(const Json& json) {
+        if (!json.as<Json::Object>()) return;
+        for (const JsonMember& m : *json.as<Json::Object>()) {
+            const Json* all = m.value.find("overrides");
+            if (!all || !graph_.find_include(m.key)) continue;
+            const std::string pointer = "/includes" + pointer_token(m.key) + "/overrides";
+            if (!all->as<Json::Object>()) {
+                wrong_kind(*all, pointer, m.key, "an object, one entry an input");
+                continue;
+            }
+            const bool is_read = std::find(unread_.begin(), unread_.end(), m.key) == unread_.end();
+            if (!is_read) continue;
+            for (const JsonMember& one : *all->as<Json::Object>())
+                override_input(m.key, one, pointer + pointer_token(one.key));
+        }
+    }
+
+    void override_input(const std::string& prefix, const JsonMember& m, const std::string& pointer) {
+        const auto local = parse_plug(m.key);
+        if (!local) {
+            problem("DG134", m.key_begin, pointer, prefix, {}, json_quoted(m.key) + " names no input of a node",
+                    "write \"node.input\": value");
+            return;
+        }
+        Include& include = own_include(prefix);
+        const Plug plug{prefix + "." + local->node, local->attribute};
+        const Node* old = graph_.find(plug.node);
+        if (!old) {
+            problem("DG133", m.key_begin, pointer, plug.node, {},
+                    "there is no node " + json_quoted(local->node) + " in " + include.file,
+                    name_hint(local->node, include.graph->node_names(), "nodes"));
+            return;
+        }
+        if (!old->type) {
+            problem("DG101", m.key_begin, pointer, plug.node, plug.attribute,
+                    "inputs of the unknown type " + json_quoted(old->type_name) + " cannot be overridden");
+            return;
+        }
+        const AttributeInfo* info = old->type->find_input(plug.attribute);
+        if (!info) {
+            problem("DG011", m.key_begin, pointer, plug.node, plug.attribute, "no such input on " + old->type_name,
+                    name_hint(plug.attribute, input_names(*old->type), "inputs"));
+            return;
+        }
+        anchors_.push_back({m.key_begin, m.value.end, std::string::npos, plug.node, plug.attribute});
+        auto n = std::make_shared<Node>(*old);
+        if (const Json* comment = m.value.find("comment")) n->remarks[plug.attribute].json = raw(*comment);
+        if (!n->inputs.contains(plug.attribute)) n->input_order.push_back(plug.attribute);
+        n->overrides[plug.attribute] = m.value.begin;
+        include.override_order.push_back(m.key);
+        n->inputs[plug.attribute] = checked(*n, plug, *info, pointer, m.value);
+        graph_.nodes_[plug.node] = std::move(n);
+    }
+
+    void required_of_included() {
+        for (const std::string& name : graph_.order_) {
+            const Node& n = *graph_.find(name);
+            if (!is_included(name) || !n.type) continue;
+            for (Problem& f : check_required(graph_, name, n)) {
+                Diagnostic& d = f.diagnostic;
+                d.spot = graph_.spot(name, d.attribute);
+                if (!d.spot) d.spot = graph_.spot(name);
+                const std::string here = "override \"" + std::string(included_name(name).name) + "." + d.attribute +
+                                         "\" where it is included";
+                d.hint += d.hint.empty() ? here : ", or " + here;
+                problems_.push_back(std::move(d));
+            }
+        }
+    }
+
+    /// A wrong input still counts as present, so that it is not reported as missing too.
+    Binding checked(const Node& n, const Plug& at, const AttributeInfo& info, const std::string& pointer,
+                    const Json& value) {
+        std::vector<Problem> found;
+        auto binding = read_binding(info, value, folder_, found);
+        if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
+        report(std::move(found), at, pointer, value);
+        return binding ? std::move(*binding) : Binding(Value());
+    }
+
+    /// Whether it is connected to what could not be read; why has been said.
+    bool reads_unread(const Binding& b) const {
+        const auto unread = [&](const Plug& p) {
+            return std::find(unread_.begin(), unread_.end(), included_name(p.node).prefix) != unread_.end();
+        };
+        if (const Plug* p = std::get_if<Plug>(&b)) return unread(*p);
+        const auto* all = std::get_if<std::vector<Plug>>(&b);
+        return all && std::any_of(all->begin(), all->end(), unread);
     }
 
     void bindings(const Pending& p) {
@@ -280,12 +527,8 @@ class GraphReader {
                 continue;
             }
             n->input_order.push_back(input.key);
-            std::vector<Problem> found;
-            auto binding = read_binding(*info, input.value, folder_, found);
-            if (binding) found = check_binding(graph_, p.name, *n->type, *info, *binding);
-            // A wrong input still counts as present, so that it is not reported as missing too.
-            n->inputs.emplace(input.key, binding ? std::move(*binding) : Binding(Value()));
-            report(std::move(found), p, input);
+            n->inputs.emplace(input.key, checked(*n, {p.name, input.key}, *info,
+                                                 p.pointer + "/inputs" + pointer_token(input.key), input.value));
         }
         graph_.nodes_[p.name] = std::move(n);
     }
@@ -303,39 +546,31 @@ class GraphReader {
     Graph graph_;
     std::shared_ptr<const SourceText> source_;
     std::string folder_;
+    Reading& reading_;
+    bool is_outermost_, says_fps_ = false;
     std::vector<Diagnostic> problems_, notes_;
     std::vector<Pending> pending_;
-    std::vector<Anchor> anchors_; // what comments can belong to
+    std::vector<Anchor> anchors_;     // what comments can belong to
+    std::vector<std::string> unread_; // prefixes of files whose nodes are not known
 };
 
 Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name) {
-    return GraphReader(std::move(registry), json_text, file_name).read();
+    Reading reading;
+    Part part = GraphReader(std::move(registry), json_text, file_name, reading).read();
+    if (part.problems.empty()) return {std::move(part.graph), std::move(part.notes)};
+    // What is wrong may follow from the notes.
+    part.problems.insert(part.problems.end(), part.notes.begin(), part.notes.end());
+    throw Failure(std::move(part.problems));
 }
 
 Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path) {
-    const auto unreadable = [&](std::string_view code, std::string message) {
-        Diagnostic d;
-        d.code = code;
-        d.spot = SourceSpot{path, "", 0, 0};
-        d.message = std::move(message);
-        return Failure(std::move(d));
-    };
-    std::error_code ec;
-    const auto status = std::filesystem::status(path, ec);
-    if (!std::filesystem::exists(status)) throw unreadable("IO401", "there is no such graph file");
-    if (std::filesystem::is_directory(status)) throw unreadable("IO402", "this is a folder, not a graph file");
-    if (!std::filesystem::is_regular_file(status))
-        throw unreadable("IO402", "this is a pipe or a device, not a graph file");
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream out;
-    out << in.rdbuf();
-    const std::string text = out.str();
-    if (!in || !out) throw unreadable("IO402", "the graph file cannot be read");
-    // A mesh, say: better than to say what JSON lacks in it.
-    const std::size_t first = text.find_first_not_of("\xEF\xBB\xBF \t\r\n");
-    if (first != std::string::npos && std::string_view("{[/").find(text[first]) == std::string_view::npos)
-        throw unreadable("DG004", "this is no graph file: a graph is one JSON object and begins with {");
-    return read_graph(std::move(registry), text, path);
+    GraphText text = graph_text(path);
+    if (text.code.empty()) return read_graph(std::move(registry), text.text, path);
+    Diagnostic d;
+    d.code = text.code;
+    d.spot = SourceSpot{path, "", 0, 0};
+    d.message = std::move(text.message);
+    throw Failure(std::move(d));
 }
 
 } // namespace sinew::engine

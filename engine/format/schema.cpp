@@ -109,7 +109,7 @@ Tree node(const NodeType& t) {
     }
     Tree inputs = {{"type", "object"}, {"properties", properties}, {"additionalProperties", false}};
     if (!required.empty()) inputs["required"] = required;
-    Tree out = with_comment({{"type", {{"const", t.name}}}, {"inputs", inputs}}, {"type"});
+    Tree out = with_comment({{"type", {{"const", t.name}, {"description", t.doc}}}, {"inputs", inputs}}, {"type"});
     if (!required.empty()) out["required"].push_back("inputs");
     out["description"] = t.doc;
     return out;
@@ -131,11 +131,26 @@ Tree keys_definition() {
                         {"keys"});
 }
 
+Tree includes_definition() {
+    const Tree overrides = {
+        {"type", "object"},
+        {"description", "\"node.input\" of the included graph: what stands there instead. Connections are to nodes as "
+                        "they are called in this file."},
+        {"propertyNames", {{"pattern", "^[^.]+(\\.[^.]+)+$"}}}};
+    const Tree file = {{"type", "string"},
+                       {"minLength", 1},
+                       {"description", "The graph file to include; its path starts at this file's folder."}};
+    return {{"type", "object"},
+            {"description", "Other graphs, each under a prefix: their node \"biceps\" is \"prefix.biceps\" here."},
+            {"propertyNames", {{"pattern", "^[^.]+$"}}},
+            {"additionalProperties", with_comment({{"file", file}, {"overrides", overrides}}, {"file"})}};
+}
+
 } // namespace
 
 std::string graph_schema(const Registry& registry) {
     Tree types = Tree::array(), definitions = Tree::object();
-    const Tree plug = {{"from", {{"type", "string"}, {"pattern", "^[^.]+\\.[^.]+$"}}}};
+    const Tree plug = {{"from", {{"type", "string"}, {"pattern", "^[^.]+(\\.[^.]+)+$"}}}};
     definitions["connection"] = with_comment(plug, {"from"});
     definitions["entry"] = object(plug, {"from"}); // of a list
     definitions["keys"] = keys_definition();
@@ -147,15 +162,17 @@ std::string graph_schema(const Registry& registry) {
     Tree any_node = {{"type", "object"}, {"required", {"type"}}};
     if (!types.empty()) any_node["oneOf"] = types;
     const Tree timing = {{"type", "object"},
+                         {"description", "Frames of a run; those of included graphs do not count."},
                          {"properties",
-                          {{"fps", {{"type", "number"}, {"exclusiveMinimum", 0}}},
-                           {"start", {{"type", "integer"}}},
-                           {"end", {{"type", "integer"}}}}},
+                          {{"fps", {{"type", "number"}, {"exclusiveMinimum", 0}, {"default", 24}}},
+                           {"start", {{"type", "integer"}, {"default", 1}}},
+                           {"end", {{"type", "integer"}, {"description", "The last frame; default: the first."}}}}},
                          {"additionalProperties", false}};
     Tree root = with_comment(
         {{"$schema", {{"type", "string"}}},
          {"format", {{"const", "sinew " + std::to_string(current_format)}}},
          {"timing", timing},
+         {"includes", includes_definition()},
          {"nodes",
           {{"type", "object"}, {"propertyNames", {{"pattern", "^[^.]+$"}}}, {"additionalProperties", any_node}}},
          {"editor", {{"type", "object"}}}},

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 
 namespace sinew::engine {
 
@@ -67,13 +68,17 @@ const Remark& remark_of(const Remarks& all, std::string_view key) {
 
 std::string plug_text(const Plug& p) { return "{ \"from\": " + json_quoted(p.text()) + " }"; }
 
+/// Whether a value that is the default is written.
+enum class Defaults { left_out, written };
+
 // Empty: the binding says no more than the default does, and nobody says anything of it.
 std::string binding_text(const AttributeInfo& info, const Binding& b, const Remark& remark, const Timing& timing,
-                         const std::string& folder) {
+                         const std::string& folder, Defaults defaults = Defaults::left_out) {
     const bool has_comment = !remark.json.empty();
     if (const Value* v = std::get_if<Value>(&b)) {
         const bool is_default = v->digest() == default_value(info, timing).digest() && !v->is<File>();
-        if (is_default && !info.required && remark.lines.empty() && !has_comment) return "";
+        if (is_default && defaults == Defaults::left_out && !info.required && remark.lines.empty() && !has_comment)
+            return "";
         const std::string text = literal_text(*v, folder);
         return has_comment ? "{ \"value\": " + text + ", \"comment\": " + remark.json + " }" : text;
     }
@@ -114,7 +119,41 @@ std::string node_text(const Node& n, const Timing& timing, const std::string& fo
     return out + " }";
 }
 
+// "node.input" of all that this graph says of an included one, in the order of its file.
+std::vector<std::string> overridden(const Graph& graph, const std::string& prefix, const Include& include) {
+    std::set<std::string> all;
+    for (const std::string& name : include.graph->node_names())
+        for (const auto& [input, place] : graph.find(prefix + "." + name)->overrides) all.insert(name + "." + input);
+    std::vector<std::string> out;
+    for (const std::string& plug : include.override_order)
+        if (all.erase(plug) > 0) out.push_back(plug);
+    out.insert(out.end(), all.begin(), all.end());
+    return out;
+}
+
+std::string include_text(const Graph& graph, const std::string& prefix, const Include& include,
+                         const std::string& folder) {
+    std::string overrides;
+    for (const std::string& text : overridden(graph, prefix, include)) {
+        const Plug plug = parse_plug(text).value();
+        const Node& n = *graph.find(prefix + "." + plug.node);
+        const Remark& remark = remark_of(n.remarks, plug.attribute);
+        overrides += (overrides.empty() ? "" : ",") + lines_of(remark.lines, "        ") + "\n        " +
+                     json_quoted(text) + ": " +
+                     binding_text(*n.type->find_input(plug.attribute), n.inputs.find(plug.attribute)->second, remark,
+                                  graph.timing(), folder, Defaults::written);
+    }
+    std::string out = "{ \"file\": " + json_quoted(relative_path(include.file, folder));
+    if (!include.remark.json.empty()) out += ", \"comment\": " + include.remark.json;
+    if (!overrides.empty()) out += ", \"overrides\": {" + overrides + "\n      }";
+    return out + " }";
+}
+
 } // namespace
+
+std::string binding_json(const AttributeInfo& input, const Binding& binding, const std::string& folder) {
+    return binding_text(input, binding, Remark{}, Timing{}, folder, Defaults::written);
+}
 
 std::string write_graph(const Graph& graph) {
     const Timing& t = graph.timing();
@@ -132,8 +171,17 @@ std::string write_graph(const Graph& graph) {
     member("timing", "{ \"fps\": " + number_text(t.fps) + ", \"start\": " + std::to_string(t.start) +
                          ", \"end\": " + std::to_string(t.end) + " }");
     const std::string folder = folder_of(graph.file());
+    std::string includes;
+    for (const auto& [prefix, include] : graph.includes())
+        includes += (includes.empty() ? "" : ",") + lines_of(include->remark.lines, "    ") + "\n    " +
+                    json_quoted(prefix) + ": " + include_text(graph, prefix, *include, folder);
+    if (!includes.empty()) {
+        includes += lines_of(remark_of(graph.remarks(), "includes").last, "    ");
+        member("includes", "{" + includes + "\n  }");
+    }
     std::string nodes;
     for (const std::string& name : graph.node_names()) {
+        if (is_included(name)) continue;
         const Node& n = *graph.find(name);
         nodes += (nodes.empty() ? "" : ",") + lines_of(remark_of(n.remarks, "").lines, "    ") + "\n    " +
                  json_quoted(name) + ": " + node_text(n, t, folder);

@@ -74,6 +74,24 @@ TEST_CASE("bodies are found by name in whatever is evaluated", "[embed]") {
         CHECK(((*carried.meshes[0].points)[v] - (*solved.meshes[0].points)[v]).norm() < 1e-12);
 }
 
+TEST_CASE("bodies of included graphs are found and sent to by prefix and name", "[embed]") {
+    const test::TemporaryFolder folder;
+    test::write_text(folder / "part.json", hanging);
+    test::write_text(folder / "top.json", R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9},
+        "includes": {"a": {"file": "part.json"}}, "nodes": {}})");
+    Session alone, included;
+    alone.load_text(hanging);
+    included.load_file((folder / "top.json").string());
+    send(alone, 2, 1);
+    const Setting setting{{"a.plate", "matrix"}, lifted(1)};
+    included.set_at(2, {&setting, 1});
+    const Frame one = alone.evaluate(2), two = included.evaluate(2);
+    CHECK(two.names == std::vector<std::string>{"a.hung", "a.plate"});
+    REQUIRE(two.meshes.size() == one.meshes.size());
+    CHECK(two.meshes[1].points->at(0).y() == Approx(one.meshes[1].points->at(0).y()).margin(0));
+    CHECK(*two.meshes[0].points == *one.meshes[0].points);
+}
+
 TEST_CASE("a frame's report is that of the program, with names", "[embed]") {
     Session s;
     s.load_text(hanging);

@@ -1,5 +1,6 @@
 // Any bytes give a graph or a Failure, never a crash; and the locale changes nothing.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/format/layout.h"
 #include "tests/support/engine_toys.h"
 
 #include <catch2/catch.hpp>
@@ -11,18 +12,25 @@ using namespace toys;
 
 namespace {
 
-const std::string seed_text = R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9}, "nodes": {
+const std::string seed_text =
+    R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9},
+  "includes": {"a": {"file": ")" SINEW_SOURCE_DIR
+    R"(/tests/engine/formats/1_part.json", "overrides": {"ten.value": {"value": 3, "unit": "kPa"}}}}, "nodes": {
   "n": {"type": "number", "inputs": {"value": {"keys": [[1, 2.5], [3, 4, {"in": 1e-3, "out": 0}]], "interp": "smooth"}, "axis": {"value": [1, 2, 3], "unit": "cm"},
         "mode": "double", "times": 3, "weights": [0, 0.5, 1]}},
-  "s": {"type": "sum", "inputs": {"terms": [{"from": "n.out"}, {"from": "n.out"}]}}, "odd": {"type": "mystery", "x": [null, true, "\u00e9\n"]},
+  "s": {"type": "sum", "inputs": {"terms": [{"from": "n.out"}, {"from": "a.eleven.out"}]}}, "odd": {"type": "mystery", "x": [null, true, "\u00e9\n"]},
   "sim": {"type": "sim", "inputs": {"target": {"from": "s.out"}, "substeps": 2}}}, "editor": {"a": 1}})";
 
-// Loads, and if that works also writes and loads again.
+// Loads, and if that works also writes and loads again, and lays out, which changes nothing of it.
 void exercise(const std::shared_ptr<const Registry>& types, const std::string& text) {
     try {
         const auto g = read_graph(types, text, "fuzz.json").graph;
         const std::string written = write_graph(*g);
         REQUIRE(write_graph(*read_graph(types, written, "fuzz.json").graph) == written);
+        const std::string neat = laid_out(text);
+        REQUIRE(laid_out(neat) == neat);
+        // What is kept as it stood, like the editor's data, stands otherwise.
+        REQUIRE(laid_out(write_graph(*read_graph(types, neat, "fuzz.json").graph)) == laid_out(written));
     } catch (const Failure& f) {
         REQUIRE_FALSE(f.diagnostics().empty());
         for (const Diagnostic& d : f.diagnostics()) {

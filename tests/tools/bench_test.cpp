@@ -47,6 +47,24 @@ TEST_CASE("a small cantilever sags, converges, and gives the same bits on one an
     CHECK(one.tip_y == two.tip_y);
 }
 
+TEST_CASE("the benchmark of graphs has a row a shape, with as many nodes as it says and the same result again",
+          "[tools]") {
+    const auto rows = [] {
+        const test::Said said = test::run_program({"bench", "graphs", "--quick", "--json"});
+        REQUIRE(said.code == 0);
+        return said.lines().at(0).at("rows");
+    };
+    const auto once = rows(), again = rows();
+    REQUIRE(once.size() == 3);
+    const int nodes[] = {1000, 1000, 1001}; // 100 parts of 10, and what they are together
+    for (std::size_t i = 0; i < 3; ++i) {
+        CHECK(once[i]["nodes"] == nodes[i]);
+        CHECK(once[i]["digest"] == again[i]["digest"]);
+        CHECK(once[i]["digest"].get<std::string>().size() == 32);
+    }
+    CHECK(once[0]["digest"] != once[1]["digest"]);
+}
+
 TEST_CASE("the meshing benchmark measures each file in each fill mode, and a refusal is a row", "[tools]") {
     const test::TemporaryFolder folder;
     test::write_text(folder / "ball.obj", solver::write_obj(solver::make_sphere(1, 20, 20)));

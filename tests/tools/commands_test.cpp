@@ -334,8 +334,9 @@ TEST_CASE("a quick cantilever is small, unless a size is given", "[tools]") {
 
 TEST_CASE("bench says what each benchmark does, with an example, and refuses flags that it would not read", "[tools]") {
     const std::string help = run_program({"bench", "--help"}).out;
-    for (const std::string name : {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers",
-                                   "scaling", "idle-cost", "hard", "scene", "contact", "elements", "report"}) {
+    for (const std::string name :
+         {"cantilever", "meshing", "accuracy", "convergence", "work-precision", "levers", "scaling", "idle-cost",
+          "graphs", "hard", "scene", "contact", "elements", "report"}) {
         INFO(name);
         CHECK(has(help, name + ":"));
         CHECK(has(help, "sinew bench " + name + " "));
@@ -353,7 +354,7 @@ TEST_CASE("bench says what each benchmark does, with an example, and refuses fla
         CHECK(said.out.empty());
     }
     for (const std::string name :
-         {"scaling", "levers", "work-precision", "convergence", "accuracy", "idle-cost", "hard"}) {
+         {"scaling", "levers", "work-precision", "convergence", "accuracy", "idle-cost", "graphs", "hard"}) {
         const Said said = run_program({"bench", name, "--only", "no such thing"});
         INFO(name);
         CHECK(said.code == 2);

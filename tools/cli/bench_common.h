@@ -52,6 +52,7 @@ ExitCode bench_work_precision(const Invocation& in);
 ExitCode bench_scaling(const Invocation& in);
 ExitCode bench_levers(const Invocation& in);
 ExitCode bench_idle_cost(const Invocation& in);
+ExitCode bench_graphs(const Invocation& in);
 ExitCode bench_hard(const Invocation& in);
 ExitCode bench_scene(const Invocation& in);
 ExitCode bench_contact(const Invocation& in);

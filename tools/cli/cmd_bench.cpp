@@ -28,6 +28,7 @@ constexpr Benchmark benchmarks[] = {
     {"levers", bench_levers, "--quick --only"},
     {"scaling", bench_scaling, "--quick --only --output"},
     {"idle-cost", bench_idle_cost, "--quick --only"},
+    {"graphs", bench_graphs, "--quick --only"},
     {"hard", bench_hard, "--quick --only"},
     {"scene", bench_scene, "--quick --steps --solvers --elements --sizes", true},
     {"contact", bench_contact, "--quick --steps --only", true},
@@ -86,7 +87,8 @@ Command bench_command() {
           "times; "
           "scaling: time and memory from a thousand to half a million tets, and of contact to 200,000 points; "
           "idle-cost: what unused "
-          "features cost; hard: collapsed, scrambled, overstretched, torn about and spoilt bodies under every law, "
+          "features cost; graphs: what a thousand to 40,000 nodes cost to load, to plan and to edit; hard: collapsed, "
+          "scrambled, overstretched, torn about and spoilt bodies under every law, "
           "element and integrator, exit code 3 if an answer is wrong; scene: the frames of graphs under each linear "
           "solver and under the yardstick "
           "Plain, with their own tets or others; contact: graphs of bodies that touch, once each: times, iterations, "
@@ -101,7 +103,8 @@ Command bench_command() {
         {{"--json", "", "JSON instead of the table: one line, of cantilever and meshing one a run"},
          {"--quick", "", "small sizes: seconds instead of minutes; all but meshing"},
          {"--only", "LETTERS",
-          "accuracy, convergence, work-precision, levers, scaling, idle-cost, hard, contact: only what has these "
+          "accuracy, convergence, work-precision, levers, scaling, idle-cost, graphs, hard, contact: only what has "
+          "these "
           "letters in "
           "its name; elements: the one tissue that takes part, without a graph as the others; report: the sections to "
           "measure anew, a list of accuracy, convergence, hard, work-precision, levers, cantilever, scene, rigs, "
@@ -140,6 +143,7 @@ Command bench_command() {
         "sinew bench scaling --quick                                   # limits of the machine, then time and memory\n"
         "sinew bench idle-cost --only bone                             # with a bone that nothing holds on to, and "
         "without\n"
+        "sinew bench graphs --only chain                               # load, plan and edit graphs of many nodes\n"
         "sinew bench hard --only squeezed                              # recovered, stopped with a diagnostic, or "
         "wrong\n"
         "sinew bench scene graphs/scenes/arm.json --steps 20           # Plain, Direct, Iterative and Auto, same "

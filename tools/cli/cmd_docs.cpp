@@ -46,7 +46,8 @@ std::string nodes_page(const engine::Registry& registry) {
 
 std::string codes_page() {
     std::ostringstream out;
-    out << "# Diagnostic codes\n\nMade by `sinew docs`. DG0xx the graph file, DG1xx evaluation, FE2xx meshes and "
+    out << "# Diagnostic codes\n\nMade by `sinew docs`. DG0xx the graph file, DG1xx evaluation, hosts and includes, "
+           "FE2xx meshes and "
            "set-up, FE3xx "
            "the solve, IO4xx files. A code keeps its meaning for ever.\n\n| code | what is wrong | what to do "
            "|\n|---|---|---|\n";

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <climits>
 #include <set>
+#include <tuple>
 #include <utility>
 
 namespace sinew::cli {
@@ -99,8 +100,10 @@ void sort_by_place(std::vector<Diagnostic>& diagnostics) {
     std::set<std::string> said;
     std::erase_if(diagnostics, [&](const Diagnostic& d) { return !said.insert(engine::to_json(d)).second; });
     const auto place = [](const Diagnostic& d) {
+        // The graph's own file first, then included ones.
         const bool known = d.spot && d.spot->line > 0;
-        return std::pair(known ? d.spot->line : INT_MAX, known ? d.spot->column : INT_MAX);
+        return std::tuple(known && !d.spot->included_by.empty() ? d.spot->file : std::string(),
+                          known ? d.spot->line : INT_MAX, known ? d.spot->column : INT_MAX);
     };
     std::stable_sort(diagnostics.begin(), diagnostics.end(),
                      [&](const Diagnostic& a, const Diagnostic& b) { return place(a) < place(b); });

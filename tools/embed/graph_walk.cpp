@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/embed/graph_walk.h"
 
+#include <algorithm>
 #include <set>
 
 namespace sinew::embed {
@@ -66,6 +67,9 @@ std::vector<std::string> last_solvers(const Graph& graph, const std::vector<std:
             if (name != solver) read.insert(name);
     for (const std::string& solver : solvers)
         if (!read.contains(solver)) out.push_back(solver);
+    // Included graphs may run on their own; who includes them and has a solver means that one.
+    if (std::any_of(out.begin(), out.end(), [](const std::string& name) { return !engine::is_included(name); }))
+        std::erase_if(out, [](const std::string& name) { return engine::is_included(name); });
     return out;
 }
 
