@@ -370,6 +370,36 @@ class Feeding(Case):
         wider = np.ptp(session.evaluate(4)["hung"].points[:, 0])
         self.assertGreater(wider, np.ptp(session.evaluate(1)["hung"].points[:, 0]) + 0.2)
 
+    def test_units_are_those_of_the_solver_that_is_shown(self):
+        from sinew_blender import session
+
+        second = {
+            "later": {
+                "type": "zSolver",
+                "inputs": {"bodies": [{"from": "skin.outBody"}], "scale": 10},
+            },
+            "skinMesh": {"type": "pickMesh", "inputs": {"meshes": {"from": "solver.outMeshes"}, "body": "plate"}},
+            "skin": {"type": "zBone", "inputs": {"mesh": {"from": "skinMesh.outMesh"}}},
+        }
+        self.hanging(**second)
+        for plug, units in (("", 10), ("solver.outMeshes", 100), ("skinMesh.outMesh", 100)):
+            self.settings.plug = plug
+            self.assertEqual(session.ensure(self.scene).units_per_metre, units, plug)
+
+    def test_frames_before_the_first_show_the_model(self):
+        scenes.muscle_scene(3)
+        self.settings.keep_frames = False
+        bpy.ops.sinew.export(filepath=self.path("g.json"))
+        self.settings.live = True
+        at_1 = self.points("belly").copy()
+        self.scene.frame_start = -2
+        bpy.ops.sinew.simulate()
+        self.assertEqual(self.simulated(), 3)
+        self.scene.frame_set(3)
+        self.assertFalse(np.array_equal(self.points("belly"), at_1))
+        self.scene.frame_set(-1)
+        np.testing.assert_array_equal(self.points("belly"), at_1)
+
     def test_a_property_drives_a_number(self):
         self.hanging()
         empty = bpy.data.objects.new("dial", None)

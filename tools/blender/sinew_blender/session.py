@@ -79,6 +79,10 @@ class State:
                 self.session.set(link.plug, links.value_of(link, depsgraph))
         self.loaded = wanted
 
+    @property
+    def plug(self):
+        return self.loaded[-1] if self.loaded else ""
+
     def _replace_meshes(self, scene):
         """Nodes that Blender's meshes stand in for become hostMesh nodes."""
         names = [k.plug for k in links.enabled(scene) if k.kind == "MESH"]
@@ -93,8 +97,13 @@ class State:
     def solver(self):
         """The inputs of the solver that is shown, as they stand in the file; {} where there is none."""
         nodes = self.graph["nodes"]
-        all_of = [n.get("inputs", {}) for n in nodes.values() if n.get("type") == "zSolver"]
-        return all_of[-1] if all_of else {}
+        solvers = [name for name, node in nodes.items() if node.get("type") == "zSolver"]
+        if self.plug:
+            above = [name for name in upstream(nodes, self.plug.rpartition(".")[0]) if name in solvers]
+        else:
+            read = {other for name in solvers for other in upstream(nodes, name)[1:]}
+            above = [name for name in solvers if name not in read]
+        return nodes[above[0]].get("inputs", {}) if above else {}
 
     @property
     def units_per_metre(self):
@@ -127,7 +136,10 @@ class State:
         self.shown = None
 
     def send(self, scene, frame, depsgraph):
-        """Reads all links as they are in `depsgraph` and sends what differs from what was sent for this frame."""
+        """Reads all links as they are in `depsgraph` and sends what differs from what was sent for this frame. Before
+        the simulation begins nothing moves."""
+        if frame < self.first:
+            return
         to_sinew = space.inverse(self.space(scene))
         values, meshes = {}, {}
         for link in links.enabled(scene):
@@ -241,6 +253,21 @@ class Job:
                 self.thread.join(0.05)
         finally:
             self.state.stopping = False
+
+
+def upstream(nodes, name):
+    """A node and all that it reads, nearest first. nodes: those of a graph file."""
+    found, begin = [name], 0
+    while begin < len(found):
+        inputs = nodes.get(found[begin], {}).get("inputs", {})
+        begin += 1
+        for value in inputs.values():
+            for one in value if isinstance(value, list) else [value]:
+                if isinstance(one, dict) and "from" in one:
+                    other = one["from"].rpartition(".")[0]
+                    if other not in found:
+                        found.append(other)
+    return found
 
 
 def _stamp(path):
