@@ -30,8 +30,8 @@ def owners(scene):
     return out
 
 
-def check(scene, graph):
-    """Raises Problem for links that lead nowhere. graph: what the file holds."""
+def check(scene, types):
+    """Raises Problem for links that lead nowhere. types: of the graph's nodes, by name."""
     seen = set()
     for link in enabled(scene):
         if link.object is None:
@@ -40,7 +40,7 @@ def check(scene, graph):
             raise Problem(f'Two links send to "{link.plug}"', "Switch one of them off.")
         seen.add(link.plug)
         node = link.plug if link.kind == "MESH" else link.plug.rpartition(".")[0]
-        if node not in graph["nodes"]:
+        if node not in types:
             hint = "Write node.attribute, or for a mesh the name of the node."
             raise Problem(f'{link.object.name} sends to "{link.plug}", but the graph has no node "{node}"', hint)
         if link.kind == "MESH" and link.object.type != "MESH":

@@ -69,7 +69,8 @@ class State:
         self._forget()
         self.session.load(self.path)
         self.graph = json.loads(self.session.text)
-        links.check(scene, self.graph)
+        self.graph.setdefault("nodes", {})
+        links.check(scene, self.session.nodes)
         self._replace_meshes(scene)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         for link in links.enabled(scene):
@@ -86,7 +87,11 @@ class State:
     def _replace_meshes(self, scene):
         """Nodes that Blender's meshes stand in for become hostMesh nodes."""
         names = [k.plug for k in links.enabled(scene) if k.kind == "MESH"]
-        others = [name for name in names if self.graph["nodes"][name]["type"] != "hostMesh"]
+        types = self.session.nodes
+        others = [name for name in names if types[name] != "hostMesh"]
+        for name in others:
+            if name not in self.graph["nodes"]:
+                raise Problem(f'"{name}" is not in the graph\'s own file', "Let the file that it is in have a hostMesh node there.")
         if others:
             for name in others:
                 self.graph["nodes"][name] = {"type": "hostMesh"}
@@ -97,12 +102,17 @@ class State:
     def solver(self):
         """The inputs of the solver that is shown, as they stand in the file; {} where there is none."""
         nodes = self.graph["nodes"]
-        solvers = [name for name, node in nodes.items() if node.get("type") == "zSolver"]
+        solvers = [name for name, kind in self.session.nodes.items() if kind == "zSolver"]
         if self.plug:
             above = [name for name in upstream(nodes, self.plug.rpartition(".")[0]) if name in solvers]
         else:
             read = {other for name in solvers for other in upstream(nodes, name)[1:]}
             above = [name for name in solvers if name not in read]
+        if above and above[0] not in nodes:
+            raise Problem(
+                f'The solver "{above[0]}" is not in the graph\'s own file, so its units and its start are not known here',
+                "Write the solver into the graph itself.",
+            )
         return nodes[above[0]].get("inputs", {}) if above else {}
 
     @property
