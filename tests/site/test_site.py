@@ -156,7 +156,10 @@ class Site(unittest.TestCase):
             for heading in re.findall(r"^#+ (.*)$", text, re.M):
                 self.assertIn(plain(heading), page, path)
 
-    def test_a_type_has_an_example_that_is_a_graph(self):
+    def test_every_type_has_an_example_that_is_a_graph(self):
+        for name, page in self.pages.items():
+            if re.match(r"nodes/(?!index)", name):
+                self.assertRegex(page.text, r"sinew run graphs/(learn|scenes|bench)/\w+\.json", name)
         page = self.pages["nodes/zFiber.html"]
         self.assertIn("sinew run graphs/learn/02_muscle_pulls.json", page.text)
         self.assertIn("../graphs/learn/02_muscle_pulls.html", page.links)

@@ -6,6 +6,7 @@ FOLDER: where to (default out/site); it is made anew. --kept: where simulated pi
 build/site_pictures). Needs cmark-gfm."""
 # SPDX-License-Identifier: GPL-3.0-or-later
 import argparse
+import concurrent.futures
 import glob
 import hashlib
 import json
@@ -41,18 +42,16 @@ def codes(program, folder):
 
 
 def broken(program):
-    """By code (graph's path, what `sinew check` or `run` says), for graphs that are wrong in one way."""
-    out = {}
+    """By code (graph's path, what `sinew check` says), from graphs that are wrong in one way."""
+    named = {}
     for expected in sorted(glob.glob(os.path.join(ROOT, "graphs/broken/*.expected.txt"))):
-        with open(expected, encoding="utf-8") as file:
-            named = [line.split()[0] for line in file if line.strip()]
         path = os.path.relpath(expected, ROOT).replace(".expected.txt", ".json")
-        for code in named:
-            if code not in out and os.path.exists(os.path.join(ROOT, path)):
-                said = words_of(program, "check", path, wrong=True)
-                if code in said:
-                    out[code] = (path, said)
-    return out
+        with open(expected, encoding="utf-8") as file:
+            for code in (line.split()[0] for line in file if line.strip()):
+                named.setdefault(code, path)
+    with concurrent.futures.ThreadPoolExecutor() as workers:
+        said = workers.map(lambda path: words_of(program, "check", path, wrong=True), named.values())
+    return {code: (path, words) for (code, path), words in zip(named.items(), said) if code in words}
 
 
 def picture(program, path, kept):

@@ -55,9 +55,21 @@ def outside_links(page, change):
     return "".join(out)
 
 
+_sentences = {}
+
+
+def prepare(texts):
+    """Reads many sentences at once, so that `inline` has them."""
+    texts = sorted(set(texts))
+    parts = to_html("\n\n⁂\n\n".join(texts)).split("<p>⁂</p>")
+    _sentences.update((text, re.sub(r"^<p>|</p>$", "", part.strip())) for text, part in zip(texts, parts, strict=True))
+
+
 def inline(text):
     """A sentence, with `code` in it, as it stands in declarations and cells."""
-    return re.sub(r"^<p>|</p>$", "", to_html(text).strip())
+    if text not in _sentences:
+        prepare([text])
+    return _sentences[text]
 
 
 def phrase(text):

@@ -34,6 +34,8 @@ class Site:
         self.documents = self._documents()
         self.titles = {path: self._title(path) for path in self.documents}
         self.said = self._graph_lines()
+        sentences = [t["doc"] for t in types] + [a["doc"] for t in types for a in t["inputs"] + t["outputs"]]
+        markdown.prepare(sentences + [text for code in codes for text in code] + [self._said_of(path) for path in graphs])
 
     # What there is
 
