@@ -150,6 +150,11 @@ class Exported(Case):
     def test_a_changed_pose_is_noticed(self):
         self.play()
         self.assertEqual(self.state().missing(self.scene, 6), [])
+        bpy.data.objects["rig"].hide_render = True
+        bpy.data.objects["rig"].select_set(True)
+        bpy.ops.object.camera_add()
+        bpy.context.view_layer.update()
+        self.assertEqual(self.state().missing(self.scene, 6), [])
         bpy.data.objects["rig"].location.x = 0.01
         bpy.context.view_layer.update()
         self.assertEqual(self.state().missing(self.scene, 6), [1, 2, 3, 4, 5])

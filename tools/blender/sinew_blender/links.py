@@ -18,16 +18,19 @@ def signature(scene):
 
 
 def owners(scene):
-    """The names of objects, and of their data, whose change means that what was sent is no longer true."""
-    out = set()
+    """What must not change, or what was sent is no longer true: the names of objects, and of their data, that must not
+    move, and of those of whose properties some are sent."""
+    moving, dials = set(), set()
     for link in enabled(scene):
         ob = link.object
+        if link.kind == "VALUE" and ob is not None:
+            dials.add(ob.name_full)
         while ob is not None:
-            out.add(ob.name_full)
+            moving.add(ob.name_full)
             if ob.data is not None:
-                out.add(ob.data.name_full)
+                moving.add(ob.data.name_full)
             ob = ob.parent
-    return out
+    return moving, dials
 
 
 def check(scene, types):

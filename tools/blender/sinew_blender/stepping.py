@@ -113,9 +113,11 @@ def on_update(scene, depsgraph):
     state = session.peek(scene)
     if state is None or scene.name_full in _busy or not state.read:
         return
-    watched = links.owners(scene)
+    moving, dials = links.owners(scene)
     for update in depsgraph.updates:
-        if isinstance(update.id, bpy.types.Action) or update.id.name_full in watched:
+        name = update.id.name_full
+        moved = update.is_updated_transform or update.is_updated_geometry  # not: renamed, hidden, selected
+        if isinstance(update.id, bpy.types.Action) or name in dials or (moved and name in moving):
             state.outdate()
             return
 
