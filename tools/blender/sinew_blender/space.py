@@ -1,0 +1,53 @@
+# Where Sinew's space lies in Blender's: axes, units, matrices.
+# SPDX-License-Identifier: GPL-3.0-or-later
+import numpy as np
+
+# Sinew's x, y, z in Blender's axes: y up is turned about x, so that it stands on Blender's floor.
+_turns = {
+    "Y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]),
+    "Z": np.eye(4),
+}
+
+
+def decimal(value):
+    """The shortest decimal that Blender's 32 bit number stands for: 0.01, not 0.00999999977."""
+    return float(str(np.float32(value)))
+
+
+def array(matrix):
+    """A mathutils.Matrix as 4 by 4 numbers of 64 bits."""
+    return np.array(matrix, dtype=np.float64)
+
+
+def inverse(matrix):
+    """The inverse of an affine matrix, its last row exactly 0 0 0 1."""
+    out = np.eye(4)
+    out[:3, :3] = np.linalg.inv(matrix[:3, :3])
+    out[:3, 3] = -(out[:3, :3] @ matrix[:3, 3])
+    return out
+
+
+def moved(matrix, points):
+    """Points (n, 3) moved by an affine matrix."""
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def blender_from_sinew(scene, units_per_metre):
+    """The matrix that takes Sinew's scene space to Blender's world.
+
+    units_per_metre: zSolver.scale of the graph. Blender's unit has `unit_settings.scale_length` metres."""
+    settings = scene.sinew
+    out = _turns[settings.up_axis].copy()
+    if settings.units == "GRAPH":
+        out[:3, :3] *= 1 / (units_per_metre * decimal(scene.unit_settings.scale_length))
+    return out
+
+
+def motion(now, rest, space):
+    """What moves a mesh of Sinew's space from where it was at `rest` to where it is `now`, both matrices of Blender's
+    world: exactly the identity where they are the same."""
+    if np.array_equal(now, rest):
+        return np.eye(4)
+    out = inverse(space) @ now @ inverse(rest) @ space
+    out[3] = (0, 0, 0, 1)
+    return out
