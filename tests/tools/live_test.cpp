@@ -120,7 +120,7 @@ TEST_CASE("live: a broken save is told with its place, and the last page stays",
     CHECK(live.ended(3)["state"] == "ready");
 }
 
-TEST_CASE("live: a graph that is wrong from the start can be mended; a file that is not there is refused", "[live]") {
+TEST_CASE("live: a graph that is wrong from the start can be mended, and a file that is not there is refused", "[live]") {
     const TemporaryFolder folder;
     const std::string file = (folder / "later.json").string();
     CHECK(run_program({"live", file}).code == 1);
@@ -177,6 +177,36 @@ TEST_CASE("live: changes are kept apart from the file until they are written, an
     CHECK(live.post("discard", {}) == 200);
     CHECK(live.status()["changes"].empty());
     CHECK(read_text(file) == written);
+}
+
+TEST_CASE("live: included graphs are watched, told with their overrides, and may be broken at first", "[live]") {
+    const TemporaryFolder folder;
+    const std::string part = write_graph(folder, small_graph(), "part.json"), file = (folder / "whole.json").string();
+    std::string solver;
+    for (const auto& [name, node] : small_graph()["nodes"].items())
+        if (node["type"] == "zSolver") solver = name;
+    const std::string text = read_text(part);
+    write(part, text.substr(1));
+    write(file,
+          R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 3}, "includes": {"a": {"file": "part.json",
+                "overrides": {")" +
+              solver + R"(.substeps": 2}}}, "nodes": {}})");
+    const Live live({"live", file, "--no-cache"});
+    CHECK(live.ended(1)["state"] == "wrong");
+    write(part, text);
+    const json s = live.ended(2);
+    CHECK(s["state"] == "ready");
+    CHECK(s["files"] == json({part}));
+    CHECK(s["simulated"] == 3);
+    for (const json& node : json::parse(live.http->Get(live.root + "nodes")->body))
+        if (node["name"] == "a." + solver)
+            for (const json& input : node["inputs"])
+                if (input["name"] == "substeps") CHECK(input["value"] == 2);
+    CHECK(live.post("change", {{"node", "a." + solver}, {"attribute", "substeps"}, {"value", 3}}) == 200);
+    CHECK(live.ended(3)["simulated"] == 3);
+    CHECK(live.post("save", {}) == 200);
+    CHECK(json::parse(read_text(file))["includes"]["a"]["overrides"][solver + ".substeps"] == 3);
+    CHECK(read_text(part) == text);
 }
 
 TEST_CASE("live: files are told once, also when they are replaced, and when they come back", "[live]") {

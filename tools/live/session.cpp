@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <set>
@@ -36,6 +37,24 @@ Json as_json(const std::vector<engine::Diagnostic>& diagnostics) {
     for (const engine::Diagnostic& d : diagnostics) {
         out.push_back(Json::parse(engine::to_json(d)));
         out.back()["text"] = engine::to_text(d);
+    }
+    return out;
+}
+
+/// What the graph's files give each node's inputs, by node: JSON as it stands there, or as an including file overrides
+/// it.
+std::map<std::string, Json> inputs_as_written(const engine::Graph& graph) {
+    const Json file = Json::parse(engine::write_graph(graph), nullptr, true, true);
+    std::map<std::string, Json> out;
+    for (const auto& [name, node] : file.at("nodes").items()) out[name] = node.value("inputs", Json::object());
+    for (const auto& [prefix, include] : graph.includes()) {
+        for (auto& [name, inputs] : inputs_as_written(*include->graph)) out[prefix + "." + name] = std::move(inputs);
+        const Json& written = file.at("includes").at(prefix);
+        if (!written.is_object() || !written.contains("overrides")) continue;
+        for (const auto& [input, value] : written.at("overrides").items()) {
+            const std::size_t dot = input.rfind('.');
+            out[prefix + "." + input.substr(0, dot)][input.substr(dot + 1)] = value;
+        }
     }
     return out;
 }
@@ -173,11 +192,12 @@ std::string Session::nodes() const {
     }
     Json out = Json::array();
     if (!graph) return out.dump();
-    const Json file = Json::parse(engine::write_graph(*graph), nullptr, true, true);
+    const std::map<std::string, Json> all = inputs_as_written(*graph);
     for (const std::string& name : graph->node_names()) {
         const engine::Node& node = *graph->find(name);
         Json inputs = Json::array();
-        const Json written = file.at("nodes").at(name).value("inputs", Json::object());
+        const auto found = all.find(name);
+        const Json written = found == all.end() ? Json::object() : found->second;
         for (const engine::AttributeInfo& info : node.type ? node.type->inputs : std::vector<engine::AttributeInfo>{}) {
             const std::string attribute(info.name);
             Json row = {{"name", attribute}, {"doc", info.doc}, {"keyable", info.keyable}};
@@ -300,6 +320,14 @@ void Session::look_at_files(const std::stop_token& stop) {
     }
 }
 
+void Session::watch_places(const engine::Failure& failure) {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::string> files = graph_ ? files_of(*graph_) : std::vector{options_.file};
+    for (const engine::Diagnostic& d : failure.diagnostics())
+        if (d.spot) files.push_back(d.spot->file);
+    files_.watch(files);
+}
+
 void Session::work(const std::stop_token& stop) {
     while (!stop.stop_requested()) {
         std::stop_token run_stop;
@@ -315,6 +343,7 @@ void Session::work(const std::stop_token& stop) {
             run(run_stop);
         } catch (const engine::Cancelled&) { // something newer is wanted
         } catch (const engine::Failure& failure) {
+            watch_places(failure);
             tell([&](Status& s) {
                 s.state = "wrong", s.at_work.clear();
                 s.diagnostics.assign(failure.diagnostics().begin(), failure.diagnostics().end());

@@ -11,8 +11,20 @@ namespace sinew::live {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+void add_included(const engine::Graph& graph, std::set<std::string>& files) {
+    for (const auto& [prefix, include] : graph.includes()) {
+        files.insert(include->file);
+        add_included(*include->graph, files);
+    }
+}
+
+} // namespace
+
 std::vector<std::string> files_of(const engine::Graph& graph) {
     std::set<std::string> out{graph.file()};
+    add_included(graph, out);
     for (const std::string& name : graph.node_names())
         for (const auto& [attribute, binding] : graph.find(name)->inputs)
             if (const auto* value = std::get_if<engine::Value>(&binding); value && value->is<engine::File>()) {

@@ -11,7 +11,8 @@
 
 namespace sinew::live {
 
-/// The graph file itself and every file that an input names; numbered files each, and their folder.
+/// The graph file itself, the graphs that it includes, and every file that an input names; numbered files each, and
+/// their folder.
 std::vector<std::string> files_of(const engine::Graph& graph);
 
 /// Looks by name, size, time of change and inode, so that editors that write aside and rename are seen as well.
