@@ -3,6 +3,7 @@
 import json
 import os
 import queue
+import re
 import threading
 
 import bpy
@@ -68,7 +69,7 @@ class State:
         self.messages = []
         self._forget()
         self.session.load(self.path)
-        self.graph = json.loads(self.session.text)
+        self.graph = parsed(self.session.text)
         self.graph.setdefault("nodes", {})
         links.check(scene, self.session.nodes)
         self._replace_meshes(scene)
@@ -263,6 +264,12 @@ class Job:
                 self.thread.join(0.05)
         finally:
             self.state.stopping = False
+
+
+def parsed(text):
+    """A graph file, which may have comments."""
+    plain = re.sub(r'("(?:\\.|[^"\\])*")|//[^\n]*|/\*.*?\*/', lambda m: m.group(1) or "", text, flags=re.S)
+    return json.loads(plain)
 
 
 def upstream(nodes, name):
