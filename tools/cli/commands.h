@@ -21,12 +21,13 @@ Command docs_command();
 Command cache_command();
 Command fmt_command();
 Command diff_command();
+Command new_command();
 
 /// In the order in which `sinew --help` lists them.
 inline std::vector<Command> all_commands() {
     return {run_command(),   check_command(),    eval_command(), explain_command(), nodes_command(),
             graph_command(), snapshot_command(), view_command(), live_command(),    bench_command(),
-            docs_command(),  cache_command(),    fmt_command(),  diff_command()};
+            docs_command(),  cache_command(),    fmt_command(),  diff_command(),    new_command()};
 }
 
 } // namespace sinew::cli

@@ -1,0 +1,19 @@
+// What the two ends of each muscle reach.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/rig/guess.h"
+
+namespace sinew::rig {
+
+/// Distances of each muscle's vertices to all other parts: [muscle][part].
+using AllDistances = std::vector<std::vector<std::vector<double>>>;
+
+/// Fills `ends` of every muscle. Of each end every part has a score: the area that touches it, the nearer to the tip
+/// the more, times the share that this is of all that touches it along the muscle. The two ends take the two bones with
+/// the best sum of scores, different ones if there are two; an end that no bone touches takes the muscle with the best
+/// score, else the nearest bone within five times the reach, else nothing. Ends that touch a tendon hold on to that,
+/// too. Notes: DG155 an end that reaches nothing, or over a gap. Throws std::invalid_argument for attachTo with a name
+/// that is none.
+void find_reach(Rig& rig, const AllDistances& distances);
+
+} // namespace sinew::rig

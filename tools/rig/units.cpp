@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/rig/units.h"
+
+#include "tools/rig/graph_text.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+namespace sinew::rig {
+
+using engine::Severity;
+
+namespace {
+
+struct BoneLength {
+    const char* word;
+    double metres; ///< the longest side of its box's diagonal, as bones lie in any direction
+};
+/// Of grown people, to a few centimetres.
+constexpr BoneLength bone_lengths[] = {
+    {"femur", 0.45},   {"tibia", 0.38},   {"fibula", 0.37},   {"humerus", 0.32},  {"ulna", 0.26},
+    {"radius", 0.24},  {"scapula", 0.18}, {"clavicle", 0.15}, {"hand", 0.19},     {"foot", 0.25},
+    {"skull", 0.24},   {"cranium", 0.22}, {"mandible", 0.14}, {"pelvis", 0.32},   {"sacrum", 0.13},
+    {"sternum", 0.18}, {"ribcage", 0.45}, {"spine", 0.6},     {"patella", 0.055}, {"calcaneus", 0.08},
+};
+
+constexpr std::array guessed_units = {"mm", "cm", "m"};
+
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
+    return text;
+}
+
+std::string in_metres(double metres) {
+    return metres < 0.01 ? rough(1000 * metres) + " mm"
+           : metres < 1  ? rough(100 * metres) + " cm"
+                         : rough(metres) + " m";
+}
+
+double size_of(const Part& part) { return part.box.size().norm(); }
+
+solver::Box joined(const solver::Box& a, const solver::Box& b) {
+    return {a.min.cwiseMin(b.min), a.max.cwiseMax(b.max)};
+}
+
+/// How far `inner` is outside of `outer`, by the larger of their diagonals; 0 if they touch.
+double apart(const solver::Box& inner, const solver::Box& outer) {
+    const solver::Vec3 gap = (outer.min - inner.max).cwiseMax(inner.min - outer.max).cwiseMax(0.0);
+    return gap.norm() / std::max(inner.size().norm(), outer.size().norm());
+}
+
+solver::Box scaled(const solver::Box& box, double factor) { return {box.min * factor, box.max * factor}; }
+
+/// The mean over all bones whose names tell something of log(their size / what it should be in metres), and the name
+/// of the longest of them; nothing if there is none.
+struct Known {
+    double log_ratio = 0;
+    std::string part;
+    double size = 0;
+};
+std::optional<Known> by_names(const std::vector<Part>& parts) {
+    Known out;
+    int count = 0;
+    for (const Part& part : parts) {
+        if (part.kind != Kind::bone) continue;
+        const std::string stem = lower(part.stem);
+        const auto* const known = std::find_if(std::begin(bone_lengths), std::end(bone_lengths),
+                                               [&](const BoneLength& b) { return stem.find(b.word) != stem.npos; });
+        if (known == std::end(bone_lengths)) continue;
+        out.log_ratio += std::log(size_of(part) / known->metres);
+        ++count;
+        if (size_of(part) > out.size) out.size = size_of(part), out.part = part.name;
+    }
+    if (count == 0) return {};
+    out.log_ratio /= count;
+    return out;
+}
+
+/// By the larger one's size: so far apart may boxes of one body be.
+constexpr double is_near = 0.25;
+
+/// By how much a mesh that lies apart would have to be scaled to lie among the others; 1: by nothing.
+double missing_factor(const Part& part, const solver::Box& others) {
+    const double ratio = size_of(part) / others.size().norm();
+    const bool is_there = apart(part.box, others) < is_near;
+    if (is_there && ratio < 4 && ratio > 2e-3) return 1;
+    for (const double factor : {0.1, 0.01, 0.001, 10.0, 100.0, 1000.0}) {
+        const solver::Box other = scaled(part.box, factor);
+        if (apart(other, others) < 0.05 && factor * ratio < 3 && factor * ratio > 0.02) return factor;
+    }
+    return 1;
+}
+
+} // namespace
+
+std::optional<Unit> unit_of(const std::string& word) {
+    const std::string name = lower(word);
+    constexpr std::pair<const char*, double> units[] = {{"mm", 1000}, {"cm", 100},        {"dm", 10},
+                                                        {"m", 1},     {"in", 1 / 0.0254}, {"ft", 1 / 0.3048}};
+    for (const auto& [known, per_metre] : units)
+        if (name == known) return Unit{known, per_metre, "as --unit says"};
+    return {};
+}
+
+Unit guess_unit(const std::vector<Part>& parts) {
+    const auto known = by_names(parts);
+    double log_ratio = 0, most = std::log(2.5);
+    std::string which;
+    if (known) {
+        log_ratio = known->log_ratio;
+        which = known->part;
+    } else {
+        const Part& longest = *std::max_element(parts.begin(), parts.end(),
+                                                [](const Part& a, const Part& b) { return size_of(a) < size_of(b); });
+        log_ratio = std::log(size_of(longest) / 0.5);
+        most = std::log(4.0);
+        which = longest.name;
+    }
+    const Part& part = *std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == which; });
+    Unit best;
+    double least = 1e300;
+    for (const char* name : guessed_units) {
+        Unit unit = unit_of(name).value();
+        const double off = std::abs(log_ratio - std::log(unit.per_metre));
+        if (off < least) least = off, best = unit;
+    }
+    if (!(least <= most))
+        throw engine::Failure(say(Severity::error, "DG151", part.name,
+                                  "the unit cannot be told: " + part.name + " is " + rough(size_of(part)) +
+                                      " units long, which is neither in mm nor in cm nor in m the size of " +
+                                      (known ? "such a bone" : "a part of a body"),
+                                  "Say it: --unit mm, cm, m or in."));
+    best.how_known = "guessed: " + part.name + " is " + rough(size_of(part)) + " units long, in " + best.name + " " +
+                     in_metres(size_of(part) / best.per_metre) +
+                     (known ? "" : "; no bone has a name that tells its size, so this is a weak guess");
+    return best;
+}
+
+void check_same_space(const std::vector<Part>& parts) {
+    std::vector<engine::Diagnostic> wrong;
+    for (const Part& part : parts) {
+        std::optional<solver::Box> others;
+        for (const Part& other : parts)
+            if (&other != &part) others = others ? joined(*others, other.box) : other.box;
+        if (!others) return;
+        // One stray mesh must not make the others look like strays: it is judged by those of the other kind, too.
+        std::optional<solver::Box> kind;
+        for (const Part& other : parts)
+            if (&other != &part && other.kind != part.kind) kind = kind ? joined(*kind, other.box) : other.box;
+        const double factor = missing_factor(part, kind.value_or(*others));
+        if (factor == 1 || missing_factor(part, *others) == 1) continue;
+        wrong.push_back(say(Severity::error, "DG152", part.name,
+                            "'" + part.file + "' lies away from the other meshes, among which it would be " +
+                                (factor > 1 ? rough(factor) + " times larger" : rough(1 / factor) + " times smaller") +
+                                ": it seems to be in another unit",
+                            "Save all meshes in one unit and one space."));
+    }
+    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
+
+    std::optional<solver::Box> bones, muscles;
+    for (const Part& part : parts) {
+        std::optional<solver::Box>& all = part.kind == Kind::bone ? bones : muscles;
+        all = all ? joined(*all, part.box) : part.box;
+    }
+    if (!bones || !muscles || apart(*muscles, *bones) < is_near) return;
+    for (int axis = 0; axis < 3; ++axis) {
+        solver::Box mirrored = *muscles;
+        mirrored.min[axis] = -muscles->max[axis];
+        mirrored.max[axis] = -muscles->min[axis];
+        if (apart(mirrored, *bones) > 0) continue;
+        throw engine::Failure(say(Severity::error, "DG157", "",
+                                  std::string("the muscles are not where the bones are, but would be if they were "
+                                              "mirrored along ") +
+                                      "xyz"[axis] + ": one folder seems to be of the other side of the body",
+                                  "Take bones and muscles of the same side."));
+    }
+    throw engine::Failure(say(Severity::error, "DG157", "",
+                              "the muscles are not where the bones are: their boxes are " +
+                                  rough(apart(*muscles, *bones)) + " times their size apart",
+                              "Save all meshes in one unit and one space."));
+}
+
+Up guess_up(const std::vector<Part>& parts) {
+    solver::Box all = parts.front().box;
+    for (const Part& part : parts) all = joined(all, part.box);
+    const double size = all.size().maxCoeff();
+    const auto is_above = [&](int axis) { return all.min[axis] > 0.2 * size; };
+    if (is_above(2) && !is_above(1)) return {'z', "guessed: all meshes lie above 0 along z, but not along y"};
+    return {'y', is_above(1) && !is_above(2) ? "guessed: all meshes lie above 0 along y, but not along z"
+                                             : "assumed: the meshes do not tell"};
+}
+
+} // namespace sinew::rig

@@ -1,0 +1,39 @@
+// In which unit meshes are, and which way is up: told from bounding boxes, by what bodies measure.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "tools/rig/parts.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::rig {
+
+struct Unit {
+    std::string name;      ///< "mm", "cm", "m", "in"
+    double per_metre = 1;  ///< zSolver.scale
+    std::string how_known; ///< a sentence for the graph's comment
+};
+
+/// Of "mm", "cm", "dm", "m", "in" or "ft", in letters of any case; nothing for another word.
+std::optional<Unit> unit_of(const std::string& word);
+
+/// mm, cm or m: in which the bones are nearest to the lengths of the human bones that their names tell (each within a
+/// factor of 2.5 in the mean), or, if no name is known, the longest mesh to half a metre (within a factor of 4).
+/// Throws engine::Failure DG151 where that cannot be told. Lengths of bones: rounded from what anatomy books give for
+/// grown people; how near they are matters little, as the units are ten apart.
+Unit guess_unit(const std::vector<Part>& parts);
+
+/// Throws engine::Failure DG152 with every mesh that lies away from the others but would be among them ten, a hundred
+/// or a thousand times larger or smaller; or, of all muscles, DG157 if they are apart from the bones but would be
+/// among them mirrored.
+void check_same_space(const std::vector<Part>& parts);
+
+struct Up {
+    char axis = 'y'; ///< 'y' or 'z'
+    std::string how_known;
+};
+/// z if everything lies above 0 along z but not along y, by what is usual; else y.
+Up guess_up(const std::vector<Part>& parts);
+
+} // namespace sinew::rig
