@@ -2,6 +2,7 @@
 #include "solver/newton/minimise.h"
 
 #include "solver/error.h"
+#include "solver/newton/fading_mean.h"
 #include "solver/parallel.h"
 #include "solver/stopwatch.h"
 
@@ -183,6 +184,8 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     };
     bool stuck = false;
     Truncated how;
+    FadingMean mean; // of sheets
+    const bool sheets = w.linear.takes_sheets(options.method);
     for (int iteration = 0; !converged; ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
@@ -192,11 +195,12 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
                 "tets under LogNeoHookean, which it does not know");
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
-        if (look_anew(stuck) && converged) break;
-        value += potential.begin_iteration(x);
+        if (look_anew(stuck)) mean.forget();
+        if (converged) break;
+        const double change = potential.begin_iteration(x);
+        value += change, mean.raise(change);
         double slope = 0;
-        if (w.linear.takes_sheets(options.method))
-            slope = find_truncated(potential, w, options, r, x, how, definite, record);
+        if (sheets) slope = find_truncated(potential, w, options, r, x, how, definite, record);
         if (!(slope < 0)) slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         ++record.newton_iterations;
 
@@ -204,7 +208,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         // the energies, the comparison says nothing and the full step is taken.
         const Stopwatch timer(record.seconds_assembly);
         const double rounding = potential.energy_rounding();
-        const double before = value;
+        const double before = sheets ? mean.take(value) : value; // without sheets it never rises
         double t = potential.longest_move(x, w.direction);
         bool accepted = false;
         const bool below_rounding = definite && r <= RoundingFloor::strict && -0.5 * slope <= rounding;
@@ -222,6 +226,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (!accepted) { // no lower point along a descent direction: this is as far as the arithmetic goes
             potential.evaluate(x, &w.gradient, &w.forces);
             if (!look_anew(true)) return End::out_of_iterations;
+            mean.forget();
             continue;
         }
         stuck = t < stalled_step;

@@ -34,7 +34,7 @@ Pack squares_of(const PackVector* g, std::size_t count) {
 
 const TermType cloth_type{
     .name = "cloth",
-    .numerics = 2,
+    .numerics = 3,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         for (const Deformable& d : scene.numbering().deformables)
@@ -75,6 +75,7 @@ Cloth::Cloth(const Scene& scene)
     fold_batches_.resize(folds_->batch_count());
     squares_of_triangles_.assign(lanes * membranes_.size(), 0.0);
     squares_of_folds_.assign(lanes * fold_batches_.size(), 0.0);
+    angle_starts_.assign(3 * lanes * fold_batches_.size(), 0.0);
     shown_.assign(3 * lanes * membranes_.size(), 0.0);
     vertex_mass_.assign(numbering.vertex_count(), 0.0);
     inputs_.resize(sheets_.size());
@@ -100,8 +101,8 @@ void Cloth::set_rest() {
     }
     folds_->move(rest);
     folds_->evaluate(false, [&](std::size_t b, const StencilVectors<6>& x, StencilVectors<6>& g) {
-        const Fold angles(fold_batches_[b], x, 0, nullptr);
-        for (std::size_t i = 0; i < 3; ++i) angles.angle(i).store(fold_batches_[b].rest_angle[i]);
+        for (std::size_t i = 0; i < 3; ++i)
+            Fold::hinge(x, fold_batches_[b], i).angle().store(fold_batches_[b].rest_angle[i]);
         for (PackVector& v : g) v = {Pack(0.0), Pack(0.0), Pack(0.0)};
         return Pack(0.0);
     });
@@ -257,10 +258,27 @@ Membrane Cloth::membrane(std::size_t batch, const StencilVectors<3>& x, double d
 }
 
 Fold Cloth::fold(std::size_t batch, const StencilVectors<6>& x, double damping) const {
-    return Fold(fold_batches_[batch], x, damping, damping > 0 ? angle_references_.data() + 3 * batch * lanes : nullptr);
+    const double* start = angle_starts_.data() + 3 * batch * lanes;
+    return Fold(fold_batches_[batch], x, start, damping,
+                damping > 0 ? angle_references_.data() + 3 * batch * lanes : nullptr);
+}
+
+/// From where folds go on within a stage: at its start, by the way round that is nearer to how they are at rest.
+void Cloth::start_angles(const Positions& x) {
+    folds_->move(x);
+    folds_->evaluate(false, [&](std::size_t b, const StencilVectors<6>& at, StencilVectors<6>& g) {
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Pack angle = Fold::hinge(at, fold_batches_[b], i).angle();
+            turned_to(angle, Pack::load(fold_batches_[b].rest_angle[i]))
+                .store(angle_starts_.data() + (3 * b + i) * lanes);
+        }
+        for (PackVector& v : g) v = no_vector;
+        return Pack(0.0);
+    });
 }
 
 void Cloth::begin_stage(const Stage& stage) {
+    start_angles(stage.before.x);
     damping_ = stage.inputs.stiffness_damping * stage.form.velocity_factor;
     if (!(damping_ > 0)) return;
     const StrainReference& strain = stage.form.strain;
@@ -407,8 +425,8 @@ void Cloth::measure(const Positions& x, std::span<const double>, std::vector<Mea
     }
     folds_->move(x);
     folds_->evaluate(false, [&](std::size_t b, const StencilVectors<6>& at, StencilVectors<6>& g) {
-        const Fold f = fold(b, at, 0);
-        for (std::size_t i = 0; i < 3; ++i) f.angle(i).store(shown_.data() + (3 * b + i) * lanes);
+        for (std::size_t i = 0; i < 3; ++i)
+            Fold::hinge(at, fold_batches_[b], i).angle().store(shown_.data() + (3 * b + i) * lanes);
         for (PackVector& v : g) v = {Pack(0.0), Pack(0.0), Pack(0.0)};
         return Pack(0.0);
     });

@@ -48,6 +48,7 @@ class Cloth final : public Term {
     void set_materials(const Sheet& sheet, const ClothInputs& inputs);
     void set_scales();
     Membrane membrane(std::size_t batch, const StencilVectors<3>& x, double damping) const;
+    void start_angles(const Positions& x);
     Fold fold(std::size_t batch, const StencilVectors<6>& x, double damping) const;
 
     const Scene& scene_;
@@ -64,6 +65,7 @@ class Cloth final : public Term {
         References c;
     };
     std::vector<TriangleReferences> references_;  ///< per batch; empty without damping
+    std::vector<double> angle_starts_;            ///< per batch, angle and lane, see Fold
     std::vector<double> angle_references_;        ///< 3 packs a batch
     std::vector<StencilVectors<3>> triangles_at_; ///< of begin_stage
     std::vector<StencilVectors<6>> folds_at_;

@@ -18,20 +18,32 @@ struct FoldBatch {
     bool is_there[3][lanes] = {};     ///< whether there is a neighbour across from corner 0, 1, 2
 };
 
+/// An angle with whole turns added that bring it nearest to another.
+inline Pack turned_to(Pack angle, Pack other) {
+    const Pack apart = angle - other;
+    for (int i = 0; i < lanes; ++i)
+        if (std::abs(apart.v[i]) > M_PI) angle.v[i] -= 2 * M_PI * std::round(apart.v[i] / (2 * M_PI));
+    return angle;
+}
+
 /// Corners: the triangle's, then what lies across from each in its neighbours; where there is none, the corner itself,
 /// with weights of zero.
 class Fold {
   public:
     static constexpr std::size_t corners[3][4] = {{1, 2, 0, 3}, {2, 0, 1, 4}, {0, 1, 2, 5}};
 
-    /// `damping`: share of stiffness times the scheme's velocity factor; `reference`: per angle, of its rate.
-    Fold(const FoldBatch& batch, const StencilVectors<6>& x, double damping, const double* reference)
-        : hinges_{of(x, batch, 0), of(x, batch, 1), of(x, batch, 2)} {
+    /// `start`: per angle, where it was: what folds on beyond pi from there goes on to do so, else its energy would
+    /// jump there, and a sheet that gravity folds onto itself would stop short of it. `damping`: share of stiffness
+    /// times the scheme's velocity factor; `reference`: per angle, of its rate.
+    Fold(const FoldBatch& batch, const StencilVectors<6>& x, const double* start, double damping,
+         const double* reference)
+        : hinges_{hinge(x, batch, 0), hinge(x, batch, 1), hinge(x, batch, 2)} {
         const Pack d = Pack::load(batch.stiffness);
         Pack off[3], rate[3];
         for (std::size_t i = 0; i < 3; ++i) {
-            off[i] = hinges_[i].angle() - Pack::load(batch.rest_angle[i]);
-            rate[i] = damping > 0 ? hinges_[i].angle() - Pack::load(reference + i * lanes) : Pack(0.0);
+            angle_[i] = turned_to(hinges_[i].angle(), Pack::load(start + i * lanes));
+            off[i] = angle_[i] - Pack::load(batch.rest_angle[i]);
+            rate[i] = damping > 0 ? angle_[i] - Pack::load(reference + i * lanes) : Pack(0.0);
         }
         energy_ = Pack(0.0);
         const Pack both = Pack(1 + damping) * d, braking = Pack(damping) * d;
@@ -46,8 +58,15 @@ class Fold {
         }
     }
 
+    /// Of the edge across from a corner.
+    static Hinge hinge(const StencilVectors<6>& x, const FoldBatch& batch, std::size_t i) {
+        return Hinge({x[corners[i][0]], x[corners[i][1]], x[corners[i][2]], x[corners[i][3]]},
+                     Pack::load(batch.least[i]));
+    }
+
     Pack energy() const { return energy_; }
-    Pack angle(std::size_t i) const { return hinges_[i].angle(); }
+    /// With whole turns since the start.
+    Pack angle(std::size_t i) const { return angle_[i]; }
 
     void gradient(StencilVectors<6>& g) const {
         for (PackVector& v : g) v = {Pack(0.0), Pack(0.0), Pack(0.0)};
@@ -107,12 +126,8 @@ class Fold {
 
   private:
     static constexpr std::size_t block(std::size_t a, std::size_t b) { return a * (11 - a) / 2 + b; }
-    static Hinge of(const StencilVectors<6>& x, const FoldBatch& batch, std::size_t i) {
-        return Hinge({x[corners[i][0]], x[corners[i][1]], x[corners[i][2]], x[corners[i][3]]},
-                     Pack::load(batch.least[i]));
-    }
     Hinge hinges_[3];
-    Pack energy_, moment_[3], stiffness_[3][3];
+    Pack angle_[3], energy_, moment_[3], stiffness_[3][3];
 };
 
 } // namespace sinew::solver

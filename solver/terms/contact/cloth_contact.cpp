@@ -23,6 +23,19 @@ constexpr double edge_share = 0.5;
 /// Barycentric coordinates below this are rounding's.
 constexpr double none = 1e-10;
 
+/// Whether two sides that are so far apart may have met on the straight ways of their corners: whether any corner of
+/// the first `split` has gone that far as one of the others sees it. Far cheaper to tell than whether they have.
+bool may_have_met(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& to, std::size_t split, double distance) {
+    constexpr double rounding = 1e-6; // what crossed.cpp lets pass at borders, too
+    const double least = (1 - rounding) * distance;
+    std::array<Vec3, 4> way;
+    for (std::size_t c = 0; c < 4; ++c) way[c] = to[c] - from[c];
+    for (std::size_t c = 0; c < split; ++c)
+        for (std::size_t d = split; d < 4; ++d)
+            if (!((way[c] - way[d]).squaredNorm() < least * least)) return true;
+    return false;
+}
+
 /// Whether the foot of a point on a triangle's plane is on the triangle, its border taken in.
 bool is_above(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 u = b - a, v = c - a, w = p - a, n = u.cross(v);
@@ -79,11 +92,16 @@ void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Po
         const std::array<Vec3, 4> at_x = corners_of(c, x);
         const Vec3 n = (at_x[2] - at_x[1]).cross(at_x[3] - at_x[1]);
         const double height = n.dot(at_x[0] - at_x[1]);
-        const bool through = c.side * height < 0 && &x != &start_ && crosses_face(corners_of(c, start_), at_x);
-        if (!through && height * height >= pair.range * pair.range * n.squaredNorm()) continue;
+        const bool turned = c.side * height < 0 && &x != &start_;
+        if (!turned && height * height >= pair.range * pair.range * n.squaredNorm()) continue;
         const TrianglePoint there = closest_on_triangle(at_x[0], {at_x[1], at_x[2], at_x[3]}, faces_[at(c.face)]);
         const Vec3 away = at_x[0] - there.point;
         const double distance = away.norm();
+        bool through = false;
+        if (turned) {
+            const std::array<Vec3, 4> from = corners_of(c, start_);
+            through = may_have_met(from, at_x, 1, distance) && crosses_face(from, at_x);
+        }
         if (!through && distance >= pair.range) continue;
         s.near.push_back({c.face, c.pair, c.side, through, there.barycentric, away, distance});
         any_through = any_through || through;
@@ -187,12 +205,17 @@ void ClothContact::press_of_edges(const EdgePair& c, const Points& x, std::vecto
     const std::array<Vec3, 4> at_x = corners_of(c, x);
     const Vec3 one = at_x[1] - at_x[0], other = at_x[3] - at_x[2], n = one.cross(other);
     const double height = n.dot(at_x[2] - at_x[0]), range = edge_share * pairs_[at(c.pair)].range;
-    const bool through = c.side * height < 0 && &x != &start_ && crosses_edge(corners_of(c, start_), at_x);
+    const bool turned = c.side * height < 0 && &x != &start_;
     constexpr double parallel = 1e-12; // squared sine: no plane between them says how far apart they are
     const bool askew = n.squaredNorm() > parallel * one.squaredNorm() * other.squaredNorm();
-    if (!through && askew && height * height >= range * range * n.squaredNorm()) return;
+    if (!turned && askew && height * height >= range * range * n.squaredNorm()) return;
     const SegmentPair there = closest_of_segments(at_x[0], at_x[1], at_x[2], at_x[3]);
     const double distance = there.away.norm();
+    bool through = false;
+    if (turned) {
+        const std::array<Vec3, 4> from = corners_of(c, start_);
+        through = may_have_met(from, at_x, 2, distance) && crosses_edge(from, at_x);
+    }
     if (!through && distance >= range) return;
     Press p;
     const auto &e = edges_[at(c.one)], &f = edges_[at(c.other)];
