@@ -120,7 +120,8 @@ TEST_CASE("live: a broken save is told with its place, and the last page stays",
     CHECK(live.ended(3)["state"] == "ready");
 }
 
-TEST_CASE("live: a graph that is wrong from the start can be mended, and a file that is not there is refused", "[live]") {
+TEST_CASE("live: a graph that is wrong from the start can be mended, and a file that is not there is refused",
+          "[live]") {
     const TemporaryFolder folder;
     const std::string file = (folder / "later.json").string();
     CHECK(run_program({"live", file}).code == 1);
@@ -181,9 +182,10 @@ TEST_CASE("live: changes are kept apart from the file until they are written, an
 
 TEST_CASE("live: included graphs are watched, told with their overrides, and may be broken at first", "[live]") {
     const TemporaryFolder folder;
-    const std::string part = write_graph(folder, small_graph(), "part.json"), file = (folder / "whole.json").string();
+    const json graph = small_graph();
+    const std::string part = write_graph(folder, graph, "part.json"), file = (folder / "whole.json").string();
     std::string solver;
-    for (const auto& [name, node] : small_graph()["nodes"].items())
+    for (const auto& [name, node] : graph["nodes"].items())
         if (node["type"] == "zSolver") solver = name;
     const std::string text = read_text(part);
     write(part, text.substr(1));

@@ -320,11 +320,10 @@ void Session::look_at_files(const std::stop_token& stop) {
     }
 }
 
-void Session::watch_places(const engine::Failure& failure) {
+void Session::watch_what_is_wrong() {
     const std::lock_guard lock(mutex_);
-    std::vector<std::string> files = graph_ ? files_of(*graph_) : std::vector{options_.file};
-    for (const engine::Diagnostic& d : failure.diagnostics())
-        if (d.spot) files.push_back(d.spot->file);
+    std::vector<std::string> files = graph_ ? files_of(*graph_) : std::vector<std::string>{};
+    for (std::string& file : graphs_named_in(options_.file)) files.push_back(std::move(file));
     files_.watch(files);
 }
 
@@ -343,7 +342,7 @@ void Session::work(const std::stop_token& stop) {
             run(run_stop);
         } catch (const engine::Cancelled&) { // something newer is wanted
         } catch (const engine::Failure& failure) {
-            watch_places(failure);
+            watch_what_is_wrong();
             tell([&](Status& s) {
                 s.state = "wrong", s.at_work.clear();
                 s.diagnostics.assign(failure.diagnostics().begin(), failure.diagnostics().end());

@@ -60,8 +60,8 @@ class Session {
     void run(const std::stop_token& stop);
     void look_at_files(const std::stop_token& stop);
     void start_anew();
-    /// Files in which something is wrong may be mended, also those that no graph that could be read includes.
-    void watch_places(const engine::Failure& failure);
+    /// Any file may be what is mended next, also one that no graph that could be read includes.
+    void watch_what_is_wrong();
     std::shared_ptr<const engine::Graph> changed(std::shared_ptr<const engine::Graph> graph) const;
     template <class Action>
     void tell(const Action& action);

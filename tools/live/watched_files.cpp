@@ -4,6 +4,8 @@
 #include "engine/file_sequence.h"
 
 #include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <sys/stat.h>
 
@@ -12,6 +14,9 @@ namespace sinew::live {
 namespace fs = std::filesystem;
 
 namespace {
+
+/// Graphs that include each other without an end are wrong, and not all of them need to be watched.
+constexpr std::size_t most_files = 1000;
 
 void add_included(const engine::Graph& graph, std::set<std::string>& files) {
     for (const auto& [prefix, include] : graph.includes()) {
@@ -36,6 +41,23 @@ std::vector<std::string> files_of(const engine::Graph& graph) {
                 } else
                     out.insert(path);
             }
+    return {out.begin(), out.end()};
+}
+
+std::vector<std::string> graphs_named_in(const std::string& file) {
+    std::set<std::string> out;
+    std::vector<std::string> open{file};
+    while (!open.empty()) {
+        const std::string at = open.back();
+        open.pop_back();
+        if (!out.insert(at).second || out.size() > most_files) continue;
+        std::ifstream in(at);
+        const auto json = nlohmann::json::parse(in, nullptr, false, true);
+        if (!json.is_object() || !json.contains("includes") || !json["includes"].is_object()) continue;
+        for (const auto& include : json["includes"])
+            if (include.is_object() && include.contains("file") && include["file"].is_string())
+                open.push_back((fs::path(at).parent_path() / include["file"].get<std::string>()).lexically_normal());
+    }
     return {out.begin(), out.end()};
 }
 
