@@ -227,7 +227,7 @@ Command new_command() {
           "rig: of the muscles whose names match: tetSize, reach, attachTo, overlaps, preset, law, youngsModulus, "
           "tendonModulus, massDensity, strength, excitation (docs/concepts/new-rig.md)",
           true}},
-        "sinew new rig arm/bones arm/muscles -o arm.json && sinew run arm.json --open\n"
+        "sinew new rig arm/bones arm/muscles -o arm.json\n"
         "sinew new rig arm/bones arm/muscles -o arm.json --set 'triceps*:tetSize=1.2' --set "
         "'biceps:attachTo=scapula,radius'",
         make_new};
