@@ -188,7 +188,7 @@ class Exported(Case):
         self.settings.live = False
         self.scene.frame_set(300)
         with self.assertRaisesRegex(module.Problem, "on the way to frame 300"):
-            stepping.step(self.scene, bpy.context.evaluated_depsgraph_get(), patience=0.1)
+            stepping.step(self.scene, bpy.context.evaluated_depsgraph_get(), patience=1e-6)
         reached = self.simulated()
         self.assertLess(reached, 300)
         np.testing.assert_array_equal(self.points("belly"), before)

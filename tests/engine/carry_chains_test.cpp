@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <unistd.h>
 
 using namespace toys;
 
@@ -59,7 +60,7 @@ TEST_CASE("frames before the first difference are carried over, no others", "[ca
 }
 
 TEST_CASE("a file that changes between two edits is seen", "[carry]") {
-    const auto path = std::filesystem::temp_directory_path() / "sinew_carry_chains";
+    const auto path = std::filesystem::temp_directory_path() / ("sinew_carry_chains_" + std::to_string(::getpid()));
     const auto write = [&](const std::string& text) { std::ofstream(path) << text; };
     write("abc");
     auto counts = std::make_shared<Counts>();

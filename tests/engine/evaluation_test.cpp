@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <thread>
+#include <unistd.h>
 
 using namespace toys;
 
@@ -24,7 +25,7 @@ std::string chain_of_relays(int length) {
 struct TemporaryFile {
     std::filesystem::path path;
     explicit TemporaryFile(const std::string& name)
-        : path(std::filesystem::temp_directory_path() / ("sinew_engine_" + name)) {}
+        : path(std::filesystem::temp_directory_path() / ("sinew_engine_" + std::to_string(::getpid()) + "_" + name)) {}
     ~TemporaryFile() { std::filesystem::remove(path); }
     void write(const std::string& text) const { std::ofstream(path, std::ios::binary) << text; }
 };

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 using namespace toys;
 
@@ -264,7 +265,7 @@ TEST_CASE("required inputs, start frames and sub-steps") {
 }
 
 TEST_CASE("files must exist, paths start at the graph's folder") {
-    const auto folder = std::filesystem::temp_directory_path() / "sinew_engine_paths";
+    const auto folder = std::filesystem::temp_directory_path() / ("sinew_engine_paths_" + std::to_string(::getpid()));
     std::filesystem::create_directories(folder / "meshes");
     std::ofstream(folder / "meshes" / "a.obj") << "hello";
     const auto load = [&](const std::string& path) {

@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
+#include <unistd.h>
 
 using namespace toys;
 
@@ -93,7 +94,8 @@ TEST_CASE("a wrong form is answered with the right one") {
 }
 
 TEST_CASE("a file that is no graph is told so and not what JSON lacks in it") {
-    const auto file = std::filesystem::temp_directory_path() / "sinew_no_graph.obj";
+    const auto file =
+        std::filesystem::temp_directory_path() / ("sinew_no_graph_" + std::to_string(::getpid()) + ".obj");
     std::ofstream(file) << "v 0 0 0\n";
     try {
         load_graph(types(), file.string());

@@ -11,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <unistd.h>
 
 using namespace sinew::solver;
 
@@ -374,7 +375,8 @@ TEST_CASE("missing, unreadable and unknown files have codes of their own", "[mes
         }
         return std::string("none");
     };
-    const auto folder = std::filesystem::temp_directory_path() / "sinew_mesh_files_test.obj";
+    const auto folder =
+        std::filesystem::temp_directory_path() / ("sinew_mesh_files_test_" + std::to_string(::getpid()) + ".obj");
     std::filesystem::create_directories(folder);
     REQUIRE(code("/nowhere/at/all.obj") == "IO401");
     REQUIRE(code(folder.string()) == "IO402");
