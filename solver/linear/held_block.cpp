@@ -36,6 +36,12 @@ BlockPattern part_of(const BlockPattern& pattern, const std::vector<int>& rows, 
 
 } // namespace
 
+LinearCosts held_costs(const BlockPattern& pattern, const HeldRows& held) {
+    if (held.rows.empty()) return {};
+    std::vector<int> source;
+    return linear_costs(part_of(pattern, held_rows_of(held), source));
+}
+
 void HeldBlock::Strip::end_row(int row) {
     rows.push_back(row);
     start.push_back(static_cast<int>(entries.size()));
@@ -46,8 +52,7 @@ HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const H
     , rows_(held_rows_of(held))
     , pattern_(part_of(pattern, rows_, source_))
     , matrix_(pattern_)
-    , factors_(pattern_, Factoring::single)
-    , costs_(linear_costs(pattern_)) {
+    , factors_(pattern_, Factoring::single) {
     for (int i = 0; i < fine.rows; ++i) {
         const bool is_held = held.rows[at(i)] != Held::no;
         Strip& strip = is_held ? within_ : beside_;

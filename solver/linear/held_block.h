@@ -11,16 +11,17 @@
 
 namespace sinew::solver {
 
+/// Of a HeldBlock: known before there is one, so that no choice hangs on whether there is. Zeros if nothing is held.
+LinearCosts held_costs(const BlockPattern& pattern, const HeldRows& held);
+
 class HeldBlock {
   public:
-    /// `fine`: the whole matrix. Both outlive this.
+    /// `held`: some rows are. `fine`: the whole matrix. It and the pattern outlive this.
     HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const HeldRows& held);
     /// Takes the values that `fine` has now, of which `a` is the original. False: not positive definite.
     bool set_values(const BlockMatrix& a);
     /// z = block, cycle, block on r; 3 numbers a row. The cycle leaves pinned rows at 0.
     void apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z);
-    /// Of what is done besides the cycle.
-    const LinearCosts& costs() const { return costs_; }
 
   private:
     /// Some entries of some rows of the whole matrix.
@@ -36,7 +37,6 @@ class HeldBlock {
     BlockPattern pattern_;
     BlockMatrix matrix_;
     ComponentFactors factors_;
-    LinearCosts costs_;
     Strip beside_; ///< free rows: their entries in held columns
     Strip within_; ///< all held rows: their entries in columns that grids carry
     std::vector<double> in_, out_, rest_, held_;

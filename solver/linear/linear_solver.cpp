@@ -38,13 +38,9 @@ int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
     return static_cast<int>(std::clamp((by_factor - spent_ - hierarchy_cost()) / cycle_cost(), 0.0, 1000.0));
 }
 
-double LinearSolver::hierarchy_cost() const {
-    return costs_.hierarchy + (held_block_ ? held_block_->costs().factor : 0);
-}
+double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_costs_.factor; }
 
-double LinearSolver::cycle_cost() const {
-    return costs_.cycle + (held_block_ ? 2 * held_block_->costs().factor_solve : 0);
-}
+double LinearSolver::cycle_cost() const { return costs_.cycle + 2 * held_costs_.factor_solve; }
 
 void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
     spent_ = 0;
@@ -53,6 +49,7 @@ void LinearSolver::begin_step(std::span<const double> springs, std::span<const d
     HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
     if (held == held_) return;
     held_ = std::move(held);
+    held_costs_ = held_costs(pattern_, held_);
     multigrid_.reset(), held_block_.reset();
 }
 

@@ -76,7 +76,7 @@ class LinearSolver {
     UnknownPlaces places_;
     HeldRows held_;                         ///< that the grids were, or will be, made for
     std::vector<double> springs_, elastic_; ///< of which held_ was made
-    LinearCosts costs_;
+    LinearCosts costs_, held_costs_;
     std::unique_ptr<ComponentFactors> factors_, single_; ///< made when first needed
     std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
     std::unique_ptr<Multigrid> multigrid_;               ///< likewise

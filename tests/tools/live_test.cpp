@@ -164,13 +164,19 @@ TEST_CASE("live: changes are kept apart from the file until they are written, an
                             json{{"node", material}, {"attribute", "massDensity"}, {"value", "x"}, {"frame", 1}}})
         CHECK(live.post("change", bad) == 422);
     CHECK(live.post("change", {{"node", solver}}) == 400);
+    for (const json& frame : {json(1e300), json(1.5), json("4")})
+        CHECK(live.post("change", {{"node", material}, {"attribute", "massDensity"}, {"value", 1}, {"frame", frame}}) ==
+              400);
+    const std::string deep = R"({"node":"x","attribute":"y","value":)" + std::string(60000, '[');
+    CHECK(live.http->Post(live.root + "change", deep + std::string(60000, ']') + "}", "application/json")->status ==
+          400);
     CHECK(live.status()["changes"].size() == 3);
     CHECK(live.post("save", {}) == 200);
     const std::string written = read_text(file);
     CHECK(written.find("// mine") != std::string::npos);
     const json now = json::parse(written, nullptr, true, true);
     CHECK(now["nodes"][solver]["inputs"]["substeps"] == 2);
-    CHECK(now["nodes"][material]["inputs"]["massDensity"]["keys"] == json::parse("[[4,1060],[5,2000]]"));
+    CHECK(now["nodes"][material]["inputs"]["massDensity"]["keys"].back() == json::parse("[5,2000]"));
     s = live.ended(5);
     CHECK(s["changes"].empty());
     CHECK(s["simulated"] == 0);
@@ -211,6 +217,25 @@ TEST_CASE("live: included graphs are watched, told with their overrides, and may
     CHECK(read_text(part) == text);
 }
 
+TEST_CASE("live: a folder for a graph, a mesh that is missing and a taken port", "[live]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "whole.json").string();
+    write(file, R"({"format": "sinew 1", "includes": {"a": {"file": "./"}}, "nodes": {}})");
+    Live live({"live", file, "--no-cache", "--frames", "1"});
+    CHECK(live.ended(1)["state"] == "wrong");
+    json graph = small_graph();
+    graph["nodes"]["more"] = {{"type", "meshFile"}, {"inputs", {{"file", "a.obj"}}}};
+    write(file, graph.dump());
+    live.ended(2);
+    Program second({"live", file, "--no-cache", "--port", std::to_string(live.port)});
+    CHECK(second.exit_code() == 1);
+    CHECK(second.err().find("IO405") != std::string::npos);
+    std::filesystem::remove(file);
+    CHECK(live.ended(3)["diagnostics"][0]["code"] == "IO401");
+    write(file, graph.dump());
+    live.ended(4);
+}
+
 TEST_CASE("live: files are told once, also when they are replaced, and when they come back", "[live]") {
     const TemporaryFolder folder;
     const std::string a = (folder / "a").string(), b = (folder / "b").string();
@@ -224,8 +249,10 @@ TEST_CASE("live: files are told once, also when they are replaced, and when they
     write(a + "~", "1");
     std::filesystem::rename(a + "~", a);
     CHECK(files.take_changed() == std::vector{a});
-    std::filesystem::remove(a);
+    // Away and back by the same name, size and time.
+    std::filesystem::rename(a, a + "~");
+    CHECK(files.take_changed() == std::vector{a});
     CHECK(files.take_changed().empty());
-    write(a, "1");
+    std::filesystem::rename(a + "~", a);
     CHECK(files.take_changed() == std::vector{a});
 }

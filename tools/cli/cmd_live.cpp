@@ -47,7 +47,8 @@ ExitCode live(const Invocation& in) {
         options.open(notes);
     } catch (const engine::Failure& failure) {
         // A graph with errors may be mended while it is watched, but a word that is no file is a mistake.
-        if (failure.diagnostics().front().code.starts_with("IO40")) throw;
+        const engine::Diagnostic& first = failure.diagnostics().front();
+        if (first.code.starts_with("IO40") && (!first.spot || first.spot->pointer.empty())) throw;
     }
     options.store = store_policy(arguments, options.file);
     live::Session session(std::move(options));

@@ -9,7 +9,9 @@
 #define CPPHTTPLIB_BROTLI_SUPPORT
 #include <httplib.h>
 
+#include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
@@ -24,6 +26,25 @@ namespace {
 constexpr std::chrono::milliseconds between_news{30};
 /// The largest body that a request may have: an attribute's value.
 constexpr std::size_t most_body = std::size_t{1} << 20;
+
+/// Of JSON that a request may hold: as deep as a graph file may be.
+constexpr int most_depth = 64;
+/// Requests at once; each open `news` is one.
+constexpr std::size_t most_requests = 64;
+/// Keys lie within these frames.
+constexpr std::int64_t most_frame = 10'000'000;
+
+/// The request asks for what cannot be.
+struct BadRequest : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+Json parsed(const std::string& text) {
+    return Json::parse(text, [](int depth, Json::parse_event_t, Json&) {
+        if (depth > most_depth) throw BadRequest("nested too deeply");
+        return true;
+    });
+}
 
 std::string random_token() {
     std::random_device random; // the system's own
@@ -69,7 +90,9 @@ struct Server::Impl {
     void route() {
         http.set_payload_max_length(most_body);
         http.set_tcp_nodelay(true);
-        http.set_keep_alive_timeout(2);
+        http.set_keep_alive_timeout(1);
+        http.set_read_timeout(1); // a request that is never ended does not hold up the end
+        http.new_task_queue = [] { return new httplib::ThreadPool(most_requests); }; // the library deletes it
         http.set_pre_routing_handler([this](const httplib::Request& request, httplib::Response& response) {
             response.set_header("Cache-Control", "no-store");
             response.set_header("X-Content-Type-Options", "nosniff");
@@ -121,9 +144,14 @@ struct Server::Impl {
         });
         http.Post(root + "change", [this](const httplib::Request& request, httplib::Response& response) {
             answer(response, [&] {
-                const Json json = Json::parse(request.body);
+                const Json json = parsed(request.body);
                 Change change{{json.at("node"), json.at("attribute")}, json.at("value").dump(), {}};
-                if (json.contains("frame")) change.frame = json.at("frame").get<int>();
+                if (json.contains("frame")) {
+                    const Json& frame = json.at("frame");
+                    if (!frame.is_number_integer() || std::abs(frame.get<std::int64_t>()) > most_frame)
+                        throw BadRequest("\"frame\" is a whole number");
+                    change.frame = frame.get<int>();
+                }
                 session.change(change);
             });
         });
@@ -143,15 +171,21 @@ struct Server::Impl {
         } catch (const engine::Failure& failure) {
             response.status = 422;
             response.set_content(refusal(failure), "application/json");
-        } catch (const Json::exception& error) {
+        } catch (const std::exception& error) { // no JSON, or not what is asked for
             response.status = 400;
-            response.set_content(Json{{"error", error.what()}}.dump(), "application/json");
+            response.set_content(Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace),
+                                 "application/json");
         }
     }
 };
 
 Server::Server(Session& session, int port)
     : impl_(std::make_unique<Impl>(session)) {
+    // Without SO_REUSEPORT, with which two programs could share a port.
+    impl_->http.set_socket_options([](socket_t socket) {
+        const int yes = 1;
+        setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    });
     const bool bound = port == 0 ? (impl_->port = impl_->http.bind_to_any_port("127.0.0.1")) > 0
                                  : impl_->http.bind_to_port("127.0.0.1", impl_->port = port);
     if (!bound) {
@@ -171,11 +205,19 @@ std::string Server::address() const {
 }
 
 void Server::serve(const std::stop_token& stop) {
-    const std::stop_callback end(stop, [this] {
-        impl_->over = true;
-        impl_->http.stop();
+    std::atomic<bool> ended = false;
+    // What is not listening yet cannot be stopped, so it is asked until it has ended.
+    const std::jthread stopper([&](const std::stop_token&) {
+        while (!ended) {
+            if (stop.stop_requested()) {
+                impl_->over = true;
+                impl_->http.stop();
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(20));
+        }
     });
-    impl_->http.listen_after_bind();
+    if (!stop.stop_requested()) impl_->http.listen_after_bind();
+    ended = true;
 }
 
 } // namespace sinew::live

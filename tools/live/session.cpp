@@ -212,21 +212,37 @@ std::string Session::nodes() const {
 
 namespace {
 
+bool is_keyed(const engine::Graph& graph, const engine::Plug& input) {
+    const engine::Node* node = graph.find(input.node);
+    if (!node) return false;
+    const auto it = node->inputs.find(input.attribute);
+    return it != node->inputs.end() && std::holds_alternative<engine::Curve>(it->second);
+}
+
 std::shared_ptr<const engine::Graph> with_changes(std::shared_ptr<const engine::Graph> graph,
                                                   const std::vector<Change>& changes) {
     for (const Change& c : changes) {
         engine::Edit edit(graph);
-        if (c.frame) {
+        if (c.frame && is_keyed(*graph, c.input)) {
             const Json value = Json::parse(c.json);
             if (!value.is_number() && !value.is_boolean()) {
                 engine::Diagnostic d;
                 d.code = "DG043";
                 d.node = c.input.node, d.attribute = c.input.attribute;
-                d.message = "a key needs a number, not " + c.json;
-                d.hint = "Set the input itself, without a frame.";
+                d.message = "a key among others needs a number, not " + c.json.substr(0, 100);
+                d.hint = "Set the input itself, without a frame, with all its keys.";
                 throw engine::Failure(d);
             }
             edit.set_key(c.input, *c.frame, value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>());
+        } else if (c.frame) {
+            // As a host sends it: the frames before stay as they are.
+            const auto read = engine::Edit(graph).set_json(c.input, c.json).commit().graph;
+            const engine::Binding& binding = read->find(c.input.node)->inputs.find(c.input.attribute)->second;
+            const auto* value = std::get_if<engine::Value>(&binding);
+            if (value)
+                edit.set_input(c.input, *c.frame, *value);
+            else
+                edit.set_json(c.input, c.json); // keys themselves
         } else
             edit.set_json(c.input, c.json);
         graph = edit.commit().graph;
@@ -253,6 +269,7 @@ void Session::start_anew() {
 }
 
 void Session::change(const Change& change) {
+    const std::lock_guard one_after_the_other(changing_);
     std::vector<engine::Diagnostic> notes;
     std::shared_ptr<const engine::Graph> graph = changed(options_.open(notes));
     with_changes(graph, {change});
@@ -268,6 +285,7 @@ void Session::change(const Change& change) {
 }
 
 void Session::discard_changes() {
+    const std::lock_guard one_after_the_other(changing_);
     {
         const std::lock_guard lock(mutex_);
         changes_.clear();
@@ -276,6 +294,7 @@ void Session::discard_changes() {
 }
 
 void Session::save_changes() {
+    const std::lock_guard one_after_the_other(changing_);
     // The file as it is, without what the command line sets.
     const std::shared_ptr<const engine::Graph> here = [&] {
         const std::lock_guard lock(mutex_);
@@ -285,7 +304,10 @@ void Session::save_changes() {
     const std::shared_ptr<const engine::Graph> graph =
         changed(engine::load_graph(here->registry_ptr(), options_.file).graph);
     try {
+        const auto rights = std::filesystem::status(options_.file).permissions();
         engine::write_file(options_.file, engine::write_graph(*graph));
+        std::error_code ignored; // on some file systems there are none
+        std::filesystem::permissions(options_.file, rights, ignored);
     } catch (const std::exception& why) {
         throw engine::Failure(unwritable(options_.file, why.what()));
     }
@@ -320,7 +342,7 @@ void Session::look_at_files(const std::stop_token& stop) {
     }
 }
 
-void Session::watch_what_is_wrong() {
+void Session::watch_what_is_named() {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> files = graph_ ? files_of(*graph_) : std::vector<std::string>{};
     for (std::string& file : graphs_named_in(options_.file)) files.push_back(std::move(file));
@@ -342,10 +364,15 @@ void Session::work(const std::stop_token& stop) {
             run(run_stop);
         } catch (const engine::Cancelled&) { // something newer is wanted
         } catch (const engine::Failure& failure) {
-            watch_what_is_wrong();
             tell([&](Status& s) {
                 s.state = "wrong", s.at_work.clear();
                 s.diagnostics.assign(failure.diagnostics().begin(), failure.diagnostics().end());
+            });
+        } catch (const std::exception& error) { // no memory, a file that went away while it was read
+            tell([&](Status& s) {
+                s.state = "wrong", s.at_work.clear();
+                s.diagnostics.assign(1, {});
+                s.diagnostics.front().message = error.what();
             });
         }
     }
@@ -359,6 +386,7 @@ void Session::run(const std::stop_token& stop) {
         s.state = "running", s.diagnostics.clear();
         s.done = s.simulated = 0, s.first_page_s = s.all_s = 0;
     });
+    watch_what_is_named(); // before it is read: what is saved meanwhile begins another run
     std::vector<engine::Diagnostic> notes;
     const std::shared_ptr<const engine::Graph> graph = changed(options_.open(notes));
     {

@@ -61,13 +61,14 @@ class Session {
     void look_at_files(const std::stop_token& stop);
     void start_anew();
     /// Any file may be what is mended next, also one that no graph that could be read includes.
-    void watch_what_is_wrong();
+    void watch_what_is_named();
     std::shared_ptr<const engine::Graph> changed(std::shared_ptr<const engine::Graph> graph) const;
     template <class Action>
     void tell(const Action& action);
 
     const Options options_;
-    mutable std::mutex mutex_;
+    std::mutex changing_;      ///< held by change, discard and save from end to end; taken before mutex_
+    mutable std::mutex mutex_; ///< guards all that follows, up to watcher_, which has its own and is never held with it
     mutable std::condition_variable_any news_;
     bool is_due_ = true;       ///< a run must begin
     std::stop_source current_; ///< of the run that goes on

@@ -50,7 +50,8 @@ std::vector<std::string> graphs_named_in(const std::string& file) {
     while (!open.empty()) {
         const std::string at = open.back();
         open.pop_back();
-        if (!out.insert(at).second || out.size() > most_files) continue;
+        std::error_code none;
+        if (!out.insert(at).second || out.size() > most_files || !fs::is_regular_file(at, none)) continue;
         std::ifstream in(at);
         const auto json = nlohmann::json::parse(in, nullptr, false, true);
         if (!json.is_object() || !json.contains("includes") || !json["includes"].is_object()) continue;
@@ -79,7 +80,7 @@ void WatchedFiles::watch(const std::vector<std::string>& files) {
 std::vector<std::string> WatchedFiles::take_changed() {
     std::vector<std::string> out;
     for (auto& [file, seen] : seen_)
-        if (const auto now = look(file); now && now != seen) {
+        if (const auto now = look(file); now != seen) {
             seen = now;
             out.push_back(file);
         }

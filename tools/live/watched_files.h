@@ -23,7 +23,7 @@ class WatchedFiles {
   public:
     /// Files that were watched before keep what was last seen of them.
     void watch(const std::vector<std::string>& files);
-    /// Files that are not as they were; each is told once. A file that is gone is told when it is back.
+    /// Files that are not as they were, are gone or are back; each is told once.
     std::vector<std::string> take_changed();
 
   private:
