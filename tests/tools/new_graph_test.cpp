@@ -252,6 +252,22 @@ TEST_CASE("new rig: a file that is there is kept unless told otherwise", "[tools
     CHECK(has(read_text(rig.graph), "zSolver"));
 }
 
+TEST_CASE("new rig: a muscle that is called as an attachment would be gives way, and links to nowhere are no meshes",
+          "[tools][rig]") {
+    const SmallRig rig;
+    for (const auto& entry : fs::directory_iterator(rig.bones))
+        write_text(
+            rig.muscles + "/biceps_to_" + entry.path().stem().string() + ".obj",
+            spindle(0.8, 29.2 - 0.5 * static_cast<double>(entry.path().stem().string().size()), 1.5, 1, false, 1));
+    fs::create_symlink("loop.obj", rig.muscles + "/loop.obj");
+    const Said said = rig.make();
+    INFO(said.out << said.err);
+    REQUIRE(said.code == 0);
+    CHECK(has(said.err, "DG154"));
+    const Said checked = run_program({"check", rig.graph});
+    CHECK_FALSE(has(checked.out + checked.err, "DG002"));
+}
+
 TEST_CASE("new rig: what is odd is named, in the graph, too, and left out or made two", "[tools][rig]") {
     const SmallRig rig;
     // The same mesh twice; a muscle far from all bones; names that are in use.

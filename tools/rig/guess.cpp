@@ -62,8 +62,8 @@ void find_touches(Rig& rig, const AllDistances& all, const std::string& usual) {
             if (p == muscle.part || holds(muscle, p) || way(muscle) == "none") continue;
             const Muscle* const other = rig.muscle_of(p);
             // Each pair of muscles once: the smaller one is painted.
-            if (other && (holds(*other, muscle.part) || way(*other) == "none" || volume(*other) < volume(muscle)))
-                continue;
+            const auto size = [&](const Muscle& of) { return std::pair(volume(of), of.part); };
+            if (other && (holds(*other, muscle.part) || way(*other) == "none" || size(*other) < size(muscle))) continue;
             const double share = touching_share(muscle, all[m][p]);
             if (share < least_touching) continue;
             const bool slides = way(muscle) == "slide" || (other && way(*other) == "slide");

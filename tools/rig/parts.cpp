@@ -39,9 +39,16 @@ std::string joined(const std::vector<std::string>& words) {
 
 void add_folder(const std::string& folder, std::vector<std::string>& files, std::vector<Diagnostic>& wrong) {
     std::vector<std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder)) {
+    std::error_code error, ignored; // of a link that leads nowhere: no mesh
+    for (const auto& entry : fs::directory_iterator(folder, error)) {
         const bool is_hidden = entry.path().filename().string().starts_with(".");
-        if (!is_hidden && entry.is_regular_file() && is_mesh(entry.path())) found.push_back(entry.path().string());
+        if (!is_hidden && entry.is_regular_file(ignored) && is_mesh(entry.path()))
+            found.push_back(entry.path().string());
+    }
+    if (error) {
+        wrong.push_back(say(Severity::error, "DG150", "", "cannot read '" + folder + "': " + error.message(),
+                            "Check the folder's permissions."));
+        return;
     }
     if (found.empty())
         wrong.push_back(say(Severity::error, "DG150", "", "the folder '" + folder + "' has no mesh in it",
@@ -67,6 +74,13 @@ constexpr const char* endings[] = {"",         "Solved", "Below", "Stuff", "Solv
 void make_unique(std::vector<Part>& parts, std::vector<Diagnostic>& notes) {
     // What graphs of this room call other nodes.
     std::set<std::string> taken{"solver", "flesh", "sinew", "fabric", "fascia", "skin"};
+    // And attachments and ties between two parts.
+    for (const Part& a : parts)
+        for (Part b : parts) {
+            if (!b.name.empty()) b.name[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(b.name[0])));
+            for (const char* other : {"", "2"}) taken.insert(a.name + "To" + b.name + other);
+            taken.insert(a.name + "Over" + b.name);
+        }
     const auto is_free = [&](const std::string& name) {
         return std::none_of(std::begin(endings), std::end(endings),
                             [&](const char* ending) { return taken.contains(name + ending); });
