@@ -17,7 +17,9 @@ int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 40, 5.
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
 constexpr double kept_factor_tolerance = 1e-2;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
-constexpr double kept_factor_solves = 3;
+constexpr double kept_factor_solves = 5;
+/// What that takes before a step has begun: iterations with multigrid, with rows that springs hold, and Newton's.
+constexpr double usual_cycles = 6, usual_held_cycles = 10, usual_iterations = 4;
 /// The same with an overlay, which no factor knows: about as many iterations as with multigrid.
 constexpr double overlay_solves = 30;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
@@ -36,6 +38,12 @@ constexpr int most_truncated = 60;
 int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
     const double by_factor = costs_.factor + solves * (newton_iteration + 1) * costs_.factor_solve;
     return static_cast<int>(std::clamp((by_factor - spent_ - hierarchy_cost()) / cycle_cost(), 0.0, 1000.0));
+}
+
+bool LinearSolver::factor_is_cheaper() const {
+    const double by_factor = costs_.factor + usual_iterations * kept_factor_solves * costs_.factor_solve;
+    const double cycles = held_.rows.empty() ? usual_cycles : usual_held_cycles;
+    return by_factor < usual_iterations * (hierarchy_cost() + cycles * cycle_cost());
 }
 
 double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_costs_.factor; }
@@ -196,7 +204,8 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
                                   : most_iterations;
     // Where contacts come and go it is they that hold Newton's method up, not inexact directions.
     const bool impatient = !has_overlay && newton_iteration >= patience(costs_.factor / costs_.cycle);
-    if (automatic && (impatient || allowed == 0)) memory.factor_steps_left = kept_steps;
+    if (automatic && (impatient || allowed == 0 || (!has_overlay && factor_is_cheaper())))
+        memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
         solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
         return outcome;

@@ -70,6 +70,8 @@ class LinearSolver {
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
     void make_multigrid();
+    /// Whether a usual step costs less with a factor that is kept than with multigrid.
+    bool factor_is_cheaper() const;
     double hierarchy_cost() const;
     double cycle_cost() const;
     const BlockPattern& pattern_;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
 #include <numeric>
 #include <tuple>
 
@@ -13,76 +14,110 @@ namespace sinew::solver {
 
 namespace {
 
+std::strong_ordering compare(const CoupledSpring& s, const CoupledSpring& t) {
+    if (s.attachment != t.attachment) return s.attachment <=> t.attachment;
+    return std::lexicographical_compare_three_way(
+        s.terms.begin(), s.terms.end(), t.terms.begin(), t.terms.end(),
+        [](const SpringTerm& v, const SpringTerm& w) { return v.vertex <=> w.vertex; });
+}
+
+/// A spring and its place in the list of springs.
+struct Placed {
+    const CoupledSpring* spring;
+    std::size_t place;
+    friend bool operator<(const Placed& a, const Placed& b) {
+        const std::strong_ordering order = compare(*a.spring, *b.spring);
+        return order != 0 ? order < 0 : a.place < b.place;
+    }
+};
+
 /// Springs with the same attachment and vertices, which have the same blocks: places in the list of springs.
 std::vector<std::vector<std::size_t>> groups_of(const std::vector<CoupledSpring>& springs) {
-    const auto before = [&](std::size_t a, std::size_t b) {
-        const CoupledSpring &s = springs[a], &t = springs[b];
-        if (s.attachment != t.attachment) return s.attachment < t.attachment;
-        return std::lexicographical_compare(s.terms.begin(), s.terms.end(), t.terms.begin(), t.terms.end(),
-                                            [](const auto& v, const auto& w) { return v.vertex < w.vertex; });
-    };
-    std::vector<std::size_t> order(springs.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), before);
+    std::vector<Placed> order;
+    for (std::size_t s = 0; s < springs.size(); ++s) order.push_back({&springs[s], s});
+    parallel_sort(order.begin(), order.end());
     std::vector<std::vector<std::size_t>> groups;
-    for (const std::size_t s : order) {
-        if (groups.empty() || before(groups.back().front(), s)) groups.emplace_back();
-        groups.back().push_back(s);
+    for (const Placed& p : order) {
+        if (groups.empty() || compare(springs[groups.back().front()], *p.spring) != 0) groups.emplace_back();
+        groups.back().push_back(p.place);
     }
     return groups;
+}
+
+/// What goes to a row, row by row; `visit` calls its argument with (row, value) for each, the same in two calls. Rows
+/// are sorted by `before`, what is equal in the order visited.
+template <class Value, class Visit, class Before>
+std::vector<Value> sorted_rows(std::size_t rows, std::vector<std::size_t>& start, const Visit& visit,
+                               const Before& before) {
+    start.assign(rows + 1, 0);
+    visit([&](int row, const Value&) { ++start[at(row) + 1]; });
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    std::vector<Value> out(start.back());
+    std::vector<std::size_t> next(start.begin(), start.end() - 1);
+    visit([&](int row, const Value& value) { out[next[at(row)]++] = value; });
+    parallel_for(rows, 16, [&](std::size_t row) {
+        std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(start[row]),
+                         out.begin() + static_cast<std::ptrdiff_t>(start[row + 1]), before);
+    });
+    return out;
 }
 
 } // namespace
 
 void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& springs) {
-    std::vector<int> vertices;
+    std::vector<int> node_of(scene.numbering().vertex_count(), -1);
     for (const CoupledSpring& s : springs)
-        for (const SpringTerm& term : s.terms) vertices.push_back(term.vertex);
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    const auto node_of = [&](int vertex) {
-        return static_cast<int>(std::lower_bound(vertices.begin(), vertices.end(), vertex) - vertices.begin());
-    };
+        for (const SpringTerm& term : s.terms) node_of[at(term.vertex)] = 0;
     int body = 0;
-    for (const int v : vertices) {
-        while (v >= scene.first_vertex(body) + static_cast<int>(scene.vertex_count(body))) ++body;
-        nodes_.push_back({v, body});
+    for (std::size_t v = 0; v < node_of.size(); ++v) {
+        if (node_of[v] < 0) continue;
+        const int vertex = static_cast<int>(v);
+        while (vertex >= scene.first_vertex(body) + static_cast<int>(scene.vertex_count(body))) ++body;
+        node_of[v] = static_cast<int>(nodes_.size());
+        nodes_.push_back({vertex, body});
     }
 
     struct Product {
-        int row, column, attachment;
+        int column, attachment;
         double product;
     };
-    std::vector<Product> products;
-    std::vector<int> of_term;
-    for (const std::vector<std::size_t>& group : groups_of(springs)) {
-        const CoupledSpring& first = springs[group.front()];
-        of_term.clear();
-        for (const SpringTerm& term : first.terms) of_term.push_back(node_of(term.vertex));
-        for (std::size_t i = 0; i < of_term.size(); ++i)
-            for (std::size_t j = 0; j < of_term.size(); ++j) {
-                double sum = 0;
-                for (const std::size_t s : group)
-                    sum += springs[s].area_weight * springs[s].terms[i].coefficient * springs[s].terms[j].coefficient;
-                products.push_back({of_term[i], of_term[j], first.attachment, sum});
+    const std::vector<std::vector<std::size_t>> groups = groups_of(springs);
+    std::vector<std::size_t> start;
+    const std::vector<Product> products = sorted_rows<Product>(
+        nodes_.size(), start,
+        [&](const auto& visit) {
+            for (const std::vector<std::size_t>& group : groups) {
+                const CoupledSpring& first = springs[group.front()];
+                for (std::size_t i = 0; i < first.terms.size(); ++i)
+                    for (std::size_t j = 0; j < first.terms.size(); ++j) {
+                        double sum = 0;
+                        for (const std::size_t s : group)
+                            sum += springs[s].area_weight * springs[s].terms[i].coefficient *
+                                   springs[s].terms[j].coefficient;
+                        visit(node_of[at(first.terms[i].vertex)],
+                              Product{node_of[at(first.terms[j].vertex)], first.attachment, sum});
+                    }
             }
-    }
-    std::stable_sort(products.begin(), products.end(), [](const Product& a, const Product& b) {
-        return std::tie(a.row, a.column, a.attachment) < std::tie(b.row, b.column, b.attachment);
-    });
-    int row = -1, column = -1;
-    for (const Product& p : products) {
-        const bool is_new = p.row != row || p.column != column;
-        for (; row < p.row; ++row) row_start_.push_back(column_.size());
-        if (is_new) {
-            column = p.column;
-            column_.push_back(column);
-            first_share_.push_back(shares_.size());
+        },
+        [](const Product& a, const Product& b) {
+            return std::tie(a.column, a.attachment) < std::tie(b.column, b.attachment);
+        });
+    for (std::size_t row = 0; row < nodes_.size(); ++row) {
+        row_start_.push_back(column_.size());
+        int column = -1;
+        for (std::size_t k = start[row]; k < start[row + 1]; ++k) {
+            const Product& p = products[k];
+            const bool is_new = p.column != column;
+            if (is_new) {
+                column = p.column;
+                column_.push_back(column);
+                first_share_.push_back(shares_.size());
+            }
+            if (is_new || shares_.back().attachment != p.attachment)
+                shares_.push_back({p.attachment, p.product});
+            else
+                shares_.back().product += p.product;
         }
-        if (is_new || shares_.back().attachment != p.attachment)
-            shares_.push_back({p.attachment, p.product});
-        else
-            shares_.back().product += p.product;
     }
     row_start_.push_back(column_.size());
     first_share_.push_back(shares_.size());
@@ -90,27 +125,23 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
     make_loads(springs, node_of);
 }
 
-template <class NodeOf>
-void SpringCoupling::make_loads(const std::vector<CoupledSpring>& springs, const NodeOf& node_of) {
-    struct At {
-        int node;
-        Load load;
-    };
-    std::vector<At> all;
-    for (const CoupledSpring& s : springs)
-        for (const SpringTerm& term : s.terms)
-            all.push_back({node_of(term.vertex), {s.attachment, s.area_weight * std::abs(term.coefficient)}});
-    std::stable_sort(all.begin(), all.end(), [](const At& a, const At& b) {
-        return std::tie(a.node, a.load.attachment) < std::tie(b.node, b.load.attachment);
-    });
-    int node = -1;
-    for (const At& a : all) {
-        const bool is_new = a.node != node;
-        for (; node < a.node; ++node) first_load_.push_back(loads_.size());
-        if (is_new || loads_.back().attachment != a.load.attachment)
-            loads_.push_back(a.load);
-        else
-            loads_.back().area += a.load.area;
+void SpringCoupling::make_loads(const std::vector<CoupledSpring>& springs, const std::vector<int>& node_of) {
+    std::vector<std::size_t> start;
+    const std::vector<Load> all = sorted_rows<Load>(
+        nodes_.size(), start,
+        [&](const auto& visit) {
+            for (const CoupledSpring& s : springs)
+                for (const SpringTerm& term : s.terms)
+                    visit(node_of[at(term.vertex)], Load{s.attachment, s.area_weight * std::abs(term.coefficient)});
+        },
+        [](const Load& a, const Load& b) { return a.attachment < b.attachment; });
+    for (std::size_t node = 0; node < nodes_.size(); ++node) {
+        first_load_.push_back(loads_.size());
+        for (std::size_t k = start[node]; k < start[node + 1]; ++k)
+            if (k == start[node] || loads_.back().attachment != all[k].attachment)
+                loads_.push_back(all[k]);
+            else
+                loads_.back().area += all[k].area;
     }
     first_load_.push_back(loads_.size());
     square_stiffness_.resize(nodes_.size());
