@@ -22,7 +22,7 @@ constexpr std::uint64_t format_mark = 0x35307a5f77656e69; // "inew_z05"
 
 } // namespace
 
-std::vector<std::byte> save(const SimulationState& state) {
+void write(const SimulationState& state, const solver::ByteSink& to) {
     engine::ByteWriter w;
     w.put(format_mark);
     w.put(state.scene.scale);
@@ -36,9 +36,14 @@ std::vector<std::byte> save(const SimulationState& state) {
     w.put(state.residual_body);
     w.put_list(state.scene.lines);
     w.put_list(state.lines);
-    const std::vector<std::byte> inner = solver::save(state.state);
-    w.bytes.insert(w.bytes.end(), inner.begin(), inner.end());
-    return std::move(w.bytes);
+    to(w.bytes);
+    solver::write(state.state, to);
+}
+
+std::vector<std::byte> save(const SimulationState& state) {
+    std::vector<std::byte> out;
+    write(state, [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
+    return out;
 }
 
 SimulationState load_simulation(std::span<const std::byte> bytes) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "nodes/values.h"
+#include "solver/state_bytes.h"
 
 #include <cstddef>
 #include <span>
@@ -9,6 +10,8 @@
 
 namespace sinew::nodes {
 
+/// The bytes of save, run by run.
+void write(const SimulationState& state, const solver::ByteSink& to);
 std::vector<std::byte> save(const SimulationState& state);
 /// Throws engine::Failure IO403 if the bytes are not a state of this version.
 SimulationState load_simulation(std::span<const std::byte> bytes);

@@ -347,7 +347,8 @@ void ValueTraits<nodes::FileContent>::hash(Hasher& h, const nodes::FileContent& 
 std::size_t ValueTraits<nodes::FileContent>::bytes(const nodes::FileContent& v) { return v.bytes.size(); }
 
 void ValueTraits<nodes::SimulationState>::hash(Hasher& h, const nodes::SimulationState& v) {
-    h.add_bytes(nodes::save(v)); // all that the next frame reads, so that nothing can be forgotten here
+    // All that the next frame reads, so that nothing can be forgotten here.
+    nodes::write(v, [&](std::span<const std::byte> bytes) { h.add_bytes(bytes); });
 }
 std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationState& v) {
     const solver::State& s = v.state;

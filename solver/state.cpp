@@ -2,6 +2,7 @@
 #include "solver/state.h"
 
 #include "solver/error.h"
+#include "solver/state_bytes.h"
 #include "solver/terms/all_terms.h"
 
 #include <algorithm>
@@ -16,16 +17,15 @@ namespace {
 
 constexpr std::string_view magic = "sinew state 10\n";
 
-/// Appends plain values; vectors with their length first.
+/// Hands on plain values, vectors with their length first: large ones as they lie in memory, small ones gathered.
 class Writer {
   public:
-    explicit Writer(std::vector<std::byte>& out)
-        : out_(out) {}
+    explicit Writer(const ByteSink& to)
+        : to_(to) {}
     template <class T>
     void put(const T& v) {
         static_assert(std::is_trivially_copyable_v<T>);
-        const auto* p = reinterpret_cast<const std::byte*>(&v);
-        out_.insert(out_.end(), p, p + sizeof(T));
+        put_bytes({reinterpret_cast<const std::byte*>(&v), sizeof(T)});
     }
     template <class T>
     void put_all(const std::vector<T>& v) {
@@ -37,10 +37,24 @@ class Writer {
         put(static_cast<std::uint64_t>(v.size()));
         put_bytes(std::as_bytes(v));
     }
-    void put_bytes(std::span<const std::byte> bytes) { out_.insert(out_.end(), bytes.begin(), bytes.end()); }
+    void put_bytes(std::span<const std::byte> bytes) {
+        constexpr std::size_t large = 4096;
+        if (bytes.size() < large) {
+            gathered_.insert(gathered_.end(), bytes.begin(), bytes.end());
+            if (gathered_.size() >= large) flush();
+            return;
+        }
+        flush();
+        to_(bytes);
+    }
+    void flush() {
+        if (!gathered_.empty()) to_(gathered_);
+        gathered_.clear();
+    }
 
   private:
-    std::vector<std::byte>& out_;
+    const ByteSink& to_;
+    std::vector<std::byte> gathered_;
 };
 
 class Reader {
@@ -239,9 +253,8 @@ void visit_record(Record& r, const Visit& visit) {
 
 } // namespace
 
-std::vector<std::byte> save(const State& s) {
-    std::vector<std::byte> out;
-    Writer w(out);
+void write(const State& s, const ByteSink& to) {
+    Writer w(to);
     for (const char c : magic) w.put(c);
     w.put_all(s.x);
     w.put_all(s.v);
@@ -256,6 +269,12 @@ std::vector<std::byte> save(const State& s) {
     w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
     put_measured(w, s.record.measured);
+    w.flush();
+}
+
+std::vector<std::byte> save(const State& s) {
+    std::vector<std::byte> out;
+    write(s, [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
     return out;
 }
 
