@@ -24,7 +24,12 @@ using namespace std::chrono_literals;
 
 namespace {
 
-void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+/// All at once: a program that looks meanwhile must not find half of it.
+void write(const std::filesystem::path& file, const std::string& text) {
+    const std::filesystem::path aside = file.string() + ".new";
+    std::ofstream(aside) << text;
+    std::filesystem::rename(aside, file);
+}
 
 /// The program at work, and what it answers.
 struct Live {
