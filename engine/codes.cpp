@@ -91,6 +91,12 @@ constexpr CodeInfo table[] = {
     {"DG161", "mesh that can be no cloth", "Take the sheets apart where more than two triangles meet at an edge."},
     {"DG162", "cloth that begins inside a body", "Move it outside."},
     {"DG163", "wide holes that make a wrapped mesh larger", "Close the holes in the mesh."},
+    // ---- DG175: graphs that are edited while they are shown ----
+    {"DG175", "change that no longer fits the graph",
+     "Discard the changes in the page, or bring back what this one was for."},
+    // ---- DG176: graphs made around meshes, once more ----
+    {"DG176", "unit in which bodies have an odd size", "Give the unit that the meshes are in, or leave --unit away."},
+    {"DG177", "folders of bones and muscles that seem to be swapped", "Name the bones' folder first."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
     {"FE202", "number of a mesh or map is not finite",

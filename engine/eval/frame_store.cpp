@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t block = 4096;
 constexpr std::size_t most_starts = 4;
-constexpr std::string_view rows_mark = "sinew rows 1\n";
+constexpr std::string_view rows_mark = "sinew rows 2\n";
 constexpr std::string_view rows_ending = ".rows", frames_ending = ".frame", outputs_ending = ".kept";
 /// From so many files of rows on one is made of those that nobody writes to any more.
 constexpr std::size_t most_row_files = 32;

@@ -9,7 +9,7 @@ namespace sinew::engine {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 1\n";
+constexpr std::string_view magic = "sinew state 2\n";
 constexpr std::size_t header_size = magic.size() + 3 * 16;
 
 void put_number(std::vector<std::byte>& out, std::uint64_t v) {

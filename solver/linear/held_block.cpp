@@ -19,27 +19,28 @@ std::vector<int> held_rows_of(const HeldRows& held) {
     return out;
 }
 
-/// The pattern of some rows and their columns, and which block of the whole each of its blocks is.
-BlockPattern part_of(const BlockPattern& pattern, const std::vector<int>& rows, std::vector<int>& source) {
+HeldPart part_of(const BlockPattern& pattern, const HeldRows& held) {
+    HeldPart out;
+    out.rows = held_rows_of(held);
     std::vector<int> local(at(pattern.rows), -1);
-    for (std::size_t k = 0; k < rows.size(); ++k) local[at(rows[k])] = static_cast<int>(k);
+    for (std::size_t k = 0; k < out.rows.size(); ++k) local[at(out.rows[k])] = static_cast<int>(k);
     std::vector<std::pair<int, int>> couplings;
-    for (const int i : rows)
+    for (const int i : out.rows)
         for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
             const int j = local[at(pattern.column[at(e)])];
             if (j < 0) continue;
             couplings.emplace_back(local[at(i)], j);
-            source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
+            out.source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
         }
-    return make_pattern(static_cast<int>(rows.size()), std::move(couplings));
+    out.pattern = make_pattern(static_cast<int>(out.rows.size()), std::move(couplings));
+    return out;
 }
 
 } // namespace
 
 LinearCosts held_costs(const BlockPattern& pattern, const HeldRows& held) {
     if (held.rows.empty()) return {};
-    std::vector<int> source;
-    return linear_costs(part_of(pattern, held_rows_of(held), source));
+    return linear_costs(part_of(pattern, held).pattern);
 }
 
 void HeldBlock::Strip::end_row(int row) {
@@ -49,10 +50,9 @@ void HeldBlock::Strip::end_row(int row) {
 
 HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const HeldRows& held)
     : fine_(fine)
-    , rows_(held_rows_of(held))
-    , pattern_(part_of(pattern, rows_, source_))
-    , matrix_(pattern_)
-    , factors_(pattern_, Factoring::single) {
+    , part_(part_of(pattern, held))
+    , matrix_(part_.pattern)
+    , factors_(part_.pattern, Factoring::single) {
     for (int i = 0; i < fine.rows; ++i) {
         const bool is_held = held.rows[at(i)] != Held::no;
         Strip& strip = is_held ? within_ : beside_;
@@ -62,13 +62,13 @@ HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const H
         }
         if (is_held || at(strip.start.back()) != strip.entries.size()) strip.end_row(i);
     }
-    in_.resize(3 * rows_.size()), out_.resize(in_.size());
+    in_.resize(3 * part_.rows.size()), out_.resize(in_.size());
     held_.resize(3 * at(fine.rows)), rest_.resize(held_.size());
 }
 
 bool HeldBlock::set_values(const BlockMatrix& a) {
-    parallel_for(source_.size(), 1024,
-                 [&](std::size_t k) { std::copy_n(a.block(at(source_[k])), 9, matrix_.block(k)); });
+    parallel_for(part_.source.size(), 1024,
+                 [&](std::size_t k) { std::copy_n(a.block(at(part_.source[k])), 9, matrix_.block(k)); });
     return factors_.factorize(matrix_);
 }
 
@@ -85,27 +85,28 @@ Vec3 HeldBlock::product(const Strip& strip, std::size_t place, const std::vector
 }
 
 void HeldBlock::apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z) {
-    for (std::size_t k = 0; k < rows_.size(); ++k) std::copy_n(r.data() + 3 * at(rows_[k]), 3, in_.data() + 3 * k);
+    for (std::size_t k = 0; k < part_.rows.size(); ++k)
+        std::copy_n(r.data() + 3 * at(part_.rows[k]), 3, in_.data() + 3 * k);
     factors_.solve(in_.data(), out_.data());
     rest_ = r;
-    for (std::size_t k = 0; k < rows_.size(); ++k) {
-        std::copy_n(out_.data() + 3 * k, 3, held_.data() + 3 * at(rows_[k]));
-        std::fill_n(rest_.data() + 3 * at(rows_[k]), 3, 0.0); // solved
+    for (std::size_t k = 0; k < part_.rows.size(); ++k) {
+        std::copy_n(out_.data() + 3 * k, 3, held_.data() + 3 * at(part_.rows[k]));
+        std::fill_n(rest_.data() + 3 * at(part_.rows[k]), 3, 0.0); // solved
     }
     parallel_for(beside_.rows.size(), strip_grain, [&](std::size_t k) {
         const Vec3 p = product(beside_, k, held_);
         for (std::size_t c = 0; c < 3; ++c) rest_[3 * at(beside_.rows[k]) + c] -= p[static_cast<Eigen::Index>(c)];
     });
     cycle.apply(rest_, z);
-    parallel_for(rows_.size(), strip_grain, [&](std::size_t k) {
+    parallel_for(part_.rows.size(), strip_grain, [&](std::size_t k) {
         const Vec3 p = product(within_, k, z);
         for (std::size_t c = 0; c < 3; ++c) in_[3 * k + c] = -p[static_cast<Eigen::Index>(c)];
     });
     std::vector<double>& again = out_;
     factors_.solve(in_.data(), again.data());
-    for (std::size_t k = 0; k < rows_.size(); ++k)
+    for (std::size_t k = 0; k < part_.rows.size(); ++k)
         for (std::size_t c = 0; c < 3; ++c) {
-            const std::size_t i = 3 * at(rows_[k]) + c;
+            const std::size_t i = 3 * at(part_.rows[k]) + c;
             z[i] += held_[i] + again[3 * k + c];
         }
 }

@@ -14,6 +14,13 @@ namespace sinew::solver {
 /// Of a HeldBlock: known before there is one, so that no choice hangs on whether there is. Zeros if nothing is held.
 LinearCosts held_costs(const BlockPattern& pattern, const HeldRows& held);
 
+/// The held rows and their columns.
+struct HeldPart {
+    std::vector<int> rows;   ///< that are held, ascending
+    std::vector<int> source; ///< per block of the pattern: the block of the whole
+    BlockPattern pattern;
+};
+
 class HeldBlock {
   public:
     /// `held`: some rows are. `fine`: the whole matrix. It and the pattern outlive this.
@@ -32,9 +39,7 @@ class HeldBlock {
     Vec3 product(const Strip& strip, std::size_t place, const std::vector<double>& x) const;
 
     const RowBlocks& fine_;
-    std::vector<int> rows_;   ///< that are held, ascending
-    std::vector<int> source_; ///< per block of theirs: the block of the whole; filled as the pattern is made
-    BlockPattern pattern_;
+    const HeldPart part_;
     BlockMatrix matrix_;
     ComponentFactors factors_;
     Strip beside_; ///< free rows: their entries in held columns

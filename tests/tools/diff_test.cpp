@@ -105,7 +105,15 @@ TEST_CASE("what is included is compared, however it is included", "[tools]") {
     p.b["includes"]["x"]["overrides"]["m.youngsModulus"] = "6 kPa";
     CHECK(p.diff().out == "x.m.youngsModulus: 5000 Pa → 6000 Pa\n");
     p.b["includes"] = {{"y", {{"file", "part.json"}}}};
-    CHECK(p.diff().out == "x.m is called y.m\n");
+    CHECK(p.diff().out == "the include x is called y\n");
+    json two = part;
+    two["nodes"]["n"] = {{"type", "polyCube"}};
+    write_text(p.folder / "part.json", two.dump());
+    CHECK(p.diff().out == "the include x is called y\n");
+    CHECK(p.diff({"--json"}).lines().front() == json::parse(R"({"event": "difference", "kind": "prefix", "node": "y",
+                                                               "before": "x", "after": "y"})"));
+    p.b["includes"]["y"]["overrides"]["m.youngsModulus"] = "6 kPa"; // another node, for all that can be told
+    CHECK(p.diff().out == "- x.m (zMaterial)\n+ y.m (zMaterial)\nx.n is called y.n\n");
 }
 
 TEST_CASE("a graph under a prefix is the same graph with other names, lists and names of bodies too", "[tools]") {

@@ -1,5 +1,6 @@
 // What happens between an interrupt and the end: a word where nothing looks for it, and the way out.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/cli/departure.h"
 #include "tools/cli/interrupts.h"
 
 #include "tests/tools/temporary_folder.h"
@@ -9,9 +10,24 @@
 #include <csignal>
 #include <fcntl.h>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
 
 using namespace sinew::test;
+
+namespace {
+
+/// Whether it is the program by now, and has a handler for interrupts; before, one would end it.
+bool listens(pid_t process) {
+    const std::string of_it = "/proc/" + std::to_string(process);
+    std::error_code error; // at first it is a copy of the tests, with their handlers
+    if (!std::filesystem::equivalent(of_it + "/exe", SINEW_PROGRAM, error)) return false;
+    const std::string status = read_text(of_it + "/status");
+    const std::size_t at = status.find("SigCgt:");
+    return at != std::string::npos && (std::stoull(status.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) != 0;
+}
+
+} // namespace
 
 TEST_CASE("an interrupt without effect says after two seconds how to end at once", "[tools]") {
     const TemporaryFolder folder;
@@ -33,6 +49,92 @@ TEST_CASE("an interrupt without effect says after two seconds how to end at once
     CHECK(asked);
     CHECK(read_text(said) ==
           "sinew: stopping as soon as what is being computed allows; interrupt once more to end at once\n");
+}
+
+TEST_CASE("where nothing looks for an interrupt, what is finished is closed, and the program ends", "[tools]") {
+    const TemporaryFolder folder;
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        sinew::cli::Interrupts interrupts;
+        int frames = 0;
+        sinew::cli::Departure departure(interrupts.token(), "sinew run", false);
+        departure.closes_by([&] { write_text(folder / "kept", std::to_string(frames)); });
+        {
+            const auto here = departure.hold();
+            std::raise(SIGINT);
+            for (; frames < 1000; ++frames) std::this_thread::sleep_for(std::chrono::microseconds(500));
+        }
+        for (;;) pause(); // what is computed comes to no safe place
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 4);
+    CHECK(read_text(folder / "kept") == "1000"); // and not while somebody changed it
+}
+
+TEST_CASE("what has been closed is not closed again, and ends by itself", "[tools]") {
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        sinew::cli::Interrupts interrupts;
+        sinew::cli::Departure departure(interrupts.token(), "sinew run", false);
+        departure.closes_by([] { _exit(77); });
+        departure.forbid();
+        std::raise(SIGTERM);
+        std::this_thread::sleep_for(std::chrono::milliseconds(400));
+        _exit(interrupts.token().stop_requested() ? 0 : 78);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 0);
+}
+
+TEST_CASE("a library that sets a handler for SIGTERM by the function that METIS takes does not get it", "[tools]") {
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        sinew::cli::Interrupts interrupts;
+        __sysv_signal(SIGTERM, [](int) { _exit(77); });
+        __sysv_signal(SIGUSR1, [](int) { _exit(0); });
+        std::raise(SIGTERM);
+        for (int i = 0; i < 1000 && !interrupts.token().stop_requested(); ++i)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (interrupts.token().stop_requested()) std::raise(SIGUSR1); // which it does get
+        _exit(78);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 0);
+}
+
+TEST_CASE("run, live and check end while a large graph is read", "[tools]") {
+    const TemporaryFolder folder;
+    std::string text = R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 100000}, "nodes": {)";
+    for (int i = 0; i < 60000; ++i)
+        text += "\"m" + std::to_string(i) + R"(": {"type": "polyCube", "inputs": {"width": 2}},)";
+    write_text(folder / "graph.json", text + R"("s": {"type": "zSolver"}}})");
+    const std::string graph = (folder / "graph.json").string(), said = (folder / "said").string();
+    for (const char* command : {"run", "live", "check"}) {
+        CAPTURE(command);
+        const pid_t child = fork();
+        REQUIRE(child >= 0);
+        if (child == 0) {
+            dup2(open(said.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600), STDERR_FILENO);
+            execl(SINEW_PROGRAM, SINEW_PROGRAM, command, graph.c_str(), nullptr);
+            _exit(127);
+        }
+        for (int i = 0; i < 5000 && !listens(child); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+        kill(child, command == std::string("run") ? SIGTERM : SIGINT);
+        int status = 0;
+        waitpid(child, &status, 0);
+        REQUIRE(WIFEXITED(status));
+        CHECK(WEXITSTATUS(status) == 4);
+        CHECK(read_text(said).ends_with("cancelled\n"));
+    }
 }
 
 TEST_CASE("a second interrupt ends at once", "[tools]") {

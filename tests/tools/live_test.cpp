@@ -7,12 +7,14 @@
 #include "tests/tools/program.h"
 #include "tools/live/watched_files.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <httplib.h>
+#include <set>
 #include <thread>
 
 using namespace sinew;
@@ -22,7 +24,12 @@ using namespace std::chrono_literals;
 
 namespace {
 
-void write(const std::filesystem::path& file, const std::string& text) { std::ofstream(file) << text; }
+/// All at once: a program that looks meanwhile must not find half of it.
+void write(const std::filesystem::path& file, const std::string& text) {
+    const std::filesystem::path aside = file.string() + ".new";
+    std::ofstream(aside) << text;
+    std::filesystem::rename(aside, file);
+}
 
 /// The program at work, and what it answers.
 struct Live {
@@ -75,6 +82,12 @@ TEST_CASE("live: only who knows the token and asks for this machine is answered"
     const httplib::Headers elsewhere{{"Host", "example.org:" + std::to_string(live.port)}};
     CHECK(live.http->Get(live.root + "status", elsewhere)->status == 403);
     CHECK(live.http->Post(live.root + "save", elsewhere, "{}", "application/json")->status == 403);
+    // Behind a tunnel it is another port of this machine, and never another name.
+    for (const char* host : {"127.0.0.1:9000", "localhost:9000", "localhost", "[::1]:9000"})
+        CHECK(live.http->Get(live.root + "status", {{"Host", host}})->status == 200);
+    for (const char* host :
+         {"127.0.0.1.example.org:9000", "localhost.example.org", "example.org", "127.0.0.1:", "127.0.0.2"})
+        CHECK(live.http->Get(live.root + "status", {{"Host", host}})->status == 403);
     CHECK(live.http->Get(live.root)->get_header_value("Content-Security-Policy").find("default-src 'none'") == 0);
     CHECK(live.http->Get(live.root)->get_header_value("Cache-Control") == "no-store");
 }
@@ -184,6 +197,122 @@ TEST_CASE("live: changes are kept apart from the file until they are written, an
     CHECK(live.post("discard", {}) == 200);
     CHECK(live.status()["changes"].empty());
     CHECK(read_text(file) == written);
+}
+
+TEST_CASE("live: what is written changes nothing else of the file, and nothing is written without changes", "[live]") {
+    const TemporaryFolder folder;
+    const std::string file = (folder / "mine.json").string();
+    const std::string text = R"(// by hand
+{ "format": "sinew 1", "timing": { "fps" : 24,"start":1, "end": 3 },
+  "nodes": {
+    "ball": { "type": "polySphere", "inputs": { "radius": 1.0 } }, // a default, written out
+      "flesh" : {"type": "zMaterial",   "inputs": { "massDensity": { "value": 1.060, "unit": "g/cm^3" }, "poissonsRatio": 0.40,
+          "youngsModulus": { "keys": [[1, 1.0e1], [3, 30.50]], "unit": "kPa" } // stiffer and stiffer
+      } },
+    "tissue": { "type": "zTissue", "inputs": { "mesh": { "from": "ball.outMesh" }, "materials": [ { "from": "flesh.outMaterial" } ] } },
+    "solver": { "type": "zSolver", "inputs": { "bodies": [ { "from": "tissue.outBody" } ] } } } }
+)";
+    write(file, text);
+    const Live live({"live", file, "--no-cache"});
+    live.ended(1);
+    const auto before = std::filesystem::last_write_time(file);
+    CHECK(live.post("save", {}) == 200);
+    CHECK(std::filesystem::last_write_time(file) == before);
+    const auto change = [&](json what) { CHECK(live.post("change", what) == 200); };
+    change({{"node", "flesh"}, {"attribute", "massDensity"}, {"value", {{"value", 1.1}, {"unit", "g/cm^3"}}}});
+    change({{"node", "flesh"}, {"attribute", "youngsModulus"}, {"value", 20100}, {"frame", 2}}); // in Pa
+    change({{"node", "solver"}, {"attribute", "substeps"}, {"value", 2}});
+    change({{"node", "ball"}, {"attribute", "radius"}, {"value", 1}}); // as it is
+    CHECK(live.post("save", {}) == 200);
+    std::string wanted = text;
+    const auto put = [&](const std::string& from, const std::string& to) {
+        wanted.replace(wanted.find(from), from.size(), to);
+    };
+    put("1.060", "1.1");
+    put("[3, 30.50]", "[2, 20.1], [3, 30.50]");
+    put(R"({ "from": "tissue.outBody" } ])", R"({ "from": "tissue.outBody" } ], "substeps": 2)");
+    CHECK(read_text(file) == wanted);
+    CHECK(live.status()["changes"].empty());
+}
+
+TEST_CASE("live: a change that no longer fits is told, and what the reader noted is kept beside it", "[live]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["strange"] = {{"type", "zNobodyKnows"}}; // noted
+    const std::string file = write_graph(folder, graph);
+    const Live live({"live", file, "--no-cache", "--frames", "1"});
+    live.ended(1);
+    CHECK(live.post("change", {{"node", "flesh"}, {"attribute", "youngsModulus"}, {"value", 5000}}) == 200);
+    live.ended(2);
+    json without = graph;
+    without["nodes"]["meat"] = without["nodes"]["flesh"];
+    without["nodes"].erase("flesh");
+    without["nodes"]["block"]["inputs"]["materials"][0]["from"] = "meat.outMaterial";
+    write(file, without.dump());
+    const std::string saved = read_text(file);
+    const json wrong = live.ended(3);
+    CHECK(wrong["state"] == "wrong");
+    const json& told = wrong["diagnostics"].back();
+    CHECK(told["code"] == "DG175");
+    CHECK(told["node"] == "flesh");
+    CHECK(told["attribute"] == "youngsModulus");
+    CHECK(told["message"].get<std::string>().find("5000") != std::string::npos);
+    CHECK(live.post("save", {}) == 422);
+    CHECK(live.post("change", {{"node", "meat"}, {"attribute", "youngsModulus"}, {"value", 6000}}) == 422);
+    CHECK(read_text(file) == saved);
+    CHECK(live.post("discard", {}) == 200);
+    CHECK(live.ended(4)["state"] == "ready");
+    // A run that is wrong keeps what was noted of the file.
+    without["nodes"]["meat"]["inputs"]["youngsModulus"] = 5000;
+    without["nodes"]["plateMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", "none.obj"}}}};
+    write(file, without.dump());
+    const json broken = live.ended(5);
+    CHECK(broken["state"] == "wrong");
+    std::set<std::string> codes;
+    for (const json& d : broken["diagnostics"]) codes.insert(d["code"].get<std::string>());
+    CHECK(codes == std::set<std::string>{"DG010", "IO401"});
+}
+
+TEST_CASE("live: who asks for a part of a page gets all of it", "[live]") {
+    const TemporaryFolder folder;
+    const Live live({"live", write_graph(folder, small_graph()), "--no-cache", "--frames", "1"});
+    live.ended(1);
+    const std::string whole = live.http->Get(live.root + "page/1")->body;
+    REQUIRE(whole.size() > 100);
+    const auto part = [&](const std::string& range) {
+        return live.http->Get(live.root + "page/1", httplib::Headers{{"Range", "bytes=" + range}});
+    };
+    const std::string size = std::to_string(whole.size());
+    for (const std::string& range :
+         {std::string("10-19"), std::string("-0"), std::string("0-0"), size + "-", "5-" + size + "0", size + "0-",
+          std::string("-") + size + "0", std::string("0-1,3-4")}) {
+        CAPTURE(range);
+        const auto answer = part(range);
+        REQUIRE(answer);
+        CHECK(answer->status == 200);
+        CHECK(answer->body == whole);
+    }
+}
+
+TEST_CASE("live: changes from several pages at once are all kept", "[live]") {
+    const TemporaryFolder folder;
+    const json graph = small_graph();
+    const Live live({"live", write_graph(folder, graph), "--no-cache", "--frames", "1"});
+    live.ended(1);
+    std::vector<std::jthread> pages;
+    std::atomic<int> accepted = 0;
+    for (int page = 0; page < 4; ++page)
+        pages.emplace_back([&, page] {
+            httplib::Client http("127.0.0.1", live.port);
+            const json change = {
+                {"node", "flesh"}, {"attribute", "massDensity"}, {"value", 1000 + page}, {"frame", page + 1}};
+            for (int again = 0; again < 3; ++again)
+                if (const auto answer = http.Post(live.root + "change", change.dump(), "application/json"))
+                    accepted += answer->status == 200;
+        });
+    pages.clear();
+    CHECK(accepted == 12);
+    CHECK(live.status()["changes"].size() == 4);
 }
 
 TEST_CASE("live: included graphs are watched, told with their overrides, and may be broken at first", "[live]") {

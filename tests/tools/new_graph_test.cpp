@@ -2,6 +2,7 @@
 // runs.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
+#include "tools/rig/kinds.h"
 #include "tools/rig/rig_text.h"
 
 #include <catch2/catch.hpp>
@@ -91,7 +92,7 @@ constexpr Place humerus{{-2, -2, -2}, {1, 2, 30}}, ulna{{29, -2, -2}, {32, 2, 24
 bool checks_right(const std::string& graph) {
     const Said said = run_program({"check", graph, "--no-cache", "--json"});
     UNSCOPED_INFO(said.out);
-    return said.code == 0 && said.lines().size() == 1;
+    return said.code == 0 && said.lines().size() == 1 && run_program({"fmt", "--check", graph}).code == 0;
 }
 
 /// Two bones and a muscle from one to the other, in cm.
@@ -110,7 +111,7 @@ struct SmallRig {
         words.insert(words.end(), more.begin(), more.end());
         return run_program(words);
     }
-    /// No error, and no warning either.
+    /// No error, no warning, and laid out as `sinew fmt` does it.
     bool is_right() const { return checks_right(graph); }
 };
 
@@ -146,7 +147,7 @@ TEST_CASE("new rig: a mesh with a hole is wrapped, as narrow as closes it, and t
     CHECK(volume > modelled);
     CHECK(volume < modelled * 1.4);
     CHECK(std::any_of(made.notes.begin(), made.notes.end(), [](const auto& d) { return d.code == "DG163"; }));
-    CHECK(has(rig::rig_text(made, {}), "\"bicepsMesh\": {\"type\": \"zIsoMesh\""));
+    CHECK(has(rig::rig_text(made, {}), "\"bicepsMesh\": { \"type\": \"zIsoMesh\""));
 }
 
 TEST_CASE("new rig: a mesh turned inside out is made anew, one that is only split along its edges is not",
@@ -287,7 +288,7 @@ TEST_CASE("new rig: what is odd is named, in the graph, too, and left out or mad
     const std::string text = read_text(rig.graph);
     CHECK_FALSE(has(text, "\"copyOfBiceps\""));
     CHECK(has(text, "\"ulnaMuscle\""));
-    CHECK(has(text, "\"stray\": {\"type\": \"zTissue\", \"inputs\": {\n      \"enable\": false"));
+    CHECK(has(text, "\"stray\": { \"type\": \"zTissue\", \"inputs\": {\n        \"enable\": false"));
     CHECK_FALSE(has(text, "strayTo"));
     CHECK(has(text, "// Not sure: stray: "));
     CHECK(rig.is_right());
@@ -303,8 +304,8 @@ TEST_CASE("new rig: overrides by pattern arrive in the graph, the last one count
     INFO(said.out << said.err);
     REQUIRE(said.code == 0);
     const std::string text = read_text(rig.graph);
-    CHECK(has(text, R"("bicepsMesh.outMesh"}, "tetSize": 2.5})"));
-    CHECK(has(text, R"("tricepsMesh.outMesh"}, "tetSize": 3})"));
+    CHECK(has(text, R"("bicepsMesh.outMesh" }, "tetSize": 2.5 })"));
+    CHECK(has(text, R"("tricepsMesh.outMesh" }, "tetSize": 3 })"));
     CHECK(has(text, "\"bicepsToUlna\""));
     CHECK_FALSE(has(text, "\"bicepsToHumerus\""));
     CHECK(has(text, R"("youngsModulus": 20000)"));
@@ -331,6 +332,41 @@ TEST_CASE("patterns and units of new graphs", "[tools][rig]") {
     CHECK(rig::camel_case("Äöü") == "mesh");
 }
 
+TEST_CASE("new rig: folders that are swapped, and a unit that cannot be meant, are told", "[tools][rig]") {
+    const SmallRig rig(10); // in mm
+    const auto new_rig = [&](const std::string& bones, const std::string& muscles, const std::string& unit) {
+        return run_program({"new", "rig", bones, muscles, "--unit", unit, "-o", rig.graph, "--force"}).err;
+    };
+    CHECK_FALSE(has(new_rig(rig.bones, rig.muscles, "mm"), "DG17"));
+    const std::string swapped = new_rig(rig.muscles, rig.bones, "mm");
+    CHECK(has(swapped, "DG177"));
+    CHECK(has(swapped, "biceps.obj' was given as a bone"));
+    const std::string in_metres = new_rig(rig.bones, rig.muscles, "m");
+    CHECK(has(in_metres, "DG176"));
+    CHECK(has(in_metres, "in mm it would be"));
+    CHECK_FALSE(has(new_rig(rig.bones, rig.muscles, "cm"), "DG177"));
+
+    using rig::Kind;
+    using rig::kind_told_by;
+    for (const char* bone : {"humerus", "Ulna_L", "leftFemur01", "R_Scapula", "bones", "ribs", "first_metacarpal"})
+        CHECK(kind_told_by(bone) == Kind::bone);
+    for (const char* muscle : {"extensor_carpi_ulnaris", "tibialis_anterior", "Biceps", "subscapularis",
+                               "fibularisLongus", "muscles", "brachioradialis", "rectus_femoris", "triceps_tendon"})
+        CHECK(kind_told_by(muscle) == Kind::muscle);
+    for (const char* neither : {"mesh1", "ulnaris", "left", "", "muscle_on_bone"}) CHECK_FALSE(kind_told_by(neither));
+}
+
+TEST_CASE("new layers: a tissue that lies along its bone all over is held by its nearer half", "[tools][rig]") {
+    const TemporaryFolder folder;
+    const std::string bone = folder / "femur.obj", fat = folder / "fat.obj", graph = folder / "layers.json";
+    write_text(bone, box({{-2, 0, -2}, {2, 40, 2}}, {2, 10, 2}));
+    write_text(fat, box({{2, 12, -2}, {2.4, 24, 2}}, {2, 12, 4})); // thinner than what counts as touching
+    const Said said = run_program({"new", "layers", fat, "--bones", bone, "--unit", "cm", "-o", graph});
+    INFO(said.out << said.err);
+    REQUIRE(said.code == 0);
+    CHECK(checks_right(graph)); // no FE264: a tissue all of whose surface is attached
+}
+
 TEST_CASE("new muscle: one muscle and its bones", "[tools][rig]") {
     const SmallRig rig;
     const std::string bones = rig.bones;
@@ -342,6 +378,8 @@ TEST_CASE("new muscle: one muscle and its bones", "[tools][rig]") {
     CHECK(run_program({"run", rig.graph, "--frames", "1-4", "--no-cache"}).code == 0);
     CHECK(run_program({"new", "muscle", rig.muscles + "/biceps.obj", "-o", rig.folder / "x.json"}).code == 2);
     CHECK(run_program({"new", "muscle", bones, rig.muscles, "-o", rig.folder / "x.json"}).code == 2);
+    CHECK(has(run_program({"new", "muscle", rig.muscles + "/biceps.obj", "-o", rig.folder / "x.json"}).err,
+              "`sinew new muscle BONE… MUSCLE -o FILE`"));
 }
 
 TEST_CASE("new cloth: a cloth falls on a body and stays above it", "[tools][rig]") {
@@ -378,6 +416,13 @@ TEST_CASE("new cloth: a cloth falls on a body and stays above it", "[tools][rig]
     write_text(body, box({{-20, 0, -20}, {20, 30, 20}}, {4, 1, 4}));
     write_text(cloth, sheet.str());
     CHECK(has(run_program({"new", "cloth", body, cloth, "-o", graph, "--force"}).err, "DG162"));
+    // Only the last mesh is the cloth.
+    const std::string first = folder / "first.obj";
+    write_text(first, sheet.str());
+    write_text(body, box({{-20, 0, -20}, {20, 10, 20}}, {4, 1, 4}));
+    write_text(cloth, sheet.str() + "v 0 10.5 31\nf 73 82 74\n");
+    const std::string two = run_program({"new", "cloth", body, first, cloth, "-o", graph, "--force"}).err;
+    CHECK(has(two, "If first is a cloth, too: only the last mesh is made one"));
     CHECK(run_program({"new", "cloth", body, cloth, "-o", graph, "--force", "--set", "a:b=1"}).code == 2);
 }
 

@@ -142,6 +142,21 @@ TEST_CASE("a contact sheet holds every shot with its label, all seen by one came
     CHECK(label_pixels > 40);
 }
 
+TEST_CASE("a contact sheet of three or five pictures has no hole", "[tools]") {
+    const Look look{Eigen::Vector3f(0.6f, 0.5f, 0.4f), 0, 0.1f};
+    const Shot shot{"", {surface_of(solver::make_sphere(1, 16, 10), look, Vec3(0, 0, 0))}};
+    const auto in_gaps = [&](std::size_t count) {
+        const Image sheet = contact_sheet(std::vector<Shot>(count, shot), {0, 0}, 400, 300, 1);
+        int out = 0;
+        for (int y = 0; y < 300; ++y)
+            for (int x = 0; x < 400; ++x) out += sheet.at(x, y) == Pixel{8, 9, 11};
+        return out;
+    };
+    CHECK(in_gaps(3) == 2 * 2 * 300);               // three beside each other: two gaps of two pixels
+    CHECK(in_gaps(5) == 2 * 400 + 2 * 2 * 300 - 8); // two rows of three cells, one of them empty
+    CHECK(in_gaps(4) == 2 * 400 + 2 * 300 - 4);
+}
+
 TEST_CASE("a picture does not depend on the number of threads", "[tools]") {
     const Look look{Eigen::Vector3f(0.5f, 0.2f, 0.2f), 0, 0.4f};
     Image one(1, 1), two(1, 1);

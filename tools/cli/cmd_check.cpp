@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/doubts.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/mesh_report.h"
@@ -91,6 +92,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
 }
 
 ExitCode check(const Invocation& in) {
+    const Departure departure(in.stop, "sinew check", in.arguments.has("--json"));
     if (in.arguments.has("--fast") && in.arguments.has("--meshes"))
         throw UsageError("--meshes looks at meshes, which --fast does not load.");
     const std::vector<std::string> files = in.arguments.operands_from(0);

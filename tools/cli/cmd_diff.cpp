@@ -43,6 +43,9 @@ void print(const Difference& d, std::ostream& out) {
     case Kind::renamed:
         out << d.before << " is called " << d.after << "\n";
         return;
+    case Kind::prefix:
+        out << "the include " << d.before << " is called " << d.after << "\n";
+        return;
     case Kind::type:
         out << d.node << ": type " << d.before << " → " << d.after << "\n";
         return;
@@ -54,7 +57,7 @@ void print(const Difference& d, std::ostream& out) {
 }
 
 nlohmann::ordered_json as_json(const Difference& d) {
-    static constexpr const char* kinds[] = {"timing", "added", "removed", "renamed", "type", "input"};
+    static constexpr const char* kinds[] = {"timing", "added", "removed", "renamed", "type", "input", "prefix"};
     nlohmann::ordered_json out = {{"event", "difference"}, {"kind", kinds[static_cast<int>(d.kind)]}};
     if (!d.node.empty()) out["node"] = d.node;
     if (!d.attribute.empty()) out["attribute"] = d.attribute;

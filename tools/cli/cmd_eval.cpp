@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
@@ -24,6 +25,7 @@ double frame_of(const Arguments& arguments, int otherwise) {
 }
 
 ExitCode evaluate(const Invocation& in) {
+    const Departure departure(in.stop, "sinew eval", in.arguments.has("--json"));
     const bool json = in.arguments.has("--json");
     OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, json, in.out, in.err);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
@@ -26,6 +27,7 @@ std::string_view word_of(engine::Readiness readiness) {
 }
 
 ExitCode explain(const Invocation& in) {
+    const Departure departure(in.stop, "sinew explain", in.arguments.has("--json"));
     const bool json = in.arguments.has("--json");
     OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, json, in.out, in.err);

@@ -2,11 +2,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/open_graph.h"
 #include "tools/live/server.h"
 
 #include <algorithm>
 #include <cstdlib>
+#include <optional>
 #include <ostream>
 #include <spawn.h>
 #include <sys/wait.h>
@@ -29,6 +31,7 @@ void show_in_browser(const std::string& address) {
 
 ExitCode live(const Invocation& in) {
     const Arguments& arguments = in.arguments;
+    std::optional<Departure> departure(std::in_place, in.stop, "sinew live", false); // to open a graph may take long
     live::Options options;
     options.file = arguments.operand(0).value();
     options.open = [&arguments](std::vector<engine::Diagnostic>& notes) {
@@ -55,6 +58,8 @@ ExitCode live(const Invocation& in) {
     live::Server server(session, port);
     in.out << "open " << server.address() << "\nCtrl-C ends it\n" << std::flush;
     if (arguments.has("--open")) show_in_browser(server.address());
+    // To end it is no failure, and frames and files are written whole or not at all.
+    departure.emplace(in.stop, "sinew live", false, done);
     server.serve(in.stop);
     return done;
 }

@@ -152,7 +152,7 @@ std::pair<std::vector<std::string>, std::string> all_and_last(const Invocation& 
                                                               const std::string& others) {
     std::vector<std::string> meshes = in.arguments.operands_from(1);
     if (meshes.size() < 2)
-        throw UsageError("two meshes at least are meant: `sinew new " + kind + " " + others + "… -o FILE`.");
+        throw UsageError("two meshes at least are meant: `sinew new " + kind + " " + others + " -o FILE`.");
     const std::string last = meshes.back();
     std::error_code error;
     if (fs::is_directory(last, error)) throw UsageError("'" + last + "' is a folder; one " + kind + " is meant.");
@@ -209,8 +209,12 @@ Command new_command() {
     return {
         "new",
         "write a graph to begin with around meshes that are there",
-        {{"KIND", "rig: all muscles of a folder on the bones of another"},
-         {"MESHES", "rig: a folder of bones and a folder of muscles", false, true}},
+        {{"KIND", "rig: all muscles of a folder on the bones of another; muscle: one of them; cloth: one sheet over "
+                  "bodies; layers: tissues, fascia and skin"},
+         {"MESHES",
+          "rig: a folder of bones and a folder of muscles; muscle: bones, then the muscle; cloth: bodies that "
+          "it lies on, then the cloth, which is the last one; layers: the tissues",
+          false, true}},
         {{"--out", "FILE", "the graph file to write", false, 'o'},
          {"--force", "", "write over a file that is there"},
          {"--bones", "PATH", "rig: further bones, a mesh file or a folder; layers: the bones", true},

@@ -3,6 +3,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
@@ -91,8 +92,9 @@ ProgressStyle style_of(const Arguments& arguments) {
 
 class Run {
   public:
-    Run(const Invocation& in, Plan plan)
+    Run(const Invocation& in, Departure& departure, Plan plan)
         : in_(in)
+        , departure_(departure)
         , plan_(std::move(plan))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
@@ -106,10 +108,12 @@ class Run {
             report_.bodies = connected(*plan_.graph, plan_.solvers.front(), "bodies");
             report_.attachments = connected(*plan_.graph, plan_.solvers.front(), "attachments");
         }
+        departure_.closes_by([this] { end_early(std::make_exception_ptr(engine::Cancelled())); });
     }
+    ~Run() { departure_.forbid(); }
+    Run(const Run&) = delete;
 
     ExitCode operator()() {
-        const Clock::time_point start = Clock::now();
         try {
             if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
             if (const auto file = in_.arguments.value("--report")) check_writable_file(*file, "--report");
@@ -120,19 +124,15 @@ class Run {
             if (!plan_.out.empty()) expect_sizes();
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
             begin_output();
-            report_.setup_s = seconds_since(start);
             for (const int frame : plan_.frames) evaluate(frame);
         } catch (...) {
-            // The finished frames stay, and the report says what was done up to here.
-            report_.wall_s = seconds_since(start);
-            report_.computed = progress_.computed_by_type();
-            report_.error = describe(std::current_exception());
-            progress_.clear();
-            if (has_begun_) close_after_failure();
+            const auto here = departure_.hold();
+            end_early(std::current_exception());
             throw;
         }
+        departure_.forbid(); // all is there: what follows only writes it
         close();
-        report_.wall_s = seconds_since(start);
+        report_.wall_s = seconds_since(start_);
         report_.computed = progress_.computed_by_type();
         write_report();
         if (!plan_.out.empty()) mark_finished(plan_.out, mark());
@@ -166,8 +166,21 @@ class Run {
             output_.expect(*plan_.graph, plug, evaluator_.pull({plan_.graph, plug, frame, in_.stop}));
     }
 
+    /// The finished frames stay, and the report says what was done up to here. Also called by another thread while the
+    /// run's own computes: whatever is read here is changed under Departure::hold.
+    void end_early(const std::exception_ptr& why) {
+        if (std::exchange(has_ended_, true)) return;
+        report_.wall_s = seconds_since(start_);
+        report_.computed = progress_.computed_by_type();
+        report_.error = describe(why);
+        progress_.clear();
+        if (has_begun_) close_after_failure();
+    }
+
     /// From here on there is something to close, and a run that is killed leaves its mark.
     void begin_output() {
+        const auto here = departure_.hold();
+        report_.setup_s = seconds_since(start_);
         has_begun_ = true;
         if (!plan_.out.empty()) mark_unfinished(plan_.out, mark());
         if (!in_.arguments.has("--open")) return;
@@ -188,7 +201,10 @@ class Run {
     }
 
     void evaluate(int frame) {
-        frame_ = frame;
+        {
+            const auto here = departure_.hold();
+            frame_ = frame;
+        }
         progress_.begin_frame(frame);
         const Clock::time_point start = Clock::now();
         FrameReport f;
@@ -199,13 +215,14 @@ class Run {
             values.push_back(evaluator_.pull({plan_.graph, plug, static_cast<double>(frame), in_.stop}));
             digest.add(values.back().digest());
         }
+        std::optional<nodes::SolveReport> size;
         if (!plan_.solvers.empty()) {
             const engine::Value value = evaluator_.pull(
                 {plan_.graph, {plan_.solvers.front(), "outReport"}, static_cast<double>(frame), in_.stop});
-            report_.size = value.as<nodes::SolveReport>();
-            f.step = report_.size->record;
-            f.worst = report_.size->worst;
-            f.lines = report_.size->lines;
+            size = value.as<nodes::SolveReport>();
+            f.step = size->record;
+            f.worst = size->worst;
+            f.lines = size->lines;
             // A frame is as good as the worst of its solvers.
             for (std::size_t k = 1; k < plan_.solvers.size(); ++k) {
                 const engine::Value other = evaluator_.pull(
@@ -217,6 +234,8 @@ class Run {
         }
         f.wall_s = seconds_since(start);
         f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
+        const auto here = departure_.hold();
+        if (size) report_.size = std::move(size);
         if (!plan_.out.empty())
             for (std::size_t i = 0; i < values.size(); ++i) output_.add(*plan_.graph, plan_.plugs[i], frame, values[i]);
         if (page_scene_) page_scene_->add(frame); // now, while all is there: a long run does not fit into memory
@@ -315,6 +334,7 @@ class Run {
     }
 
     const Invocation& in_;
+    Departure& departure_;
     const Plan plan_;
     const bool json_;
     Progress progress_;
@@ -323,14 +343,16 @@ class Run {
     RunReport report_;
     std::unique_ptr<viewer::GraphCollector> page_scene_; ///< for --open
     fs::path page_;                                      ///< written for --open
-    int frame_ = 0;                                      ///< the one at work
-    bool has_begun_ = false;
+    const Clock::time_point start_ = Clock::now();
+    int frame_ = 0; ///< the one at work
+    bool has_begun_ = false, has_ended_ = false;
 };
 
 ExitCode run_graph(const Invocation& in) {
+    Departure departure(in.stop, "sinew run", in.arguments.has("--json"));
     OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, in.arguments.has("--json"), in.out, in.err);
-    return Run(in, make_plan(in.arguments, open.graph))();
+    return Run(in, departure, make_plan(in.arguments, open.graph))();
 }
 
 } // namespace

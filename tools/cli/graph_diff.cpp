@@ -41,6 +41,17 @@ std::string_view local_name(std::string_view name) {
     return dot == std::string_view::npos ? name : name.substr(dot + 1);
 }
 
+/// "a.left.arm.biceps" and "a.right.arm.biceps" -> "a.left" and "a.right"; empty where not just a prefix differs.
+std::pair<std::string, std::string> prefixes(const std::string& from, const std::string& to) {
+    std::size_t same = 0; // bytes from the end, whole parts with the dot in front
+    for (std::size_t n = 1; n <= std::min(from.size(), to.size()); ++n) {
+        if (from[from.size() - n] != to[to.size() - n]) break;
+        if (from[from.size() - n] == '.') same = n;
+    }
+    if (same == 0 || same == from.size() || same == to.size()) return {};
+    return {from.substr(0, from.size() - same), to.substr(0, to.size() - same)};
+}
+
 /// Nodes that only one graph has, and how many of those they wait for.
 class Unmatched {
   public:
@@ -92,6 +103,7 @@ class Comparison {
             if (!names_.contains(name)) add({Difference::Kind::removed, name, "", a_.find(name)->type_name, "", ""});
         for (const std::string& name : b_.node_names())
             if (!found.contains(name)) add({Difference::Kind::added, name, "", "", b_.find(name)->type_name, ""});
+        renamed_prefixes();
         for (const std::string& name : a_.node_names())
             if (const auto match = names_.find(name); match != names_.end()) node(name, match->second);
         return std::move(out_);
@@ -192,9 +204,28 @@ class Comparison {
 
     // ---- what they say ----
 
+    /// Prefixes all of whose nodes are called otherwise in the same way: one difference each.
+    void renamed_prefixes() {
+        std::map<std::pair<std::string, std::string>, std::size_t> renamed;
+        std::map<std::string, std::size_t> below; // how many nodes are below each prefix of the first graph
+        for (const std::string& name : a_.node_names()) {
+            for (std::size_t dot = name.find('.'); dot != name.npos; dot = name.find('.', dot + 1))
+                ++below[name.substr(0, dot)];
+            const auto match = names_.find(name);
+            if (match == names_.end() || match->second == name) continue;
+            if (auto pair = prefixes(name, match->second); !pair.first.empty()) ++renamed[std::move(pair)];
+        }
+        for (const auto& [pair, count] : renamed)
+            if (count == below[pair.first]) {
+                add({Difference::Kind::prefix, pair.second, "", pair.first, pair.second, ""});
+                prefixes_.insert(pair);
+            }
+    }
+
     void node(const std::string& from, const std::string& to) {
         const Node &a = *a_.find(from), &b = *b_.find(to);
-        if (from != to) add({Difference::Kind::renamed, to, "", from, to, ""});
+        if (from != to && !prefixes_.contains(prefixes(from, to)))
+            add({Difference::Kind::renamed, to, "", from, to, ""});
         if (a.type_name != b.type_name) add({Difference::Kind::type, to, "", a.type_name, b.type_name, ""});
         if (!a.type || !b.type) {
             if (a.type_name == b.type_name && !same_json(a.raw_json, b.raw_json))
@@ -275,6 +306,7 @@ class Comparison {
 
     const Graph &a_, &b_;
     Names names_;
+    std::set<std::pair<std::string, std::string>> prefixes_; ///< that are told as such
     engine::FileDigests files_;
     std::vector<Difference> out_;
 };

@@ -9,12 +9,13 @@
 namespace sinew::cli {
 
 struct Difference {
-    enum class Kind { timing, added, removed, renamed, type, input };
+    /// `prefix`: an include that is called otherwise, with all its nodes.
+    enum class Kind { timing, added, removed, renamed, type, input, prefix };
     Kind kind = Kind::input;
     std::string node;      ///< as the second graph calls it; removed ones as the first
     std::string attribute; ///< Kind::input, Kind::timing
-    /// What stands there in the first and the second graph: JSON at inputs (empty: nothing is connected), a name or a
-    /// type at the other kinds.
+    /// What stands there in the first and the second graph: JSON at inputs (empty: nothing is connected), a name, a
+    /// prefix or a type at the other kinds.
     std::string before, after;
     std::string unit; ///< of the numbers in `before` and `after`; may be empty
 };

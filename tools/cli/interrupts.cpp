@@ -12,6 +12,18 @@
 #include <string_view>
 #include <unistd.h>
 
+// METIS, which orders matrices for CHOLMOD, sets a handler for SIGTERM in each call (by this function of the C
+// library), which jumps to where the call began: from another thread into a stack that is not its own. So SIGTERM stays
+// with us; what METIS wants of other signals it gets. The program must export this (tools/CMakeLists.txt).
+extern "C" __sighandler_t __sysv_signal(int number, __sighandler_t handler) noexcept {
+    struct sigaction before {
+    }, action{};
+    action.sa_handler = handler;
+    action.sa_flags = static_cast<int>(SA_RESETHAND | SA_NODEFER);
+    if (sigaction(number, number == SIGTERM ? nullptr : &action, &before) != 0) return SIG_ERR;
+    return before.sa_handler;
+}
+
 namespace sinew::cli {
 
 namespace {

@@ -3,6 +3,7 @@
 #include "solver/linear/blas_kernel.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/interrupts.h"
 #include "tools/cli/print.h"
 
@@ -41,8 +42,7 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         print_diagnostics(e.diagnostics(), json, std::cout, std::cerr);
         return graph_wrong;
     } catch (const engine::Cancelled&) {
-        if (json) std::cout << "{\"event\":\"cancelled\"}\n";
-        std::cerr << name << ": cancelled\n";
+        tell_cancelled(name, json);
         return cancelled;
     } catch (const std::bad_alloc&) {
         std::cerr << name << ": there is not enough memory for this\n";

@@ -97,7 +97,13 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
         for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
-        loaded.graph = edit.commit().graph;
+        try {
+            loaded.graph = edit.commit().graph;
+        } catch (const engine::Failure& failure) { // what the reader noted may be why
+            std::vector<engine::Diagnostic> all = std::move(loaded.notes);
+            all.insert(all.end(), failure.diagnostics().begin(), failure.diagnostics().end());
+            throw engine::Failure(std::move(all));
+        }
         // What was said of the timing holds for the graph as it is now.
         std::erase_if(loaded.notes, [](const engine::Diagnostic& d) { return d.code == "DG031"; });
         for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));

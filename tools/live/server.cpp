@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <regex>
 #include <thread>
 
 namespace sinew::live {
@@ -82,9 +83,11 @@ struct Server::Impl {
     explicit Impl(Session& s)
         : session(s) {}
 
-    bool is_for_us(const httplib::Request& request) const {
-        const std::string host = request.get_header_value("Host"), at = ":" + std::to_string(port);
-        return host == "127.0.0.1" + at || host == "localhost" + at;
+    /// A page from elsewhere that has a name of its own lead here (DNS rebinding) asks for that name. Any port will do:
+    /// behind a tunnel it is another one.
+    static bool is_for_us(const httplib::Request& request) {
+        const std::string host = request.get_header_value("Host");
+        return std::regex_match(host, std::regex(R"((127\.0\.0\.1|localhost|\[::1\])(:\d{1,5})?)"));
     }
 
     void route() {
@@ -97,6 +100,9 @@ struct Server::Impl {
             response.set_header("Cache-Control", "no-store");
             response.set_header("X-Content-Type-Options", "nosniff");
             response.set_header("Referrer-Policy", "no-referrer");
+            // Parts are not served: everything is answered whole, as any server may. The library would take a range
+            // that has no bytes, or more than there are, at its word. What it passes on is no constant object.
+            const_cast<httplib::Request&>(request).ranges.clear();
             if (is_for_us(request)) return httplib::Server::HandlerResponse::Unhandled;
             response.status = 403;
             return httplib::Server::HandlerResponse::Handled;

@@ -3,6 +3,11 @@
 
 #include "engine/atomic_file.h"
 #include "engine/format/graph_file.h"
+#include "engine/format/graph_text.h"
+#include "engine/format/text_patch.h"
+#include "engine/units.h"
+#include "nodes/register_all.h"
+#include "tools/cli/graph_diff.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/problems.h"
 #include "tools/viewer/collect.h"
@@ -10,6 +15,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdio>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -67,14 +73,13 @@ engine::Diagnostic unwritable(const std::string& file, const std::string& why) {
     return d;
 }
 
-/// Types that this program does not know may be why.
-std::vector<engine::Diagnostic> nothing_to_show(std::vector<engine::Diagnostic> notes) {
+/// Types that this program does not know may be why, which the reader notes.
+engine::Diagnostic nothing_to_show() {
     engine::Diagnostic d;
     d.code = "DG019";
     d.message = "the graph has neither a zSolver nor a zEmbedder, so there is nothing to show";
     d.hint = "Add a zSolver with bodies.";
-    notes.push_back(d);
-    return notes;
+    return d;
 }
 
 } // namespace
@@ -219,35 +224,114 @@ bool is_keyed(const engine::Graph& graph, const engine::Plug& input) {
     return it != node->inputs.end() && std::holds_alternative<engine::Curve>(it->second);
 }
 
+std::shared_ptr<const engine::Graph> with_change(const std::shared_ptr<const engine::Graph>& graph, const Change& c) {
+    engine::Edit edit(graph);
+    if (c.frame && is_keyed(*graph, c.input)) {
+        const Json value = Json::parse(c.json);
+        if (!value.is_number() && !value.is_boolean()) {
+            engine::Diagnostic d;
+            d.code = "DG043";
+            d.node = c.input.node, d.attribute = c.input.attribute;
+            d.message = "a key among others needs a number, not " + c.json.substr(0, 100);
+            d.hint = "Set the input itself, without a frame, with all its keys.";
+            throw engine::Failure(d);
+        }
+        edit.set_key(c.input, *c.frame, value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>());
+    } else if (c.frame) {
+        // As a host sends it: the frames before stay as they are.
+        const auto read = engine::Edit(graph).set_json(c.input, c.json).commit().graph;
+        const engine::Binding& binding = read->find(c.input.node)->inputs.find(c.input.attribute)->second;
+        const auto* value = std::get_if<engine::Value>(&binding);
+        if (value)
+            edit.set_input(c.input, *c.frame, *value);
+        else
+            edit.set_json(c.input, c.json); // keys themselves
+    } else
+        edit.set_json(c.input, c.json);
+    return edit.commit().graph;
+}
+
+/// The graph was saved without what the change is for, say.
+engine::Diagnostic no_longer_fits(const Change& c, const engine::Diagnostic& why) {
+    engine::Diagnostic d;
+    d.code = "DG175";
+    d.node = c.input.node, d.attribute = c.input.attribute;
+    if (c.frame) d.frame = *c.frame;
+    d.message = "the change to " + c.json.substr(0, 100) +
+                ", made in the page and not yet in the file, no longer fits the file: " + why.message;
+    d.hint = "Nothing runs until the page's changes are discarded, or the file is such that this one fits again.";
+    return d;
+}
+
+/// Changes that were accepted earlier. Throws Failure with all that do not fit any more.
 std::shared_ptr<const engine::Graph> with_changes(std::shared_ptr<const engine::Graph> graph,
                                                   const std::vector<Change>& changes) {
+    std::vector<engine::Diagnostic> wrong;
     for (const Change& c : changes) {
-        engine::Edit edit(graph);
-        if (c.frame && is_keyed(*graph, c.input)) {
-            const Json value = Json::parse(c.json);
-            if (!value.is_number() && !value.is_boolean()) {
-                engine::Diagnostic d;
-                d.code = "DG043";
-                d.node = c.input.node, d.attribute = c.input.attribute;
-                d.message = "a key among others needs a number, not " + c.json.substr(0, 100);
-                d.hint = "Set the input itself, without a frame, with all its keys.";
-                throw engine::Failure(d);
-            }
-            edit.set_key(c.input, *c.frame, value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>());
-        } else if (c.frame) {
-            // As a host sends it: the frames before stay as they are.
-            const auto read = engine::Edit(graph).set_json(c.input, c.json).commit().graph;
-            const engine::Binding& binding = read->find(c.input.node)->inputs.find(c.input.attribute)->second;
-            const auto* value = std::get_if<engine::Value>(&binding);
-            if (value)
-                edit.set_input(c.input, *c.frame, *value);
-            else
-                edit.set_json(c.input, c.json); // keys themselves
-        } else
-            edit.set_json(c.input, c.json);
-        graph = edit.commit().graph;
+        try {
+            graph = with_change(graph, c);
+        } catch (const engine::Failure& failure) {
+            wrong.push_back(no_longer_fits(c, failure.diagnostics().front()));
+        }
     }
+    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
     return graph;
+}
+
+const engine::Binding* binding_at(const engine::Graph& graph, const engine::Plug& input) {
+    const engine::Node& node = *graph.find(input.node);
+    const auto it = node.inputs.find(input.attribute);
+    return it == node.inputs.end() ? nullptr : &it->second;
+}
+
+/// How a change may stand in the file, best first: as it was typed, else as Sinew writes it.
+std::vector<std::string> ways_to_write(const std::string& text, const engine::Graph& before, const engine::Graph& after,
+                                       const Change& c) {
+    const engine::AttributeInfo& info = *after.find(c.input.node)->type->find_input(c.input.attribute);
+    std::vector<std::optional<std::string>> ways;
+    if (!c.frame) ways.push_back(engine::with_input(text, c.input, c.json));
+    if (c.frame && is_keyed(before, c.input)) {
+        const auto unit = engine::keys_unit(text, c.input);
+        const auto factor = unit ? engine::unit_factor(*unit, info.unit) : std::nullopt;
+        const Json value = Json::parse(c.json);
+        if (factor && value.is_number()) {
+            char rounded[32]; // 1.2, not 1.2000000000000002, where that reads the same
+            std::snprintf(rounded, sizeof rounded, "%.15g", value.get<double>() / *factor);
+            ways.push_back(engine::with_key(text, c.input, *c.frame, rounded));
+            ways.push_back(engine::with_key(text, c.input, *c.frame, Json(value.get<double>() / *factor).dump()));
+        } else {
+            ways.push_back(engine::with_key(text, c.input, *c.frame, c.json));
+        }
+    }
+    const std::string folder = std::filesystem::path(after.file()).parent_path().string();
+    ways.push_back(engine::with_input(text, c.input, engine::binding_json(info, *binding_at(after, c.input), folder)));
+    std::vector<std::string> out;
+    for (std::optional<std::string>& way : ways)
+        if (way) out.push_back(std::move(*way));
+    return out;
+}
+
+/// The text of a graph file with the changes in it; what they do not touch is as it was.
+std::string written_into(std::string text, const std::string& file, const std::vector<Change>& changes) {
+    const auto registry = nodes::make_registry();
+    std::shared_ptr<const engine::Graph> graph = engine::read_graph(registry, text, file).graph;
+    for (const Change& c : changes) {
+        const std::shared_ptr<const engine::Graph> wanted = with_changes(graph, {c});
+        bool is_written = false;
+        for (std::string& way : ways_to_write(text, *graph, *wanted, c)) {
+            try { // it is read as it will be, so that no text can come to mean something else
+                auto read = engine::read_graph(registry, way, file).graph;
+                if (!cli::differences(*wanted, *read).empty()) continue;
+                graph = std::move(read);
+                text = std::move(way);
+                is_written = true;
+                break;
+            } catch (const engine::Failure&) {
+            }
+        }
+        if (!is_written) throw engine::Failure(unwritable(file, c.input.text() + " has no place in its text"));
+    }
+    return text;
 }
 
 } // namespace
@@ -271,8 +355,7 @@ void Session::start_anew() {
 void Session::change(const Change& change) {
     const std::lock_guard one_after_the_other(changing_);
     std::vector<engine::Diagnostic> notes;
-    std::shared_ptr<const engine::Graph> graph = changed(options_.open(notes));
-    with_changes(graph, {change});
+    with_change(changed(options_.open(notes)), change);
     {
         const std::lock_guard lock(mutex_);
         // The last word counts, and a whole input comes in place of its keys.
@@ -295,17 +378,19 @@ void Session::discard_changes() {
 
 void Session::save_changes() {
     const std::lock_guard one_after_the_other(changing_);
-    // The file as it is, without what the command line sets.
-    const std::shared_ptr<const engine::Graph> here = [&] {
+    std::vector<Change> changes;
+    {
         const std::lock_guard lock(mutex_);
-        return graph_;
-    }();
-    if (!here) return;
-    const std::shared_ptr<const engine::Graph> graph =
-        changed(engine::load_graph(here->registry_ptr(), options_.file).graph);
+        changes = changes_;
+    }
+    if (changes.empty()) return;
+    // The file as it is, without what the command line sets.
+    const engine::GraphText before = engine::graph_text(options_.file);
+    if (!before.code.empty()) throw engine::Failure(unwritable(options_.file, before.message));
+    const std::string text = written_into(before.text, options_.file, changes);
     try {
         const auto rights = std::filesystem::status(options_.file).permissions();
-        engine::write_file(options_.file, engine::write_graph(*graph));
+        if (text != before.text) engine::write_file(options_.file, text);
         std::error_code ignored; // on some file systems there are none
         std::filesystem::permissions(options_.file, rights, ignored);
     } catch (const std::exception& why) {
@@ -360,25 +445,28 @@ void Session::work(const std::stop_token& stop) {
             current_ = {};
             run_stop = current_.get_token();
         }
+        std::vector<engine::Diagnostic> notes;
         try {
-            run(run_stop);
+            run(run_stop, notes);
         } catch (const engine::Cancelled&) { // something newer is wanted
         } catch (const engine::Failure& failure) {
             tell([&](Status& s) {
                 s.state = "wrong", s.at_work.clear();
-                s.diagnostics.assign(failure.diagnostics().begin(), failure.diagnostics().end());
+                s.diagnostics = notes;
+                s.diagnostics.insert(s.diagnostics.end(), failure.diagnostics().begin(), failure.diagnostics().end());
+                cli::sort_by_place(s.diagnostics);
             });
         } catch (const std::exception& error) { // no memory, a file that went away while it was read
             tell([&](Status& s) {
                 s.state = "wrong", s.at_work.clear();
-                s.diagnostics.assign(1, {});
-                s.diagnostics.front().message = error.what();
+                s.diagnostics = notes;
+                s.diagnostics.emplace_back().message = error.what();
             });
         }
     }
 }
 
-void Session::run(const std::stop_token& stop) {
+void Session::run(const std::stop_token& stop, std::vector<engine::Diagnostic>& notes) {
     const auto start = Clock::now();
     watcher_->begin_run();
     tell([&](Status& s) {
@@ -387,7 +475,6 @@ void Session::run(const std::stop_token& stop) {
         s.done = s.simulated = 0, s.first_page_s = s.all_s = 0;
     });
     watch_what_is_named(); // before it is read: what is saved meanwhile begins another run
-    std::vector<engine::Diagnostic> notes;
     const std::shared_ptr<const engine::Graph> graph = changed(options_.open(notes));
     {
         const std::lock_guard lock(mutex_);
@@ -395,7 +482,7 @@ void Session::run(const std::stop_token& stop) {
         files_.watch(files_of(*graph));
     }
     const std::vector<std::string> shown = viewer::shown_nodes(*graph);
-    if (shown.empty()) throw engine::Failure(nothing_to_show(std::move(notes)));
+    if (shown.empty()) throw engine::Failure(nothing_to_show());
     const std::vector<std::string> needed = cli::upstream_of(*graph, shown);
     std::vector<engine::Diagnostic> problems = cli::find_problems(graph, *evaluator_, needed, stop);
     if (cli::has_error(problems)) throw engine::Failure(std::move(problems));

@@ -19,7 +19,8 @@ namespace sinew::live {
 
 struct Options {
     std::string file;
-    /// Reads the file anew, with the command line's settings. Throws Failure.
+    /// Reads the file anew, with the command line's settings. Throws Failure. Called by several threads at once: by the
+    /// one that simulates, and by whoever changes an attribute.
     std::function<std::shared_ptr<const engine::Graph>(std::vector<engine::Diagnostic>& notes)> open;
     std::vector<int> frames; ///< rising; empty: all of the graph's timing
     bool with_lattices = true;
@@ -34,6 +35,9 @@ struct Change {
     std::optional<int> frame; ///< a key there; else the input itself
 };
 
+/// Thread-safe: every function may be called by any thread at any time. Changes, discards and saves wait for each other
+/// (each reads the graph's file, which takes as long as that takes); everything else waits for nothing but a few
+/// assignments. Graphs are immutable and reading one shares nothing with other threads, so a run goes on meanwhile.
 class Session {
   public:
     explicit Session(Options options);
@@ -47,17 +51,20 @@ class Session {
     std::shared_ptr<const std::string> page() const;
     /// JSON: each node's type and inputs as they are now, with what the reference says of them.
     std::string nodes() const;
-    /// Throws Failure, with nothing changed, for what a graph file could not hold there.
+    /// Throws Failure, with nothing changed, for what a graph file could not hold there, and where an earlier change no
+    /// longer fits (DG175).
     void change(const Change& change);
     void discard_changes();
-    /// Writes them into the graph file, which keeps its order and comments. Throws Failure: a file that cannot be read
-    /// or written, or that has changed so that they do not fit.
+    /// Writes them into the graph file, each in its place; all else of the file stays byte for byte. Without changes
+    /// nothing is written. Throws Failure, with nothing written: a file that cannot be read or written (IO405), or that
+    /// has changed so that they do not fit (DG175).
     void save_changes();
 
   private:
     struct Watcher;
     void work(const std::stop_token& stop);
-    void run(const std::stop_token& stop);
+    /// \param notes what the reader said; kept whatever comes after
+    void run(const std::stop_token& stop, std::vector<engine::Diagnostic>& notes);
     void look_at_files(const std::stop_token& stop);
     void start_anew();
     /// Any file may be what is mended next, also one that no graph that could be read includes.

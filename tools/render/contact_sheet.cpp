@@ -16,18 +16,24 @@ struct Grid {
     int columns = 1, rows = 1, cell_width = 1, cell_height = 1;
 };
 
-/// The number of columns that shows a scene of this shape (width / height) largest.
+/// An arrangement without empty cells is taken where it shows the scene at least so large as the one that shows it
+/// largest.
+constexpr double full_enough = 0.6;
+
+/// The number of columns that shows a scene of this shape (width / height) largest, or nearly so and leaves no cell
+/// empty.
 Grid arrange(int count, int width, int height, double aspect) {
-    Grid best;
-    double best_size = 0;
+    Grid best, full;
+    double best_size = 0, full_size = 0;
     for (int columns = 1; columns <= count; ++columns) {
         Grid grid{columns, (count + columns - 1) / columns, 0, 0};
         grid.cell_width = std::max(1, (width - (columns - 1) * gap) / columns);
         grid.cell_height = std::max(1, (height - (grid.rows - 1) * gap) / grid.rows);
         const double size = std::min(grid.cell_width / aspect, static_cast<double>(grid.cell_height));
         if (size > best_size) best = grid, best_size = size;
+        if (columns * grid.rows == count && size > full_size) full = grid, full_size = size;
     }
-    return best;
+    return full_size >= full_enough * best_size ? full : best;
 }
 
 /// Width over height of the scene as this view sees it.
@@ -69,6 +75,10 @@ Image contact_sheet(const std::vector<Shot>& shots, const View& view, int width,
             labelled_picture(shots[static_cast<std::size_t>(i)], camera, grid.cell_width, grid.cell_height, smoothing);
         paste(sheet, picture, i % grid.columns * (grid.cell_width + gap), i / grid.columns * (grid.cell_height + gap));
     }
+    // What is left of the last row is as empty as the room around the bodies, not a hole.
+    for (int i = static_cast<int>(shots.size()); i < grid.columns * grid.rows; ++i)
+        paste(sheet, draw_picture({}, camera, grid.cell_width, grid.cell_height, 1),
+              i % grid.columns * (grid.cell_width + gap), i / grid.columns * (grid.cell_height + gap));
     return sheet;
 }
 

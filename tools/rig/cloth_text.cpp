@@ -44,7 +44,11 @@ Rig guess_cloth(const std::vector<std::string>& bodies, const std::string& cloth
             rig.notes.push_back(say(Severity::warning, "DG162", sheet.name,
                                     std::to_string(inside) + " of its " + std::to_string(sheet.points.size()) +
                                         " vertices begin inside of " + body.name + ", which pushes them out at once",
-                                    "Move them outside, half a thickness away."));
+                                    body.is_wrapped
+                                        ? "Move them outside, half a thickness away. If " + body.name +
+                                              " is a cloth, too: only the last mesh is made one, the others are bodies "
+                                              "that it lies on."
+                                        : "Move them outside, half a thickness away."));
     }
     rig.parts.push_back(std::move(sheet));
     return rig;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/graph_text.h"
 
+#include "engine/format/layout.h"
+
 #include "tools/cli/json_text.h"
 
 #include <cstdio>
@@ -70,22 +72,10 @@ void GraphText::comment(const std::string& text) { items_.push_back({wrapped(tex
 void GraphText::blank() { items_.push_back({"\n"}); }
 
 void GraphText::node(const std::string& name, const std::string& type, const Inputs& inputs) {
-    const std::string head = "    " + text_of(name) + ": {\"type\": " + text_of(type) + ", \"inputs\": {";
-    std::string line = head;
-    for (const auto& [input, value] : inputs) line += (line == head ? "" : ", ") + text_of(input) + ": " + value;
-    line += "}}";
-    if (line.size() > width - 1) {
-        line = head;
-        std::string row; // as many inputs a line as fit
-        for (std::size_t i = 0; i < inputs.size(); ++i) {
-            const std::string word =
-                text_of(inputs[i].first) + ": " + inputs[i].second + (i + 1 < inputs.size() ? "," : "}}");
-            if (!row.empty() && 6 + row.size() + 1 + word.size() > width - 1) line += "\n      " + row, row.clear();
-            row += (row.empty() ? "" : " ") + word;
-        }
-        line += "\n      " + row;
-    }
-    items_.push_back({line, true});
+    std::string text;
+    for (const auto& [input, value] : inputs) text += (text.empty() ? "" : ", ") + text_of(input) + ": " + value;
+    items_.push_back(
+        {"    " + text_of(name) + ": {\"type\": " + text_of(type) + ", \"inputs\": {" + text + "}}", true});
 }
 
 std::string GraphText::file(const std::string& head, int start, int end, int fps) const {
@@ -97,7 +87,7 @@ std::string GraphText::file(const std::string& head, int start, int end, int fps
         if (items_[i].is_node) last = i;
     for (std::size_t i = 0; i < items_.size(); ++i)
         out += items_[i].is_node ? items_[i].text + (i == last ? "\n" : ",\n") : items_[i].text;
-    return out + "  }\n}\n";
+    return engine::laid_out(out + "  }\n}\n");
 }
 
 std::string path_from(const std::string& folder, const std::string& file) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/guess.h"
 
+#include "tools/rig/kinds.h"
+
 #include "solver/error.h"
 #include "solver/parallel.h"
 #include "tools/rig/reach.h"
@@ -141,9 +143,10 @@ void set_space(Rig& rig, const GuessOptions& options) {
     check_same_space(rig.parts);
     if (options.unit.empty())
         rig.unit = guess_unit(rig.parts);
-    else if (const auto unit = unit_of(options.unit))
+    else if (const auto unit = unit_of(options.unit)) {
         rig.unit = *unit;
-    else
+        if (auto doubt = doubt_of_unit(rig.parts, rig.unit)) rig.notes.push_back(std::move(*doubt));
+    } else
         throw std::invalid_argument("--unit " + options.unit + ": mm, cm, dm, m, in or ft is meant.");
     rig.up = options.up.empty() ? guess_up(rig.parts) : Up{options.up[0], "as --up says"};
 }
@@ -153,6 +156,7 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
     Rig rig;
     rig.parts = read_parts(mesh_files(bones), mesh_files(muscles), rig.notes);
     check_kinds(rig);
+    if (auto doubt = doubt_of_kinds(rig.parts)) rig.notes.push_back(std::move(*doubt));
     if (const auto pattern = unmatched(options.overrides, rig.parts))
         throw std::invalid_argument("--set " + *pattern + ":…: no muscle has such a name.");
     set_space(rig, options);

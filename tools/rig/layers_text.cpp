@@ -94,7 +94,7 @@ class Writer {
             inputs.emplace_back("materials", list({wire("flesh", "outMaterial")}));
             text_.node(part.name, "zTissue", inputs);
             bodies.push_back(wire(part.name, "outBody"));
-            for (const auto& [bone, gap] : layers_.holders[i]) {
+            for (const auto& [bone, gap, reach] : layers_.holders[i]) {
                 std::string node = part.name + "To" + name(bone);
                 char& first = node[part.name.size() + 2];
                 first = static_cast<char>(std::toupper(static_cast<unsigned char>(first)));
@@ -102,8 +102,8 @@ class Writer {
                            {{"mesh", mesh},
                             {"mode", "\"near\""},
                             {"otherMesh", wire(name(bone) + "Mesh", "outMesh")},
-                            {"innerDistance", number(gap + layers_.reach)},
-                            {"outerDistance", number(gap + 2 * layers_.reach)}});
+                            {"innerDistance", number(gap + reach)},
+                            {"outerDistance", number(gap + 2 * reach)}});
                 text_.node(node, "zAttachment",
                            {{"source", wire(part.name, "outBody")},
                             {"target", wire(name(bone), "outBody")},
@@ -221,14 +221,16 @@ Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
         for (std::size_t p = 0; p < rig.parts.size(); ++p) {
             if (rig.parts[p].kind != Kind::bone) continue;
             const std::vector<double> to = distances(rig.parts[t], Surface(rig.parts[p]), widest_gap * size);
-            const double gap = *std::min_element(to.begin(), to.end());
-            if (gap <= widest_gap * size) near.push_back({p, gap});
+            const auto [nearest, farthest] = std::minmax_element(to.begin(), to.end());
+            // A tissue that lies along the bone with all of its surface is held by the nearer half of it.
+            const double reach = std::min(out.reach, (*farthest - *nearest) / 4);
+            if (*nearest <= widest_gap * size) near.push_back({p, *nearest, reach});
         }
         const auto is_touching = [&](const Layers::Holder& h) { return h.gap <= out.reach; };
         if (std::any_of(near.begin(), near.end(), is_touching))
             std::erase_if(near, [&](const Layers::Holder& h) { return !is_touching(h); });
         else
-            for (const auto& [bone, gap] : near)
+            for (const auto& [bone, gap, reach] : near)
                 rig.notes.push_back(say(Severity::warning, "DG155", rig.parts[t].name,
                                         "it touches no bone; it is attached to " + rig.parts[bone].name +
                                             " over a gap of " + rough(gap),

@@ -27,6 +27,7 @@ struct Layers {
     struct Holder {
         std::size_t bone = 0; ///< place among the parts
         double gap = 0;       ///< smallest distance to it
+        double reach = 0; ///< what is so much farther is held fully, twice as much not at all; never the whole surface
     };
     std::vector<std::vector<Holder>>
         holders;                   ///< of each tissue: bones that it touches, or all that are near if it touches none

@@ -78,6 +78,14 @@ std::optional<Known> by_names(const std::vector<Part>& parts) {
     return out;
 }
 
+/// The same without names: the largest mesh counts as half a metre.
+std::pair<double, std::string> by_sizes(const std::vector<Part>& parts, const std::optional<Known>& known) {
+    if (known) return {known->log_ratio, known->part};
+    const Part& longest = *std::max_element(parts.begin(), parts.end(),
+                                            [](const Part& a, const Part& b) { return size_of(a) < size_of(b); });
+    return {std::log(size_of(longest) / 0.5), longest.name};
+}
+
 /// By the larger one's size: so far apart may boxes of one body be.
 constexpr double is_near = 0.25;
 
@@ -106,18 +114,8 @@ std::optional<Unit> unit_of(const std::string& word) {
 
 Unit guess_unit(const std::vector<Part>& parts) {
     const auto known = by_names(parts);
-    double log_ratio = 0, most = std::log(2.5);
-    std::string which;
-    if (known) {
-        log_ratio = known->log_ratio;
-        which = known->part;
-    } else {
-        const Part& longest = *std::max_element(parts.begin(), parts.end(),
-                                                [](const Part& a, const Part& b) { return size_of(a) < size_of(b); });
-        log_ratio = std::log(size_of(longest) / 0.5);
-        most = std::log(4.0);
-        which = longest.name;
-    }
+    const auto [log_ratio, which] = by_sizes(parts, known);
+    const double most = std::log(known ? 2.5 : 4.0);
     const Part& part = *std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == which; });
     Unit best;
     double least = 1e300;
@@ -136,6 +134,23 @@ Unit guess_unit(const std::vector<Part>& parts) {
                      in_metres(size_of(part) / best.per_metre) +
                      (known ? "" : "; no bone has a name that tells its size, so this is a weak guess");
     return best;
+}
+
+std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, const Unit& unit) {
+    const auto known = by_names(parts);
+    const auto [log_ratio, which] = by_sizes(parts, known);
+    // Children, small animals and giants are as they are; without names anything from a finger to an elephant.
+    const double factor = std::exp(std::abs(log_ratio - std::log(unit.per_metre)));
+    if (factor < (known ? 5 : 25)) return {};
+    const Part& part = *std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == which; });
+    std::string better;
+    for (const char* name : guessed_units)
+        if (std::abs(log_ratio - std::log(unit_of(name)->per_metre)) < std::log(2.5))
+            better = "in " + std::string(name) + " it would be " + in_metres(size_of(part) / unit_of(name)->per_metre);
+    return say(Severity::warning, "DG176", part.name,
+               "it is " + rough(size_of(part)) + " units long, which in " + unit.name + ", as --unit says, is " +
+                   in_metres(size_of(part) / unit.per_metre) + (better.empty() ? "" : "; " + better),
+               "Give the unit that the meshes are in, or leave --unit away, which guesses it.");
 }
 
 void check_same_space(const std::vector<Part>& parts) {

@@ -24,6 +24,10 @@ std::optional<Unit> unit_of(const std::string& word);
 /// grown people; how near they are matters little, as the units are ten apart.
 Unit guess_unit(const std::vector<Part>& parts);
 
+/// A warning (DG176) if bones whose names tell their size, or else the largest mesh, are plainly not so large in this
+/// unit.
+std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, const Unit& unit);
+
 /// Throws engine::Failure DG152 with every mesh that lies away from the others but would be among them ten, a hundred
 /// or a thousand times larger or smaller; or, of all muscles, DG157 if they are apart from the bones but would be
 /// among them mirrored.
