@@ -160,6 +160,52 @@ bool on_floor(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
+/// Of the slope that a step begins with: as much of it, the other way, at the step's end says that it went too far.
+constexpr double most_overshoot = 0.9;
+/// Of the residual three steps before: more is no progress.
+constexpr double idle = 0.9;
+
+/// A step that was accepted may have gone from one side of a narrow valley to the other: where points come in contact,
+/// or pass from one face of a dent to the next, the stiffness that they meet there was not in the matrix. Energies do
+/// not tell, where they differ by rounding, but slopes do. Then between both sides, by the secant of the slopes, until
+/// the valley's floor is nearer (the strong condition of Wolfe 1969). On return x, the gradient and the forces in the
+/// workspace are those of the share `t`. `here`: the energy that the step may not exceed. With `wary` slopes may be
+/// rounding's too, and the step stays as it was unless clearly less force is left.
+void keep_in_valley(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options,
+                    const std::vector<double>& x, double slope, double here, bool wary, double& t, double& value) {
+    const std::vector<int>& vertex_of = potential.numbering().vertex_of_unknown;
+    // Along the chord: bodies may turn on their way.
+    const auto slope_there = [&](double share) {
+        return ordered_sum(w.gradient.size(),
+                           [&](std::size_t i) {
+                               const std::size_t v = 3 * static_cast<std::size_t>(vertex_of[i / 3]) + i % 3;
+                               return w.gradient[i] * (w.trial[v] - x[v]);
+                           }) /
+               share;
+    };
+    double there = slope_there(t);
+    if (!(there > -most_overshoot * slope)) return;
+    const auto look = [&](double share) {
+        w.arcs.move(potential, x, w.direction, share, w.trial);
+        value = potential.evaluate(w.trial, &w.gradient, &w.forces);
+    };
+    constexpr int most_looks = 8;
+    if (wary) w.forces_here = w.forces;
+    double low = 0, low_slope = slope, high = t, high_slope = there, best = t;
+    for (int i = 0; i < most_looks; ++i) {
+        // Not nearer to either side than a tenth of the way, so that it cannot creep.
+        const double share = low + std::clamp(low_slope / (low_slope - high_slope), 0.1, 0.9) * (high - low);
+        look(share);
+        if (!(value <= here)) break;
+        best = share, there = slope_there(share);
+        if (std::abs(there) <= -most_overshoot * slope) break;
+        (there > 0 ? high : low) = share, (there > 0 ? high_slope : low_slope) = there;
+    }
+    if (!(value <= here)) look(best);
+    if (wary && !is_lower(w.forces, w.forces_here, options.tolerance)) look(best = t);
+    t = best;
+}
+
 /// Newton's method from x, where the potential's value is `value` and gradient and forces are in the workspace.
 /// `may_stall` returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the
 /// exact Hessian was positive definite at the last one.
@@ -183,6 +229,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         return true;
     };
     bool stuck = false;
+    double one_ago = std::numeric_limits<double>::infinity(), two_ago = one_ago; // residuals before the last steps
     Truncated how;
     FadingMean mean; // of sheets
     const bool sheets = w.linear.takes_sheets(options.method);
@@ -229,6 +276,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             mean.forget();
             continue;
         }
+        // Three steps have brought nothing.
+        if (!sheets && potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
+            keep_in_valley(potential, w, options, x, slope, before + rounding, below_rounding, t, value);
+        two_ago = one_ago, one_ago = r;
         stuck = t < stalled_step;
         // A trust region: as far as the last step went where that was cut short, else twice as far.
         how.longest = t < 1 ? t * how.length : std::max(how.longest, 2 * how.length);

@@ -161,6 +161,50 @@ TEST_CASE("a surface coarser than its tets is held like a fine one") {
             }
 }
 
+TEST_CASE("an attachment's force does not depend on how finely the surface is cut") {
+    // A ball in the same cubes, held below, is drawn at its painted top by a bone that has gone up.
+    constexpr double radius = 0.1, way = 0.02, k = 1e6;
+    const auto force = [&](int n, ElementKind kind) {
+        auto ball = in_lattice(make_sphere(radius, 2 * n, n), 0.05, kind);
+        Points nodes = ball->tets.vertices;
+        if (kind == ElementKind::quadratic)
+            for (const auto& [a, b] : edges_of(ball->tets.tets)) nodes.push_back(0.5 * (nodes[at(a)] + nodes[at(b)]));
+        ball->fixed_vertices = vertices_where(nodes, [=](const Vec3& p) { return p.y() < -0.4 * radius; });
+        AttachmentRest a;
+        a.source = 0, a.target = 1;
+        for (const Vec3& p : ball->surface) // fades out, so that its border is at no triangle's
+            a.source_weights.push_back(std::clamp(p.y() / radius - 0.2, 0.0, 0.5) / 0.5);
+        Points plate = {{-1, radius, -1}, {-1, radius, 1}, {1, radius, 1}, {1, radius, -1}};
+        StepInputs in = still_inputs();
+        in.integrator = Integrator::quasi_static;
+        in.gravity = Vec3::Zero();
+        in.bodies = {material(1e4, 0.3, 1000), BoneInputs{plate}};
+        in.attachments = {{k, 1, 0}};
+        const auto scene =
+            std::make_shared<const Scene>(SceneDescription{{ball, bone(plate, {{0, 1, 2}, {0, 2, 3}})}, {a}});
+        Workspace w(scene);
+        const State start = initial_state(*scene, in);
+        for (Vec3& p : std::get<BoneInputs>(in.bodies[1]).positions) p.y() += way;
+        const State s = settle(w, start, in);
+        double sum = 0;
+        const AttachmentMemory kept = attachments_kept(start.memories);
+        for (const Anchor& anchor : kept.anchors[0]) {
+            const PointWeights p = scene->embedded(0, anchor.source.tet, anchor.source.coordinates);
+            double moved = 0;
+            for (int i = 0; i < p.count; ++i)
+                moved += p.weight[i] * (position(s, p.vertex[i]).y() - position(start, p.vertex[i]).y());
+            sum += k * anchor.area_weight * (way - moved);
+        }
+        return sum;
+    };
+    for (const ElementKind kind : kinds) {
+        const double coarse = force(16, kind), fine = force(32, kind);
+        INFO((kind == ElementKind::linear ? "linear: " : "quadratic: ") << coarse << " N, " << fine << " N");
+        CHECK(coarse > 1);
+        CHECK(coarse == Approx(fine).epsilon(0.02));
+    }
+}
+
 TEST_CASE("a box that hangs by its painted top from a spring bed extends it by rho g V / (k A)") {
     const double k = 4e5, density = 1100, g = 9.8;
     const Points plate = {{-1, -1, 0.3}, {2, -1, 0.3}, {2, 2, 0.3}, {-1, 2, 0.3}};

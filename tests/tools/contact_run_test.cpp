@@ -3,7 +3,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <sstream>
 
 using namespace sinew::test;
 using Catch::Detail::Approx;
@@ -72,6 +75,36 @@ TEST_CASE("contact is there where it is switched on alone", "[tools][contact]") 
     const json apart = last_frame(falling(false), {"--frames", "1-6", "--set", "block.collisionSets=\"1\"", "--set",
                                                    "ground.collisionSets=\"2 3\""});
     CHECK(apart.at("terms").at("contact").at("contacts") == 0);
+}
+
+TEST_CASE("edges that cross away from all vertices meet with collisionSubdivision, and without pass through each other",
+          "[tools][contact]") {
+    const std::string graph = std::string(SINEW_SOURCE_DIR) + "/graphs/learn/28_edge_to_edge.json";
+    const auto lowest_after = [&](const char* subdivision, int frames) {
+        const TemporaryFolder folder;
+        const std::string set = std::string("solver.collisionSubdivision=") + subdivision;
+        const Said said =
+            run_program({"run", graph, "--set", set, "--frames", "1-" + std::to_string(frames), "--out",
+                         (folder / "out").string(), "--format", "obj", "--no-cache", "--quiet", "--strict"});
+        INFO(said.err);
+        REQUIRE(said.code == 0);
+        std::istringstream file(read_text(folder / "out" / "obj" / ("upper.00" + std::to_string(frames) + ".obj")));
+        double lowest = 1e9;
+        for (std::string line; std::getline(file, line);) {
+            double x = 0, y = 0, z = 0;
+            std::istringstream words(line);
+            if (std::string v; words >> v >> x >> y >> z && v == "v") lowest = std::min(lowest, y);
+        }
+        return lowest;
+    };
+    // Edges across edges, at right angles: half of the diagonal of 0.5 squared is the height of those below.
+    const double edge = 0.5 / std::sqrt(2.0), begins = 1 - edge;
+    const double rests = lowest_after("true", 24);
+    CHECK(rests < edge + 0.05);
+    CHECK(rests > edge - 0.1);
+    double v = 0, falls = begins;
+    for (int frame = 2; frame <= 24; ++frame) v += 9.8 / 24, falls -= v / 24;
+    CHECK(lowest_after("false", 24) == Approx(falls).epsilon(1e-5));
 }
 
 TEST_CASE("a run writes the contacts of each frame, and the report says which bodies are deepest and where",

@@ -297,12 +297,12 @@ double indent(const ElementName& element, int n, double radius, double depth, do
 /// 2002). Each mesh must be nearer than the one before, the finest of quadratic tets within 5 %.
 void hertz(Book& book, const RunOptions& options) {
     book.open("12", "Hertz: sphere on a plane");
-    if (options.quick) return; // coarse meshes say nothing about a limit
     constexpr double radius = 0.05, depth = 0.001, youngs_modulus = 1e4, ratio = 0.3, width = 0.25;
     const double expected = 4.0 / 3 * youngs_modulus / (1 - ratio * ratio) * std::sqrt(radius) * std::pow(depth, 1.5);
     for (const ElementName& element : elements) {
         double before = std::numeric_limits<double>::infinity();
         for (const int n : {4, 6, 8}) {
+            if (options.quick && n > 4) break; // says nothing about the limit, but that balance is found
             Work work;
             const double force = indent(element, n, radius, depth, youngs_modulus, ratio, width, options.stop, work);
             const double error = std::abs(force / expected - 1);

@@ -4,6 +4,9 @@
 #include "solver/terms/attachment/anchors.h"
 #include "solver/terms/attachment/attachment.h"
 
+#include <algorithm>
+#include <array>
+
 namespace sinew::solver {
 
 HeldPoints::HeldPoints(const Scene& scene, const CollisionBodies& bodies)
@@ -18,19 +21,45 @@ void HeldPoints::take(const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
     if (!memory || (taken_ && *memory == memory_)) return;
     const AttachmentMemory attachments = attachments_kept(before.memories);
-    held_.assign(attachments.anchors.size(), {});
-    for (std::size_t a = 0; a < held_.size(); ++a) {
+    struct End {
+        int body = -1, in_contact = -1;
+        Points places;           ///< of the samples, as modelled
+        std::vector<char> flags; ///< of the points near those; none where it does not collide
+    };
+    std::vector<std::array<End, 2>> ends(attachments.anchors.size());
+    held_.clear();
+    for (std::size_t a = 0; a < ends.size(); ++a) {
         const AttachmentRest& rest = scene_.description().attachments[a];
-        Held& held = held_[a];
-        held.source = contact_body_[at(rest.source)], held.target = contact_body_[at(rest.target)];
-        if (held.source < 0 || held.target < 0) continue;
-        Points sources, targets;
+        ends[a][0].body = rest.source, ends[a][1].body = rest.target;
         for (const Anchor& anchor : attachments.anchors[a]) {
-            sources.push_back(modelled_point(scene_, rest.source, anchor.source));
-            targets.push_back(modelled_point(scene_, rest.target, anchor.target));
+            ends[a][0].places.push_back(modelled_point(scene_, rest.source, anchor.source));
+            ends[a][1].places.push_back(modelled_point(scene_, rest.target, anchor.target));
         }
-        held.of[0] = flags(held.source, sources), held.of[1] = flags(held.target, targets);
+        for (End& end : ends[a]) {
+            end.in_contact = contact_body_[at(end.body)];
+            if (end.in_contact >= 0) end.flags = flags(end.in_contact, end.places);
+        }
+        const auto& [one, other] = ends[a];
+        if (one.in_contact >= 0 && other.in_contact >= 0)
+            held_.push_back({one.in_contact, other.in_contact, {one.flags, other.flags}, {a, a}});
     }
+    // Both near where the other one is held as well: there nothing can move them apart.
+    const auto near_both = [&](const End& own, const End& others) {
+        std::vector<char> out = flags(own.in_contact, others.places);
+        for (std::size_t p = 0; p < out.size(); ++p) out[p] = out[p] && own.flags[p];
+        return out;
+    };
+    for (std::size_t a = 0; a < ends.size(); ++a)
+        for (std::size_t b = a + 1; b < ends.size(); ++b)
+            for (const std::size_t i : {0, 1})
+                for (const std::size_t j : {0, 1}) {
+                    const End &one = ends[a][i], &other = ends[b][j];
+                    if (ends[a][1 - i].body != ends[b][1 - j].body || one.body == other.body) continue;
+                    if (one.in_contact < 0 || other.in_contact < 0) continue;
+                    Held both{one.in_contact, other.in_contact, {near_both(one, other), near_both(other, one)}, {a, b}};
+                    const auto any = [](const std::vector<char>& f) { return std::ranges::count(f, 1) > 0; };
+                    if (any(both.of[0]) || any(both.of[1])) held_.push_back(std::move(both));
+                }
     memory_ = *memory, taken_ = true;
 }
 
@@ -59,11 +88,14 @@ std::vector<char> HeldPoints::flags(int body, const Points& places) const {
 void HeldPoints::find(const ContactPair& pair, std::span<const AttachmentInputs> inputs,
                       std::vector<char>& held) const {
     held.clear();
-    for (std::size_t a = 0; a < held_.size(); ++a) {
-        const Held& h = held_[a];
+    const auto firmness = [&](std::size_t a) { return inputs[a].stiffness * inputs[a].envelope * inputs[a].holds; };
+    for (const Held& h : held_) {
         const bool forwards = h.source == pair.source && h.target == pair.target;
         if (!forwards && (h.source != pair.target || h.target != pair.source)) continue;
-        if (h.source < 0 || inputs[a].stiffness * inputs[a].envelope * inputs[a].holds < pair.stiffness) continue;
+        const auto [a, b] = h.attachments;
+        const double one = firmness(a), other = firmness(b);
+        const double firm = a == b ? one : one > 0 && other > 0 ? one * other / (one + other) : 0;
+        if (firm < pair.stiffness) continue;
         const std::vector<char>& flags = h.of[forwards ? 0 : 1];
         held.resize(flags.size(), 0);
         for (std::size_t p = 0; p < flags.size(); ++p) held[p] = held[p] || flags[p];

@@ -95,3 +95,61 @@ TEST_CASE("contact: against a softer attachment contact pushes", "[contact]") {
     CHECK(soft.measured("contacts") > 8);
     CHECK(soft.depth() == Approx(overlap * attachment / (attachment + contact_stiffness)).epsilon(0.03));
 }
+
+TEST_CASE("contact: what two attachments hold to the same place of a third body stays where it is", "[contact]") {
+    // Two low blocks that were modelled in each other by a centimetre, both with their bottoms on one bone, which does
+    // not collide.
+    SceneDescription description;
+    StepInputs in = still_inputs();
+    for (const double x : {0.0, 0.1 - overlap}) {
+        TetMesh mesh = box_mesh({0.1, 0.02, 0.1}, 3, 2, 5);
+        for (Vec3& p : mesh.vertices) p.x() += x;
+        description.bodies.emplace_back(tissue(mesh, ElasticLaw::neo_hookean));
+        in.bodies.emplace_back(material(1e5, 0.3));
+    }
+    const SurfaceMesh box = make_cube(0.6, 0.1, 0.4, 12, 2, 12);
+    Points slab = box.points;
+    for (Vec3& p : slab) p.y() -= 0.05;
+    description.bodies.emplace_back(bone(slab, box.triangles));
+    in.bodies.emplace_back(BoneInputs{slab});
+    ContactValues values;
+    values.stiffness = contact_stiffness;
+    for (int body = 0; body < 2; ++body) {
+        AttachmentRest a;
+        a.source = body, a.target = 2;
+        for (const Vec3& p :
+             std::get<std::shared_ptr<const TissueRest>>(description.bodies[std::size_t(body)])->surface)
+            a.source_weights.push_back(p.y() < 1e-9 ? 1 : 0);
+        description.attachments.push_back(a);
+        in.attachments.push_back({2.1 * contact_stiffness, 1, 0}); // in series more than contact
+        description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
+        put_fields(values, std::span(in.parts.emplace_back(contact_type.values.size())));
+    }
+    in.mass_damping = 20;
+    const auto scene = std::make_shared<const Scene>(description);
+    Workspace workspace(scene);
+    State state = initial_state(*scene, in);
+    const auto contacts_after = [&](int steps) {
+        for (int i = 0; i < steps; ++i) {
+            state = advance(workspace, state, std::span(&in, 1));
+            REQUIRE(state.record.converged);
+        }
+        return value_of(state.record.measured, "contact", "contacts");
+    };
+    const auto reach = [&] { // of the first in the second
+        double left = 1, right = 0;
+        for (const Vec3& p : surface_positions(*scene, state, 0)) right = std::max(right, p.x());
+        for (const Vec3& p : surface_positions(*scene, state, 1)) left = std::min(left, p.x());
+        return right - left;
+    };
+    CHECK(contacts_after(10) == 0);
+    CHECK(reach() == Approx(overlap).epsilon(1e-9));
+    // Softer in series than contact, they are pushed apart; and more so where one lets go.
+    in.attachments[1].stiffness = 1.9 * contact_stiffness;
+    CHECK(contacts_after(60) > 4);
+    const double pressed = reach();
+    CHECK(pressed < 0.95 * overlap);
+    in.attachments[1].stiffness = 0;
+    contacts_after(60);
+    CHECK(reach() < 0.05 * overlap);
+}
