@@ -208,6 +208,10 @@ constexpr CodeInfo table[] = {
     {"FE305", "not enough memory", "Choose fewer tets, or the iterative linear solver."},
     {"FE306", "frame that converged with inverted tets",
      "Take more substeps through that frame; look for bones that jump or pass through the tissue."},
+    {"FE315", "pressure on a cloth whose faces look to both sides",
+     "Turn faces until neighbours look to the same side."},
+    {"FE316", "surface tension that a cloth cannot bear",
+     "Keep it below shearStiffness and above minus tensileStiffness, or let restScale change the size."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

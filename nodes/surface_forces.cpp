@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/surface_forces.h"
 
+#include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/layer_place.h"
 #include "solver/terms/pressure/pressure.h"
@@ -86,6 +87,30 @@ void warn_of_facing(const engine::Reads& in, const Mesh& mesh) {
     }
 }
 
+/// A sheet may be open, but its faces have to look to one side for pressure to push it there.
+void warn_of_sides(const engine::Reads& in, const Mesh& mesh) {
+    struct Sides {
+        solver::Flaw turned;
+    };
+    const Digest key = Hasher().add("pressure.sides").add(mesh.topology->digest).add(mesh.points_digest).finish();
+    auto sides = in.lease<Sides>(key, [&] {
+        return std::make_shared<Sides>(
+            Sides{solver::check_mesh(*mesh.points, mesh.topology->triangles).badly_oriented_edges});
+    });
+    const solver::Flaw& turned = sides->turned;
+    if (!turned) return;
+    const auto [a, b] = turned.edges.front();
+    const solver::Vec3 at =
+        0.5 * ((*mesh.points)[static_cast<std::size_t>(a)] + (*mesh.points)[static_cast<std::size_t>(b)]);
+    char place[96];
+    std::snprintf(place, sizeof place, "(%g, %g, %g)", at.x(), at.y(), at.z());
+    in.warn("mesh", "FE315",
+            "the faces of " + in.source_name("mesh") + " look to both sides: they change at " +
+                solver::describe(turned, "edge", "edges") + ", near " + place +
+                ", so pressure pushes this way and that",
+            "Turn faces until neighbours look to the same side.");
+}
+
 } // namespace
 
 engine::NumberList painted_layer(const Mesh& mesh, const Layers& layers, std::size_t k) {
@@ -100,7 +125,7 @@ engine::NumberList painted_layer(const Mesh& mesh, const Layers& layers, std::si
 
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                   std::vector<Force>& forces, bool closed) {
-    if (closed && has_any(layers, &Material::pressure)) warn_of_facing(in, mesh);
+    if (has_any(layers, &Material::pressure)) closed ? warn_of_facing(in, mesh) : warn_of_sides(in, mesh);
     add(in, solver::pressure_type, &Material::pressure, mesh, layers, envelope, forces);
 }
 

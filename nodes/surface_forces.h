@@ -16,7 +16,7 @@ engine::NumberList painted_layer(const Mesh& mesh, const Layers& layers, std::si
 /// Each adds a force for the layers of a body, from bottom to top, whose maps fit its mesh, if some layer has a value
 /// other than 0, and nothing otherwise. A layer that has a mesh acts at the vertices in it or on it, times their
 /// weights. Pressure warns (FE245) where the body's mesh is open or looks inwards, unless `closed` is false: of a cloth
-/// either may be meant.
+/// either may be meant, but not faces that look to both sides (FE315).
 void add_pressure(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,
                   std::vector<Force>& forces, bool closed = true);
 void add_surface_tension(const engine::Reads& in, const Mesh& mesh, const Layers& layers, double envelope,

@@ -1,6 +1,7 @@
 // zCloth: a sheet that bends more easily than it stretches, from a mesh and its material layers.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
+#include "engine/text.h"
 #include "nodes/adapters.h"
 #include "nodes/appearance.h"
 #include "nodes/contact_inputs.h"
@@ -132,6 +133,25 @@ Digest static_digest(const Reads& in, const Mesh& modelled, const Layers& layers
     return h.finish();
 }
 
+/// Tension T adds T times the area, which a shear of g radians lowers by T g^2 / 2 a square metre, while shearStiffness
+/// asks for as much times itself; and k (s - 1)^2 + T s^2 of a stretch s both ways has no minimum where T is below -k.
+void warn_of_tension(const Reads& in, const Layers& layers) {
+    for (std::size_t k = 0; k < layers.size(); ++k) {
+        const double tension = layers[k].get().surface_tension * in[surface_tension_envelope];
+        const solver::ClothMaterial& m = layers[k].get().cloth;
+        if (tension <= m.shear_stiffness && tension > -m.tensile_stiffness) continue;
+        const bool folds = tension > 0;
+        in.warn(materials.name, "FE316",
+                "a surfaceTension of " + number_text(tension) + " N/m is more than " +
+                    in.source_name(materials.name, k) + " bears: its " +
+                    (folds ? "shearStiffness" : "tensileStiffness") + " is " +
+                    number_text(folds ? m.shear_stiffness : m.tensile_stiffness) + " N/m, so the cloth " +
+                    (folds ? "shears until no area is left where nothing stretches it" : "spreads without end"),
+                folds ? "Keep surfaceTension below shearStiffness, or let restScale shrink the cloth."
+                      : "Keep surfaceTension above minus tensileStiffness, or let restScale spread the cloth.");
+    }
+}
+
 void compute(const Reads& in, Writes& out) {
     const Mesh& modelled = in[mesh];
     const auto given = in[materials];
@@ -162,6 +182,7 @@ void compute(const Reads& in, Writes& out) {
     std::vector<Force> forces;
     add_pressure(in, modelled, layers, in[pressure_envelope], forces, false);
     add_surface_tension(in, modelled, layers, in[surface_tension_envelope], forces);
+    warn_of_tension(in, layers);
     const solver::InitialMotion start{vector(in, initial_velocity), vector(in, initial_angular_velocity)};
     out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, nullptr, std::move(forces),
                            read_contact(in, Collider::cloth, modelled, nullptr), nullptr, in[enable]});

@@ -39,7 +39,7 @@ def without_comments(text):
 
 
 def graphs():
-    for folder in ("learn", "scenes", "bench"):
+    for folder in ("learn", "demos", "scenes", "bench"):
         for path in sorted((root / "graphs" / folder).rglob("*.json")):
             document = json.loads(without_comments(path.read_text(encoding="utf-8")))
             if isinstance(document, dict) and str(document.get("format", "")).startswith("sinew "):
@@ -89,7 +89,7 @@ def main():
         if named and not (path.parent / named).resolve().samefile(root / "docs/reference/graph.schema.json"):
             wrong += 1
             print(f"{path}: $schema names another file")
-        if path.parent.name == "learn" and not named:
+        if path.parent.name in ("learn", "demos") and not named:
             wrong += 1
             print(f"{path}: names no $schema")
         if path.name not in ("02_muscle_pulls.json", "25_included_limbs.json"):

@@ -248,3 +248,19 @@ TEST_CASE("the table of hard cases has a column an integrator, and faults are li
     CHECK(bench::hard_faults(results).rows ==
           std::vector<std::vector<std::string>>{{"one, a", "quadratic", "NeoHookean", "TR-BDF2", "it lied"}});
 }
+
+TEST_CASE("a cloth under negative tension spreads as far as its closed form under every scheme with inertia",
+          "[tools]") {
+    const auto results = bench::run_hard(quick("cloth: tension"));
+    REQUIRE(results.size() == bench::all_integrators.size()); // it has neither laws nor elements
+    for (const bench::HardResult& r : results) {
+        INFO(r.setting.integrator.word << ": " << r.why);
+        if (r.setting.integrator.integrator == Integrator::quasi_static) { // nothing holds it
+            CHECK(r.outcome == Outcome::stopped);
+            CHECK(r.why == "FE302");
+        } else {
+            CHECK(r.outcome == Outcome::recovered);
+            CHECK(r.unconverged == 0);
+        }
+    }
+}

@@ -378,9 +378,11 @@ TEST_CASE("a bench that could not write its files says so before it measures", "
     CHECK(has(run_program({"bench", "--help"}).out, "multiples of 4"));
 }
 
-TEST_CASE("the graphs to learn from are right and run", "[tools]") {
+namespace {
+
+void check_graphs_of(const char* folder, int least) {
     int count = 0;
-    for (const auto& entry : fs::directory_iterator(fs::path(SINEW_SOURCE_DIR) / "graphs/learn")) {
+    for (const auto& entry : fs::directory_iterator(fs::path(SINEW_SOURCE_DIR) / folder)) {
         if (entry.path().extension() != ".json") continue;
         INFO(entry.path());
         ++count;
@@ -392,5 +394,11 @@ TEST_CASE("the graphs to learn from are right and run", "[tools]") {
         CHECK(run.code == 0);
         CHECK(run.err.empty());
     }
-    CHECK(count >= 5);
+    CHECK(count >= least);
 }
+
+} // namespace
+
+TEST_CASE("the graphs to learn from are right and run", "[tools]") { check_graphs_of("graphs/learn", 5); }
+
+TEST_CASE("the graphs that show effects are right and run", "[tools]") { check_graphs_of("graphs/demos", 9); }

@@ -51,7 +51,7 @@ std::string said_of(const json& graph, const std::vector<std::string>& settings 
 TEST_CASE("check doubts nothing of a sound graph", "[tools]") { CHECK(said_of(ball()).empty()); }
 
 TEST_CASE("check doubts nothing of the graphs that ship", "[tools]") {
-    for (const char* folder : {"graphs/learn", "graphs/scenes", "graphs/bench"})
+    for (const char* folder : {"graphs/learn", "graphs/demos", "graphs/scenes", "graphs/bench"})
         for (const auto& entry : fs::directory_iterator(fs::path(SINEW_SOURCE_DIR) / folder)) {
             if (entry.path().extension() != ".json") continue;
             INFO(entry.path());

@@ -93,7 +93,7 @@ TEST_CASE("fmt takes parts that are whole only where they are included", "[tools
 
 TEST_CASE("all graphs that ship are laid out as fmt does", "[tools]") {
     std::vector<std::string> words{"fmt", "--check"};
-    for (const char* folder : {"learn", "scenes", "bench"})
+    for (const char* folder : {"learn", "demos", "scenes", "bench"})
         for (const auto& entry : fs::recursive_directory_iterator(fs::path(SINEW_SOURCE_DIR) / "graphs" / folder)) {
             if (entry.path().extension() != ".json") continue;
             if (read_text(entry.path()).find("\"format\": \"sinew ") != std::string::npos)

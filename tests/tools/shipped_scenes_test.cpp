@@ -34,7 +34,7 @@ TEST_CASE("the scenes of contact and attachments are right and run", "[tools][co
 TEST_CASE("every graph that ships is in the list of graphs/README.md", "[tools]") {
     const std::string list = read_text(root + "/graphs/README.md");
     int count = 0;
-    for (const char* folder : {"learn", "scenes", "bench"})
+    for (const char* folder : {"learn", "demos", "scenes", "bench"})
         for (const auto& entry : fs::directory_iterator(root + "/graphs/" + folder)) {
             if (entry.path().extension() != ".json") continue;
             ++count;

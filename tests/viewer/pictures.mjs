@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Makes the pictures of docs/concepts/viewer.md: node tests/viewer/pictures.mjs [FOLDER], by default docs/images.
+// Makes the pictures of docs/concepts/viewer.md and of one demo: node tests/viewer/pictures.mjs [FOLDER], by default docs/images.
 import { mkdtemp, rm } from "node:fs/promises";
 import os from "node:os";
 import path from "node:path";
@@ -13,7 +13,7 @@ if (view.code !== 0) throw new Error(view.err);
 
 const page = await openPage(file, { viewport: { width: 1280, height: 800 } });
 const shoot = async (name, target = page) => {
-    await page.waitForTimeout(300);
+    await new Promise((done) => setTimeout(done, 300));
     await target.screenshot({ path: path.join(out, `${name}.png`) });
 };
 await page.evaluate(() => (sinew.setFrame(64), sinew.set({ theme: "light" }), sinew.look("corner")));
@@ -48,6 +48,24 @@ await page.evaluate(() => {
     sinew.draw();
 });
 await shoot("viewer_cut", page.locator("main.view"));
+await page.context().close();
+
+// How a hollow ball is filled and refined: the demo of it, cut in the middle and seen from the front.
+const balls = path.join(folder, "balls.html");
+const made = await sinew("view", "graphs/demos/fill_and_refinement.json", "-o", balls, "--frames", "1", "--quiet");
+if (made.code !== 0) throw new Error(made.err);
+const tets = await openPage(balls, { viewport: { width: 1180, height: 820 } });
+await tets.evaluate(() => {
+    sinew.setFrame(1);
+    sinew.set({ theme: "light", panelOpen: false, filledLattice: true, wholeTets: true });
+    sinew.set({ cut: { on: true, axis: 2, at: 0.5, flip: false } });
+    sinew.toggle("lattice", true);
+    sinew.toggle("grid", false);
+    sinew.look("front");
+    sinew.draw();
+});
+await shoot("fill_and_refinement", tets.locator("main.view"));
+page.problems.push(...tets.problems);
 await closeBrowser();
 await rm(folder, { recursive: true, force: true });
 if (page.problems.length) throw new Error(page.problems.join("\n"));

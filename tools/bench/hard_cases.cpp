@@ -554,6 +554,7 @@ std::span<const HardCase> hard_cases() {
     static const std::vector<HardCase> all = [] {
         std::vector<HardCase> out(std::begin(cases), std::end(cases));
         out.insert(out.end(), hard_contact_cases().begin(), hard_contact_cases().end());
+        out.insert(out.end(), hard_cloth_cases().begin(), hard_cloth_cases().end());
         return out;
     }();
     return all;

@@ -14,11 +14,13 @@ struct HardCase {
     std::string_view must;    ///< where it must end, in words
     void (*run)(HardTrial&);  ///< throws WrongAnswer, solver::Error, solver::Stopped
     bool quick = true;        ///< also in a quick run
+    bool cloth = false;       ///< has neither elements nor laws: tried under the first of each
 };
 
 /// All of them.
 std::span<const HardCase> hard_cases();
-/// Of them those of contact.
+/// Of them those of contact, and those of cloth.
 std::span<const HardCase> hard_contact_cases();
+std::span<const HardCase> hard_cloth_cases();
 
 } // namespace sinew::bench

@@ -39,7 +39,7 @@ class HardTrial {
     HardTrial(const HardSetting& setting, std::stop_token stop);
 
     const HardSetting setting;
-    std::shared_ptr<solver::TissueRest> rest; ///< the first body
+    std::shared_ptr<solver::TissueRest> rest; ///< the first body; null if it is a cloth
     solver::SceneDescription description;
     solver::StepInputs in;
     solver::Points nodes; ///< rest positions of the first body's vertices, those on edges too
@@ -47,9 +47,13 @@ class HardTrial {
     int newton = 0, halvings = 0, unconverged = 0, steps = 0;
     double volume_at_rest = 1; ///< of every tet, over that of the model: where the case changes the rest shape
     bool is_static() const { return in.integrator == solver::Integrator::quasi_static; }
-    bool is_linear() const { return rest->element == solver::ElementKind::linear; }
+    bool is_linear() const { return rest->element == solver::ElementKind::linear; } ///< of a tissue
     /// The first body, its vertices `held` fixed. Fibres and the law's stiff direction are along x.
     void make(solver::TetMesh mesh, const solver::TissueInputs& values, const Where& held);
+    /// A cloth as the first body. It is no matter of laws and elements, and leave_alone is not for it.
+    void make_cloth(const solver::Points& points, const std::vector<solver::Triangle>& triangles,
+                    const solver::ClothInputs& values, const Where& held);
+    solver::ClothInputs& cloth_values() { return std::get<solver::ClothInputs>(in.bodies[0]); }
     /// The same body once more, tied to nothing, with values of its own.
     void add_twin(const solver::TissueInputs& values);
     void add_bone(const solver::Points& corners);

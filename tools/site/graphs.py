@@ -35,7 +35,7 @@ def example_of(kind, graphs):
     node with the most inputs. graphs: by path."""
     found = []
     for path, graph in graphs.items():
-        rank = ("graphs/learn/", "graphs/scenes/", "graphs/bench/").index(path[: path.rindex("/") + 1])
+        rank = ("graphs/learn/", "graphs/demos/", "graphs/scenes/", "graphs/bench/").index(path[: path.rindex("/") + 1])
         for name, node in graph.get("nodes", {}).items():
             if node.get("type") == kind:
                 found.append((rank, path, -len(node.get("inputs", {})), name, node))

@@ -83,8 +83,9 @@ def main():
     os.makedirs(folder)
     open(mark, "w").close()
 
-    found = sorted(glob.glob("graphs/learn/*.json", root_dir=ROOT)) + sorted(glob.glob("graphs/scenes/*.json", root_dir=ROOT))
-    found += sorted(glob.glob("graphs/bench/*.json", root_dir=ROOT))
+    found = []
+    for room in ("learn", "demos", "scenes", "bench"):
+        found += sorted(glob.glob(f"graphs/{room}/*.json", root_dir=ROOT))
     site = pages.Site(
         root=ROOT,
         folder=folder,
