@@ -344,6 +344,8 @@ solver::TissueInputs tissue_inputs(const Reads& in, const Body& body, solver::Ti
 
 solver::ClothInputs cloth_inputs(const Reads& in, const Body& body) {
     solver::ClothInputs out = std::get<solver::ClothInputs>(body.values);
+    out.enable = body.enable ? 1 : 0;
+    out.inertial_damping = std::min(1.0, out.inertial_damping * run_up(in, affect_inertial_damping));
     out.rest_scale_envelope *= run_up(in, affect_rest_scale);
     return out;
 }
@@ -444,6 +446,7 @@ SolveReport describe_size(const Reads& in, const Setup& setup, const solver::Sce
         if (scene.cloth(i)) {
             cloth = true;
             const auto& values = std::get<solver::ClothInputs>(setup.body(static_cast<std::size_t>(i)).values);
+            calms = calms || values.inertial_damping > 0;
             for (const solver::ClothMaterial& m : values.layers)
                 rest_changes = rest_changes || (m.rest_scale != 1 && values.rest_scale_envelope != 0);
         }

@@ -23,8 +23,9 @@ constexpr int cloth_numerics = 1;
 const Input<bool> enable{
     .name = "enable",
     .def = true,
-    .doc = "Off leaves the cloth and its attachments out of the simulation.",
-    .keyable = false,
+    .doc = "Off leaves the cloth and its attachments out of the simulation. Keyed: while it is off the cloth stands "
+           "still where it is, in the solver's space, its attachments let go and it touches nothing; when it comes on, "
+           "it goes on from there at rest.",
 };
 const Wire<Mesh> mesh{
     .name = "mesh",
@@ -73,6 +74,15 @@ const Input<Vec3> initial_angular_velocity{
     .unit = "rad/s",
     .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
     .keyable = false,
+};
+const Input<double> inertial_damping{
+    .name = "inertialDamping",
+    .def = 0,
+    .unit = "1",
+    .limits = {.min = 0, .max = 1},
+    .doc = "Takes momentum out of the motion of the cloth as a whole: translation, rotation, shear and scaling. Finer "
+           "motion, as waves, keeps its own. The share of it that is gone after 1/24 s, however many steps that are: 0 "
+           "is none, 1 leaves no momentum from step to step, so that the whole only creeps after the forces.",
 };
 const Input<double> rest_scale_envelope{
     .name = "restScaleEnvelope",
@@ -176,6 +186,7 @@ void compute(const Reads& in, Writes& out) {
     });
     solver::ClothInputs values;
     values.rest_scale_envelope = in[rest_scale_envelope];
+    values.inertial_damping = in[inertial_damping];
     for (const Material& m : layers) values.layers.push_back(m.cloth);
     values.layers.front().envelope = 1; // the first layer covers everything
     guarded(in, materials.name, [&] { solver::check_cloth_values(values, -1); }, {{"FE247", rest_scale_envelope.name}});
@@ -185,7 +196,7 @@ void compute(const Reads& in, Writes& out) {
     warn_of_tension(in, layers);
     const solver::InitialMotion start{vector(in, initial_velocity), vector(in, initial_angular_velocity)};
     out.set(out_body, Body{kept->rest, in[enable], std::move(values), start, nullptr, std::move(forces),
-                           read_contact(in, Collider::cloth, modelled, nullptr), nullptr, in[enable]});
+                           read_contact(in, Collider::cloth, modelled, nullptr), nullptr, in.is_ever_on(enable)});
 }
 
 } // namespace
@@ -205,6 +216,7 @@ void add_z_cloth(Registry& registry) {
                    describe(warp_direction),
                    describe(initial_velocity),
                    describe(initial_angular_velocity),
+                   describe(inertial_damping),
                    describe(rest_scale_envelope),
                    describe(pressure_envelope),
                    describe(surface_tension_envelope),

@@ -78,7 +78,7 @@ inline const Input<bool> affect_gravity{
 inline const Input<bool> affect_inertial_damping{
     .name = "affectInertialDamping",
     .def = false,
-    .doc = "Whether runupWeight multiplies zTissue.inertialDamping. Off lets it calm the run-up itself.",
+    .doc = "Whether runupWeight multiplies inertialDamping of tissues and cloths. Off lets it calm the run-up itself.",
 };
 inline const Input<bool> affect_pressure{
     .name = "affectPressureEnvelope",

@@ -65,7 +65,14 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
                     bad.body = body;
                     throw bad;
                 }
-        } else if (const ClothRest* cloth = scene.cloth(body)) {
+            continue;
+        }
+        if (const double damping = inertial_damping(b); !(damping >= 0 && damping <= 1)) {
+            Error bad("FE304", "inertialDamping is " + std::to_string(damping), "it must be 0 to 1");
+            bad.body = body;
+            throw bad;
+        }
+        if (const ClothRest* cloth = scene.cloth(body)) {
             const auto& values = std::get<ClothInputs>(b);
             if (values.layers.size() != cloth->layer_weights.size())
                 throw std::logic_error("step inputs must give values for every layer of a cloth");
@@ -75,11 +82,6 @@ void check_inputs(const Scene& scene, const StepInputs& in) {
             const auto& t = std::get<TissueInputs>(b);
             const TissueRest& rest = *scene.tissue(body);
             if (rest.carried_by >= 0) continue; // its values are among those of the tissue that it is a part of
-            if (!(t.inertial_damping >= 0 && t.inertial_damping <= 1)) {
-                Error bad("FE304", "inertialDamping is " + std::to_string(t.inertial_damping), "it must be 0 to 1");
-                bad.body = body;
-                throw bad;
-            }
             bool fits = t.layers.size() == rest.layer_weights.size() && t.fibers.size() == rest.fibers.size() &&
                         t.subtissues.size() == rest.subtissues.size();
             for (std::size_t i = 0; fits && i < rest.subtissues.size(); ++i)

@@ -15,7 +15,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 10\n";
+constexpr std::string_view magic = "sinew state 11\n";
 
 /// Hands on plain values, vectors with their length first: large ones as they lie in memory, small ones gathered.
 class Writer {
@@ -192,7 +192,7 @@ void put_values(Writer& w, const std::optional<StepInputs>& values) {
         const auto* cloth = std::get_if<ClothInputs>(&body);
         w.put(t ? SavedKind::tissue : cloth ? SavedKind::cloth : SavedKind::bone);
         if (cloth) {
-            w.put(cloth->rest_scale_envelope);
+            for (const auto& f : ClothInputs::fields()) w.put(cloth->*f.at);
             w.put_all(cloth->layers);
             put_points(w, cloth->forces);
         }
@@ -224,7 +224,7 @@ void get_values(Reader& r, std::optional<StepInputs>& values) {
         }
         if (kind == SavedKind::cloth) {
             ClothInputs cloth;
-            r.get(cloth.rest_scale_envelope);
+            for (const auto& f : ClothInputs::fields()) r.get(cloth.*f.at);
             r.get_all(cloth.layers);
             get_points(r, cloth.forces);
             body = std::move(cloth);

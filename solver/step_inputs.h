@@ -78,10 +78,9 @@ struct TissueInputs {
                                         {"inertialDamping", "1", &T::inertial_damping},
                                         {"enable", "1", &T::enable}});
     }
-    bool is_frozen() const { return enable < 0.5; }
 };
 
-/// The time that TissueInputs::inertial_damping is meant for [s]: a frame of film.
+/// The time that inertial_damping is meant for [s]: a frame of film.
 inline constexpr double affine_damping_time = 1.0 / 24;
 
 /// Whether some layer does; on linear tets it couples more vertices.
@@ -115,11 +114,15 @@ struct ClothMaterial {
 
 struct ClothInputs {
     double rest_scale_envelope = 1; ///< exponent of the layers' rest_scale; 0 = off
+    double inertial_damping = 0;    ///< as of tissues
+    double enable = 1;              ///< as of tissues
     std::vector<ClothMaterial> layers;
     Points forces; ///< dead loads, one per vertex [N]; empty = none
     static constexpr auto fields() {
         using T = ClothInputs;
-        return std::to_array<Field<T>>({{"restScaleEnvelope", "1", &T::rest_scale_envelope}});
+        return std::to_array<Field<T>>({{"restScaleEnvelope", "1", &T::rest_scale_envelope},
+                                        {"inertialDamping", "1", &T::inertial_damping},
+                                        {"enable", "1", &T::enable}});
     }
 };
 
@@ -128,6 +131,27 @@ struct BoneInputs {
 };
 
 using BodyInputs = std::variant<TissueInputs, BoneInputs, ClothInputs>;
+
+/// Whether it is switched off, so that it stands where it is; bones move as they are told.
+inline bool is_frozen(const BodyInputs& body) {
+    return std::visit(
+        [](const auto& b) {
+            if constexpr (requires { b.enable; }) return b.enable < 0.5;
+            return false;
+        },
+        body);
+}
+
+/// What damps its motion as a whole: 0 of bones and of what is switched off.
+inline double inertial_damping(const BodyInputs& body) {
+    if (is_frozen(body)) return 0;
+    return std::visit(
+        [](const auto& b) {
+            if constexpr (requires { b.inertial_damping; }) return b.inertial_damping;
+            return 0.0;
+        },
+        body);
+}
 
 enum class AttachmentMode { none, fixed, sliding };
 

@@ -42,7 +42,9 @@ void values_between(const Scene& scene, const StepInputs& before, const StepInpu
     for (std::size_t i = 0; i < out.bodies.size(); ++i) {
         if (auto* cloth = std::get_if<ClothInputs>(&out.bodies[i])) {
             const auto& from = std::get<ClothInputs>(before.bodies[i]);
+            const double enable = cloth->enable; // a switch acts over a whole step
             mix_fields(from, *cloth, share);
+            cloth->enable = enable;
             for (std::size_t k = 0; k < cloth->layers.size(); ++k) mix_fields(from.layers[k], cloth->layers[k], share);
             mix_forces(from.forces, cloth->forces, share);
             continue;
@@ -89,6 +91,8 @@ void values_within(const Scene& scene, const StepInputs& known, const StepInputs
     copy_values(known, out);
     out.step_size = after.step_size, out.integrator = after.integrator;
     for (std::size_t i = 0; i < out.bodies.size(); ++i) {
+        if (auto* cloth = std::get_if<ClothInputs>(&out.bodies[i]))
+            cloth->enable = std::get<ClothInputs>(after.bodies[i]).enable;
         auto* t = std::get_if<TissueInputs>(&out.bodies[i]);
         if (!t) continue;
         const auto& end = std::get<TissueInputs>(after.bodies[i]);

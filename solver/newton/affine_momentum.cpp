@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <variant>
 
 namespace sinew::solver {
 
@@ -17,9 +16,8 @@ namespace {
 constexpr double flat = 1e-12;
 
 double share_of(const Deformable& d, const StepInputs& inputs) {
-    const auto* t = std::get_if<TissueInputs>(&inputs.bodies[static_cast<std::size_t>(d.body)]);
-    if (!t || t->is_frozen() || t->inertial_damping <= 0) return 0;
-    return 1 - std::pow(1 - t->inertial_damping, inputs.step_size / affine_damping_time);
+    const double damping = inertial_damping(inputs.bodies[static_cast<std::size_t>(d.body)]);
+    return damping > 0 ? 1 - std::pow(1 - damping, inputs.step_size / affine_damping_time) : 0;
 }
 
 Vec3 at(const std::vector<double>& values, std::size_t index) {
@@ -40,10 +38,8 @@ Mat3 pseudo_inverse(const Mat3& spread) {
 } // namespace
 
 bool damps_affine_momentum(const StepInputs& inputs) {
-    return std::any_of(inputs.bodies.begin(), inputs.bodies.end(), [](const BodyInputs& body) {
-        const auto* t = std::get_if<TissueInputs>(&body);
-        return t && !t->is_frozen() && t->inertial_damping > 0;
-    });
+    return std::any_of(inputs.bodies.begin(), inputs.bodies.end(),
+                       [](const BodyInputs& body) { return inertial_damping(body) > 0; });
 }
 
 void AffineMomentum::remove(const Numbering& numbering, const MassMatrix& masses, const StepInputs& inputs,

@@ -82,8 +82,7 @@ void Potential::begin_step(const State& before, const StepInputs& inputs) {
     frozen_.clear();
     for (std::size_t d = 0; d < numbering_.deformables.size(); ++d) {
         const auto body = static_cast<std::size_t>(numbering_.deformables[d].body);
-        const auto* tissue = std::get_if<TissueInputs>(&inputs.bodies[body]);
-        if (!tissue || !tissue->is_frozen()) continue;
+        if (!is_frozen(inputs.bodies[body])) continue;
         frozen_.resize(numbering_.deformables.size(), 0);
         frozen_[d] = 1;
     }

@@ -78,3 +78,36 @@ TEST_CASE("what cannot ride on a cloth is told so", "[nodes]") {
         R"(, "rider": {"type": "zEmbedder", "inputs": {"solved": {"from": "solver.outSolved"}, "body": {"from": "cloth.outBody"}}})";
     CHECK(codes(sheet(1) + rider, "rider", "outMeshes") == Codes{"FE218"});
 }
+
+TEST_CASE("a cloth that is switched off stands still, and starts from rest when it comes on", "[nodes]") {
+    Session s(sheet(1, R"(, "enable": {"keys": [[1, true], [4, false], [6, true]]})"));
+    s.set("solver", "forces", "[]");
+    const solver::Points third = places(s, 3);
+    CHECK(third[0].y() < -0.01);
+    CHECK(places(s, 5) == third);
+    CHECK(places(s, 6)[0].y() - third[0].y() == Approx(-9.8 / 576).epsilon(1e-6)); // backward Euler's first step
+    Session late(sheet(1, R"(, "enable": {"keys": [[1, false], [4, true]]})"));
+    CHECK(places(late, 3) == places(late, 1));
+    CHECK((places(late, 6).back() - places(late, 3).back()).norm() > 1e-3);
+    Session never(sheet(1, R"(, "enable": {"keys": [[1, false], [4, false]]})"));
+    never.set("solver", "forces", "[]");
+    CHECK(never.get<nodes::SolveReport>("solver", "outReport", 3).bodies == 0);
+}
+
+TEST_CASE("inertial damping of a cloth arrives, is reported, and run-up weighs it where it is asked to", "[nodes]") {
+    const auto fall = [](const std::string& cloth, const std::string& solver) {
+        Session s(sheet(1, cloth, solver));
+        s.set("solver", "forces", "[]");
+        const auto report = s.get<nodes::SolveReport>("solver", "outReport", 3);
+        CHECK((std::find(report.terms.begin(), report.terms.end(), "inertialDamping") != report.terms.end()) ==
+              !cloth.empty());
+        return places(s, 3)[0].y();
+    };
+    const double step = -9.8 / 576;                        // of backward Euler's first step from rest
+    CHECK(fall("", "") == Approx(3 * step).epsilon(1e-6)); // one, then two of them
+    CHECK(fall(R"(, "inertialDamping": 1)", "") == Approx(2 * step).epsilon(1e-6));
+    CHECK(fall(R"(, "inertialDamping": 1)", R"(, "affectInertialDamping": true, "runupWeight": 0)") ==
+          Approx(3 * step).epsilon(1e-6));
+    // 0.3 of the speed remains after a frame.
+    CHECK(fall(R"(, "inertialDamping": 0.7)", "") == Approx(2.3 * step).epsilon(1e-6));
+}

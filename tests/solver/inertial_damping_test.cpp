@@ -2,6 +2,7 @@
 // stand.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/error.h"
+#include "tests/support/sheets.h"
 #include "tests/support/trial.h"
 
 #include <numbers>
@@ -170,4 +171,111 @@ TEST_CASE("a frozen body without any hold has its place in a quasi-static step",
     CHECK(std::equal(before.begin() + static_cast<std::ptrdiff_t>(first), before.end(),
                      two.state.x.begin() + static_cast<std::ptrdiff_t>(first)));
     CHECK(two.state.x[first - 2] < before[first - 2] - 1e-3); // the other body's tip has sunk
+}
+
+namespace {
+
+/// A sheet of 1 m x 0.25 m, free in space, whose waves along the warp run at 10 m/s: sqrt(tensileStiffness / mass).
+struct FreeSheet {
+    Sheet sheet = make_sheet(evenly(0, 1, 32), 0.25, 4, Weave::diagonal);
+    std::shared_ptr<const Scene> scene;
+    std::unique_ptr<Workspace> workspace;
+    StepInputs in;
+    State state;
+    FreeSheet(Integrator scheme, double damping, double step_size) {
+        scene = std::make_shared<const Scene>(SceneDescription{{cloth(sheet.points, sheet.triangles)}, {}});
+        in.gravity = Vec3::Zero();
+        in.integrator = scheme, in.step_size = step_size;
+        in.max_newton_iterations = 40, in.tolerance_factor = 1e-4;
+        ClothInputs values = cloth_material(50, 20, 1e-4, 0.5);
+        values.inertial_damping = damping;
+        in.bodies = {values};
+        state = initial_state(*scene, in);
+        workspace = std::make_unique<Workspace>(scene);
+    }
+    ClothInputs& values() { return std::get<ClothInputs>(in.bodies[0]); }
+    void run(int steps) {
+        for (int k = 0; k < steps; ++k) {
+            state = advance(*workspace, state, std::span(&in, 1));
+            REQUIRE(state.record.converged);
+        }
+    }
+    /// Share of a velocity field in the velocities, by masses of a third of each face.
+    double part(const std::function<Vec3(const Vec3&)>& field) const {
+        double both = 0, own = 0;
+        for (const Triangle& t : sheet.triangles)
+            for (const int v : t) {
+                const auto i = static_cast<std::size_t>(v);
+                const Vec3 u = field(sheet.points[i]), w(state.v[3 * i], state.v[3 * i + 1], state.v[3 * i + 2]);
+                both += u.dot(w), own += u.squaredNorm();
+            }
+        return both / own;
+    }
+    void set_velocity(const std::function<Vec3(const Vec3&)>& of) {
+        for (std::size_t v = 0; v < sheet.points.size(); ++v) {
+            const Vec3 u = of(sheet.points[v]);
+            std::copy_n(u.data(), 3, state.v.begin() + static_cast<std::ptrdiff_t>(3 * v));
+        }
+    }
+};
+
+} // namespace
+
+TEST_CASE("inertial damping of cloth takes a drift at once, while a wave travels on", "[dynamics][cloth]") {
+    for (const Integrator scheme : dynamic) {
+        INFO(static_cast<int>(scheme));
+        FreeSheet free(scheme, 1, 1.0 / 2400);
+        const Vec3 drift(0.3, -0.2, 0.1);
+        // A wave of 20 Hz, small beside the sheet, and the drift with it.
+        free.set_velocity([&](const Vec3& p) -> Vec3 { return drift + 0.01 * wave(p); });
+        free.run(1);
+        CHECK(std::abs(free.part([&](const Vec3&) { return drift; })) < 1e-4);
+        free.run(29); // a quarter of its period: the wave stands at its turning point
+        CHECK(std::abs(free.part(wave)) < 0.002);
+        free.run(30); // and half of it: it runs the other way
+        CHECK(free.part(wave) < (scheme == Integrator::backward_euler ? -0.0075 : -0.0095));
+    }
+}
+
+TEST_CASE("inertial damping of cloth takes its share by time, however many steps that are", "[dynamics][cloth]") {
+    for (const int steps : {1, 4, 10}) {
+        INFO(steps);
+        FreeSheet free(Integrator::backward_euler, 0.6, 1.0 / 24 / steps);
+        free.set_velocity([](const Vec3&) { return Vec3(0, 0, 1); });
+        free.run(steps);
+        CHECK(free.part([](const Vec3&) { return Vec3(0, 0, 1); }) == Approx(0.4).epsilon(1e-6));
+    }
+}
+
+TEST_CASE("a frozen cloth stands where it is to the bit, and goes on from rest", "[dynamics][cloth]") {
+    for (const Integrator scheme : dynamic) {
+        INFO(static_cast<int>(scheme));
+        FreeSheet free(scheme, 0.5, 1.0 / 24);
+        free.in.gravity = Vec3(0, -9.8, 0);
+        free.run(3);
+        const std::vector<double> there = free.state.x;
+        free.values().enable = 0;
+        free.run(2);
+        CHECK(free.state.x == there);
+        CHECK(free.state.v == std::vector<double>(there.size(), 0.0));
+        free.values().enable = 1;
+        free.run(1);
+        const double share = scheme == Integrator::backward_euler ? 1 : scheme == Integrator::bdf2 ? 4. / 9 : 0.5;
+        for (std::size_t v = 0; v < there.size(); v += 3)
+            CHECK(free.state.x[v + 1] - there[v + 1] == Approx(-share * 9.8 / 576).epsilon(1e-5));
+    }
+}
+
+TEST_CASE("inertial damping of cloth outside of 0 to 1 is refused", "[dynamics][cloth]") {
+    for (const double damping : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()}) {
+        FreeSheet free(Integrator::backward_euler, 0, 1.0 / 24);
+        free.values().inertial_damping = damping;
+        try {
+            free.run(1);
+            FAIL("taken");
+        } catch (const Error& e) {
+            CHECK(e.code == "FE304");
+            CHECK(e.body == 0);
+        }
+    }
 }
