@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <set>
 
 namespace sinew::nodes {
 
@@ -109,8 +110,12 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
 
 void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
     const auto all = in[attachments];
+    std::set<std::string> names;
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Attachment& a = all[i];
+        if (const std::string name = in.source_name(attachments.name, i); !names.insert(name).second)
+            in.fail(attachments.name, "FE213", name + " is connected twice, so it would pull twice",
+                    "Remove one of the two connections.");
         const std::size_t next = setup.key.links.size();
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
         const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], "source");

@@ -58,7 +58,7 @@ struct Setup {
 /// what says how bodies collide in the frame where `in` does not, its collisionDetection being off; null where the
 /// frame has no contact.
 /// Fails with FE209 (an attachment's body is not connected), FE211 (static data changed since the start
-/// frame), FE213 (one body twice), FE282 (a line of action is bound to what has moved).
+/// frame), FE213 (one body or attachment twice), FE282 (a line of action is bound to what has moved).
 Setup read_setup(const engine::Reads& in, const SceneKey* known, const engine::Reads* contact);
 /// The frame's collisionDetection: `frame`, if it is on.
 const engine::Reads* contact_of(const engine::Reads& frame);

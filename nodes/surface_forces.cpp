@@ -82,7 +82,8 @@ void warn_of_facing(const engine::Reads& in, const Mesh& mesh) {
                     " % of what it presses with",
                 "Close the mesh, or remesh it by zIsoMesh.");
     } else if (facing->volume < 0) {
-        in.warn("mesh", "FE245", "the faces of " + name + " look inwards, so its pressure pushes outwards",
+        in.warn("mesh", "FE245",
+                "the faces of " + name + " look inwards, so its pressure acts the other way than it says",
                 "Turn the faces around, or remesh it by zIsoMesh.");
     }
 }

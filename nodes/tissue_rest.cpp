@@ -8,11 +8,32 @@
 #include "solver/meshing/layer_border.h"
 
 #include <algorithm>
+#include <map>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace sinew::nodes {
 
 namespace {
+
+/// Counts what of the vertices no face has, or stands at an edge of one face alone.
+void note_why(const std::vector<int>& outside, const std::vector<solver::Triangle>& triangles, MadeTissue& made) {
+    std::map<std::pair<int, int>, int> faces_at; // by edge
+    std::set<int> used, open;
+    for (const solver::Triangle& t : triangles)
+        for (std::size_t i = 0; i < 3; ++i) {
+            const int a = t[i], b = t[(i + 1) % 3];
+            used.insert(a);
+            ++faces_at[std::minmax(a, b)];
+        }
+    for (const auto& [edge, count] : faces_at)
+        if (count == 1) open.insert(edge.first), open.insert(edge.second);
+    for (const int v : outside) {
+        made.without_face += used.contains(v) ? 0 : 1;
+        made.at_open_edges += open.contains(v) ? 1 : 0;
+    }
+}
 
 /// A vertex this near to its tet, in widths of the tet, lies on it: files and fitted tets round.
 constexpr double touching = 1e-3;
@@ -203,8 +224,13 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
         weigh_fibers(*t, first_fibers);
     }
     if (needs_direction(t->law)) set_stiff_directions(*t, first_fibers);
-    for (const double widths : solver::widths_outside(t->tets, t->embedding))
-        if (widths > touching) ++made.outside, made.farthest = std::max(made.farthest, widths);
+    std::vector<int> outside;
+    const std::vector<double> widths = solver::widths_outside(t->tets, t->embedding);
+    for (std::size_t v = 0; v < widths.size(); ++v)
+        if (widths[v] > touching)
+            outside.push_back(static_cast<int>(v)), made.farthest = std::max(made.farthest, widths[v]);
+    made.outside = outside.size();
+    if (!outside.empty()) note_why(outside, t->triangles, made);
     auto rest = std::make_shared<BodyRest>();
     rest->mesh = *parts.mesh;
     rest->digest = static_digest(parts);

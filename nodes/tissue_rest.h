@@ -30,7 +30,9 @@ struct MadeTissue {
     FoundParts parts;
     std::vector<std::size_t> empty_places; ///< layers whose mesh holds nothing of the tissue, in order
     std::size_t outside = 0;               ///< vertices of the mesh outside of all tets
-    double farthest = 0;                   ///< of these from the tet that carries it, in widths of that tet
+    /// Of these, such as no face has, and such as have faces with an open edge there, which enclose nothing.
+    std::size_t without_face = 0, at_open_edges = 0;
+    double farthest = 0; ///< of these from the tet that carries it, in widths of that tet
 };
 
 /// What the rest data is made from. References must outlive the call.

@@ -118,7 +118,13 @@ void warn_if_unconverged(const Reads& in, const SimulationState& s) {
     const solver::StepRecord& record = s.state.record;
     if (record.converged) return;
     char text[160];
-    std::snprintf(text, sizeof text, " after %d Newton iterations", record.newton_iterations);
+    int length = std::snprintf(text, sizeof text, " after %d Newton iterations", record.newton_iterations);
+    // All of the frame are counted, so there may be more than maxNewtonIterations.
+    const auto room = [&] { return sizeof text - static_cast<std::size_t>(length); };
+    if (record.substeps > 1) length += std::snprintf(text + length, room(), " in %d substeps", record.substeps);
+    if (record.halvings > 0)
+        std::snprintf(text + length, room(), "; the step was halved %d time%s", record.halvings,
+                      record.halvings == 1 ? "" : "s");
     const std::string of =
         s.residual_body < 0 ? "" : " of " + in.source_name(bodies.name, static_cast<std::size_t>(s.residual_body));
     char residual[32];

@@ -161,11 +161,21 @@ void warn_of_vertices_outside(const Reads& in, const TissueParts& parts, const M
     if (made.outside == 0) return;
     char farthest[32];
     std::snprintf(farthest, sizeof farthest, "%.2g", made.farthest);
+    std::string why,
+        cure = "Connect tets that reach around the whole mesh, for example from a zTet that reads the same mesh.";
+    if (made.without_face > 0) why = "; " + std::to_string(made.without_face) + " of them belong to no face";
+    if (made.at_open_edges > 0)
+        why += "; " + std::to_string(made.at_open_edges) +
+               " of them are at open edges, where faces stick out or leave a hole and enclose nothing to fill";
+    if (made.without_face == made.outside)
+        cure = "Nothing shows them; remove vertices without faces where the mesh is modelled.";
+    else if (made.without_face + made.at_open_edges == made.outside)
+        cure = "Remove faces that stick out and close holes where the mesh is modelled, or remesh it by zIsoMesh.";
     in.warn(parts.tets ? tets.name : mesh.name, "FE246",
             std::to_string(made.outside) + " of " + std::to_string(parts.mesh->points->size()) +
                 " vertices of the mesh lie outside of the tets, up to " + farthest +
-                " widths of a tet; what they do is drawn out from the nearest tet",
-            "Connect tets that reach around the whole mesh, for example from a zTet that reads the same mesh.");
+                " widths of a tet; what they do is drawn out from the nearest tet" + why,
+            cure);
 }
 
 void check_law(const Reads& in, const TissueParts& parts) {

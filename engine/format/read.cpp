@@ -558,7 +558,9 @@ Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view jso
     Reading reading;
     Part part = GraphReader(std::move(registry), json_text, file_name, reading).read();
     if (part.problems.empty()) return {std::move(part.graph), std::move(part.notes)};
-    // What is wrong may follow from the notes.
+    // What is wrong may follow from the notes, and where nothing can run a type that nobody knows is wrong as well.
+    for (Diagnostic& d : part.notes)
+        if (d.code == "DG010") d.severity = Severity::error;
     part.problems.insert(part.problems.end(), part.notes.begin(), part.notes.end());
     throw Failure(std::move(part.problems));
 }

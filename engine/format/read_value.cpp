@@ -7,6 +7,7 @@
 #include "engine/units.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -156,8 +157,17 @@ class BindingReader {
     }
 
     Binding preset(const Json& json) {
-        if (input_.presets.empty())
-            problem("DG016", "has no presets", "write a number", "/preset");
+        const auto* named = json.as<std::string>();
+        if (!input_.options.empty()) {
+            const std::vector<std::string> words(input_.options.begin(), input_.options.end());
+            const std::string near = named ? nearest_name(*named, words) : "";
+            problem("DG016", "has words instead of presets",
+                    "write one without an object" + (near.empty() ? "" : ", " + json_quoted(near)) +
+                        "; words: " + listed(words),
+                    "/preset");
+        } else if (input_.presets.empty())
+            problem("DG016", "has no presets", input_.def.is<double>() ? "write a number" : "write the value itself",
+                    "/preset");
         else if (const auto* text = json.as<std::string>())
             return Value::of<double>(preset(*text, "/preset"));
         else
@@ -169,8 +179,27 @@ class BindingReader {
     double preset(const std::string& name, const std::string& below) {
         for (const Preset& p : input_.presets)
             if (name == p.name) return p.value;
-        problem("DG016", "unknown preset " + json_quoted(name), name_hint(name, preset_names(), "presets"), below);
+        if (!name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) && !names_no_number(name))
+            problem("DG016", "unknown preset " + json_quoted(name), name_hint(name, preset_names(), "presets"), below);
+        else
+            problem("DG016", json_quoted(name) + " is neither a number nor a preset", number_form(), below);
         return 0;
+    }
+
+    /// "NaN", "inf": somebody's program has written it.
+    static bool names_no_number(std::string text) {
+        if (text.starts_with('-') || text.starts_with('+')) text.erase(0, 1);
+        for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return text == "nan" || text == "inf" || text == "infinity";
+    }
+
+    /// How numbers are written here.
+    std::string number_form() const {
+        return "write a finite number" +
+               (input_.unit.empty() || input_.unit == "1"
+                    ? std::string()
+                    : ", or one with its unit; usual here: " + usual_units(input_.unit)) +
+               (input_.presets.empty() ? "" : "; or a preset, for example " + json_quoted(input_.presets.front().name));
     }
 
     std::vector<std::string> preset_names() const {
@@ -201,7 +230,7 @@ class BindingReader {
         const auto quantity = parse_quantity(text);
         if (!quantity && !input_.presets.empty()) return preset(text, below);
         if (!quantity)
-            wrong_type(json, below, "number");
+            wrong_type(json, below, "number", text.empty() || names_no_number(text) ? number_form() : "");
         else if (quantity->unit.empty())
             wrong_type(json, below, "number", without_quotes(quantity->number));
         else if (quantity->unit.starts_with(','))
@@ -258,6 +287,13 @@ class BindingReader {
         const auto* d = json.as<double>();
         if (!i && !d) return text && parse_plug(*text) ? "" : "write three numbers: [x, y, z]";
         const double v = i ? static_cast<double>(*i) : *d;
+        // Gravity has one part that is not zero, and a length alone is meant for that.
+        const Vec3& usual = input_.def.as<Vec3>();
+        if (std::count(usual.begin(), usual.end(), 0.0) == 2 && v != 0) {
+            NumberList along(usual.begin(), usual.end());
+            for (double& part : along) part = part == 0 ? 0 : std::copysign(std::abs(v), part);
+            return "write three numbers: " + list_text(along);
+        }
         return "write three numbers: " + list_text(NumberList{v, v, v}) + " if all of them are " + number_text(v);
     }
 

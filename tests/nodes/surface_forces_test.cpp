@@ -135,7 +135,9 @@ TEST_CASE("pressure on a mesh that is open or looks inwards is warned of", "[nod
                       inwards = "f 1 2 3\nf 1 4 2\nf 2 4 3\nf 1 3 4\n", open = "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
     const std::string pressed = R"("pressure": 10)", tense = R"("surfaceTension": 10)";
     CHECK(warnings(outwards, pressed).empty());
-    CHECK_THAT(warnings(inwards, pressed), Catch::StartsWith("FE245 mesh") && Catch::Contains("look inwards"));
+    CHECK_THAT(warnings(inwards, pressed),
+               Catch::StartsWith("FE245 mesh") &&
+                   Catch::Contains("look inwards, so its pressure acts the other way than it says"));
     // Half a square metre is missing of 1.5 + sqrt(3)/2.
     CHECK_THAT(warnings(open, pressed), Catch::StartsWith("FE245 mesh") && Catch::Contains("by 27 %"));
     for (const std::string& faces : {outwards, inwards, open}) CHECK(warnings(faces, tense).empty());

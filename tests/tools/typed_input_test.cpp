@@ -79,3 +79,40 @@ TEST_CASE("meshes with a byte order mark or blank lines or strips are read", "[t
              "0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n")});
     CHECK(strip.lines().at(0).at("triangles") == 2);
 }
+
+TEST_CASE("what is wrong in --set is told there and not at the file's value", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = put(folder, "g.json", R"({"format": "sinew 1", "nodes": {
+      "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 12000, "poissonsRatio": 0.4}},
+      "place": {"type": "transform", "inputs": {"translate": [0, 0, 0]}}}})");
+    const auto said_of = [&](const std::string& setting) {
+        const Said said = run_program({"check", file, "--set", setting});
+        CHECK(said.code == 1);
+        CHECK_FALSE(has(said.err, "g.json:"));
+        CHECK(said.err.starts_with("--set " + setting + ": error ["));
+        return said.err;
+    };
+    CHECK(has(said_of("place.translate=[0,5]"), "expected 3 numbers, found 2"));
+    CHECK(has(said_of("flesh.youngsModulus=-1"), "is outside"));
+    for (const char* nothing : {"", "NaN", "-inf"}) {
+        const std::string number = std::string("flesh.youngsModulus=") + nothing;
+        CHECK(has(said_of(number), "hint: write a finite number, or one with its unit"));
+        CHECK(has(said_of(std::string("flesh.poissonsRatio=") + nothing), "hint: write a finite number"));
+    }
+}
+
+TEST_CASE("words and vectors that are written as something else are told how they are written", "[tools]") {
+    const TemporaryFolder folder;
+    const auto said_of = [&](const std::string& nodes) {
+        return run_program(
+                   {"check", "--fast", put(folder, "g.json", R"({"format": "sinew 1", "nodes": {)" + nodes + "}}")})
+            .err;
+    };
+    CHECK(has(said_of(R"("t": {"type": "zTissue", "inputs": {"material": {"preset": "neohookean"}}})"),
+              "has words instead of presets\n  hint: write one without an object, \"NeoHookean\"; words: StVK, "));
+    CHECK(has(said_of(R"("s": {"type": "zSolver", "inputs": {"gravity": -9.8}})"),
+              "hint: write three numbers: [0, -9.8, 0]\n"));
+    CHECK(has(said_of(R"("s": {"type": "zSolver", "inputs": {"gravity": 9.8}})"),
+              "hint: write three numbers: [0, -9.8, 0]\n"));
+    CHECK(has(said_of(R"("m": {"type": "transform", "inputs": {"translate": 3}})"), "[3, 3, 3] if all of them are 3"));
+}

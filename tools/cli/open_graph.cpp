@@ -38,6 +38,18 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
 }
 
+/// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
+std::vector<engine::Diagnostic> in_settings(std::span<const engine::Diagnostic> problems,
+                                            const std::vector<std::string>& settings) {
+    std::vector<engine::Diagnostic> out(problems.begin(), problems.end());
+    for (engine::Diagnostic& d : out)
+        for (const std::string& setting : settings) {
+            const Plug plug = split_plug(setting.substr(0, setting.find('=')));
+            if (plug.node == d.node && plug.attribute == d.attribute) d.spot = {"--set " + setting, "", 0, 0, {}};
+        }
+    return out;
+}
+
 /// The literal at an input, or its default. Empty if it is connected, keyed or unknown.
 engine::Value literal(const Graph& graph, const std::string& node, std::string_view attribute) {
     const Node* n = graph.find(node);
@@ -101,7 +113,8 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
             loaded.graph = edit.commit().graph;
         } catch (const engine::Failure& failure) { // what the reader noted may be why
             std::vector<engine::Diagnostic> all = std::move(loaded.notes);
-            all.insert(all.end(), failure.diagnostics().begin(), failure.diagnostics().end());
+            for (engine::Diagnostic& d : in_settings(failure.diagnostics(), arguments.values("--set")))
+                all.push_back(std::move(d));
             throw engine::Failure(std::move(all));
         }
         // What was said of the timing holds for the graph as it is now.
