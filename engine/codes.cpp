@@ -113,7 +113,8 @@ constexpr CodeInfo table[] = {
     {"FE211", "change over time of what must stay",
      "Bodies, faces, rest shapes and painted maps keep to what they were at the start frame."},
     {"FE212", "nothing is painted", "Paint at least one weight above 0."},
-    {"FE213", "bodies that cannot be told apart", "Two bodies are identical; remove one or make them differ."},
+    {"FE213", "bodies that cannot be told apart, or one thing twice",
+     "Remove one of the two, or make the bodies differ."},
     {"FE215", "tet without volume or inside out", "Remove flat tets; swap two indices of those inside out."},
     {"FE216", "curve cannot be used", "Give x, y and z of two points or more."},
     {"FE217", "meshes with different vertices",
@@ -212,6 +213,11 @@ constexpr CodeInfo table[] = {
      "Turn faces until neighbours look to the same side."},
     {"FE316", "surface tension that a cloth cannot bear",
      "Keep it below shearStiffness and above minus tensileStiffness, or let restScale change the size."},
+    {"FE320", "body in another unit than the others", "Scale it by a transform, or where it is modelled."},
+    {"FE321", "mesh with faces turned or doubled", "Repair it where it is modelled, or remesh it by zIsoMesh."},
+    {"FE322", "gravity that is hardly meant", "Write it in m/s^2, whatever the scene's scale: [0, -9.8, 0]."},
+    {"FE323", "flesh lighter than any", "Write the unit that is meant: \"1 g/cm^3\" instead of 1."},
+    {"FE324", "fibres weaker than any", "Write the unit that is meant: \"60 kPa\" instead of 60."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},
@@ -221,6 +227,8 @@ constexpr CodeInfo table[] = {
     {"IO406", "kept result cannot be used", "Nothing to do: it is made anew and replaced."},
     {"IO407", "results cannot be kept on disk",
      "Check the folder, permissions and free space, or choose another by --cache."},
+    {"IO420", "output over a file that is read", "Choose another name or folder for what is written."},
+    {"IO421", "folder with files of an earlier run", "Remove them, or give each run a folder of its own."},
 };
 
 } // namespace

@@ -66,6 +66,9 @@ TEST_CASE("every mistake on the command line is named, with the nearest flag", "
     CHECK(message_of({"g", "--frame", "1"}) == "unknown flag '--frame'. Did you mean '--frames'?");
     CHECK(message_of({"g", "--zzzzzz"}) == "unknown flag '--zzzzzz'.");
     CHECK(message_of({"g", "--frames"}) == "--frames needs a value: A-B.");
+    CHECK(message_of({"g", "--frames", "--json"}) ==
+          "--frames needs a value: A-B. '--json' looks like a flag; if it is meant, write --frames=--json.");
+    CHECK(parse({"g", "--frames=--json"}).value("--frames") == "--json");
     CHECK(message_of({"g", "--json=yes"}) == "--json takes no value.");
     CHECK(message_of({"g", "--frames", "1", "--frames", "2"}) == "--frames is given twice.");
     CHECK(message_of({}) == "GRAPH is missing.");

@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <set>
+#include <sstream>
 
 using namespace sinew::test;
 using nlohmann::json;
@@ -64,10 +66,15 @@ TEST_CASE("check doubts nothing of the graphs that ship", "[tools]") {
 TEST_CASE("check doubts sizes that no flesh has and names the scale that would give it one", "[tools]") {
     CHECK(said_of(ball(), {"solver.scale=1"}) ==
           "FE261 solver.scale: ball is 20 m long: 20 scene units, 1 a metre | if it is modelled in centimetres, write "
-          "\"scale\": 100, which makes it 20 cm\n");
+          "\"scale\": 100, which makes it 20 cm; if in millimetres, 1000, which makes it 2 cm\n");
     CHECK(said_of(ball(), {"solver.scale=5000"}) ==
           "FE261 solver.scale: ball is 4 mm long: 20 scene units, 5000 a metre | if it is modelled in centimetres, "
-          "write \"scale\": 100, which makes it 20 cm\n");
+          "write \"scale\": 100, which makes it 20 cm; if in millimetres, 1000, which makes it 2 cm\n");
+    // 2 scene units cannot be centimetres of what flesh is but just so, nor millimetres.
+    CHECK(said_of(ball(), {"ballMesh.radius=1", "tets.tetSize=0.8", "top.start=0.8", "top.end=0.9", "solver.scale=1000",
+                           "platePlace.translate=[0, 1, 0]"})
+              .find("write \"scale\": 100, which makes it 2 cm; if in metres, 1, which makes it 2 m\n") !=
+          std::string::npos);
 }
 
 TEST_CASE("check doubts flesh of pascals", "[tools]") {
@@ -84,6 +91,10 @@ TEST_CASE("check doubts attachments of whole bodies and names what to paint", "[
                             "weights with the mesh of ball, for example with mode near\n");
     // Half as stiff is still everywhere; the least place without is a part.
     CHECK(said_of(graph, {"grip.weights=[0.5]"}).starts_with("FE264 grip.weights: ties the whole surface of ball"));
+    // So is nearly all of it: the height of a sphere is as its area, here 19 of 20 parts.
+    json most = ball();
+    CHECK(said_of(most, {"top.start=-9", "top.end=-8.9"}).find("% of the surface of ball") != std::string::npos);
+    CHECK(said_of(most, {"top.start=-5", "top.end=-4.9"}).empty());
     // A bone within flesh is held all around.
     graph["nodes"]["grip"]["inputs"]["source"] = {{"from", "plate.outBody"}};
     graph["nodes"]["grip"]["inputs"]["target"] = {{"from", "ball.outBody"}};
@@ -98,6 +109,14 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
                               "[0, 0, 0]\n";
     CHECK(said_of(graph) == falls);
     CHECK(said_of(graph, {"solver.gravity=[0, 0, 0]"}).empty());
+    // What ties it is there and does nothing, at any frame.
+    const std::string idle = "; attachments without stiffness or envelope tie nothing: grip";
+    CHECK(said_of(ball(), {"grip.envelope=0"}).find("FE260 solver.bodies: ball falls") == 0);
+    CHECK(said_of(ball(), {"grip.envelope=0"}).find(idle) != std::string::npos);
+    CHECK(said_of(ball(), {"grip.stiffness=0"}).find(idle) != std::string::npos);
+    CHECK(said_of(ball(), {R"(grip.envelope={"keys": [[1, 0], [5, 1]]})"}).empty());
+    CHECK(said_of(ball(), {"plate.enable=false"}) == falls);
+    CHECK(said_of(ball(), {R"(plate.enable={"keys": [[1, false], [5, true]]})"}).empty());
     CHECK(said_of(graph, {"solver.integrator=QuasiStatic"}, 1).starts_with("FE303 solver.bodies"));
     graph["nodes"]["hold"] = {
         {"type", "zHold"},
@@ -158,4 +177,152 @@ TEST_CASE("a node of an unknown type is an error of check beside all others", "[
     const std::string both = said_of(graph, {}, 1);
     CHECK(both.find("DG010 odd.") != std::string::npos);
     CHECK(both.find("DG013 flesh.youngsModulus") != std::string::npos);
+}
+
+TEST_CASE("run says what check doubts and puts it into the report", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = write_graph(folder, ball()), report = (folder / "report.json").string();
+    const std::vector<std::string> settings{"--set", "solver.scale=1",         "--set", "grip.envelope=0",
+                                            "--set", "flesh.youngsModulus=12", "--set", "tets.tetSize=100"};
+    const auto codes_of = [&](std::vector<std::string> words) {
+        words.insert(words.end(), settings.begin(), settings.end());
+        const Said said = run_program(words);
+        CHECK(said.code == 0);
+        std::set<std::string> out;
+        for (const json& d : said.lines())
+            if (d.at("event") == "diagnostic") out.insert(d.at("code").get<std::string>());
+        return out;
+    };
+    const auto checked = codes_of({"check", file, "--json", "--no-cache"});
+    CHECK(checked == std::set<std::string>{"FE260", "FE261", "FE262", "FE263"});
+    CHECK(codes_of({"run", file, "--json", "--no-cache", "--frames", "1", "--report", report}) == checked);
+    std::set<std::string> reported;
+    const json written = json::parse(read_text(report));
+    for (const json& d : written.at("warnings")) reported.insert(d.at("code").get<std::string>());
+    CHECK(reported == checked);
+    // Nothing is said of what is not pulled.
+    json aside = ball();
+    aside["nodes"]["odd"] = {{"type", "zMaterial"}, {"inputs", {{"youngsModulus", 12}}}};
+    const std::string beside = write_graph(folder, aside, "beside.json");
+    CHECK(run_program({"run", beside, "--no-cache", "--frames", "1", "--quiet"}).err.empty());
+    CHECK(run_program({"check", beside, "--no-cache"}).err.find("FE263") != std::string::npos);
+}
+
+TEST_CASE("check and run refuse types that they do not know and say so once", "[tools]") {
+    const TemporaryFolder folder;
+    json unused = ball(), needed = ball(), beside = ball();
+    unused["nodes"]["odd"] = {{"type", "zTisue"}};
+    needed["nodes"]["flesh"]["type"] = "zMaterail";
+    beside["nodes"]["flesh"]["type"] = "zMaterail";
+    beside["nodes"]["solver"]["inputs"]["scale"] = "large";
+    const auto severities = [&](const char* command, const json& graph) {
+        const Said said = run_program({command, write_graph(folder, graph), "--json", "--no-cache"});
+        CHECK(said.code == 1);
+        std::string out;
+        for (const json& d : said.lines())
+            if (d.at("event") == "diagnostic")
+                out += d.at("severity").get<std::string>() + " " + d.at("code").get<std::string>() + "; ";
+        return out;
+    };
+    for (const char* command : {"check", "run"}) {
+        INFO(command);
+        CHECK(severities(command, unused) == "error DG010; ");
+        CHECK(severities(command, needed) == "error DG010; ");
+        CHECK(severities(command, beside) == "error DG012; error DG010; ");
+    }
+}
+
+TEST_CASE("check doubts bodies whose files are in another unit than the others", "[tools]") {
+    const TemporaryFolder folder;
+    // A bone of 10 scene units, modelled in metres beside a ball in centimetres.
+    const auto written = [&](double size) {
+        std::string text;
+        for (const char* corner : {"0 0 0", "1 0 0", "0 1 0", "0 0 1"}) {
+            text += "v";
+            std::istringstream in(corner);
+            for (double v; in >> v;) text += " " + std::to_string(size * v);
+            text += "\n";
+        }
+        write_text(folder / "bone.obj", text + "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    };
+    json graph = ball();
+    graph["nodes"]["plateMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "bone.obj").string()}}}};
+    graph["nodes"]["grip"]["inputs"]["maxDistance"] = 1000;
+    written(0.1);
+    const std::string small = said_of(graph);
+    CHECK(
+        small.find("FE320 solver.bodies: plate is 0.1 scene units long, the other bodies 20 scene units: smaller by a "
+                   "factor of about 200 | if they are modelled in different units, put a transform with scale 100 "
+                   "between the file and plate") != std::string::npos);
+    written(10000);
+    CHECK(said_of(graph).find("FE320 solver.bodies: plate is 10000 scene units long, the other bodies 20 scene units: "
+                              "larger by a factor of about 500 | if they are modelled in different units, put a "
+                              "transform with scale 0.001 between the file and plate") != std::string::npos);
+    CHECK(said_of(graph, {"platePlace.scale=[0.001, 0.001, 0.001]"}).find("FE320") == std::string::npos);
+    written(10);
+    CHECK(said_of(graph).find("FE320") == std::string::npos);
+    // What a node makes is as large as the graph says.
+    CHECK(said_of(ball(), {"plateMesh.width=5000"}).find("FE320") == std::string::npos);
+}
+
+TEST_CASE("check doubts tissues with faces that are turned or doubled", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string corners = "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n",
+                      box = "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\n";
+    json graph = ball();
+    graph["nodes"]["ballMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "box.obj").string()}}}};
+    graph["nodes"]["top"]["inputs"]["start"] = 4, graph["nodes"]["top"]["inputs"]["end"] = 4.5;
+    const auto said = [&](const std::string& last) {
+        write_text(folder / "box.obj", corners + box + last);
+        return said_of(graph);
+    };
+    CHECK(said("f 4 1 5 8\n").find("FE321") == std::string::npos);
+    CHECK(said("f 8 5 1 4\n")
+              .find("FE321 ball.mesh: some faces of its mesh look the other way than their neighbours: 4 "
+                    "edges between opposite sides") != std::string::npos);
+    CHECK(said("f 4 1 5 8\nf 4 1 5 8\n").find("FE321 ball.mesh: its mesh has 2 repeated triangles") !=
+          std::string::npos);
+}
+
+TEST_CASE("an attachment that is connected twice is refused", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["solver"]["inputs"]["attachments"].push_back({{"from", "grip.outAttachment"}});
+    CHECK(said_of(graph, {}, 1) == "FE213 solver.attachments: grip is connected twice, so it would pull twice | Remove "
+                                   "one of the two connections.\n");
+}
+
+TEST_CASE("check doubts values in another unit than the attribute's", "[tools]") {
+    CHECK(said_of(ball(), {"solver.gravity=[0, -980, 0]"}) ==
+          "FE322 solver.gravity: 980 m/s^2 is 100 times the earth's | gravity is in m/s^2, whatever the scene's scale: "
+          "[0, -9.8, 0]\n");
+    CHECK(said_of(ball(), {"solver.gravity=[0, -98, 0]"}).empty()); // a centrifuge
+    CHECK(
+        said_of(ball(), {"flesh.massDensity=1.06"}) ==
+        "FE323 flesh.massDensity: 1.06 kg/m^3 is lighter than any flesh; water has 1000, a lung 250 | if grams a cubic "
+        "centimetre are meant, write \"1.06 g/cm^3\"\n");
+    CHECK(said_of(ball(), {"flesh.massDensity=1.06 g/cm^3"}).empty());
+    json graph = ball();
+    graph["nodes"]["fibre"] = {{"type", "zFiber"}, {"inputs", {{"direction", {0, 1, 0}}, {"strength", 60}}}};
+    graph["nodes"]["ball"]["inputs"]["fibers"] = json::array({{{"from", "fibre.outFiber"}}});
+    CHECK(said_of(graph).starts_with("FE324 fibre.strength: 60 Pa hardly pulls; muscles have 100 to 300 kPa | if "
+                                     "kilopascals are meant, write \"60 kPa\"\n"));
+    CHECK(said_of(graph, {"fibre.strength=0"}).find("FE324") == std::string::npos);
+}
+
+TEST_CASE("vertices outside of tets are told with the reason", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string box = "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n"
+                            "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    json graph = ball();
+    graph["nodes"]["ballMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "box.obj").string()}}}};
+    graph["nodes"]["top"]["inputs"]["start"] = 4, graph["nodes"]["top"]["inputs"]["end"] = 4.5;
+    write_text(folder / "box.obj", box + "v 50 0 0\n");
+    std::string said = said_of(graph);
+    CHECK(said.find("; 1 of them belong to no face | Nothing shows them;") != std::string::npos);
+    write_text(folder / "box.obj", box + "v 50 0 0\nf 2 3 9\n");
+    graph["nodes"]["box"] = {{"type", "polyCube"}, {"inputs", {{"width", 10}, {"height", 10}, {"depth", 10}}}};
+    graph["nodes"]["tets"]["inputs"]["mesh"]["from"] = "box.outMesh";
+    said = said_of(graph);
+    CHECK(said.find("; 1 of them are at open edges") != std::string::npos);
+    CHECK(said.find("| Remove faces that stick out") != std::string::npos);
 }

@@ -96,7 +96,7 @@ TEST_CASE("the report says for every frame how it went", "[tools]") {
                 .code == 0);
     const json report = json::parse(read_text(file));
     CHECK(keys(report) == std::set<std::string>{"version", "machine", "blas", "numerics", "threads", "graph", "totals",
-                                                "computed", "frames", "size"});
+                                                "warnings", "computed", "frames", "size"});
     CHECK(report.at("threads") == 1);
     CHECK(report.at("totals").at("frames_simulated") == 4);
     CHECK(report.at("totals").at("frames_reused") == 0);

@@ -66,6 +66,11 @@ Arguments::Arguments(const Command& command, std::span<const std::string> words)
         } else if (equals != std::string::npos) {
             given.push_back(word.substr(equals + 1));
         } else if (i + 1 < words.size()) {
+            // Taken for the next flag rather than for a file or folder of that name.
+            if (words[i + 1].starts_with("--"))
+                throw UsageError(std::string(flag->name) + " needs a value: " + std::string(flag->value) + ". '" +
+                                 words[i + 1] + "' looks like a flag; if it is meant, write " +
+                                 std::string(flag->name) + "=" + words[i + 1] + ".");
             given.push_back(words[++i]);
         } else {
             throw UsageError(std::string(flag->name) + " needs a value: " + std::string(flag->value) + ".");

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/body_files.h"
 
+#include "engine/digest.h"
+#include "engine/format/graph_file.h"
 #include "solver/mesh/mesh_files.h"
 #include "tools/cli/atomic_file.h"
 
 #include <cstdio>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 namespace sinew::cli {
@@ -18,7 +21,9 @@ constexpr std::string_view mark = "# sinew: "; // "# sinew: bone, y up, 100 unit
 constexpr std::string_view look_mark =
     "# sinew looks: "; // "# sinew looks: tendon, #d8ccb7"; only where the graph says so
 
-std::string header(const BodyLabel& label, const SceneAxes& axes) {
+constexpr std::string_view run_line = "# sinew run: "; // last: which runs belong together
+
+std::string header(const BodyLabel& label, const SceneAxes& axes, const std::string& run) {
     std::ostringstream out;
     out << mark << render::word_of(label.kind) << ", " << axes.up << " up, " << axes.units_per_metre
         << " units a metre\n";
@@ -27,6 +32,7 @@ std::string header(const BodyLabel& label, const SceneAxes& axes) {
         if (colour) out << ", " << render::hex_of(*colour);
         out << "\n";
     }
+    if (!run.empty()) out << run_line << run << "\n";
     return out.str();
 }
 
@@ -45,9 +51,10 @@ void read_header(const fs::path& file, BodyLabel& label, char& up) {
         label.appearance.colour = render::colour_of(std::string_view(looks[1]).substr(1));
 }
 
-/// "biceps.0001.obj" -> (biceps, 1).
-std::optional<std::pair<std::string, int>> parse_name(const fs::path& file) {
-    if (file.extension() != ".obj") return {};
+} // namespace
+
+std::optional<std::pair<std::string, int>> parse_frame_file(const fs::path& file, const std::string& ending) {
+    if (file.extension() != "." + ending) return {};
     const std::string stem = file.stem().string();
     const std::size_t dot = stem.rfind('.');
     if (dot == std::string::npos || dot == 0) return {};
@@ -56,7 +63,23 @@ std::optional<std::pair<std::string, int>> parse_name(const fs::path& file) {
     return std::pair(stem.substr(0, dot), *frame);
 }
 
-} // namespace
+std::string run_mark(const engine::Graph& graph) {
+    const std::string text = engine::write_graph(graph);
+    auto json = nlohmann::json::parse(text, nullptr, false, true);
+    engine::Hasher hasher;
+    if (!json.is_object()) return hasher.add(text).finish().hex().substr(0, 16);
+    for (const char* key : {"$schema", "comment", "editor"}) json.erase(key);
+    if (json.contains("timing")) json["timing"].erase("end");
+    return hasher.add(json.dump()).finish().hex().substr(0, 16);
+}
+
+std::string read_run_mark(const fs::path& obj) {
+    std::ifstream in(obj);
+    std::string line;
+    while (std::getline(in, line) && line.starts_with("#"))
+        if (line.starts_with(run_line)) return line.substr(run_line.size());
+    return {};
+}
 
 std::string frame_file_name(const std::string& name, int frame, const std::string& ending) {
     char number[16];
@@ -65,10 +88,10 @@ std::string frame_file_name(const std::string& name, int frame, const std::strin
 }
 
 void write_body(const fs::path& folder, const std::string& format, const BodyLabel& label, const nodes::Mesh& mesh,
-                int frame, const SceneAxes& axes) {
+                int frame, const SceneAxes& axes, const std::string& run) {
     const solver::SurfaceMesh surface = mesh.surface();
     const std::string bytes =
-        format == "obj" ? header(label, axes) + solver::write_obj(surface) : solver::write_ply(surface);
+        format == "obj" ? header(label, axes, run) + solver::write_obj(surface) : solver::write_ply(surface);
     write_file(folder / format / frame_file_name(label.name, frame, format), bytes);
 }
 
@@ -78,7 +101,7 @@ SequenceFolder find_sequences(const fs::path& folder) {
     for (const fs::path& place : {folder / "obj", folder}) {
         if (!fs::is_directory(place)) continue;
         for (const auto& entry : fs::directory_iterator(place))
-            if (const auto name = parse_name(entry.path())) {
+            if (const auto name = parse_frame_file(entry.path(), "obj")) {
                 found[name->first].files[name->second] = entry.path();
                 out.frames.insert(name->second);
             }

@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,8 +18,18 @@ namespace sinew::cli {
 std::string frame_file_name(const std::string& name, int frame, const std::string& ending);
 
 /// Writes one body of one frame as "obj" or "ply" below `folder`.
+/// \param run what run_mark gives, or nothing; in OBJ alone
 void write_body(const std::filesystem::path& folder, const std::string& format, const BodyLabel& label,
-                const nodes::Mesh& mesh, int frame, const SceneAxes& axes);
+                const nodes::Mesh& mesh, int frame, const SceneAxes& axes, const std::string& run = {});
+
+/// A short text that runs of one graph have alike, whatever frames of it they run: of its nodes and values, not of the
+/// files that these name, nor of its last frame.
+std::string run_mark(const engine::Graph& graph);
+/// The one in an OBJ that write_body made; empty if there is none.
+std::string read_run_mark(const std::filesystem::path& obj);
+/// "biceps.0001.obj" -> (biceps, 1), for files of this ending.
+std::optional<std::pair<std::string, int>> parse_frame_file(const std::filesystem::path& file,
+                                                            const std::string& ending);
 
 /// An OBJ sequence that write_body made (or any NAME.FRAME.obj files).
 struct BodySequence {

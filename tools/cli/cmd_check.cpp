@@ -38,6 +38,11 @@ Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluato
     return out;
 }
 
+/// "1 body", "2 bodies".
+std::string counted(std::int64_t count, const std::string& one, const std::string& several = {}) {
+    return std::to_string(count) + " " + (count == 1 ? one : several.empty() ? one + "s" : several);
+}
+
 ExitCode check_file(const Invocation& in, const std::string& file) {
     const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
                meshes = in.arguments.has("--meshes");
@@ -62,7 +67,9 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
     if (!fast && !has_error(found)) // a tissue falls, say, because what holds it is wrong
-        for (auto& doubt : find_doubts(open.graph, evaluator, in.stop, failures)) found.push_back(std::move(doubt));
+        for (auto& doubt :
+             find_doubts(open.graph, evaluator, open.graph->node_names(), Look::closely, in.stop, failures))
+            found.push_back(std::move(doubt));
     if (!fast) {
         const std::vector<std::string> all = open.graph->node_names();
         const engine::Timing& timing = open.graph->timing();
@@ -70,9 +77,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         for (auto& doubt : find_motion_that_ends(*open.graph, all, first, timing.end))
             found.push_back(std::move(doubt));
     }
-    // Nothing that needs such a node can run, and the rest may run without it; but nobody writes one on purpose.
-    for (engine::Diagnostic& d : found)
-        if (d.code == "DG010") d.severity = engine::Severity::error;
+    refuse_unknown_types(found);
     sort_by_place(found);
     print_diagnostics(found, json, in.out, in.err);
     if (meshes) print_meshes(reports, json, in.out);
@@ -82,10 +87,17 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     if (json) {
         nlohmann::ordered_json line = {{"event", "checked"}, {"graph", open.graph->file()}, {"nodes", counts.nodes}};
         if (!fast) line["bodies"] = counts.bodies, line["tets"] = counts.tets;
+        line["solvers"] = simulations(*open.graph, open.graph->node_names()).size();
+        line["warnings"] = found.size();
         in.out << json_text(line) << "\n";
     } else {
-        in.out << open.graph->file() << ": right, " << counts.nodes << " nodes";
-        if (!fast) in.out << ", " << counts.bodies << " bodies, " << counts.tets << " tets";
+        // All that is left are warnings, and after those nobody believes "right".
+        in.out << open.graph->file() << ": "
+               << (found.empty() ? "right" : "no errors, " + counted(static_cast<std::int64_t>(found.size()), "doubt"))
+               << ", " << counted(static_cast<std::int64_t>(counts.nodes), "node");
+        if (!fast) in.out << ", " << counted(counts.bodies, "body", "bodies") << ", " << counted(counts.tets, "tet");
+        if (simulations(*open.graph, open.graph->node_names()).empty())
+            in.out << "; it has no zSolver, so `sinew run` needs --pull NODE.PLUG";
         in.out << "\n";
     }
     return done;

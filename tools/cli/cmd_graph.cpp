@@ -7,6 +7,8 @@
 #include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
+#include "tools/cli/read_files.h"
+#include "tools/cli/writable_folder.h"
 #include "tools/viewer/graph_layout.h"
 
 #include <nlohmann/json.hpp>
@@ -53,6 +55,12 @@ ExitCode show_graph(const Invocation& in) {
     if (in.arguments.has("--dot") + in.arguments.has("--json") + svg.has_value() != 1)
         throw UsageError("choose one of --dot, --svg and --json.");
     const OpenGraph open = open_graph(in.arguments);
+    if (svg) {
+        check_writable_file(*svg, "--svg");
+        ReadFiles read;
+        read.add(*open.graph);
+        read.check_kept(*svg, "--svg");
+    }
     print_diagnostics(open.notes, false, in.out, in.err);
     if (svg) {
         write_file(*svg, viewer::to_svg(viewer::layout_graph(*open.graph)));

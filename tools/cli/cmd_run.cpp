@@ -4,11 +4,13 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
+#include "tools/cli/doubts.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/read_files.h"
 #include "tools/cli/run_output.h"
 #include "tools/cli/unfinished.h"
 #include "tools/cli/writable_folder.h"
@@ -92,15 +94,18 @@ ProgressStyle style_of(const Arguments& arguments) {
 
 class Run {
   public:
-    Run(const Invocation& in, Departure& departure, Plan plan)
+    /// \param notes of the reader
+    Run(const Invocation& in, Departure& departure, Plan plan, std::vector<engine::Diagnostic> notes)
         : in_(in)
         , departure_(departure)
         , plan_(std::move(plan))
+        , notes_(std::move(notes))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
-                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size()) {
+                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph)) {
+        read_.add(*plan_.graph);
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
         report_.memory_bytes = memory_budget(in.arguments);
@@ -116,10 +121,22 @@ class Run {
     ExitCode operator()() {
         try {
             if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
-            if (const auto file = in_.arguments.value("--report")) check_writable_file(*file, "--report");
+            if (const auto file = in_.arguments.value("--report")) {
+                check_writable_file(*file, "--report");
+                read_.check_kept(*file, "--report");
+            }
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
-            if (auto problems = find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop); has_error(problems))
-                throw engine::Failure(std::move(problems));
+            const auto failures = engine::remember_failures();
+            std::vector<engine::Diagnostic> problems = std::move(notes_);
+            for (auto& d : find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop, failures))
+                problems.push_back(std::move(d));
+            refuse_unknown_types(problems);
+            sort_by_place(problems);
+            if (has_error(problems)) throw engine::Failure(std::move(problems));
+            for (const engine::Diagnostic& d : problems) progress_.warning(d);
+            for (const engine::Diagnostic& d :
+                 find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures))
+                progress_.warning(d);
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
@@ -132,6 +149,8 @@ class Run {
         }
         departure_.forbid(); // all is there: what follows only writes it
         close();
+        if (!plan_.out.empty())
+            for (const engine::Diagnostic& d : output_.older_files()) progress_.warning(d);
         report_.wall_s = seconds_since(start_);
         report_.computed = progress_.computed_by_type();
         write_report();
@@ -162,8 +181,12 @@ class Run {
     /// Of what comes, from what there is before the first step: it has just been computed.
     void expect_sizes() {
         const double frame = start_frame(*plan_.graph, plan_.needed);
-        for (const engine::Plug& plug : plan_.plugs)
-            output_.expect(*plan_.graph, plug, evaluator_.pull({plan_.graph, plug, frame, in_.stop}));
+        if (in_.arguments.has("--open")) read_.check_kept(plan_.out / "view.html", "--open");
+        for (const engine::Plug& plug : plan_.plugs) {
+            const engine::Value value = evaluator_.pull({plan_.graph, plug, frame, in_.stop});
+            output_.check_kept(read_, *plan_.graph, plug, value, plan_.frames);
+            output_.expect(*plan_.graph, plug, value);
+        }
     }
 
     /// The finished frames stay, and the report says what was done up to here. Also called by another thread while the
@@ -193,7 +216,11 @@ class Run {
         try {
             std::rethrow_exception(what);
         } catch (const engine::Failure& failure) {
-            const engine::Diagnostic& d = failure.diagnostics().front();
+            const auto all = failure.diagnostics();
+            const auto error = std::find_if(all.begin(), all.end(), [](const engine::Diagnostic& one) {
+                return one.severity == engine::Severity::error;
+            });
+            const engine::Diagnostic& d = error == all.end() ? all.front() : *error;
             return {frame_, d.code, d.node, d.message};
         } catch (const std::exception& other) {
             return {frame_, "", "", other.what()};
@@ -270,6 +297,7 @@ class Run {
         report_.frames_simulated = progress_.steps();
         report_.kept_bytes = evaluator_.most_stored_bytes();
         report_.made_again = evaluator_.made_again();
+        report_.warnings = progress_.warnings();
         if (const auto file = in_.arguments.value("--report")) write_file(*file, report_json(report_));
     }
 
@@ -322,9 +350,6 @@ class Run {
         if (in_.arguments.has("--quiet")) return print_page();
         in_.out << summary(report_);
         for (const fs::path& path : output_.written()) in_.out << "wrote " << path.string() << "\n";
-        if (const std::size_t older = plan_.out.empty() ? 0 : output_.older_files())
-            in_.err << "note: " << plan_.out.string() << " also holds " << older
-                    << " mesh files from before this run; they were left as they are\n";
         if (report_.made_again > 0)
             in_.err << "note: " << report_.made_again
                     << " results were computed again, because --memory left no room to keep them\n";
@@ -336,10 +361,12 @@ class Run {
     const Invocation& in_;
     Departure& departure_;
     const Plan plan_;
+    std::vector<engine::Diagnostic> notes_;
     const bool json_;
     Progress progress_;
     engine::Evaluator evaluator_;
     RunOutput output_;
+    ReadFiles read_;
     RunReport report_;
     std::unique_ptr<viewer::GraphCollector> page_scene_; ///< for --open
     fs::path page_;                                      ///< written for --open
@@ -351,8 +378,7 @@ class Run {
 ExitCode run_graph(const Invocation& in) {
     Departure departure(in.stop, "sinew run", in.arguments.has("--json"));
     OpenGraph open = open_graph(in.arguments);
-    print_diagnostics(open.notes, in.arguments.has("--json"), in.out, in.err);
-    return Run(in, departure, make_plan(in.arguments, open.graph))();
+    return Run(in, departure, make_plan(in.arguments, open.graph), std::move(open.notes))();
 }
 
 } // namespace

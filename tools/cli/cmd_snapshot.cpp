@@ -7,6 +7,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
+#include "tools/cli/read_files.h"
 #include "tools/cli/writable_folder.h"
 #include "tools/render/movie.h"
 #include "tools/viewer/collect.h"
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <optional>
 #include <ostream>
+#include <set>
 
 namespace sinew::cli {
 
@@ -54,7 +56,15 @@ Album make_album(viewer::ViewScene scene, const std::vector<int>& frames) {
     return album;
 }
 
+void check_kept(const Arguments& arguments, const ReadFiles& read) {
+    if (const auto movie = arguments.value("--movie")) return read.check_kept(*movie, "--movie");
+    read.check_kept(arguments.value("--output").value_or("snapshot.png"), "--output");
+}
+
 Album album_of_folder(const Invocation& in, const fs::path& folder) {
+    ReadFiles read;
+    read.add_folder(folder);
+    check_kept(in.arguments, read);
     std::set<int> there = find_sequences(folder).frames;
     if (const fs::path glb = viewer::find_glb(folder); there.empty() && !glb.empty()) {
         try {
@@ -76,6 +86,9 @@ Album album_of_folder(const Invocation& in, const fs::path& folder) {
 
 Album album_of_graph(const Invocation& in) {
     const OpenGraph open = open_graph(in.arguments);
+    ReadFiles read;
+    read.add(*open.graph);
+    check_kept(in.arguments, read);
     const auto named = in.arguments.value("--pull");
     const engine::Plug plug = named ? parse_plug(*open.graph, *named) : default_plug(*open.graph);
     std::vector<int> all;
@@ -218,6 +231,12 @@ ExitCode snapshot(const Invocation& in) {
     if (!movie_file && arguments.has("--fps")) throw UsageError("--fps is for --movie.");
     check_writable_file(movie_file ? *movie_file : arguments.value("--output").value_or("snapshot.png"),
                         movie_file ? "--movie" : "--output");
+    // What is written is a PNG, whatever the name says.
+    if (const std::string ending = fs::path(arguments.value("--output").value_or("")).extension().string();
+        std::set<std::string>{".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp", ".svg", ".pdf", ".mp4"}
+            .contains(ending))
+        throw UsageError("--output writes PNG, and '" + *arguments.value("--output") +
+                         "' has the ending of another format; name it .png.");
     const fs::path ffmpeg = movie_file ? check_movie(arguments, drawing) : fs::path();
     const int fps = arguments.whole_number("--fps", 0, 1);
 
@@ -244,7 +263,8 @@ ExitCode snapshot(const Invocation& in) {
         in.err << "sinew snapshot: " << e.what() << "\n";
         return internal_error;
     }
-    in.out << "wrote " << *movie_file << ", " << album.shots.size() << " frames at " << rate << " a second\n";
+    in.out << "wrote " << *movie_file << ", " << album.shots.size()
+           << (album.shots.size() == 1 ? " frame at " : " frames at ") << rate << " a second\n";
     return done;
 }
 

@@ -7,6 +7,7 @@
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/read_files.h"
 #include "tools/cli/writable_folder.h"
 #include "tools/viewer/collect.h"
 #include "tools/viewer/page.h"
@@ -51,6 +52,13 @@ fs::path page_in(const fs::path& folder) {
     return viewer::holds_evaluated_page(usual) ? folder / "view_files.html" : usual;
 }
 
+/// Where the page goes.
+fs::path page_of(const Arguments& arguments) {
+    const fs::path source = arguments.operand(0).value();
+    const fs::path usual = fs::is_directory(source) ? page_in(source) : fs::path(source.stem().string() + ".html");
+    return arguments.value("--output").value_or(usual.string());
+}
+
 /// `settings`: with --set.
 viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, bool settings) {
     const OpenGraph open = settings ? open_graph(in.arguments, file.string()) : open_graph(file.string());
@@ -88,9 +96,16 @@ viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, boo
     return scene;
 }
 
+void add_source(const Invocation& in, const fs::path& source, bool settings, ReadFiles& read) {
+    if (fs::is_directory(source))
+        read.add_folder(source);
+    else
+        read.add(*(settings ? open_graph(in.arguments, source.string()) : open_graph(source.string())).graph);
+}
+
 viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool settings) {
-    return fs::is_directory(source) ? viewer::collect_folder(source, wanted_frames(in.arguments))
-                                    : scene_of_graph(in, source, settings);
+    if (!fs::is_directory(source)) return scene_of_graph(in, source, settings);
+    return viewer::collect_folder(source, wanted_frames(in.arguments));
 }
 
 /// Two runs of one graph, or folders of one name, are named after what makes them differ.
@@ -125,7 +140,12 @@ ExitCode view(const Invocation& in) {
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
-    if (const auto page = in.arguments.value("--output")) check_writable_file(*page, "--output");
+    const fs::path file = page_of(in.arguments);
+    check_writable_file(file, "--output");
+    ReadFiles read;
+    add_source(in, source, true, read);
+    if (const auto against = in.arguments.value("--against")) add_source(in, *against, false, read);
+    read.check_kept(file, "--output");
     viewer::PageOptions options;
     options.most_motion_bytes = static_cast<std::size_t>(in.arguments.whole_number("--most-mb", 256, 1)) << 20;
     viewer::ViewScene scene = scene_of(in, source, true);
@@ -135,8 +155,6 @@ ExitCode view(const Invocation& in) {
         tell_apart(in, scene, *other);
     }
     const viewer::Page page = viewer::write_page(scene, options, other);
-    const std::string otherwise = is_folder ? page_in(source).string() : scene.title + ".html";
-    const fs::path file = in.arguments.value("--output").value_or(otherwise);
     write_file(file, page.html);
     for (const viewer::ViewNote& note : page.notes)
         if (note.is_warning) in.err << "sinew view: " << note.text << "\n";

@@ -4,10 +4,12 @@
 #include "engine/text.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
+#include "solver/mesh/mesh_check.h"
 #include "solver/mesh/thickness.h"
 #include "tools/cli/open_graph.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <cstdio>
 
@@ -24,7 +26,19 @@ constexpr double least_extent = 0.01, largest_extent = 5;
 constexpr double least_modulus = 100;
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
 constexpr double thin_part = 0.25, thin_share = 0.25;
-constexpr std::size_t most_rays = 20000;
+constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000;
+/// Triangles of a mesh that is looked at for flaws in passing.
+constexpr std::size_t most_triangles_in_passing = 20000;
+/// Attached shares of a surface from which on the whole is meant, or nothing was painted.
+constexpr double nearly_whole = 0.9;
+/// No body of a scene is so many times as large as another and none between them, if they are in one unit.
+constexpr double unit_gap = 60;
+/// [m/s^2]: the sun has 274.
+constexpr double largest_gravity = 300;
+/// Lungs have 250 [kg/m^3].
+constexpr double least_density = 50;
+/// A hundredth of what muscles have [Pa].
+constexpr double least_strength = 1000;
 
 /// "1.2", two digits of it.
 std::string rough(double value) {
@@ -47,20 +61,21 @@ double extent(const solver::Points& points) {
 
 class Doubts {
   public:
-    Doubts(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator, std::stop_token stop,
-           const std::shared_ptr<engine::Failures>& failures)
+    Doubts(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator, Look look,
+           std::stop_token stop, const std::shared_ptr<engine::Failures>& failures)
         : graph_(graph)
         , evaluator_(evaluator)
+        , look_(look)
         , stop_(stop)
         , failures_(failures) {}
 
-    std::vector<Diagnostic> find() {
-        const std::vector<std::string> all = graph_->node_names();
-        frame_ = start_frame(*graph_, all);
-        for (const std::string& name : all) {
+    std::vector<Diagnostic> find(const std::vector<std::string>& nodes) {
+        frame_ = start_frame(*graph_, nodes);
+        for (const std::string& name : nodes) {
             const engine::Node* node = graph_->find(name);
-            if (!node->type) continue;
-            if (name_of(node) == "zMaterial") soft_material(name);
+            if (!node || !node->type) continue;
+            if (name_of(node) == "zMaterial") soft_material(name), light_material(name);
+            if (name_of(node) == "zFiber") weak_fiber(name);
             if (name_of(node) == "transform") mirrored(name);
             if (name_of(node) == "zSolver") solver(name);
         }
@@ -129,6 +144,22 @@ class Doubts {
                   "if kilopascals are meant, write \"" + engine::number_text(modulus) + " kPa\"");
     }
 
+    void light_material(const std::string& name) {
+        const auto density = number<double>(name, "massDensity");
+        if (!density || *density <= 0 || *density >= least_density) return;
+        doubt("FE323", name, "massDensity",
+              engine::number_text(*density) + " kg/m^3 is lighter than any flesh; water has 1000, a lung 250",
+              "if grams a cubic centimetre are meant, write \"" + engine::number_text(*density) + " g/cm^3\"");
+    }
+
+    void weak_fiber(const std::string& name) {
+        const auto strength = number<double>(name, "strength");
+        if (!strength || *strength <= 0 || *strength >= least_strength) return; // 0: a direction and no pull
+        doubt("FE324", name, "strength",
+              engine::number_text(*strength) + " Pa hardly pulls; muscles have 100 to 300 kPa",
+              "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
+    }
+
     void mirrored(const std::string& name) {
         const auto scale = number<engine::Vec3>(name, "scale");
         if (!scale || !((*scale)[0] * (*scale)[1] * (*scale)[2] < 0)) return;
@@ -143,19 +174,44 @@ class Doubts {
 
     void solver(const std::string& name) {
         std::vector<Member> members;
+        std::size_t disabled = 0;
         for (const Plug& plug : plugs(name, "bodies"))
-            if (auto body = value<nodes::Body>(plug); body && body->enable)
-                members.push_back({plug.node, std::move(*body)});
+            if (auto body = value<nodes::Body>(plug)) {
+                if (body->takes_part && !body->enable) return; // comes later
+                disabled += body->takes_part ? 0 : 1;
+                if (body->takes_part) members.push_back({plug.node, std::move(*body)});
+            }
         const auto units = number<double>(name, "scale");
-        if (members.size() != plugs(name, "bodies").size() || !units) return; // disabled, or told elsewhere
+        if (members.size() + disabled != plugs(name, "bodies").size() || !units) return; // told elsewhere
+        strong_gravity(name);
         floating(name, members);
         implausible_size(name, members, *units);
+        other_units(name, members);
+        for (const Member& m : members)
+            if (!m.body.is_bone() && !m.body.subtissue) flawed_mesh(m);
         for (const Member& m : members)
             if (const auto* rest = std::get_if<0>(&m.body.rest->data); rest && !m.body.subtissue) thin_parts(m, **rest);
         std::vector<nodes::BodyId> ids;
         for (const Member& m : members) ids.push_back(id_of(m.body));
         for (const Plug& plug : plugs(name, "attachments"))
             if (const auto a = value<nodes::Attachment>(plug)) whole_body(plug.node, *a, members, ids);
+    }
+
+    void strong_gravity(const std::string& solver) {
+        const auto gravity = number<engine::Vec3>(solver, "gravity");
+        if (!gravity) return;
+        const engine::Vec3& g = *gravity;
+        const double size = std::sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
+        if (size <= largest_gravity) return;
+        std::string cure;
+        for (const double part : g) cure += (cure.empty() ? "[" : ", ") + engine::number_text(part / size * 9.8 + 0.0);
+        doubt("FE322", solver, "gravity", rough(size) + " m/s^2 is " + rough(size / 9.8) + " times the earth's",
+              "gravity is in m/s^2, whatever the scene's scale: " + cure + "]");
+    }
+
+    /// Attachments that are there but pull at nothing, at all frames.
+    bool is_idle(const std::string& attachment) const {
+        return number<double>(attachment, "envelope") == 0.0 || number<double>(attachment, "stiffness") == 0.0;
     }
 
     void floating(const std::string& solver, const std::vector<Member>& members) {
@@ -170,6 +226,7 @@ class Doubts {
         for (const Plug& plug : plugs(solver, "forces"))
             if (const auto force = value<nodes::Force>(plug); force && force->type->ties)
                 for (const nodes::BodyId& id : force->bodies) set(held, find_body(ids, id));
+        std::string idle;
         std::vector<std::array<int, 2>> links; // a part of a tissue goes with it
         for (std::size_t i = 0; i < members.size(); ++i)
             for (std::size_t k = 0; k < members.size() && members[i].body.subtissue; ++k)
@@ -177,8 +234,12 @@ class Doubts {
                     if (part.digest == members[i].body.subtissue->digest)
                         links.push_back({static_cast<int>(i), static_cast<int>(k)});
         for (const Plug& plug : plugs(solver, "attachments"))
-            if (const auto a = value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none)
-                links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
+            if (const auto a = value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none) {
+                if (is_idle(plug.node))
+                    idle += (idle.empty() ? "" : ", ") + plug.node;
+                else
+                    links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
+            }
         for (bool grows = true; grows;) {
             grows = false;
             for (const auto& [a, b] : links)
@@ -187,7 +248,8 @@ class Doubts {
         for (std::size_t i = 0; i < members.size(); ++i)
             if (!held[i] && !members[i].body.subtissue)
                 doubt("FE260", solver, "bodies",
-                      members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it",
+                      members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it" +
+                          (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle),
                       "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");
     }
 
@@ -204,26 +266,108 @@ class Doubts {
                 found = extent(*m.body.rest->mesh.points), largest = &m;
         const double metres = found / units;
         if (!largest || (metres >= least_extent && metres <= largest_extent)) return;
-        // The usual unit that gives something like an arm or a leg.
-        constexpr std::array<std::pair<double, const char*>, 4> usual{
-            {{1, "metres"}, {10, "decimetres"}, {100, "centimetres"}, {1000, "millimetres"}}};
-        const auto off = [&](double per_metre) { return std::abs(std::log(found / per_metre / 0.5)); };
-        const auto best = std::min_element(usual.begin(), usual.end(),
-                                           [&](const auto& a, const auto& b) { return off(a.first) < off(b.first); });
-        const bool helps = found / best->first >= least_extent && found / best->first <= largest_extent;
+        constexpr std::array<std::pair<double, const char*>, 3> usual{
+            {{100, "centimetres"}, {1000, "millimetres"}, {1, "metres"}}};
+        std::string cure;
+        for (const auto& [per_metre, unit] : usual) {
+            const double length = found / per_metre;
+            if (length < least_extent || length > largest_extent) continue;
+            const std::string scale = engine::number_text(per_metre), size = "which makes it " + length_text(length);
+            cure += cure.empty()
+                        ? "if it is modelled in " + std::string(unit) + ", write \"scale\": " + scale + ", " + size
+                        : "; if in " + std::string(unit) + ", " + scale + ", " + size;
+        }
+        if (cure.empty()) cure = "scale is the number of scene units in a metre; choose it, or scale the meshes";
+        if (const std::string file = file_of(largest->name); file.ends_with(".glb") && units != 1)
+            cure += "; what a GLB holds is in metres by its format: \"scale\": 1";
         doubt("FE261", solver, "scale",
               largest->name + " is " + length_text(metres) + " long: " + rough(found) + " scene units, " +
                   engine::number_text(units) + " a metre",
-              helps ? "if it is modelled in " + std::string(best->second) + ", write \"scale\": " +
-                          engine::number_text(best->first) + ", which makes it " + length_text(found / best->first)
-                    : "scale is the number of scene units in a metre; choose it, or scale the meshes");
+              cure);
+    }
+
+    /// The file that a body's mesh comes from, in small letters; empty: from none.
+    std::string file_of(const std::string& body) const {
+        std::vector<std::string> sources;
+        for (const Plug& plug : plugs(body, "mesh")) sources.push_back(plug.node);
+        for (const std::string& name : upstream_of(*graph_, sources))
+            for (const auto& [attribute, binding] : graph_->find(name)->inputs)
+                if (const auto* v = std::get_if<engine::Value>(&binding); v && v->is<engine::File>()) {
+                    std::string path = v->as<engine::File>().path;
+                    for (char& c : path) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+                    if (!path.empty()) return path;
+                }
+        return {};
+    }
+
+    /// Of a bone where it is, which may be scaled.
+    static const nodes::Mesh& mesh_of(const nodes::Body& body) {
+        const auto* now = std::get_if<nodes::Mesh>(&body.values);
+        return now ? *now : body.rest->mesh;
+    }
+
+    void other_units(const std::string& solver, const std::vector<Member>& members) {
+        std::vector<std::pair<double, const Member*>> sizes;
+        for (const Member& m : members)
+            if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), &m);
+        std::sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+        for (std::size_t k = 1; k < sizes.size(); ++k) {
+            const double below = sizes[k - 1].first, above = sizes[k].first;
+            if (!(below > 0 && above > unit_gap * below)) continue;
+            // The fewer are taken for the mistake; what is made by a node is as large as the graph says.
+            std::vector<const Member*> few;
+            bool small = 2 * k <= sizes.size();
+            const auto take_files = [&] {
+                for (std::size_t i = small ? 0 : k; i < (small ? k : sizes.size()); ++i)
+                    if (!file_of(sizes[i].second->name).empty()) few.push_back(sizes[i].second);
+            };
+            take_files();
+            if (few.empty() && 2 * k == sizes.size()) small = false, take_files();
+            if (few.empty()) return;
+            std::string names;
+            for (const Member* m : few) names += (names.empty() ? "" : ", ") + m->name;
+            const double ratio = sizes.back().first / sizes.front().first, factor = ratio < 316 ? 100 : 1000;
+            const auto range = [](double least, double most) {
+                return rough(least) + (rough(least) == rough(most) ? "" : " to " + rough(most)) + " scene units";
+            };
+            const std::string one = range(sizes.front().first, below), other = range(above, sizes.back().first);
+            doubt("FE320", solver, "bodies",
+                  names + (few.size() == 1 ? " is " : " are ") + (small ? one : other) + " long, the other bodies " +
+                      (small ? other : one) + ": " + (small ? "smaller" : "larger") + " by a factor of about " +
+                      rough(ratio),
+                  "if they are modelled in different units, put a transform with scale " +
+                      engine::number_text(small ? factor : 1 / factor) + " between the file and " + names);
+            return;
+        }
+    }
+
+    void flawed_mesh(const Member& m) {
+        const auto& triangles = m.body.rest->mesh.topology->triangles;
+        if (look_ == Look::in_passing && triangles.size() > most_triangles_in_passing) return;
+        const solver::MeshCheck check = solver::check_mesh(*m.body.rest->mesh.points, triangles);
+        if (check.duplicate_triangles)
+            doubt(
+                "FE321", m.name, "mesh",
+                "its mesh has " +
+                    solver::describe(check.duplicate_triangles, "repeated triangle", "repeated triangles"),
+                "remove faces that are there twice, or remesh it by zIsoMesh; volume, pressure and contact count them "
+                "twice");
+        else if (check.badly_oriented_edges)
+            doubt(
+                "FE321", m.name, "mesh",
+                "some faces of its mesh look the other way than their neighbours: " +
+                    solver::describe(check.badly_oriented_edges, "edge between opposite sides",
+                                     "edges between opposite sides"),
+                "turn the faces alike where it is modelled, or remesh it by zIsoMesh; pressure, contact and drawing go "
+                "by the side that a face shows");
     }
 
     void thin_parts(const Member& m, const solver::TissueRest& rest) {
         if (rest.tets.coverage.empty()) return;      // tets that fit the surface
         std::vector<std::pair<double, double>> thin; // thickness, area
         double all = 0, thin_area = 0, largest = 0;
-        for (const solver::Thickness& t : solver::thickness(rest.surface, rest.triangles, most_rays)) {
+        for (const solver::Thickness& t : solver::thickness(
+                 rest.surface, rest.triangles, look_ == Look::closely ? most_rays : most_rays_in_passing)) {
             all += t.area;
             const int vertex = rest.triangles[at(t.triangle)][0];
             const double length = longest_edge(rest, rest.embedding.tet[at(vertex)]);
@@ -255,20 +399,40 @@ class Doubts {
         return longest;
     }
 
+    /// Of the surface, by area, from 0 to 1: exactly 1 where all of it is.
+    static double painted_share(const nodes::Body& body, const std::vector<double>& weights) {
+        if (std::all_of(weights.begin(), weights.end(), [](double w) { return w > 0; })) return 1;
+        const solver::Points& points = *body.rest->mesh.points;
+        double all = 0, painted = 0;
+        for (const solver::Triangle& t : body.rest->mesh.topology->triangles) {
+            const auto corner = [&](std::size_t i) -> const solver::Vec3& { return points[at(t[i])]; };
+            const double third = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 6;
+            for (std::size_t i = 0; i < 3; ++i) {
+                all += third;
+                if (weights.size() > at(t[i]) && weights[at(t[i])] > 0) painted += third;
+            }
+        }
+        return all > 0 ? std::min(painted / all, 0.99) : 0;
+    }
+
     void whole_body(const std::string& name, const nodes::Attachment& a, const std::vector<Member>& members,
                     const std::vector<nodes::BodyId>& ids) {
         const int source = find_body(ids, a.source_body);
         if (source < 0 || members[at(source)].body.is_bone() || a.values.mode() != solver::AttachmentMode::fixed)
             return;
-        const auto& weights = a.rest.source_weights;
-        if (std::any_of(weights.begin(), weights.end(), [](double w) { return w <= 0; })) return;
-        doubt("FE264", name, "weights", "ties the whole surface of " + members[at(source)].name,
+        const double share = painted_share(members[at(source)].body, a.rest.source_weights);
+        if (share < nearly_whole) return;
+        doubt("FE264", name, "weights",
+              "ties " +
+                  (share < 1 ? std::to_string(static_cast<int>(100 * share)) + " % of" : std::string("the whole")) +
+                  (share < 1 ? " the" : "") + " surface of " + members[at(source)].name,
               "paint where it holds on: a node weights with the mesh of " + members[at(source)].name +
                   ", for example with mode near");
     }
 
     std::shared_ptr<const engine::Graph> graph_;
     engine::Evaluator& evaluator_;
+    Look look_;
     std::stop_token stop_;
     std::shared_ptr<engine::Failures> failures_;
     double frame_ = 1;
@@ -278,8 +442,9 @@ class Doubts {
 } // namespace
 
 std::vector<Diagnostic> find_doubts(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
-                                    std::stop_token stop, const std::shared_ptr<engine::Failures>& failures) {
-    return Doubts(graph, evaluator, stop, failures).find();
+                                    const std::vector<std::string>& nodes, Look look, std::stop_token stop,
+                                    const std::shared_ptr<engine::Failures>& failures) {
+    return Doubts(graph, evaluator, look, stop, failures).find(nodes);
 }
 
 } // namespace sinew::cli

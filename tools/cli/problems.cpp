@@ -96,6 +96,19 @@ std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>
     return found;
 }
 
+void refuse_unknown_types(std::vector<Diagnostic>& diagnostics) {
+    std::set<std::string> unknown;
+    for (Diagnostic& d : diagnostics)
+        if (d.code == "DG010") {
+            d.severity = engine::Severity::error;
+            if (!d.hint.starts_with("did you mean")) d.hint = "correct the type, or take the node out of the graph";
+            unknown.insert(d.node);
+        }
+    std::erase_if(diagnostics, [&](const Diagnostic& d) {
+        return d.code == "DG101" && unknown.contains(d.node) && d.attribute.empty();
+    });
+}
+
 void sort_by_place(std::vector<Diagnostic>& diagnostics) {
     std::set<std::string> said;
     std::erase_if(diagnostics, [&](const Diagnostic& d) { return !said.insert(engine::to_json(d)).second; });

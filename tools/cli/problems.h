@@ -38,6 +38,10 @@ find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluat
               const std::vector<std::string>& nodes, std::stop_token stop,
               const std::shared_ptr<engine::Failures>& failures = engine::remember_failures());
 
+/// Makes errors of what the reader notes of nodes of unknown types: the rest may run without them, but nobody writes
+/// one on purpose. What says again that such a node was needed is left out.
+void refuse_unknown_types(std::vector<engine::Diagnostic>& diagnostics);
+
 /// By place in the file; what has no place comes last, in the order given. Says each thing once.
 void sort_by_place(std::vector<engine::Diagnostic>& diagnostics);
 

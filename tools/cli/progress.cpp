@@ -182,6 +182,8 @@ void Progress::progress(const std::string& node, double done, std::string_view w
 
 void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
+    if (!d.code.starts_with("FE3") || d.code >= "FE320")
+        if (kept_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) warnings_.push_back(d);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
     // So is one with inverted tets, which the bar tells of once; the summary counts them.
@@ -193,6 +195,11 @@ void Progress::warning(const engine::Diagnostic& d) {
     if (bar_is_shown_) err_ << "\r\x1b[K";
     bar_is_shown_ = false;
     print_diagnostics({&d, 1}, style_ == ProgressStyle::json, out_, err_);
+}
+
+std::vector<engine::Diagnostic> Progress::warnings() const {
+    const std::lock_guard lock(mutex_);
+    return warnings_;
 }
 
 std::string Progress::rate() const {

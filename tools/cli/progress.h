@@ -36,6 +36,8 @@ class Progress : public engine::Observer {
     bool was_stepped(int frame) const;
     /// What the nodes cost so far, by type.
     std::map<std::string, NodeCost> computed_by_type() const;
+    /// Warnings of the graph so far, each once; not those of single frames, which their reports tell.
+    std::vector<engine::Diagnostic> warnings() const;
     /// Takes the bar off the screen, so that other text can follow.
     void clear();
 
@@ -69,6 +71,8 @@ class Progress : public engine::Observer {
     int frames_done_ = 0, current_ = 0, steps_ = 0, unconverged_ = 0;
     std::set<double> stepped_frames_;
     std::set<std::string> told_; ///< warnings about meshes
+    std::set<std::string> kept_; ///< what is in warnings_
+    std::vector<engine::Diagnostic> warnings_;
     double seconds_done_ = 0;
     std::string last_step_;
     bool bar_is_shown_ = false;

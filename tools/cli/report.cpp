@@ -146,6 +146,8 @@ std::string report_json(const RunReport& r) {
     out["computed"] = Json::object();
     for (const auto& [type, cost] : r.computed)
         out["computed"][type] = {{"count", cost.count}, {"wall_s", cost.seconds}};
+    out["warnings"] = Json::array();
+    for (const engine::Diagnostic& d : r.warnings) out["warnings"].push_back(Json::parse(engine::to_json(d)));
     out["frames"] = Json::array();
     for (const FrameReport& f : r.frames) out["frames"].push_back(frame_json(f, r));
     if (r.error) {
@@ -171,8 +173,9 @@ std::string summary(const RunReport& r) {
     if (r.frames_simulated) out += text("; %d simulated", r.frames_simulated);
     if (const auto reused = r.reused()) out += text("%s%d reused", r.frames_simulated ? ", " : "; ", reused);
     if (r.size)
-        out += text("; %lld bodies, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
-                    static_cast<long long>(r.size->tets), static_cast<long long>(r.size->dofs));
+        out += text("; %lld %s, %lld tets, %lld unknowns", static_cast<long long>(r.size->bodies),
+                    r.size->bodies == 1 ? "body" : "bodies", static_cast<long long>(r.size->tets),
+                    static_cast<long long>(r.size->dofs));
     out += "\n";
     out += nodes_text(r);
     if (!steps.empty()) out += phases_text(steps) + health_text(steps);

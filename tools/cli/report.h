@@ -1,6 +1,7 @@
 // The machine-readable report of a run (--report) and its summary for people.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/diagnostics.h"
 #include "nodes/values.h"
 
 #include <map>
@@ -41,6 +42,7 @@ struct RunReport {
     std::size_t made_again = 0;                   ///< results that it had no room for
     std::vector<FrameReport> frames;
     std::map<std::string, NodeCost> computed; ///< by node type
+    std::vector<engine::Diagnostic> warnings; ///< of the graph, each once; of single frames the frames tell
     std::optional<RunError> error;
     std::optional<nodes::SolveReport> size;       ///< of the last frame
     std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists

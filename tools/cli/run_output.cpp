@@ -2,6 +2,7 @@
 #include "tools/cli/run_output.h"
 
 #include "tools/cli/atomic_file.h"
+#include "tools/viewer/recorder.h"
 
 #include <algorithm>
 #include <chrono>
@@ -11,11 +12,12 @@ namespace sinew::cli {
 namespace fs = std::filesystem;
 
 RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps, SceneAxes axes,
-                     std::size_t frame_count)
+                     std::size_t frame_count, std::string run)
     : folder_(std::move(folder))
     , formats_(std::move(formats))
     , axes_(axes)
     , frame_count_(frame_count)
+    , run_(std::move(run))
     , glb_path_(folder_ / (title + ".glb"))
     , glb_(glb_path_, {fps, axes.units_per_metre, axes.up})
     , started_(fs::file_time_type::clock::now() - std::chrono::seconds(1)) {} // file systems round times
@@ -46,7 +48,7 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
         pending_ = std::async(std::launch::async, [this, sequences, labels, meshes, frame] {
             for (const std::string& format : sequences)
                 for (std::size_t i = 0; i < meshes.size(); ++i)
-                    write_body(folder_, format, labels[i], meshes[i], frame, axes_);
+                    write_body(folder_, format, labels[i], meshes[i], frame, axes_, run_);
         });
     if (formats_.contains("glb")) add_to_glb(labels, meshes, frame);
 }
@@ -58,6 +60,22 @@ void RunOutput::expect(const engine::Graph& graph, const engine::Plug& plug, con
     for (std::size_t i = 0; i < meshes.size(); ++i)
         expected_.push_back(glb_cost(labels[i].kind, *meshes[i].points, meshes[i].topology->triangles));
     check_glb_size(expected_, frame_count_);
+}
+
+void RunOutput::check_kept(const ReadFiles& read, const engine::Graph& graph, const engine::Plug& plug,
+                           const engine::Value& value, const std::vector<int>& frames) const {
+    const auto check = [&](const fs::path& folder, const std::string& name, const std::string& ending) {
+        if (!fs::is_directory(folder)) return;
+        for (const int frame : frames) read.check_kept(folder / frame_file_name(name, frame, ending), "--out");
+    };
+    if (value.is<nodes::FileContent>())
+        check(folder_, body_labels(graph, plug, 1).front().name, value.as<nodes::FileContent>().ending);
+    const std::size_t count = meshes_in(value).size();
+    if (count == 0) return;
+    if (formats_.contains("glb")) read.check_kept(glb_path_, "--out");
+    for (const std::string format : {"obj", "ply"})
+        if (formats_.contains(format))
+            for (const BodyLabel& label : body_labels(graph, plug, count)) check(folder_ / format, label.name, format);
 }
 
 void RunOutput::add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame) {
@@ -85,13 +103,33 @@ void RunOutput::add_to_glb(const std::vector<BodyLabel>& labels, const std::vect
     deforming_ = deforming;
 }
 
-std::size_t RunOutput::older_files() const {
-    std::size_t count = 0;
-    std::error_code error;
-    for (const std::string& format : formats_)
-        for (const auto& entry : fs::directory_iterator(folder_ / format, error))
-            if (entry.is_regular_file(error) && entry.last_write_time(error) < started_) ++count;
-    return count;
+std::vector<engine::Diagnostic> RunOutput::older_files() const {
+    std::vector<engine::Diagnostic> out;
+    for (const std::string& format : formats_) {
+        std::size_t count = 0;
+        std::set<std::string> names;
+        std::set<int> frames;
+        std::error_code error;
+        for (const auto& entry : fs::directory_iterator(folder_ / format, error)) {
+            const auto name = parse_frame_file(entry.path(), format);
+            if (!name || !entry.is_regular_file(error) || entry.last_write_time(error) >= started_) continue;
+            if (format == "obj" && read_run_mark(entry.path()) == run_) continue;
+            ++count, names.insert(name->first), frames.insert(name->second);
+        }
+        if (count == 0) continue;
+        engine::Diagnostic d;
+        d.severity = engine::Severity::warning;
+        std::string who;
+        for (const std::string& name : names) who += (who.empty() ? "" : ", ") + name;
+        d.code = "IO421";
+        const bool one = frames.size() == 1;
+        d.message = "'" + (folder_ / format).string() + "' also holds " + std::to_string(count) +
+                    (count == 1 ? " file" : " files") + " of an earlier run, " + (one ? "frame " : "frames ") +
+                    viewer::frame_list({frames.begin(), frames.end()}) + " of " + who;
+        d.hint = "remove them, or give each run a folder of its own: what shows the folder shows them too";
+        out.push_back(std::move(d));
+    }
+    return out;
 }
 
 void RunOutput::finish() {

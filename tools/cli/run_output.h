@@ -4,6 +4,7 @@
 #pragma once
 #include "tools/cli/body_files.h"
 #include "tools/cli/glb.h"
+#include "tools/cli/read_files.h"
 
 #include <filesystem>
 #include <future>
@@ -19,12 +20,17 @@ class RunOutput {
     /// \param formats of "obj", "ply", "glb"
     /// \param title names the GLB file
     /// \param frame_count of the whole run
+    /// \param run its run_mark
     RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
-              SceneAxes axes, std::size_t frame_count);
+              SceneAxes axes, std::size_t frame_count, std::string run);
 
     /// Before anything is written: what `plug` will give is like this `value`. Throws Failure IO405 if the GLB could
     /// not hold all frames of it and of the plugs before.
     void expect(const engine::Graph& graph, const engine::Plug& plug, const engine::Value& value);
+    /// Throws Failure IO420 if what will be written of `plug`, which gives what is like this `value`, would go over a
+    /// file that is read.
+    void check_kept(const ReadFiles& read, const engine::Graph& graph, const engine::Plug& plug,
+                    const engine::Value& value, const std::vector<int>& frames) const;
     /// What `plug` gave at `frame`: meshes, or a file. Anything else is left alone. Sequences are written
     /// beside the next frame's work; what goes wrong there is thrown by the next call. Throws Failure (IO405,
     /// FE211).
@@ -33,9 +39,10 @@ class RunOutput {
     void finish();
     /// Files and folders that were written, for the closing line.
     const std::vector<std::filesystem::path>& written() const { return written_; }
-    /// Files in the sequences' folders that this run did not write: frames of an earlier run, which stay (ranges of a
-    /// farm share a folder) but must not be taken for this run's.
-    std::size_t older_files() const;
+    /// Warnings IO421, one a format: files in the sequences' folders that an earlier run has left, unless their marks
+    /// say that it ran the same graph (ranges of a farm share a folder). They stay, but must not be taken for this
+    /// run's.
+    std::vector<engine::Diagnostic> older_files() const;
 
   private:
     void add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame);
@@ -45,6 +52,7 @@ class RunOutput {
     std::set<std::string> formats_;
     SceneAxes axes_;
     std::size_t frame_count_;
+    std::string run_;
     std::filesystem::path glb_path_;
     GlbFile glb_;
     std::vector<GlbCost> expected_;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/writable_folder.h"
 
+#include "engine/atomic_file.h"
 #include "engine/diagnostics.h"
 
 #include <cerrno>
@@ -30,7 +31,15 @@ std::string why_not(std::filesystem::path folder) {
     }
     if (folder.empty()) folder = ".";
     if (!std::filesystem::is_directory(folder, error)) return "'" + folder.string() + "' is a file";
-    return access(folder.c_str(), W_OK | X_OK) == 0 ? "" : std::strerror(errno);
+    if (access(folder.c_str(), W_OK | X_OK) != 0) return std::strerror(errno);
+    // Permissions are not all: /proc and read-only mounts refuse root too. What is not committed leaves nothing.
+    try {
+        const engine::AtomicFile probe(folder / ".sinew-probe");
+    } catch (const engine::Failure& failure) {
+        const std::string& message = failure.diagnostics().front().message;
+        return message.substr(message.rfind("': ") + 3);
+    }
+    return "";
 }
 
 } // namespace

@@ -117,6 +117,38 @@ void drop_stale(const cli::SequenceFolder& found, const std::vector<FoundReport>
     scene.notes.push_back({true, which + " They are not played; --frames shows them."});
 }
 
+/// Files of runs whose graphs differ do not belong together, and nothing else may tell of it.
+void note_several_runs(const cli::SequenceFolder& found, const std::vector<int>& frames, ViewScene& scene) {
+    struct Files {
+        std::set<int> frames;
+        std::vector<std::string> names;
+        fs::file_time_type latest = fs::file_time_type::min();
+    };
+    std::map<std::string, Files> runs; // by mark
+    std::error_code error;
+    for (const cli::BodySequence& body : found.bodies)
+        for (const int frame : frames) {
+            const auto file = body.files.find(frame);
+            const std::string mark = file == body.files.end() ? "" : cli::read_run_mark(file->second);
+            if (mark.empty()) continue;
+            Files& files = runs[mark];
+            files.frames.insert(frame);
+            if (files.names.empty() || files.names.back() != body.label.name) files.names.push_back(body.label.name);
+            files.latest = std::max(files.latest, fs::last_write_time(file->second, error));
+        }
+    if (runs.size() < 2) return;
+    const auto newest = std::max_element(
+        runs.begin(), runs.end(), [](const auto& a, const auto& b) { return a.second.latest < b.second.latest; });
+    for (const auto& [mark, files] : runs)
+        if (mark != newest->first) {
+            std::string who;
+            for (const std::string& name : files.names) who += (who.empty() ? "" : ", ") + name;
+            scene.notes.push_back({true, frames_text({files.frames.begin(), files.frames.end()}) + " of " + who +
+                                             " are from an earlier run of another graph, or with other values, than "
+                                             "the rest of the folder."});
+        }
+}
+
 /// What became of the runs that wrote here.
 void note_ends(const fs::path& folder, const std::vector<FoundReport>& reports, ViewScene& scene) {
     if (!reports.empty() && reports.front().error) scene.notes.push_back({true, ended_early(*reports.front().error)});
@@ -253,6 +285,7 @@ void read_sequences(const cli::SequenceFolder& found, const std::vector<FoundRep
         std::erase_if(there, [&](int f) { return std::find(wanted.begin(), wanted.end(), f) == wanted.end(); });
     drop_stale(found, reports, there, !wanted.empty(), scene);
     const std::vector<int> frames = chosen(wanted.empty() ? there : found.frames, wanted, scene);
+    note_several_runs(found, frames, scene);
     add_frames(frames, wanted, reports, scene);
     Missing missing;
     for (const cli::BodySequence& body : found.bodies)
