@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/attribute.h"
 #include "engine/diagnostics.h"
+#include "engine/file_access.h"
 
 #include <cstddef>
 #include <functional>
@@ -25,6 +26,7 @@ class ReadSource {
     /// Throws std::logic_error unless the type says uses_time, and its time_input is set (or it is a simulation).
     virtual double frame() = 0;
     virtual double fps() = 0;
+    virtual const FileAccess& files() = 0;
     virtual void checkpoint() = 0;
     virtual void progress(double done, std::string_view what) = 0;
     virtual void report(Diagnostic) = 0;
@@ -116,6 +118,8 @@ class Reads {
     Digest digest_of(std::string_view attribute) const { return source_->digest(attribute); }
     double frame() const { return source_->frame(); }
     double fps() const { return source_->fps(); }
+    /// The only door to files: nodes open what their inputs of type File name, and nothing else.
+    const FileAccess& files() const { return source_->files(); }
     /// Throws Cancelled if the host asked to stop.
     void checkpoint() const { source_->checkpoint(); }
     bool stop_requested() const { return source_->stop_requested(); }

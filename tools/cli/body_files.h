@@ -18,7 +18,7 @@ std::string frame_file_name(const std::string& name, int frame, const std::strin
 
 /// Writes one body of one frame as "obj" or "ply" below `folder`.
 void write_body(const std::filesystem::path& folder, const std::string& format, const BodyLabel& label,
-                const nodes::Mesh& mesh, int frame, const SceneAxes& axes);
+                const nodes::Mesh& mesh, int frame, const SceneAxes& axes, const engine::FileAccess& files = {});
 
 /// An OBJ sequence that write_body made (or any NAME.FRAME.obj files).
 struct BodySequence {

@@ -40,7 +40,7 @@ Counts count(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluato
 ExitCode check_file(const Invocation& in, const std::string& file) {
     const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
                meshes = in.arguments.has("--meshes");
-    if (const auto report = report_of_file(file)) {
+    if (const auto report = report_of_file(file, file_access(in.arguments))) {
         print_meshes({*report}, json, in.out);
         return done;
     }
@@ -119,6 +119,7 @@ Command check_command() {
              {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--threads", "N", "default: all cores", false, 'j'},
+             root_flag,
              memory_flag,
              cache_flag,
              no_cache_flag,

@@ -98,7 +98,7 @@ class Run {
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
-                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size()) {
+                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), plan_.graph->files()) {
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
         report_.memory_bytes = memory_budget(in.arguments);
@@ -111,6 +111,9 @@ class Run {
     ExitCode operator()() {
         const Clock::time_point start = Clock::now();
         try {
+            const engine::FileAccess& files = plan_.graph->files();
+            if (!plan_.out.empty()) files.check(plan_.out, "--out");
+            if (const auto file = in_.arguments.value("--report")) files.check(*file, "--report");
             if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
             if (const auto file = in_.arguments.value("--report")) check_writable_file(*file, "--report");
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
@@ -169,7 +172,7 @@ class Run {
     /// From here on there is something to close, and a run that is killed leaves its mark.
     void begin_output() {
         has_begun_ = true;
-        if (!plan_.out.empty()) mark_unfinished(plan_.out, mark());
+        if (!plan_.out.empty()) mark_unfinished(plan_.out, mark(), plan_.graph->files());
         if (!in_.arguments.has("--open")) return;
         viewer::Evaluation e;
         e.graph = plan_.graph, e.evaluator = &evaluator_, e.stop = in_.stop;
@@ -244,14 +247,15 @@ class Run {
     void close() {
         if (!plan_.out.empty()) output_.finish();
         if (page_scene_ && !in_.stop.stop_requested())
-            page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_);
+            page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_, plan_.graph->files());
     }
 
     void write_report() {
         report_.frames_simulated = progress_.steps();
         report_.kept_bytes = evaluator_.most_stored_bytes();
         report_.made_again = evaluator_.made_again();
-        if (const auto file = in_.arguments.value("--report")) write_file(*file, report_json(report_));
+        if (const auto file = in_.arguments.value("--report"))
+            write_file(*file, report_json(report_), plan_.graph->files());
     }
 
     /// What goes wrong here is told, but the first failure is the one that counts.
@@ -264,7 +268,7 @@ class Run {
             if (!report.empty() && fs::equivalent(fs::absolute(report).parent_path(), plan_.out, error))
                 mark_finished(plan_.out, mark());
             else
-                mark_unfinished(plan_.out, mark());
+                mark_unfinished(plan_.out, mark(), plan_.graph->files());
         };
         const std::function<void()> parts[] = {[this] { close(); }, [this] { write_report(); }, leave_mark};
         for (const auto& part : parts) {
@@ -345,6 +349,7 @@ Command run_command() {
              {"--out", "DIR", "where to write; without it nothing is written", false, 'o'},
              {"--format", "glb,obj,ply", "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
+             root_flag,
              memory_flag,
              cache_flag,
              no_cache_flag,

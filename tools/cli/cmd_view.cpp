@@ -53,7 +53,8 @@ fs::path page_in(const fs::path& folder) {
 
 /// `settings`: with --set.
 viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, bool settings) {
-    const OpenGraph open = settings ? open_graph(in.arguments, file.string()) : open_graph(file.string());
+    const OpenGraph open =
+        settings ? open_graph(in.arguments, file.string()) : open_graph(file.string(), file_access(in.arguments));
     print_diagnostics(open.notes, false, in.out, in.err);
     const std::vector<std::string> shown = viewer::shown_nodes(*open.graph);
     if (shown.empty())
@@ -122,6 +123,11 @@ ExitCode view(const Invocation& in) {
                       in.arguments.has("--memory")))
         throw UsageError("--set, --surfaces, --threads and --memory are for graphs; '" + source.string() +
                          "' is a folder.");
+    const engine::FileAccess files = file_access(in.arguments);
+    for (const fs::path& named : {source, fs::path(in.arguments.value("--against").value_or(""))})
+        if (files.is_confined() && fs::is_directory(named))
+            throw UsageError("--root is for graphs; '" + named.string() + "' is a folder.");
+    if (const auto page = in.arguments.value("--output")) files.check(*page, "--output");
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
@@ -137,7 +143,7 @@ ExitCode view(const Invocation& in) {
     const viewer::Page page = viewer::write_page(scene, options, other);
     const std::string otherwise = is_folder ? page_in(source).string() : scene.title + ".html";
     const fs::path file = in.arguments.value("--output").value_or(otherwise);
-    write_file(file, page.html);
+    write_file(file, page.html, files);
     for (const viewer::ViewNote& note : page.notes)
         if (note.is_warning) in.err << "sinew view: " << note.text << "\n";
     if (!in.arguments.has("--quiet")) {
@@ -170,6 +176,7 @@ Command view_command() {
           "a second run, a graph or a folder, to compare with: side by side or as the difference"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value; not in --against", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         root_flag,
          memory_flag,
          cache_flag,
          no_cache_flag,

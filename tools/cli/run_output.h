@@ -19,8 +19,9 @@ class RunOutput {
     /// \param formats of "obj", "ply", "glb"
     /// \param title names the GLB file
     /// \param frame_count of the whole run
+    /// \param files where files may lie
     RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
-              SceneAxes axes, std::size_t frame_count);
+              SceneAxes axes, std::size_t frame_count, engine::FileAccess files = {});
 
     /// Before anything is written: what `plug` will give is like this `value`. Throws Failure IO405 if the GLB could
     /// not hold all frames of it and of the plugs before.
@@ -45,6 +46,7 @@ class RunOutput {
     std::set<std::string> formats_;
     SceneAxes axes_;
     std::size_t frame_count_;
+    engine::FileAccess files_;
     std::filesystem::path glb_path_;
     GlbFile glb_;
     std::vector<GlbCost> expected_;

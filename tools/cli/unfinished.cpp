@@ -63,7 +63,7 @@ std::vector<fs::path> marks_in(const fs::path& folder) {
 
 } // namespace
 
-void mark_unfinished(const fs::path& folder, const UnfinishedRun& run) {
+void mark_unfinished(const fs::path& folder, const UnfinishedRun& run, const engine::FileAccess& files) {
     json j = {{"graph", run.graph},
               {"first", run.first},
               {"last", run.last},
@@ -75,7 +75,7 @@ void mark_unfinished(const fs::path& folder, const UnfinishedRun& run) {
                       {"code", run.error->code},
                       {"node", run.error->node},
                       {"message", run.error->message}};
-    write_file(mark_of(folder, run), json_text(j, 1) + "\n");
+    write_file(mark_of(folder, run), json_text(j, 1) + "\n", files);
 }
 
 void mark_finished(const fs::path& folder, const UnfinishedRun& run) {
