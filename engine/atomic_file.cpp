@@ -94,12 +94,27 @@ class NewFile {
     bool has_name_ = false;
 };
 
+/// 1 for /dev/stdout and /dev/fd/1: what this program has open is written on where it stands, whether it is a pipe, a
+/// socket or a file. -1 for other paths.
+int descriptor_named(const fs::path& path) {
+    if (path == "/dev/stdout") return STDOUT_FILENO;
+    if (path == "/dev/stderr") return STDERR_FILENO;
+    const fs::path folder = path.parent_path();
+    if (folder != "/dev/fd" && folder != "/proc/self/fd") return -1;
+    const std::string name = path.filename().string();
+    int descriptor = -1;
+    const auto [end, fault] = std::from_chars(name.data(), name.data() + name.size(), descriptor);
+    return fault == std::errc{} && end == name.data() + name.size() ? descriptor : -1;
+}
+
 /// Devices and pipes (/dev/null, /dev/stdout, a FIFO) are written to, never replaced by a file.
 class Device {
   public:
-    explicit Device(const fs::path& path)
+    /// \param descriptor under which it is open already, or -1
+    Device(const fs::path& path, int descriptor)
         : path_(path)
-        , descriptor_(open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
+        , descriptor_(descriptor >= 0 ? fcntl(descriptor, F_DUPFD_CLOEXEC, 0)
+                                      : open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
         if (descriptor_ < 0) fail(path_);
     }
     ~Device() { close(descriptor_); }
@@ -125,20 +140,29 @@ struct AtomicFile::Impl {
     }
 };
 
-AtomicFile::AtomicFile(const fs::path& path_or_link)
+AtomicFile::AtomicFile(const fs::path& path_or_link, const FileAccess& files)
     : impl_(std::make_unique<Impl>()) {
+    if (const auto fault = files.refusal(path_or_link)) {
+        Diagnostic d;
+        d.code = fault->code;
+        d.message = "cannot write " + fault->message;
+        d.hint = fault->hint;
+        throw Failure(d);
+    }
     std::error_code error;
+    // A link to a pipe leads to a name that no file has, so it is asked for before links are followed.
+    const fs::file_status there = fs::status(path_or_link, error);
+    const int open_already = descriptor_named(path_or_link);
+    if (open_already >= 0 || (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there))) {
+        impl_->device.emplace(path_or_link, open_already);
+        return;
+    }
     // A symbolic link stays; the file that it names is replaced.
     fs::path path = path_or_link;
     if (fs::is_symlink(fs::symlink_status(path_or_link, error))) {
         error.clear();
         path = fs::weakly_canonical(path_or_link, error);
         if (error) fail(path_or_link, error.message());
-    }
-    const fs::file_status there = fs::status(path, error);
-    if (fs::exists(there) && !fs::is_regular_file(there) && !fs::is_directory(there)) {
-        impl_->device.emplace(path);
-        return;
     }
     error.clear();
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
@@ -161,14 +185,16 @@ void AtomicFile::commit(bool waits) {
     if (impl_->file) impl_->file->move_into_place(waits);
 }
 
-void write_file(const fs::path& path, std::string_view bytes) {
-    AtomicFile file(path);
+bool names_open_file(const fs::path& path) { return descriptor_named(path) >= 0; }
+
+void write_file(const fs::path& path, std::string_view bytes, const FileAccess& files) {
+    AtomicFile file(path, files);
     file.write(bytes);
     file.commit();
 }
 
-void write_file_soon(const fs::path& path, std::string_view bytes) {
-    AtomicFile file(path);
+void write_file_soon(const fs::path& path, std::string_view bytes, const FileAccess& files) {
+    AtomicFile file(path, files);
     file.write(bytes);
     file.commit(false);
 }

@@ -3,6 +3,8 @@
 // same folder is used and removed again.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/file_access.h"
+
 #include <filesystem>
 #include <memory>
 #include <string_view>
@@ -10,18 +12,23 @@
 namespace sinew::engine {
 
 /// Puts `bytes` at `path`, over an older file if there is one; makes missing folders. Throws Failure
-/// IO405 (with the system's reason), and then the older file is untouched.
-void write_file(const std::filesystem::path& path, std::string_view bytes);
+/// IO405 (with the system's reason) or IO410 (`files` is confined, and links counted), and then the older file is
+/// untouched.
+void write_file(const std::filesystem::path& path, std::string_view bytes, const FileAccess& files = {});
 
 /// The same for what may be lost in a power cut, as long as it is whole or not there as far as programs see: it does
 /// not wait for the disk. For caches that check what they read.
-void write_file_soon(const std::filesystem::path& path, std::string_view bytes);
+void write_file_soon(const std::filesystem::path& path, std::string_view bytes, const FileAccess& files = {});
+
+/// Whether `path` names what this program has open, as /dev/stdout and /dev/fd/1 do: that is written on, wherever it
+/// leads.
+bool names_open_file(const std::filesystem::path& path);
 
 /// The same for content that comes piece by piece. Devices and pipes take the pieces as they come.
 class AtomicFile {
   public:
-    /// Makes missing folders. Throws Failure IO405.
-    explicit AtomicFile(const std::filesystem::path& path);
+    /// Makes missing folders. Throws Failure IO405, IO410.
+    explicit AtomicFile(const std::filesystem::path& path, const FileAccess& files = {});
     ~AtomicFile(); ///< without `commit` nothing is left
     AtomicFile(const AtomicFile&) = delete;
     void write(std::string_view bytes);

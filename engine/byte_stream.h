@@ -57,9 +57,15 @@ class ByteReader {
     template <class T>
     T get() {
         static_assert(std::is_trivially_copyable_v<T>);
-        T v;
-        std::memcpy(&v, take(sizeof(T)).data(), sizeof(T));
-        return v;
+        if constexpr (std::is_same_v<T, bool>) { // another byte than 0 and 1 is no bool
+            const auto byte = get<std::uint8_t>();
+            if (byte > 1) throw BadBytes("a switch in it is neither on nor off");
+            return byte == 1;
+        } else {
+            T v;
+            std::memcpy(&v, take(sizeof(T)).data(), sizeof(T));
+            return v;
+        }
     }
     template <class T>
     std::vector<T> get_list() {

@@ -227,6 +227,10 @@ constexpr CodeInfo table[] = {
     {"IO406", "kept result cannot be used", "Nothing to do: it is made anew and replaced."},
     {"IO407", "results cannot be kept on disk",
      "Check the folder, permissions and free space, or choose another by --cache."},
+    {"IO410", "path leads out of the root",
+     "Keep files within the folder of --root; neither .., absolute paths nor links lead out of it."},
+    {"IO411", "root is no folder", "Name the folder that holds the graph and its files."},
+    {"IO412", "file is too large", "Split it, or leave out what is not needed."},
     {"IO420", "output over a file that is read", "Choose another name or folder for what is written."},
     {"IO421", "folder with files of an earlier run", "Remove them, or give each run a folder of its own."},
 };

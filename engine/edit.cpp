@@ -343,7 +343,7 @@ class Edit::Draft {
         for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text);
         if (!doc.problems.empty()) return;
         std::vector<Problem> found;
-        auto binding = read_binding(*info, doc.root, folder_of(graph_.file()), found);
+        auto binding = read_binding(*info, doc.root, folder_of(graph_.file()), graph_.files(), found);
         for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
         if (binding) bind(op.plug, std::move(*binding));
     }

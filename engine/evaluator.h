@@ -31,6 +31,8 @@ struct StorePolicy {
     std::string build = {};
     /// What they may take on disk together with the outputs. Those not used for longest go first.
     std::uintmax_t disk_bytes = std::uintmax_t{10} << 30;
+    /// Where that folder and its files may lie; a folder elsewhere is a Failure IO410 when the evaluator is made.
+    FileAccess files = {};
 
     /// What the two budgets are together unless they are set: a quarter of memory_limit() when it is first asked for.
     static std::size_t default_bytes();

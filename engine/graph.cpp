@@ -124,12 +124,13 @@ class CycleSearch {
         for (const std::string& n : names_) index.emplace(n, static_cast<int>(index.size()));
         wires_.resize(names_.size());
         for (std::size_t i = 0; i < names_.size(); ++i)
-            for (const auto& [input, binding] : graph.find(names_[i])->inputs) {
+            for (const auto& named : graph.find(names_[i])->inputs) {
+                const Binding& binding = named.second;
                 const auto wire = [&](const Plug& p) {
                     const auto source = index.find(p.node);
                     if (source != index.end())
                         wires_[static_cast<std::size_t>(source->second)].push_back(
-                            {static_cast<int>(i), input, p.attribute});
+                            {static_cast<int>(i), named.first, p.attribute});
                 };
                 if (const Plug* p = std::get_if<Plug>(&binding)) wire(*p);
                 if (const auto* all = std::get_if<std::vector<Plug>>(&binding))

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/curve.h"
+#include "engine/file_access.h"
 #include "engine/registry.h"
 
 #include <map>
@@ -89,6 +90,8 @@ class Graph {
     std::optional<Binding> included_binding(std::string_view node, std::string_view attribute) const;
     const Timing& timing() const { return timing_; }
     const std::string& file() const { return file_; }
+    /// How the files are opened that it names.
+    const FileAccess& files() const { return files_; }
     const std::string& editor_json() const { return editor_json_; }
     /// By top-level key of the file; "" for its end. "$schema" has its value for `json`.
     const Remarks& remarks() const { return remarks_; }
@@ -105,6 +108,7 @@ class Graph {
     std::vector<std::pair<std::string, std::shared_ptr<const Include>>> includes_;
     Timing timing_;
     std::string file_, editor_json_ = "{}";
+    FileAccess files_;
     Remarks remarks_;
 };
 

@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/attribute.h"
 #include "engine/diagnostics.h"
+#include "engine/file_access.h"
 
 #include <cstddef>
 #include <functional>
@@ -41,6 +42,7 @@ class ReadSource {
     virtual std::vector<std::string> entry_names(std::string_view attribute) = 0;
     /// The content digest of a literal, a wire or a whole list of wires.
     virtual Digest digest(std::string_view attribute) { return get(attribute).digest(); }
+    virtual const FileAccess& files() = 0;
 };
 
 /// A scratch object (symbolic analysis, buffers) on loan to one compute at a time. Dropping it at any moment
@@ -116,6 +118,8 @@ class Reads {
     Digest digest_of(std::string_view attribute) const { return source_->digest(attribute); }
     double frame() const { return source_->frame(); }
     double fps() const { return source_->fps(); }
+    /// The only door to files: nodes open what their inputs of type File name, and nothing else.
+    const FileAccess& files() const { return source_->files(); }
     /// Throws Cancelled if the host asked to stop.
     void checkpoint() const { source_->checkpoint(); }
     bool stop_requested() const { return source_->stop_requested(); }

@@ -4,6 +4,9 @@
 #include "nodes/contacts.h"
 #include "nodes/marks.h"
 #include "nodes/values.h"
+#include "solver/error.h"
+
+#include <algorithm>
 
 namespace sinew::nodes {
 
@@ -27,6 +30,45 @@ solver::Points get_points(ByteReader& in) {
     return out;
 }
 
+/// Whoever reads a mesh goes by its numbers without looking, so they are looked at here.
+Mesh checked(solver::SurfaceMesh mesh) {
+    const auto is_vertex = [&](int v) { return v >= 0 && static_cast<std::size_t>(v) < mesh.points.size(); };
+    std::size_t corners = 0, triangles = 0;
+    for (const int size : mesh.face_sizes) {
+        if (size < 3) throw BadBytes("it has a face of less than three corners");
+        corners += static_cast<std::size_t>(size), triangles += static_cast<std::size_t>(size) - 2;
+    }
+    if (corners != mesh.face_vertices.size() || triangles != mesh.triangles.size())
+        throw BadBytes("its faces are not whole");
+    bool fits = std::all_of(mesh.face_vertices.begin(), mesh.face_vertices.end(), is_vertex);
+    for (const solver::Triangle& t : mesh.triangles) fits = fits && std::all_of(t.begin(), t.end(), is_vertex);
+    if (!fits) throw BadBytes("a face of it uses a vertex that it does not have");
+    return Mesh::from(std::move(mesh));
+}
+
+void check(const solver::TetMesh& mesh) {
+    const auto is_one_of = [](std::size_t count) {
+        return [count](int i) { return i >= 0 && static_cast<std::size_t>(i) < count; };
+    };
+    for (const solver::Tet& t : mesh.tets)
+        if (!std::all_of(t.begin(), t.end(), is_one_of(mesh.vertices.size())))
+            throw BadBytes("a tet of it uses a vertex that it does not have");
+    if (!mesh.coverage.empty() && mesh.coverage.size() != mesh.tets.size())
+        throw BadBytes("its coverage is not that of its tets");
+    if (!std::all_of(mesh.cut.tets.begin(), mesh.cut.tets.end(), is_one_of(mesh.tets.size())))
+        throw BadBytes("it has moments of a tet that it does not have");
+}
+
+/// What a value cannot be made of is no fault of the graph's.
+template <class T, T (*read)(ByteReader&)>
+T read_as_bytes(ByteReader& in) {
+    try {
+        return read(in);
+    } catch (const solver::Error& e) {
+        throw BadBytes(e.what());
+    }
+}
+
 void write_mesh(const Mesh& mesh, ByteWriter& out) {
     put_points(out, *mesh.points);
     out.put_list(mesh.topology->face_sizes);
@@ -40,7 +82,7 @@ Mesh read_mesh(ByteReader& in) {
     mesh.face_sizes = in.get_list<int>();
     mesh.face_vertices = in.get_list<int>();
     mesh.triangles = in.get_list<solver::Triangle>();
-    return Mesh::from(std::move(mesh));
+    return checked(std::move(mesh));
 }
 
 void write_tets(const TetMeshValue& tets, ByteWriter& out) {
@@ -65,6 +107,7 @@ TetMeshValue read_tets(ByteReader& in) {
     if (mesh.cut.moments.size() != solver::moment_count(mesh.cut.degree) * mesh.cut.tets.size())
         throw BadBytes("its moments are not whole");
     const bool quadratic = in.get<std::uint8_t>() != 0;
+    check(mesh);
     return TetMeshValue::from(std::move(mesh))
         .with_element(quadratic ? solver::ElementKind::quadratic : solver::ElementKind::linear);
 }
@@ -92,7 +135,7 @@ MeshList read_mesh_list(ByteReader& in) {
     MeshList out;
     for (solver::SurfaceMesh& mesh : meshes) {
         mesh.points = get_points(in);
-        out.meshes.push_back(Mesh::from(std::move(mesh)));
+        out.meshes.push_back(checked(std::move(mesh)));
     }
     return out;
 }
@@ -222,13 +265,14 @@ engine::NumberList read_numbers(ByteReader& in) {
 } // namespace
 
 void add_codecs(engine::Registry& registry) {
-    registry.add(engine::make_codec<Mesh>(1, write_mesh, read_mesh));
-    registry.add(engine::make_codec<TetMeshValue>(2, write_tets, read_tets));
-    registry.add(engine::make_codec<MeshList>(1, write_mesh_list, read_mesh_list));
-    registry.add(engine::make_codec<SolveReport>(1, write_report, read_report));
-    registry.add(engine::make_codec<ContactList>(1, write_contacts, read_contacts));
-    registry.add(engine::make_codec<MarkList>(1, write_marks, read_marks));
-    registry.add(engine::make_codec<engine::NumberList>(1, write_numbers, read_numbers));
+    registry.add(engine::make_codec<Mesh>(1, write_mesh, read_as_bytes<Mesh, read_mesh>));
+    registry.add(engine::make_codec<TetMeshValue>(2, write_tets, read_as_bytes<TetMeshValue, read_tets>));
+    registry.add(engine::make_codec<MeshList>(1, write_mesh_list, read_as_bytes<MeshList, read_mesh_list>));
+    registry.add(engine::make_codec<SolveReport>(1, write_report, read_as_bytes<SolveReport, read_report>));
+    registry.add(engine::make_codec<ContactList>(1, write_contacts, read_as_bytes<ContactList, read_contacts>));
+    registry.add(engine::make_codec<MarkList>(1, write_marks, read_as_bytes<MarkList, read_marks>));
+    registry.add(
+        engine::make_codec<engine::NumberList>(1, write_numbers, read_as_bytes<engine::NumberList, read_numbers>));
 }
 
 } // namespace sinew::nodes

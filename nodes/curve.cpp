@@ -2,13 +2,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/curve_file.h"
 #include "nodes/json_file.h"
 #include "nodes/matrices.h"
 #include "nodes/options.h"
 #include "solver/mesh/coordinates.h"
-
-#include <locale>
-#include <sstream>
 
 namespace sinew::nodes {
 
@@ -47,29 +45,18 @@ const Input<Matrix4> matrix{
 const Output<CurvePoints> out_curve{.name = "outCurve", .doc = "The curve, in scene units."};
 const Output<double> out_length{.name = "outLength", .doc = "Its length, in scene units."};
 
-NumberList from_text(const std::string& path) {
-    std::istringstream text(read_text(path));
-    text.imbue(std::locale::classic());
-    NumberList out;
-    for (double number = 0; text >> number;) out.push_back(number);
-    if (!text.eof())
-        throw solver::Error("IO403", "'" + path + "' holds more than numbers", "Write three numbers a line.");
-    return out;
-}
-
-NumberList from_file(const std::string& path, const std::string& pointer) {
-    if (!path.ends_with(".json")) return from_text(path);
-    const nlohmann::json json = read_json(path);
-    return numbers_of(part_of(json, pointer, path), "the curve", path);
-}
-
 void compute(const Reads& in, Writes& out) {
     const bool by_file = !in[file].path.empty();
     const std::string_view source = by_file ? file.name : points.name;
     if (by_file && !in[points].empty())
         in.fail(points.name, "DG110", "both points and file are given", "Keep one of them.");
     const NumberList numbers =
-        by_file ? guarded(in, file.name, [&] { return from_file(in[file].path, in[key]); }) : in[points];
+        by_file ? guarded(in, file.name,
+                          [&] {
+                              return parse_curve(read_text(in.files(), in[file].path, most_json_bytes), in[file].path,
+                                                 in[key]);
+                          })
+                : in[points];
     if (numbers.size() % 3 != 0 || numbers.size() < 6)
         in.fail(source, "FE216", std::to_string(numbers.size()) + " numbers do not make a polyline",
                 "Give x, y and z of two points or more.");

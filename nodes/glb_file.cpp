@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/glb_file.h"
 
+#include "nodes/json_file.h"
 #include "solver/error.h"
 
 #include <cstdint>
@@ -37,6 +38,7 @@ GlbFile::GlbFile(std::string_view bytes) {
         if (kind == binary_chunk && binary_.empty()) binary_ = bytes.substr(at + 8, length);
         at += 8 + length;
     }
+    if (is_too_deep(text)) fail("its description has brackets in too many brackets");
     document_ = nlohmann::json::parse(text);
     if (!document_.is_object()) fail("it has no description");
 }

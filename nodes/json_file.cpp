@@ -5,28 +5,16 @@
 #include "solver/error.h"
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
 
 namespace sinew::nodes {
 
 using Json = nlohmann::json;
 using solver::Error;
 
-std::string read_text(const std::string& path) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored))
-        throw Error("IO401", "there is no file '" + path + "'", "Relative paths count from the graph file's folder.");
-    if (std::filesystem::is_directory(path, ignored))
-        throw Error("IO402", "'" + path + "' is a folder", "Name a file in it.");
-    if (!std::filesystem::is_regular_file(path, ignored))
-        throw Error("IO402", "'" + path + "' is a pipe or a device, not a file", "Name a file.");
-    std::ifstream in(path, std::ios::binary);
-    std::ostringstream text;
-    text << in.rdbuf();
-    if (!in || in.bad()) throw Error("IO402", "'" + path + "' cannot be read", "Check its permissions.");
-    return std::move(text).str();
+std::string read_text(const engine::FileAccess& files, const std::string& path, std::uintmax_t most) {
+    auto read = files.read(path, most);
+    if (auto* fault = std::get_if<engine::FileFault>(&read)) throw Error(fault->code, fault->message, fault->hint);
+    return std::move(std::get<std::string>(read));
 }
 
 std::string fault_of(const Json::exception& e) {
@@ -35,13 +23,39 @@ std::string fault_of(const Json::exception& e) {
     return after == says.npos ? says : says.substr(after + 2);
 }
 
-Json read_json(const std::string& path) {
-    const std::string text = read_text(path);
+bool is_too_deep(std::string_view text) {
+    int depth = 0;
+    bool quoted = false;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (quoted) {
+            if (c == '\\') ++i;
+            quoted = c != '"';
+        } else if (c == '"') {
+            quoted = true;
+        } else if (c == '[' || c == '{') {
+            if (++depth > most_json_depth) return true;
+        } else if (c == ']' || c == '}') {
+            --depth;
+        }
+    }
+    return false;
+}
+
+Json parse_json(std::string_view text, const std::string& path) {
+    if (is_too_deep(text))
+        throw Error("IO403",
+                    "'" + path + "' has more than " + std::to_string(most_json_depth) + " brackets in brackets",
+                    "Write plain lists of numbers.");
     try {
         return Json::parse(text);
     } catch (const Json::exception& e) {
         throw Error("IO403", "'" + path + "' is not JSON: " + fault_of(e), "Correct the file at that place.");
     }
+}
+
+Json read_json(const engine::FileAccess& files, const std::string& path) {
+    return parse_json(read_text(files, path, most_json_bytes), path);
 }
 
 const Json& part_of(const Json& json, const std::string& pointer, const std::string& path) {

@@ -20,7 +20,7 @@ const Output<Mesh> out_mesh{.name = "outMesh", .doc = "The mesh as it stands in 
 
 void compute(const Reads& in, Writes& out) {
     solver::SurfaceMesh mesh = guarded(in, file.name, [&] {
-        solver::SurfaceMesh m = read_mesh(in[file].path);
+        solver::SurfaceMesh m = read_mesh(in.files(), in[file].path);
         solver::check_usable(m);
         return m;
     });

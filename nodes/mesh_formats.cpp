@@ -11,16 +11,22 @@
 
 namespace sinew::nodes {
 
-solver::SurfaceMesh read_mesh(const std::string& path) {
+solver::SurfaceMesh read_mesh(const engine::FileAccess& files, const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    if (ending == ".glb") return read_glb(read_text(path), path);
+    const std::string bytes = read_text(files, path);
+    if (ending == ".glb") return read_glb(bytes, path);
     try {
-        return solver::read_surface(path);
+        return solver::parse_surface(bytes, path);
     } catch (const solver::Error& e) {
         if (e.code != "IO404") throw;
         throw solver::Error(e.code, e.what(), e.hint + ", .glb");
     }
+}
+
+solver::TetMesh read_tets(const engine::FileAccess& files, const std::string& path, const std::string& elements) {
+    if (elements.empty()) return solver::parse_tets(read_text(files, path), path);
+    return solver::parse_tetgen(read_text(files, path), path, read_text(files, elements), elements);
 }
 
 std::vector<std::string> mesh_endings() {

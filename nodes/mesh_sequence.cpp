@@ -89,7 +89,8 @@ void check_faces(const std::string& whose, const Mesh& wanted, std::size_t point
 
 class NumberedFiles : public Frames {
   public:
-    NumberedFiles(const std::string& pattern, const Mesh* given) {
+    NumberedFiles(const FileAccess& files, const std::string& pattern, const Mesh* given)
+        : files_(files) {
         for (const auto& [n, path] : find_sequence(pattern)) {
             frames_.push_back(static_cast<double>(n));
             paths_.push_back(path);
@@ -98,12 +99,12 @@ class NumberedFiles : public Frames {
         if (given)
             reference_ = *given, like_ = "the mesh";
         else
-            reference_ = Mesh::from(read_mesh(paths_.front())), like_ = name_of(0);
+            reference_ = Mesh::from(read_mesh(files_, paths_.front())), like_ = name_of(0);
     }
     const std::vector<double>& frames() const override { return frames_; }
     const Mesh& reference() const override { return reference_; }
     solver::Points points(std::size_t index) const override {
-        solver::SurfaceMesh read = read_mesh(paths_[index]);
+        solver::SurfaceMesh read = read_mesh(files_, paths_[index]);
         check_faces(name_of(index), reference_, read.points.size(), like_, same_faces(reference_, read));
         solver::check_coordinates(read.points);
         return std::move(read.points);
@@ -111,6 +112,7 @@ class NumberedFiles : public Frames {
 
   private:
     std::string name_of(std::size_t index) const { return std::filesystem::path(paths_[index]).filename().string(); }
+    FileAccess files_;
     std::vector<double> frames_;
     std::vector<std::string> paths_;
     Mesh reference_;
@@ -119,8 +121,8 @@ class NumberedFiles : public Frames {
 
 class Cache : public Frames {
   public:
-    Cache(const std::string& path, const Mesh& given, double fps)
-        : cache_(solver::PointCache::parse(read_text(path), path))
+    Cache(const FileAccess& files, const std::string& path, const Mesh& given, double fps)
+        : cache_(solver::PointCache::parse(read_text(files, path), path))
         , reference_(given) {
         check_faces(path, given, cache_.points, "the mesh", true);
         for (std::size_t k = 0; k < cache_.samples; ++k) frames_.push_back(cache_.frame_of(k, fps));
@@ -180,9 +182,9 @@ void compute(const Reads& in, Writes& out) {
         return guarded(in, file.name, [&] {
             auto made = std::make_shared<Kept>();
             if (numbered)
-                made->frames = std::make_unique<NumberedFiles>(path, given);
+                made->frames = std::make_unique<NumberedFiles>(in.files(), path, given);
             else
-                made->frames = std::make_unique<Cache>(path, *given, in.fps());
+                made->frames = std::make_unique<Cache>(in.files(), path, *given, in.fps());
             return made;
         });
     });

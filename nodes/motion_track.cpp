@@ -123,8 +123,12 @@ double NumberTrack::at(double frame) const {
     return p.u == 0 ? values[p.i] : std::lerp(values[p.i], values[p.i + 1], p.u);
 }
 
-MatrixTrack read_matrix_track(const std::string& path, const std::string& bone) {
-    const Json file = read_json(path);
+MatrixTrack read_matrix_track(const engine::FileAccess& files, const std::string& path, const std::string& bone) {
+    return parse_matrix_track(read_text(files, path, most_json_bytes), path, bone);
+}
+
+MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, const std::string& bone) {
+    const Json file = parse_json(text, path);
     MatrixTrack track;
     for_frames(file, path, [&](double number, const Json& frame) {
         const Json bones = frame.value("bones", Json::object());
@@ -145,8 +149,12 @@ MatrixTrack read_matrix_track(const std::string& path, const std::string& bone) 
     return track;
 }
 
-NumberTrack read_number_track(const std::string& path, const std::string& channel) {
-    const Json file = read_json(path);
+NumberTrack read_number_track(const engine::FileAccess& files, const std::string& path, const std::string& channel) {
+    return parse_number_track(read_text(files, path, most_json_bytes), path, channel);
+}
+
+NumberTrack parse_number_track(std::string_view text, const std::string& path, const std::string& channel) {
+    const Json file = parse_json(text, path);
     NumberTrack track;
     for_frames(file, path, [&](double number, const Json& frame) {
         if (!frame.contains(channel) || !frame[channel].is_number()) throw_unknown(path, "channel", channel, frame);

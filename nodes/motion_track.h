@@ -2,9 +2,11 @@
 // {"frames": [{"frame": 1, "elbow_flexion_deg": 0.5, "bones": {"ulna": [16 numbers, row-major]}}, …]}.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/file_access.h"
 #include "engine/value.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sinew::nodes {
@@ -24,9 +26,12 @@ struct NumberTrack {
     double at(double frame) const; ///< linear; exact on flat spans
 };
 
-/// Throw solver::Error IO401…IO403; IO403 also if a frame lacks the bone or the channel.
-MatrixTrack read_matrix_track(const std::string& path, const std::string& bone);
-NumberTrack read_number_track(const std::string& path, const std::string& channel);
+/// Throw solver::Error IO4xx; IO403 also if a frame lacks the bone or the channel.
+MatrixTrack read_matrix_track(const engine::FileAccess& files, const std::string& path, const std::string& bone);
+NumberTrack read_number_track(const engine::FileAccess& files, const std::string& path, const std::string& channel);
+/// The same from the bytes of a file; messages name `path`.
+MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, const std::string& bone);
+NumberTrack parse_number_track(std::string_view text, const std::string& path, const std::string& channel);
 
 /// Where a graph frame lies on a track that runs `rate` track frames per graph frame; graph frame 1 shows
 /// track frame 1 + offset.

@@ -102,9 +102,13 @@ solver::Points face_centres(const Mesh& mesh) {
     return out;
 }
 
-FileMap file_map(const std::string& path, const std::string& pointer) {
+FileMap file_map(const engine::FileAccess& files, const std::string& path, const std::string& pointer) {
+    return parse_map(read_text(files, path, most_json_bytes), path, pointer);
+}
+
+FileMap parse_map(std::string_view text, const std::string& path, const std::string& pointer) {
     using Kind = FileMap::Kind;
-    const nlohmann::json file = read_json(path);
+    const nlohmann::json file = parse_json(text, path);
     const nlohmann::json& part = part_of(file, pointer, path);
     for (const auto& [key, kind] : {std::pair{"vertices", Kind::vertices}, std::pair{"faces", Kind::faces}}) {
         if (part.is_object() && part.contains(key))

@@ -1,10 +1,12 @@
 // The shapes of painted maps that the weights node offers: one function a mode, one number a vertex or face.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/file_access.h"
 #include "engine/value.h"
 #include "nodes/values.h"
 
 #include <string>
+#include <string_view>
 
 namespace sinew::nodes {
 
@@ -34,7 +36,9 @@ struct FileMap {
     engine::NumberList numbers;
 };
 /// A list, or {"vertices": […]} or {"faces": […]}; a list under a key that ends in /vertices or /faces holds indices.
-/// Throws solver::Error IO401…IO403.
-FileMap file_map(const std::string& path, const std::string& pointer);
+/// Throws solver::Error IO4xx.
+FileMap file_map(const engine::FileAccess& files, const std::string& path, const std::string& pointer);
+/// The same from the bytes of a file.
+FileMap parse_map(std::string_view text, const std::string& path, const std::string& pointer);
 
 } // namespace sinew::nodes

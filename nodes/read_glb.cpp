@@ -18,7 +18,8 @@ using Json = nlohmann::json;
 using solver::Error;
 using Motion = Eigen::Matrix4d;
 
-constexpr std::size_t most_triangles = 20'000'000, most_depth = 1000;
+/// Numbers may be used again and again, by any number of primitives: so what is done is limited, not what there is.
+constexpr std::size_t most_triangles = 20'000'000, most_corners = 3 * most_triangles, most_depth = 1000;
 
 class GlbReader {
   public:
@@ -70,9 +71,17 @@ class GlbReader {
             visit(child.get<std::size_t>(), here, depth + 1);
     }
 
+    void take_on(std::size_t count) {
+        if (count > most_corners - corners_)
+            throw Error("FE232", "it has more than " + std::to_string(most_corners) + " vertices and corners",
+                        "save less of it");
+        corners_ += count;
+    }
+
     std::vector<int> vertices(std::size_t accessor, const Motion& motion) {
         const GlbNumbers p = glb_.numbers(accessor, "VEC3", 3);
         if (p.component != 5126) fail("positions are not of single precision");
+        take_on(p.count);
         std::vector<int> out;
         for (std::size_t i = 0; i < p.count; ++i) {
             float v[3];
@@ -86,7 +95,7 @@ class GlbReader {
         return out;
     }
 
-    std::vector<std::size_t> corners(const Json& primitive, std::size_t vertex_count) const {
+    std::vector<std::size_t> corners(const Json& primitive, std::size_t vertex_count) {
         std::vector<std::size_t> out;
         if (!primitive.contains("indices")) {
             for (std::size_t i = 0; i < vertex_count; ++i) out.push_back(i);
@@ -94,6 +103,7 @@ class GlbReader {
         }
         const GlbNumbers p = glb_.numbers(primitive.at("indices").get<std::size_t>(), "SCALAR", 1);
         if (p.component != 5121 && p.component != 5123 && p.component != 5125) fail("indices are no whole numbers");
+        take_on(p.count);
         for (std::size_t i = 0; i < p.count; ++i) {
             std::uint32_t v = 0;
             std::memcpy(&v, p.first + i * p.stride, p.size);
@@ -130,6 +140,7 @@ class GlbReader {
     std::vector<char> seen_;
     solver::CornerWelder welder_;
     std::vector<solver::Triangle> triangles_;
+    std::size_t corners_ = 0; ///< that were read, and vertices
 };
 
 } // namespace

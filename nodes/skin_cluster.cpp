@@ -89,7 +89,7 @@ Maps painted_maps(const Reads& in, std::size_t joint_count, std::size_t vertices
 Maps maps_of_file(const Reads& in, std::size_t joint_count, std::size_t vertices) {
     return guarded(in, weights_file.name, [&] {
         const std::string& path = in[weights_file].path;
-        const nlohmann::json whole = read_json(path);
+        const nlohmann::json whole = read_json(in.files(), path);
         const NumberList all = numbers_of(part_of(whole, in[weights_pointer], path), "weights", path);
         if (all.size() != joint_count * vertices)
             throw solver::Error("FE295",

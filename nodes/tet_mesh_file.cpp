@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
-#include "solver/mesh/mesh_files.h"
+#include "nodes/mesh_formats.h"
 
 namespace sinew::nodes {
 
@@ -44,7 +44,7 @@ void compute(const Reads& in, Writes& out) {
                 more.empty() ? "a .node file has no tets of its own" : "elementFile goes with a .node file only",
                 "Name TetGen's .node file at file and its .ele file at elementFile.");
     solver::TetMesh tets = guarded(in, more.empty() ? file.name : elements.name, [&] {
-        solver::TetMesh t = more.empty() ? solver::read_tets(path) : solver::read_tets(path, more);
+        solver::TetMesh t = read_tets(in.files(), path, more);
         solver::check_and_orient(t);
         return t;
     });

@@ -50,8 +50,9 @@ void compute(const Reads& in, Writes& out) {
                 "Give the two recorded numbers that map to outMin and outMax.");
     const Digest key = Hasher().add("trackChannel.file").add(in[file].content).add(in[channel]).finish();
     auto track = in.lease<NumberTrack>(key, [&] {
-        return guarded(in, file.name,
-                       [&] { return std::make_shared<NumberTrack>(read_number_track(in[file].path, in[channel])); });
+        return guarded(in, file.name, [&] {
+            return std::make_shared<NumberTrack>(read_number_track(in.files(), in[file].path, in[channel]));
+        });
     });
     const double recorded = track->at(track_frame(in.frame(), in[offset], in[rate]));
     const double share = (recorded - in[in_min]) / (in[in_max] - in[in_min]);

@@ -74,7 +74,7 @@ Matrix4 tracked(const Reads& in) {
     const Digest key = Hasher().add("transform.track").add(in[track].content).add(in[track_name]).finish();
     auto motion = in.lease<MatrixTrack>(key, [&] {
         return guarded(in, track.name, [&] {
-            return std::make_shared<MatrixTrack>(read_matrix_track(in[track].path, in[track_name]));
+            return std::make_shared<MatrixTrack>(read_matrix_track(in.files(), in[track].path, in[track_name]));
         });
     });
     return motion->at(track_frame(in.frame(), in[track_offset], in[track_rate]));

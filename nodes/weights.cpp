@@ -189,7 +189,7 @@ NumberList given_weights(const Reads& in, std::string_view attribute, const Numb
 NumberList file_weights(const Reads& in, std::size_t count, bool by_faces) {
     if (in[file].path.empty())
         in.fail(file.name, "DG110", "mode file needs a file", "Name a JSON file with numbers, vertices or faces.");
-    const FileMap map = guarded(in, file.name, [&] { return file_map(in[file].path, in[key]); });
+    const FileMap map = guarded(in, file.name, [&] { return file_map(in.files(), in[file].path, in[key]); });
     if (map.kind == FileMap::Kind::numbers) return given_weights(in, file.name, map.numbers, count, by_faces);
     if (map.kind == FileMap::Kind::vertices)
         return guarded(in, file.name, [&] { return vertex_weights(in, map.numbers, by_faces); });

@@ -128,7 +128,8 @@ NumberList given_directions(const Reads& in) {
     const std::string_view from = has_list ? directions.name : directions_file.name;
     NumberList list = has_list ? in[directions] : guarded(in, from, [&] {
         const std::string& path = in[directions_file].path;
-        return numbers_of(part_of(read_json(path), in[directions_key], path), "the list of directions", path);
+        return numbers_of(part_of(read_json(in.files(), path), in[directions_key], path), "the list of directions",
+                          path);
     });
     if (list.empty())
         in.fail(from, "FE227", "the list of directions is empty", "Give 3 numbers for each tet, or 3 for all.");

@@ -64,6 +64,8 @@ class Reader {
     template <class T>
     void get(T& v) {
         if (in_.size() < sizeof(T)) throw Error("IO403", "a saved simulation state ends too early");
+        if (std::is_same_v<T, bool> && in_.front() > std::byte{1}) // which is no bool
+            throw Error("IO403", "a saved simulation state has a switch that is neither on nor off");
         std::memcpy(&v, in_.data(), sizeof(T));
         in_ = in_.subspan(sizeof(T));
     }

@@ -16,10 +16,12 @@ Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     : values(policy.value_bytes)
     , states(policy.state_bytes, std::max(1, policy.state_every))
     , scratch(policy.scratch_entries)
-    , disk(policy.disk_folder.empty() ? std::nullopt : std::optional<DiskStore>(policy.disk_folder))
+    , disk(policy.disk_folder.empty()
+               ? std::nullopt
+               : std::optional<DiskStore>(std::in_place, policy.disk_folder, ".kept", policy.files))
     , frames(policy.disk_folder.empty() || !policy.keeps_frames
                  ? nullptr
-                 : std::make_unique<FrameStore>(policy.disk_folder, policy.disk_bytes, policy.build))
+                 : std::make_unique<FrameStore>(policy.disk_folder, policy.disk_bytes, policy.build, policy.files))
     , arena(threads > 0 ? threads : tbb::task_arena::automatic)
     , observer_(watcher) {}
 
@@ -64,7 +66,7 @@ std::pair<std::shared_ptr<Program>, int> Core::prepare(const std::shared_ptr<con
         }
         const std::vector<std::string> paths = program->file_paths(at);
         lock.unlock(); // large files are read while others go on
-        for (const std::string& path : paths) contents.insert_or_assign(path, files.of(path));
+        for (const std::string& path : paths) contents.insert_or_assign(path, files.of(path, graph->files()));
     }
 }
 

@@ -30,6 +30,7 @@ std::filesystem::path DiskStore::file_of(const Digest& key) const { return folde
 DiskStore::Found DiskStore::read(const Digest& key) const {
     std::error_code error;
     if (std::filesystem::is_directory(file_of(key), error)) return {{}, "a folder is in its place"};
+    if (files_.refusal(file_of(key))) return {{}, "it is a link out of the root"};
     std::ifstream file(file_of(key), std::ios::binary);
     if (!file) {
         return {{}, std::filesystem::exists(file_of(key), error) ? "it cannot be opened" : ""};
@@ -84,7 +85,7 @@ void DiskStore::write(const Digest& key, std::span<const std::byte> payload, boo
     header.put<std::uint64_t>(payload.size());
     text.append(reinterpret_cast<const char*>(header.bytes.data()), header.bytes.size());
     text.append(reinterpret_cast<const char*>(payload.data()), payload.size());
-    waits ? write_file(file_of(key), text) : write_file_soon(file_of(key), text);
+    waits ? write_file(file_of(key), text, files_) : write_file_soon(file_of(key), text, files_);
 }
 
 } // namespace sinew::engine

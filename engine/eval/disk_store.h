@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/digest.h"
+#include "engine/file_access.h"
 
 #include <filesystem>
 #include <optional>
@@ -16,9 +17,13 @@ namespace sinew::engine {
 class DiskStore {
   public:
     /// \param ending of the files' names; stores of different things share a folder by theirs
-    explicit DiskStore(std::filesystem::path folder, std::string ending = ".kept")
+    /// \param files Throws Failure IO410 where the folder is outside of its root.
+    explicit DiskStore(std::filesystem::path folder, std::string ending = ".kept", FileAccess files = {})
         : folder_(std::move(folder))
-        , ending_(std::move(ending)) {}
+        , ending_(std::move(ending))
+        , files_(std::move(files)) {
+        files_.check(folder_, "the cache folder");
+    }
     const std::filesystem::path& folder() const { return folder_; }
     std::filesystem::path file_of(const Digest& key) const;
 
@@ -40,6 +45,7 @@ class DiskStore {
   private:
     std::filesystem::path folder_;
     std::string ending_;
+    FileAccess files_;
 };
 
 } // namespace sinew::engine

@@ -298,7 +298,9 @@ std::optional<Digest> Explainer::key(const Site& site, Needs& missing) {
         if (const auto found = keys_.of(site, wanted)) return found;
         Needs deeper; // the simulations upstream of those that are wanted
         bool grew = false;
-        for (const auto& [simulation, last] : wanted.chains) {
+        for (const auto& chain : wanted.chains) {
+            const auto simulation = chain.first;
+            const auto last = chain.second;
             const auto length = [&] { return program_->place(simulation).chain.size(); };
             const std::size_t before = length();
             while (!keys_.extend(simulation, last, deeper) && deeper.empty()) {

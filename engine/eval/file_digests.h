@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/digest.h"
+#include "engine/file_access.h"
 
 #include <cstdint>
 #include <map>
@@ -11,22 +12,17 @@
 
 namespace sinew::engine {
 
-/// What is wrong with a file: a code (IO401, IO402) and words.
-struct FileFault {
-    std::string code, message;
-};
-
 using FileContents = std::map<std::string, std::variant<Digest, FileFault>>;
 
 /// Thread-safe. A file that changes without changing size and time of change is not noticed.
 class FileDigests {
   public:
     /// Of a path that names numbered files (file_sequence.h): of all of them, with their numbers.
-    std::variant<Digest, FileFault> of(const std::string& path);
+    std::variant<Digest, FileFault> of(const std::string& path, const FileAccess& files = {});
 
   private:
-    std::variant<Digest, FileFault> of_sequence(const std::string& path);
-    std::variant<Digest, FileFault> of_file(const std::string& path);
+    std::variant<Digest, FileFault> of_sequence(const std::string& path, const FileAccess& files);
+    std::variant<Digest, FileFault> of_file(const std::string& path, const FileAccess& files);
     struct Row {
         std::uintmax_t size;
         std::int64_t changed;

@@ -187,7 +187,7 @@ void append_rows(const fs::path& file, std::span<const PlugContent> rows) {
         d.hint = "check the folder's permissions and the free space";
         throw Failure(d);
     };
-    const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+    const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor < 0) fail();
     const std::string mark(lseek(descriptor, 0, SEEK_END) == 0 ? rows_mark : "");
     std::string text = mark;
@@ -222,19 +222,21 @@ void read_row_file(const fs::path& file, const std::function<void(const PlugCont
 std::vector<fs::directory_entry> files_in(const fs::path& folder, std::string_view ending) {
     std::vector<fs::directory_entry> out;
     std::error_code error;
+    // Links are none of ours, and may lead anywhere.
     for (const auto& entry : fs::directory_iterator(folder, error))
-        if (std::error_code gone; entry.path().extension() == ending && entry.is_regular_file(gone))
+        if (std::error_code gone;
+            entry.path().extension() == ending && entry.symlink_status(gone).type() == fs::file_type::regular)
             out.push_back(entry);
     return out;
 }
 
 } // namespace
 
-FrameStore::FrameStore(fs::path folder, std::uintmax_t budget, std::string_view build)
+FrameStore::FrameStore(fs::path folder, std::uintmax_t budget, std::string_view build, FileAccess files)
     : folder_(std::move(folder))
     , budget_(budget)
     , build_(Hasher().add(build).finish())
-    , files_(folder_, std::string(frames_ending))
+    , files_(folder_, std::string(frames_ending), std::move(files))
     , written_(budget) {} // so that room is made before the first is written
 
 FrameStore::Bytes FrameStore::start_of(const Digest& start) const {
@@ -243,7 +245,7 @@ FrameStore::Bytes FrameStore::start_of(const Digest& start) const {
         if (const auto it = starts_.find(start); it != starts_.end()) return it->second;
     }
     std::string fault;
-    Bytes bytes = whole(start, fault);
+    Bytes bytes = whole(start, true, fault);
     if (!bytes) return nullptr;
     const std::lock_guard lock(mutex_);
     if (starts_.size() >= most_starts) starts_.clear();
@@ -251,7 +253,7 @@ FrameStore::Bytes FrameStore::start_of(const Digest& start) const {
     return bytes;
 }
 
-FrameStore::Bytes FrameStore::whole(const Digest& key, std::string& fault) const {
+FrameStore::Bytes FrameStore::whole(const Digest& key, bool is_start, std::string& fault) const {
     DiskStore::Found found = files_.read(key);
     fault = found.fault;
     if (!found.payload) return nullptr;
@@ -261,11 +263,14 @@ FrameStore::Bytes FrameStore::whole(const Digest& key, std::string& fault) const
         const auto size = in.get<std::uint64_t>();
         const auto others = in.get_list<std::uint32_t>();
         auto out = std::make_shared<std::vector<std::byte>>();
+        if (start != key && is_start) throw BadBytes("the start frame differs from yet another frame");
         if (start != key) {
             const Bytes base = start_of(start);
             if (!base) throw BadBytes("the start frame that it differs from is gone");
             out->assign(base->begin(), base->begin() + static_cast<std::ptrdiff_t>(std::min(base->size(), size)));
         }
+        // Beyond the start frame every block is its own.
+        if (size > out->size() + others.size() * block) throw BadBytes("it is longer than its blocks");
         out->resize(size);
         for (const std::uint32_t b : others) {
             const std::size_t at = std::size_t{b} * block;
@@ -290,7 +295,7 @@ FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& typ
                                    bool with_state) const {
     Found out;
     const Digest name = name_of(key);
-    const Bytes bytes = whole(name, out.fault);
+    const Bytes bytes = whole(name, false, out.fault);
     if (!bytes) return out;
     try {
         out.frame = decode(registry, type, *bytes, with_state);
@@ -365,7 +370,7 @@ std::vector<FrameStore::Listed> FrameStore::frames_of(const std::string& node) c
     std::vector<Listed> out;
     for (const Digest& key : files_.newest_first()) {
         std::string fault;
-        const Bytes bytes = whole(key, fault);
+        const Bytes bytes = whole(key, false, fault);
         if (!bytes) continue;
         try {
             KeptFrame frame;

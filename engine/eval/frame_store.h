@@ -40,7 +40,7 @@ class FrameStore {
   public:
     /// \param budget most bytes of all that is kept in the folder, frames and outputs
     /// \param build  what other builds have kept is not seen
-    FrameStore(std::filesystem::path folder, std::uintmax_t budget, std::string_view build);
+    FrameStore(std::filesystem::path folder, std::uintmax_t budget, std::string_view build, FileAccess files = {});
 
     bool contains(const Digest& key) const { return files_.contains(name_of(key)); }
     struct Found {
@@ -70,7 +70,8 @@ class FrameStore {
     using Bytes = std::shared_ptr<const std::vector<std::byte>>;
     Digest name_of(const Digest& key) const { return Hasher().add(key).add(build_).finish(); }
     /// Here and in start_of: of files, not of frames.
-    Bytes whole(const Digest& name, std::string& fault) const;
+    /// \param is_start it must stand for itself, and not differ from another one in turn
+    Bytes whole(const Digest& name, bool is_start, std::string& fault) const;
     Bytes start_of(const Digest& start) const;
     void make_room();
 

@@ -40,6 +40,7 @@ class NodeReads : public ReadSource {
     std::vector<std::string> entry_names(std::string_view attribute) override;
     double frame() override;
     double fps() override;
+    const FileAccess& files() override { return context_.program->graph()->files(); }
     void checkpoint() override;
     void progress(double done, std::string_view what) override;
     void report(Diagnostic d) override;

@@ -349,7 +349,7 @@ bool Program::set_files(int node, const FileContents& contents) {
         const File& named = s.constant.as<File>();
         const auto& found = contents.at(named.path);
         if (const FileFault* fault = std::get_if<FileFault>(&found)) {
-            problems.push_back(about(place(at), s.info->name, fault->code, fault->message));
+            problems.push_back(about(place(at), s.info->name, fault->code, fault->message, fault->hint));
             continue;
         }
         const Digest content = std::get<Digest>(found);

@@ -166,7 +166,7 @@ void Session::note_reuse(const Digest& key, const Site& site, const EntryPtr& en
 }
 
 void Session::tell() {
-    for (const auto& [node, at] : reuse_events_) core.observe([&](Observer& o) { o.reused(node, at); });
+    for (const auto& event : reuse_events_) core.observe([&](Observer& o) { o.reused(event.first, event.second); });
     for (const Diagnostic& d : repeated_warnings_) core.observe([&](Observer& o) { o.warning(d); });
     reuse_events_.clear();
     repeated_warnings_.clear();

@@ -1,6 +1,7 @@
 // Graph files: JSON text <-> Graph. Every problem of a stage is reported at once, with line and column.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/file_access.h"
 #include "engine/graph.h"
 
 #include <memory>
@@ -16,10 +17,12 @@ struct Loaded {
 };
 
 /// Reads the text of a graph file. `file_name` stands in messages; relative paths in the graph resolve
-/// against its folder. Throws Failure with every problem found.
-Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name);
+/// against its folder. Files that it names are opened through `files`, now and whenever the graph is evaluated. Throws
+/// Failure with every problem found.
+Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name,
+                  const FileAccess& files = {});
 /// Reads a file from disk; IO4xx if it cannot.
-Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path);
+Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path, const FileAccess& files = {});
 /// Only what is not default, keys in order, paths relative to the graph's folder; read_graph(write_graph(g))
 /// is g.
 std::string write_graph(const Graph& graph);

@@ -16,7 +16,7 @@ struct Json {
     using List = std::vector<Json>;
     using Object = std::vector<JsonMember>; ///< in file order
     /// null, true/false, integer that fits, any other number, text, list, object
-    std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, List, Object> data = nullptr;
+    std::variant<std::nullptr_t, bool, std::int64_t, double, std::string, List, Object> data;
     std::size_t begin = 0, end = 0; ///< byte range in the text
 
     template <class T>

@@ -29,7 +29,10 @@ struct Part {
 /// What the files of one graph have in common while they are read.
 struct Reading {
     std::map<std::string, Part> parts; ///< by file: a graph that is included twice is read once
-    std::vector<std::string> open;     ///< the files that include the one at work, the outermost first
+    struct Open {
+        std::string key, path; ///< file_key, and as it was named
+    };
+    std::vector<Open> open; ///< the files that include the one at work, the outermost first
     std::size_t included_nodes = 0;
 };
 
@@ -38,13 +41,14 @@ struct Reading {
 class GraphReader {
   public:
     GraphReader(std::shared_ptr<const Registry> registry, std::string_view text, const std::string& file,
-                Reading& reading)
+                const FileAccess& files, Reading& reading)
         : graph_(std::move(registry))
         , source_(std::make_shared<SourceText>(file, text))
         , folder_(folder_of(file))
         , reading_(reading)
         , is_outermost_(reading.open.empty()) {
         graph_.file_ = file;
+        graph_.files_ = files;
     }
 
     Part read() {
@@ -55,10 +59,10 @@ class GraphReader {
         if (problems_.empty() && format < current_format)
             return GraphReader(graph_.registry_,
                                migrated(source_->text, format, current_format, migration_steps()).value(),
-                               source_->file, reading_)
+                               source_->file, graph_.files_, reading_)
                 .read();
         if (problems_.empty()) {
-            reading_.open.push_back(file_key(source_->file));
+            reading_.open.push_back({file_key(source_->file), source_->file});
             top(doc.root);
             reading_.open.pop_back();
             if (problems_.empty()) remarks(doc.comments);
@@ -372,11 +376,12 @@ class GraphReader {
             return nullptr;
         };
         const std::string key = file_key(path);
-        const auto open = std::find(reading_.open.begin(), reading_.open.end(), key);
+        const auto open = std::find_if(reading_.open.begin(), reading_.open.end(),
+                                       [&](const Reading::Open& o) { return o.key == key; });
         if (open != reading_.open.end()) {
             std::string way;
-            for (auto f = open; f != reading_.open.end(); ++f) way += *f + " -> ";
-            return wrong("DG132", "these graphs include each other in a circle: " + way + key,
+            for (auto f = open; f != reading_.open.end(); ++f) way += f->path + " -> ";
+            return wrong("DG132", "these graphs include each other in a circle: " + way + open->path,
                          "take one of these includes out");
         }
         if (reading_.open.size() >= most_levels)
@@ -384,13 +389,14 @@ class GraphReader {
                          "more than " + std::to_string(most_levels) + " graphs are included one inside the other");
         const auto known = reading_.parts.find(key);
         if (known != reading_.parts.end()) return known->second.graph ? &known->second : nullptr;
-        const GraphText text = graph_text(path);
+        const GraphText text = graph_text(path, graph_.files_);
         if (!text.code.empty()) {
             reading_.parts[key]; // said once
-            return wrong(text.code, text.message + ": " + path,
-                         text.code == "IO401" ? "the path starts at the folder of the file that includes" : "");
+            const bool names_it = text.message.find(path) != std::string::npos;
+            return wrong(text.code, text.message + (names_it ? "" : ": " + path),
+                         text.code == "IO401" ? "the path starts at the folder of the file that includes" : text.hint);
         }
-        Part part = GraphReader(graph_.registry_, text.text, path, reading_).read();
+        Part part = GraphReader(graph_.registry_, text.text, path, graph_.files_, reading_).read();
         const SourceSpot here = include_spot(*graph_.find_include(prefix), prefix);
         const auto hand_on = [&](std::vector<Diagnostic>& from, std::vector<Diagnostic>& to) {
             for (Diagnostic& d : from) {
@@ -500,7 +506,7 @@ class GraphReader {
     Binding checked(const Node& n, const Plug& at, const AttributeInfo& info, const std::string& pointer,
                     const Json& value) {
         std::vector<Problem> found;
-        auto binding = read_binding(info, value, folder_, found);
+        auto binding = read_binding(info, value, folder_, graph_.files_, found);
         if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
         report(std::move(found), at, pointer, value);
         return binding ? std::move(*binding) : Binding(Value());
@@ -554,9 +560,10 @@ class GraphReader {
     std::vector<std::string> unread_; // prefixes of files whose nodes are not known
 };
 
-Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name) {
+Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view json_text, const std::string& file_name,
+                  const FileAccess& files) {
     Reading reading;
-    Part part = GraphReader(std::move(registry), json_text, file_name, reading).read();
+    Part part = GraphReader(std::move(registry), json_text, file_name, files, reading).read();
     if (part.problems.empty()) return {std::move(part.graph), std::move(part.notes)};
     // What is wrong may follow from the notes, and where nothing can run a type that nobody knows is wrong as well.
     for (Diagnostic& d : part.notes)
@@ -565,13 +572,14 @@ Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view jso
     throw Failure(std::move(part.problems));
 }
 
-Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path) {
-    GraphText text = graph_text(path);
-    if (text.code.empty()) return read_graph(std::move(registry), text.text, path);
+Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path, const FileAccess& files) {
+    GraphText text = graph_text(path, files);
+    if (text.code.empty()) return read_graph(std::move(registry), text.text, path, files);
     Diagnostic d;
     d.code = text.code;
     d.spot = SourceSpot{path, "", 0, 0};
     d.message = std::move(text.message);
+    d.hint = std::move(text.hint);
     throw Failure(std::move(d));
 }
 

@@ -26,9 +26,11 @@ double converted(double v, double factor) {
 
 class BindingReader {
   public:
-    BindingReader(const AttributeInfo& input, const std::string& folder, std::vector<Problem>& problems)
+    BindingReader(const AttributeInfo& input, const std::string& folder, const FileAccess& files,
+                  std::vector<Problem>& problems)
         : input_(input)
         , folder_(folder)
+        , files_(files)
         , problems_(problems)
         , before_(problems.size()) {}
 
@@ -351,6 +353,11 @@ class BindingReader {
         File out;
         if (path.empty()) return Value::of<File>(out);
         out.path = resolved_path(path, folder_);
+        if (const auto fault = files_.refusal(out.path)) { // before anything is asked of the disk
+            problem(fault->code, json_quoted(path) + " leads out of the root '" + files_.root().string() + "'",
+                    fault->hint, below);
+            return Value::of<File>(std::move(out));
+        }
         if (names_sequence(out.path)) {
             if (find_sequence(out.path).empty())
                 problem("IO401", "there is no file like " + json_quoted(path),
@@ -446,6 +453,7 @@ class BindingReader {
 
     const AttributeInfo& input_;
     const std::string& folder_;
+    const FileAccess& files_;
     std::vector<Problem>& problems_;
     std::size_t before_;
     bool has_unit_ = false; ///< a key "unit" stands beside the value
@@ -454,8 +462,8 @@ class BindingReader {
 } // namespace
 
 std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json, const std::string& folder,
-                                    std::vector<Problem>& problems) {
-    return BindingReader(input, folder, problems).read(json);
+                                    const FileAccess& files, std::vector<Problem>& problems) {
+    return BindingReader(input, folder, files, problems).read(json);
 }
 
 const Json& offending_part(const Json& json, const std::string& below) {

@@ -4,6 +4,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/check.h"
+#include "engine/file_access.h"
 #include "engine/format/json_text.h"
 
 #include <optional>
@@ -15,7 +16,7 @@ namespace sinew::engine {
 /// `folder`: what relative paths start at. Problems are appended with `below` set and no node; nothing is
 /// returned if there was one.
 std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json, const std::string& folder,
-                                    std::vector<Problem>& problems);
+                                    const FileAccess& files, std::vector<Problem>& problems);
 
 /// The part of `json` that `below` means, also when the literal is wrapped as {value, unit}.
 const Json& offending_part(const Json& json, const std::string& below);

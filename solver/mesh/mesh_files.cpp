@@ -127,6 +127,11 @@ TetMesh parse_tets(std::string_view bytes, const std::string& path) {
                 "use " + listed(tet_formats) + ", .node with .ele (TetGen)");
 }
 
+TetMesh parse_tetgen(std::string_view node_bytes, const std::string& node_path, std::string_view ele_bytes,
+                     const std::string& ele_path) {
+    return read_tetgen(node_bytes, node_path, ele_bytes, ele_path);
+}
+
 SurfaceMesh read_surface(const std::string& path) { return parse_surface(read_bytes(path), path); }
 TetMesh read_tets(const std::string& node_path, const std::string& ele_path) {
     return read_tetgen(read_bytes(node_path), node_path, read_bytes(ele_path), ele_path);

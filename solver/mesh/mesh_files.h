@@ -26,6 +26,8 @@ std::vector<std::string> tet_endings();
 /// The same from the bytes of a file; the ending of `path` tells the format, messages begin with `path`.
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path);
 TetMesh parse_tets(std::string_view bytes, const std::string& path); ///< IO404 for .node and .ele
+TetMesh parse_tetgen(std::string_view node_bytes, const std::string& node_path, std::string_view ele_bytes,
+                     const std::string& ele_path);
 
 std::string write_obj(const SurfaceMesh& mesh);
 std::string write_ply(const SurfaceMesh& mesh); ///< binary little-endian, double coordinates

@@ -33,6 +33,9 @@ T number_at(const std::string& bytes, std::size_t at, bool big_endian) {
     return out;
 }
 
+/// Points of all samples; a file of so many would take a hundred terabytes.
+constexpr std::size_t most_numbers = std::size_t{1} << 43;
+
 [[noreturn]] void refuse(const std::string& path, const std::string& what, const char* hint) {
     throw Error("IO403", path + ": " + what, hint);
 }
@@ -65,7 +68,7 @@ PointCache PointCache::parse(std::string bytes, const std::string& path) {
     if (out.swapped_) {
         out.samples = count_at(bytes, 0, true, path, "frames");
         out.points = count_at(bytes, 4, true, path, "points");
-        out.data_ = header + 4 * out.samples;
+        out.data_ = header + 4 * out.samples; // their times come first
     } else {
         constexpr std::string_view mark("POINTCACHE2\0", 12);
         if (std::string_view(bytes).substr(0, mark.size()) != mark)
@@ -78,12 +81,15 @@ PointCache PointCache::parse(std::string bytes, const std::string& path) {
             refuse(path, "its start frame and sampling rate are no frames", "Write the cache again.");
         out.data_ = header;
     }
-    const std::size_t wanted = out.data_ + 12 * out.points * out.samples;
-    if (bytes.size() != wanted)
+    // Points and samples are below 2^31 each; twelve bytes for each of both are more than 64 bits can say.
+    const bool is_beyond = out.points * out.samples > most_numbers;
+    const std::size_t wanted = is_beyond ? 0 : out.data_ + 12 * out.points * out.samples;
+    if (is_beyond || bytes.size() != wanted)
         refuse(path,
-               std::string(bytes.size() < wanted ? "it is cut off: " : "it is too long: ") +
+               std::string(is_beyond || bytes.size() < wanted ? "it is cut off: " : "it is too long: ") +
                    std::to_string(out.samples) + " samples of " + std::to_string(out.points) + " points take " +
-                   std::to_string(wanted) + " bytes, and it has " + std::to_string(bytes.size()),
+                   (is_beyond ? "far more" : std::to_string(wanted)) + " bytes, and it has " +
+                   std::to_string(bytes.size()),
                "Write the cache again.");
     for (std::size_t k = 0; out.swapped_ && k < out.samples; ++k) {
         out.seconds.push_back(number_at<float>(bytes, header + 4 * k, true));

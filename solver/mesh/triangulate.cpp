@@ -2,7 +2,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/triangulate.h"
 
+#include "solver/error.h"
+
 #include <cmath>
+#include <string>
 #include <utility>
 
 namespace sinew::solver {
@@ -160,6 +163,11 @@ void triangulate_polygon(const Points& points, std::span<const int> corners, std
     if (!(normal.squaredNorm() > 0) || !std::isfinite(normal.squaredNorm())) return fan();
     const std::vector<Vec2> flat = flatten(points, corners, normal);
     if (is_convex(flat)) return fan();
+    if (n > most_clipped_corners)
+        throw Error("FE208",
+                    "a face of " + std::to_string(n) + " corners is not convex; at most " +
+                        std::to_string(most_clipped_corners) + " can be cut into triangles",
+                    "Cut it into triangles where it is made.");
 
     EarClipping clipping(flat);
     clipping([&](std::size_t a, std::size_t b, std::size_t c) { out.push_back({corners[a], corners[b], corners[c]}); });

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -152,6 +153,40 @@ TEST_CASE("frames kept in a folder are found by the next session", "[embed]") {
     CHECK(s.counts().simulated == 0);
     s.evaluate(6);
     CHECK(s.counts().simulated == 2);
+}
+
+TEST_CASE("a session with a root opens nothing elsewhere", "[embed]") {
+    const test::TemporaryFolder folder;
+    const std::string cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+    std::filesystem::create_directory(folder / "in");
+    test::write_text(folder / "in/m.obj", cube);
+    test::write_text(folder / "out.obj", cube);
+    embed::Options options;
+    options.root_folder = (folder / "in").string();
+    const auto code = [](const auto& does) -> std::string {
+        try {
+            does();
+            return "";
+        } catch (const engine::Failure& f) {
+            return f.diagnostics()[0].code + " " + f.diagnostics()[0].node + "." + f.diagnostics()[0].attribute;
+        }
+    };
+    Session s(options);
+    const auto load = [&](const std::string& mesh) {
+        s.load_text(R"({"format": "sinew 1", "nodes": {"m": {"type": "meshFile", "inputs": {"file": ")" + mesh +
+                        R"("}}}})",
+                    (folder / "in/g.json").string());
+    };
+    CHECK(code([&] { load("m.obj"), s.evaluate(1, "m.outMesh"); }) == "");
+    CHECK(code([&] { s.set_json({"m", "file"}, "\"../out.obj\""); }) == "IO410 m.file");
+    CHECK(code([&] { set(s, "m", "file", (folder / "out.obj").string()), s.evaluate(1, "m.outMesh"); }) ==
+          "IO410 m.file");
+    CHECK(code([&] { load("../out.obj"); }) == "IO410 m.file");
+    CHECK(code([&] { s.load_file((folder / "g.json").string()); }) == "IO410 .");
+    options.cache_folder = (folder / "cache").string();
+    CHECK(code([&] { Session other(options); }) == "IO410 .");
+    options.root_folder = (folder / "none").string();
+    CHECK(code([&] { Session other(options); }) == "IO411 .");
 }
 
 TEST_CASE("numbers and texts become what the attribute takes, or are refused with the count that fits", "[embed]") {

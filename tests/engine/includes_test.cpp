@@ -224,6 +224,17 @@ TEST_CASE("graphs that include each other in a circle are refused") {
     f.put("top.json", "", R"("a": { "file": "a.json" })");
     CHECK(f.places() == "DG132 a.b.a b.json:3:16 <- a.json:3:1 <- top.json:3:1");
     CHECK(f.problems()[0].message.find("a.json -> ") != std::string::npos);
+    // Paths as they were named, not where they lead.
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path(f.folder.path());
+    try {
+        load_graph(registry(), "top.json");
+        FAIL("it was read");
+    } catch (const Failure& failure) {
+        CHECK(failure.diagnostics()[0].message ==
+              "these graphs include each other in a circle: a.json -> b.json -> a.json");
+    }
+    std::filesystem::current_path(before);
     f.put("top.json", "", R"("me": { "file": "top.json" })");
     CHECK(f.places() == "DG132 me top.json:3:17");
     std::filesystem::create_symlink(f.path(), f.path("other_name.json"));

@@ -98,6 +98,17 @@ TEST_CASE("libraries never print") {
     CHECK(offenders(sources({"engine", "solver", "nodes"}), R"(std::(cout|cerr|clog)|\b(f?printf|puts)\s*\()") == "");
 }
 
+TEST_CASE("files that graphs name are opened through one door") {
+    const std::string opens = R"(\b(ifstream|ofstream|fstream|fopen|FILE)\b|::open\()";
+    CHECK(offenders(sources({"nodes"}), opens) == "");
+    // The door, what is written, and what Sinew keeps under names of its own.
+    CHECK(offenders(sources({"engine"}), opens,
+                    {"engine/file_access.", "engine/atomic_file.", "engine/eval/disk_store.",
+                     "engine/eval/frame_store.", "engine/memory_limit."}) == "");
+    // Readers take bytes; what opens by itself serves tools and tests.
+    CHECK(offenders(sources({"nodes"}), R"(solver::read_(surface|tets)\()") == "");
+}
+
 TEST_CASE("no unfinished work hides behind a word") {
     CHECK(offenders(sources({"engine", "solver", "nodes", "tools"}), R"(\b(TODO|FIXME|XXX|HACK)\b)") == "");
 }

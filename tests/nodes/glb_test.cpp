@@ -148,6 +148,18 @@ TEST_CASE("GLB: what cannot be read is named", "[nodes]") {
     CHECK(refusal("glTF" + bytes_of(1) + bytes_of(12)) == "IO403 a.glb: it is of version 1; version 2 can be read");
 }
 
+TEST_CASE("GLB: numbers that are used again and again are work, which has its limit", "[nodes]") {
+    Square s;
+    constexpr std::size_t count = 5'000'000;
+    s.binary.append(count, '\0'); // one index a byte, all of the same vertex: no triangle comes of them
+    s.document["bufferViews"].push_back({{"buffer", 0}, {"byteOffset", 92}, {"byteLength", count}});
+    s.document["accessors"].push_back(
+        {{"bufferView", 2}, {"componentType", 5121}, {"count", count}, {"type", "SCALAR"}});
+    const json primitive = {{"attributes", {{"POSITION", 0}}}, {"indices", 3}};
+    for (int i = 0; i < 13; ++i) s.document["meshes"][0]["primitives"].push_back(primitive);
+    CHECK(s.refusal() == "FE232 a.glb: it has more than 60000000 vertices and corners");
+}
+
 TEST_CASE("GLB: any file cut short or with a spoilt byte is read or refused", "[nodes]") {
     const std::string sound = Square().bytes();
     int refused = 0;

@@ -76,6 +76,7 @@ embed::Options options_of(const sinew_options& o) {
     out.memory_bytes = o.memory_bytes;
     if (o.cache_folder) out.cache_folder = o.cache_folder;
     if (o.cache_bytes > 0) out.cache_bytes = o.cache_bytes;
+    if (o.root_folder) out.root_folder = o.root_folder;
     return out;
 }
 

@@ -121,6 +121,9 @@ typedef struct sinew_options {
     /* Tells of what is doubtful and did not stop anything. May be null. */
     void (*on_warning)(void* user, const sinew_diagnostic* warning);
     void* user; /* handed to both */
+    /* The only folder in which files are opened and written that graphs and the host name, wherever "..", absolute
+     * paths and links lead; null: anywhere. */
+    const char* root_folder;
 } sinew_options;
 
 /* options: null for none. *out is null after a failure. */

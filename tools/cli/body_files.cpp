@@ -88,11 +88,11 @@ std::string frame_file_name(const std::string& name, int frame, const std::strin
 }
 
 void write_body(const fs::path& folder, const std::string& format, const BodyLabel& label, const nodes::Mesh& mesh,
-                int frame, const SceneAxes& axes, const std::string& run) {
+                int frame, const SceneAxes& axes, const std::string& run, const engine::FileAccess& files) {
     const solver::SurfaceMesh surface = mesh.surface();
     const std::string bytes =
         format == "obj" ? header(label, axes, run) + solver::write_obj(surface) : solver::write_ply(surface);
-    write_file(folder / format / frame_file_name(label.name, frame, format), bytes);
+    write_file(folder / format / frame_file_name(label.name, frame, format), bytes, files);
 }
 
 SequenceFolder find_sequences(const fs::path& folder) {

@@ -20,7 +20,8 @@ std::string frame_file_name(const std::string& name, int frame, const std::strin
 /// Writes one body of one frame as "obj" or "ply" below `folder`.
 /// \param run what run_mark gives, or nothing; in OBJ alone
 void write_body(const std::filesystem::path& folder, const std::string& format, const BodyLabel& label,
-                const nodes::Mesh& mesh, int frame, const SceneAxes& axes, const std::string& run = {});
+                const nodes::Mesh& mesh, int frame, const SceneAxes& axes, const std::string& run = {},
+                const engine::FileAccess& files = {});
 
 /// A short text that runs of one graph have alike, whatever frames of it they run: of its nodes and values, not of the
 /// files that these name, nor of its last frame.

@@ -46,7 +46,7 @@ std::string counted(std::int64_t count, const std::string& one, const std::strin
 ExitCode check_file(const Invocation& in, const std::string& file) {
     const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
                meshes = in.arguments.has("--meshes");
-    if (const auto report = report_of_file(file)) {
+    if (const auto report = report_of_file(file, file_access(in.arguments))) {
         print_meshes({*report}, json, in.out);
         return done;
     }
@@ -133,6 +133,7 @@ Command check_command() {
              {"--fast", "", "read the file only; do not load meshes, build tets or place attachments"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--threads", "N", "default: all cores", false, 'j'},
+             root_flag,
              memory_flag,
              cache_flag,
              no_cache_flag,

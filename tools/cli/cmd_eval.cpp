@@ -67,6 +67,7 @@ Command eval_command() {
             {{"--frame", "N", "default: the graph's first frame"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
              {"--threads", "N", "default: all cores", false, 'j'},
+             root_flag,
              memory_flag,
              cache_flag,
              no_cache_flag,

@@ -64,6 +64,7 @@ Command explain_command() {
             {{"GRAPH", "the graph file (JSON)"}, {"NODE.PLUG", "an output, for example solver.outMeshes"}},
             {{"--frame", "N", "default: the graph's last frame"},
              {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+             root_flag,
              cache_flag,
              no_cache_flag,
              cache_size_flag,

@@ -56,6 +56,7 @@ ExitCode show_graph(const Invocation& in) {
         throw UsageError("choose one of --dot, --svg and --json.");
     const OpenGraph open = open_graph(in.arguments);
     if (svg) {
+        open.graph->files().check(*svg, "--svg");
         check_writable_file(*svg, "--svg");
         ReadFiles read;
         read.add(*open.graph);
@@ -63,7 +64,7 @@ ExitCode show_graph(const Invocation& in) {
     }
     print_diagnostics(open.notes, false, in.out, in.err);
     if (svg) {
-        write_file(*svg, viewer::to_svg(viewer::layout_graph(*open.graph)));
+        write_file(*svg, viewer::to_svg(viewer::layout_graph(*open.graph)), open.graph->files());
         in.out << "wrote " << *svg << "\n";
     } else if (in.arguments.has("--dot")) {
         print_dot(*open.graph, in.out);
@@ -83,7 +84,8 @@ Command graph_command() {
         {{"--dot", "", "Graphviz source"},
          {"--svg", "FILE", "write the drawing that the viewer shows: types, values, connections"},
          {"--json", "", "the graph file as this program writes it: only what is not default, paths from its folder"},
-         {"--set", "NODE.ATTR=JSON", "give an input another value", true}},
+         {"--set", "NODE.ATTR=JSON", "give an input another value", true},
+         root_flag},
         "sinew graph graphs/scenes/arm.json --svg arm.svg\n"
         "sinew graph graphs/scenes/arm.json --dot | dot -Tpng > arm.png",
         show_graph};

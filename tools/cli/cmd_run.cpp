@@ -104,7 +104,8 @@ class Run {
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
         , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
-                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph)) {
+                  scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph),
+                  plan_.graph->files()) {
         read_.add(*plan_.graph);
         report_.graph = in.arguments.operand(0).value();
         report_.threads = evaluator_.threads();
@@ -120,6 +121,9 @@ class Run {
 
     ExitCode operator()() {
         try {
+            const engine::FileAccess& files = plan_.graph->files();
+            if (!plan_.out.empty()) files.check(plan_.out, "--out");
+            if (const auto file = in_.arguments.value("--report")) files.check(*file, "--report");
             if (!plan_.out.empty()) check_could_be_made(plan_.out, "--out");
             if (const auto file = in_.arguments.value("--report")) {
                 check_writable_file(*file, "--report");
@@ -154,7 +158,7 @@ class Run {
         report_.wall_s = seconds_since(start_);
         report_.computed = progress_.computed_by_type();
         write_report();
-        if (!plan_.out.empty()) mark_finished(plan_.out, mark());
+        if (!plan_.out.empty()) mark_finished(plan_.out, mark(), plan_.graph->files());
         progress_.clear();
         print_summary();
         if (!in_.arguments.has("--strict") || report_.unconverged() == 0) return done;
@@ -205,7 +209,7 @@ class Run {
         const auto here = departure_.hold();
         report_.setup_s = seconds_since(start_);
         has_begun_ = true;
-        if (!plan_.out.empty()) mark_unfinished(plan_.out, mark());
+        if (!plan_.out.empty()) mark_unfinished(plan_.out, mark(), plan_.graph->files());
         if (!in_.arguments.has("--open")) return;
         viewer::Evaluation e;
         e.graph = plan_.graph, e.evaluator = &evaluator_, e.stop = in_.stop;
@@ -290,7 +294,7 @@ class Run {
     void close() {
         if (!plan_.out.empty()) output_.finish();
         if (page_scene_ && !in_.stop.stop_requested())
-            page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_);
+            page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_, plan_.graph->files());
     }
 
     void write_report() {
@@ -298,7 +302,8 @@ class Run {
         report_.kept_bytes = evaluator_.most_stored_bytes();
         report_.made_again = evaluator_.made_again();
         report_.warnings = progress_.warnings();
-        if (const auto file = in_.arguments.value("--report")) write_file(*file, report_json(report_));
+        if (const auto file = in_.arguments.value("--report"))
+            write_file(*file, report_json(report_), plan_.graph->files());
     }
 
     /// What goes wrong here is told, but the first failure is the one that counts.
@@ -309,9 +314,9 @@ class Run {
             const fs::path report = in_.arguments.value("--report").value_or("");
             std::error_code error;
             if (!report.empty() && fs::equivalent(fs::absolute(report).parent_path(), plan_.out, error))
-                mark_finished(plan_.out, mark());
+                mark_finished(plan_.out, mark(), plan_.graph->files());
             else
-                mark_unfinished(plan_.out, mark());
+                mark_unfinished(plan_.out, mark(), plan_.graph->files());
         };
         const std::function<void()> parts[] = {[this] { close(); }, [this] { write_report(); }, leave_mark};
         for (const auto& part : parts) {
@@ -393,6 +398,7 @@ Command run_command() {
              {"--out", "DIR", "where to write; without it nothing is written", false, 'o'},
              {"--format", "glb,obj,ply", "one animated GLB, a file per body and frame as OBJ or PLY; default: glb"},
              {"--threads", "N", "default: all cores; the result does not depend on it", false, 'j'},
+             root_flag,
              memory_flag,
              cache_flag,
              no_cache_flag,

@@ -229,6 +229,11 @@ ExitCode snapshot(const Invocation& in) {
     Drawing drawing = parse_drawing(arguments);
     const auto movie_file = arguments.value("--movie");
     if (!movie_file && arguments.has("--fps")) throw UsageError("--fps is for --movie.");
+    const engine::FileAccess files = file_access(arguments);
+    if (files.is_confined() && fs::is_directory(arguments.operand(0).value()))
+        throw UsageError("--root is for graphs; '" + arguments.operand(0).value() + "' is a folder.");
+    files.check(movie_file ? *movie_file : arguments.value("--output").value_or("snapshot.png"),
+                movie_file ? "--movie" : "--output");
     check_writable_file(movie_file ? *movie_file : arguments.value("--output").value_or("snapshot.png"),
                         movie_file ? "--movie" : "--output");
     // What is written is a PNG, whatever the name says.
@@ -252,13 +257,13 @@ ExitCode snapshot(const Invocation& in) {
     drawing.view.up = up.empty() ? album.scene.up : up[0];
     if (!movie_file) {
         const std::string file = arguments.value("--output").value_or("snapshot.png");
-        write_file(file, picture_of(album, drawing));
+        write_file(file, picture_of(album, drawing), files);
         in.out << "wrote " << file << "\n";
         return done;
     }
     const double rate = fps > 0 ? fps : album.scene.fps;
     try {
-        write_file(*movie_file, movie_of(album, drawing, ffmpeg, rate, in.stop));
+        write_file(*movie_file, movie_of(album, drawing, ffmpeg, rate, in.stop), files);
     } catch (const render::MovieError& e) {
         in.err << "sinew snapshot: " << e.what() << "\n";
         return internal_error;
@@ -290,6 +295,7 @@ Command snapshot_command() {
          {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         root_flag,
          memory_flag,
          cache_flag,
          no_cache_flag,

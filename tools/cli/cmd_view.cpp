@@ -61,7 +61,8 @@ fs::path page_of(const Arguments& arguments) {
 
 /// `settings`: with --set.
 viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, bool settings) {
-    const OpenGraph open = settings ? open_graph(in.arguments, file.string()) : open_graph(file.string());
+    const OpenGraph open =
+        settings ? open_graph(in.arguments, file.string()) : open_graph(file.string(), file_access(in.arguments));
     print_diagnostics(open.notes, false, in.out, in.err);
     const std::vector<std::string> shown = viewer::shown_nodes(*open.graph);
     if (shown.empty())
@@ -100,7 +101,9 @@ void add_source(const Invocation& in, const fs::path& source, bool settings, Rea
     if (fs::is_directory(source))
         read.add_folder(source);
     else
-        read.add(*(settings ? open_graph(in.arguments, source.string()) : open_graph(source.string())).graph);
+        read.add(*(settings ? open_graph(in.arguments, source.string())
+                            : open_graph(source.string(), file_access(in.arguments)))
+                      .graph);
 }
 
 viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool settings) {
@@ -137,10 +140,15 @@ ExitCode view(const Invocation& in) {
                       in.arguments.has("--memory")))
         throw UsageError("--set, --surfaces, --threads and --memory are for graphs; '" + source.string() +
                          "' is a folder.");
+    const engine::FileAccess files = file_access(in.arguments);
+    for (const fs::path& named : {source, fs::path(in.arguments.value("--against").value_or(""))})
+        if (files.is_confined() && fs::is_directory(named))
+            throw UsageError("--root is for graphs; '" + named.string() + "' is a folder.");
+    const fs::path file = page_of(in.arguments);
+    files.check(file, "--output");
     if (const fs::path page = in.arguments.value("--output").value_or(""); fs::is_directory(page)) // before a long run
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
-    const fs::path file = page_of(in.arguments);
     check_writable_file(file, "--output");
     ReadFiles read;
     add_source(in, source, true, read);
@@ -155,7 +163,7 @@ ExitCode view(const Invocation& in) {
         tell_apart(in, scene, *other);
     }
     const viewer::Page page = viewer::write_page(scene, options, other);
-    write_file(file, page.html);
+    write_file(file, page.html, files);
     for (const viewer::ViewNote& note : page.notes)
         if (note.is_warning) in.err << "sinew view: " << note.text << "\n";
     if (!in.arguments.has("--quiet")) {
@@ -188,6 +196,7 @@ Command view_command() {
           "a second run, a graph or a folder, to compare with: side by side or as the difference"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value; not in --against", true},
          {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         root_flag,
          memory_flag,
          cache_flag,
          no_cache_flag,

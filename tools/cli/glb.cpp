@@ -66,8 +66,9 @@ void check_glb_size(const std::vector<GlbCost>& bodies, std::size_t frames) {
     throw engine::Failure(d);
 }
 
-GlbFile::GlbFile(std::filesystem::path file, const GlbScene& scene)
+GlbFile::GlbFile(std::filesystem::path file, const GlbScene& scene, engine::FileAccess files)
     : file_(std::move(file))
+    , files_(std::move(files))
     , scene_(scene) {}
 
 std::size_t GlbFile::add_body(std::string name, render::BodyKind kind, std::vector<solver::Triangle> triangles,
@@ -80,6 +81,7 @@ void GlbFile::add_pose(std::size_t body, int frame, const GlbBody::Pose& pose) {
     if (!spill_) {
         std::error_code error;
         const auto folder = file_.has_parent_path() ? file_.parent_path() : std::filesystem::path(".");
+        files_.check(folder, "the folder of the GLB");
         std::filesystem::create_directories(folder, error);
         engine::remove_abandoned(file_);
         spill_ = std::make_unique<SpillFile>(folder);
@@ -101,7 +103,7 @@ bool GlbFile::finish() {
     for (const GlbBody& body : bodies_) whole = std::min(whole, body.poses());
     if (whole == 0) return false;
     frames_.resize(whole);
-    engine::AtomicFile out(file_);
+    engine::AtomicFile out(file_, files_);
     write_glb(scene_, frames_, bodies_, *spill_, out);
     out.commit();
     spill_.reset();

@@ -3,6 +3,7 @@
 // while the run goes; memory does not grow with the frames but for some hundred bytes a body.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/file_access.h"
 #include "tools/cli/glb_body.h"
 
 #include <deque>
@@ -32,7 +33,7 @@ void check_glb_size(const std::vector<GlbCost>& bodies, std::size_t frames);
 class GlbFile {
   public:
     /// Nothing is on disk yet. Poses will wait beside `file`.
-    GlbFile(std::filesystem::path file, const GlbScene& scene);
+    GlbFile(std::filesystem::path file, const GlbScene& scene, engine::FileAccess files = {});
 
     /// Bodies without triangles are left out of the file, because glTF has no empty meshes.
     /// \param first  pose, which is to be added too
@@ -48,6 +49,7 @@ class GlbFile {
 
   private:
     std::filesystem::path file_;
+    engine::FileAccess files_;
     GlbScene scene_;
     std::vector<int> frames_;
     std::deque<GlbBody> bodies_;

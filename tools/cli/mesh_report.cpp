@@ -197,6 +197,15 @@ std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>&
 
 namespace {
 
+/// The files of a tet mesh: TetGen's two lie beside each other.
+std::pair<std::string, std::string> tet_files(const std::filesystem::path& path) {
+    const std::string ending = path.extension().string();
+    const auto with = [&](const char* other) { return std::filesystem::path(path).replace_extension(other).string(); };
+    if (ending == ".node") return {path.string(), with(".ele")};
+    if (ending == ".ele") return {with(".node"), path.string()};
+    return {path.string(), ""};
+}
+
 /// No file, or text that begins as JSON does.
 bool may_be_graph(const std::string& path) {
     std::error_code unknown;
@@ -209,7 +218,8 @@ bool may_be_graph(const std::string& path) {
 
 } // namespace
 
-std::optional<MeshReport> report_of_file(const std::string& path) {
+std::optional<MeshReport> report_of_file(const std::string& path, const engine::FileAccess& files) {
+    if (files.refusal(path)) return std::nullopt; // what reads graphs says so
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     const auto is_one_of = [&](const std::vector<std::string>& all) {
@@ -221,10 +231,11 @@ std::optional<MeshReport> report_of_file(const std::string& path) {
     try {
         MeshReport report;
         if (!tets) { // an ending that nobody knows is refused there, with those that are known
-            const solver::SurfaceMesh m = nodes::read_mesh(path);
+            const solver::SurfaceMesh m = nodes::read_mesh(files, path);
             report = report_surface(m.points, m.face_sizes.size(), m.triangles);
         } else {
-            report = report_tets(solver::read_tets(path));
+            const auto [node, elements] = tet_files(path);
+            report = report_tets(nodes::read_tets(files, node, elements));
         }
         report.name = path;
         return report;

@@ -26,7 +26,7 @@ struct MeshReport {
 std::vector<MeshReport> mesh_reports(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluator& evaluator,
                                      std::stop_token stop, const std::shared_ptr<engine::Failures>& failures);
 /// The report of a mesh file; nothing if it may be a graph. Throws Failure if it cannot be read.
-std::optional<MeshReport> report_of_file(const std::string& path);
+std::optional<MeshReport> report_of_file(const std::string& path, const engine::FileAccess& files = {});
 
 /// Warnings FE238: inputs that do less than they could because of their mesh.
 std::vector<engine::Diagnostic> features_off(const engine::Graph& graph, const std::vector<MeshReport>& reports);

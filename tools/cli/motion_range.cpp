@@ -152,10 +152,10 @@ void look_at_track(const Graph& graph, const std::string& name, const Node& node
     try {
         std::optional<Reach> reach;
         if (f.type == "transform") {
-            const nodes::MatrixTrack t = nodes::read_matrix_track(file->path, *track);
+            const nodes::MatrixTrack t = nodes::read_matrix_track(graph.files(), file->path, *track);
             reach = reach_of(t, t.matrices, *offset, *rate);
         } else {
-            const nodes::NumberTrack t = nodes::read_number_track(file->path, *track);
+            const nodes::NumberTrack t = nodes::read_number_track(graph.files(), file->path, *track);
             reach = reach_of(t, t.values, *offset, *rate);
         }
         if (reach) search.track(name, std::string(f.file), file->path, *reach);

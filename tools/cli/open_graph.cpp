@@ -102,10 +102,17 @@ std::string file_name(const std::string& node) {
     return out;
 }
 
+engine::FileAccess file_access(const Arguments& arguments) {
+    const auto root = arguments.value("--root");
+    if (!root) return {};
+    if (root->empty()) throw UsageError("--root needs the name of a folder, not ''.");
+    return engine::FileAccess::within(*root);
+}
+
 OpenGraph open_graph(const Arguments& arguments) { return open_graph(arguments, arguments.operand(0).value()); }
 
 OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
-    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file);
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, file_access(arguments));
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
         for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
@@ -124,8 +131,8 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }
 
-OpenGraph open_graph(const std::string& file) {
-    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file);
+OpenGraph open_graph(const std::string& file, const engine::FileAccess& files) {
+    engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, files);
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }
 
@@ -182,6 +189,8 @@ engine::StorePolicy store_policy(const Arguments& arguments, const std::string& 
     if (arguments.has("--no-cache")) return policy;
     const std::filesystem::path beside = std::filesystem::path(file).replace_extension(".sinew-cache");
     policy.disk_folder = arguments.value("--cache").value_or(beside.string());
+    policy.files = file_access(arguments);
+    policy.files.check(policy.disk_folder, "--cache");
     const char* keeps = std::getenv("SINEW_KEEP_FRAMES");
     if (keeps && std::string_view(keeps) != "off" && std::string_view(keeps) != "on")
         throw UsageError("SINEW_KEEP_FRAMES is on or off, not '" + std::string(keeps) + "'.");

@@ -18,13 +18,20 @@ struct OpenGraph {
     std::vector<engine::Diagnostic> notes; ///< warnings of the reader
 };
 
+/// Confines what graphs and options name to a folder.
+inline constexpr Flag root_flag{"--root", "DIR",
+                                "open and write files only in this folder: graph, includes, meshes, motion, outputs, "
+                                "cache; neither .., absolute paths nor links lead out of it"};
+/// By --root. Throws UsageError, Failure IO411.
+engine::FileAccess file_access(const Arguments& arguments);
+
 /// The GRAPH operand, edited by every --set NODE.ATTR=JSON. A value that is no JSON is taken as text, so that
 /// `--set biceps.material=NeoHookean` needs no quotes. Throws Failure or UsageError.
 OpenGraph open_graph(const Arguments& arguments);
 /// The same for another file than the first operand.
 OpenGraph open_graph(const Arguments& arguments, const std::string& file);
 /// Of `file` as it is.
-OpenGraph open_graph(const std::string& file);
+OpenGraph open_graph(const std::string& file, const engine::FileAccess& files = {});
 
 /// For commands that evaluate.
 inline constexpr Flag cache_flag{

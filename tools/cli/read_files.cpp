@@ -32,7 +32,7 @@ void ReadFiles::add(const engine::Graph& graph) {
     for (const std::string& name : graph.node_names())
         for (const auto& [attribute, binding] : graph.find(name)->inputs)
             if (const auto* value = std::get_if<engine::Value>(&binding); value && value->is<engine::File>())
-                for (const std::string& file : live::files_named_by(value->as<engine::File>().path))
+                for (const std::string& file : live::files_named_by(value->as<engine::File>().path, graph.files()))
                     add(file, "which " + name + "." + attribute + " reads");
     for (const std::string& file : live::files_of(graph)) add(file, "which the graph includes"); // all that is left
 }

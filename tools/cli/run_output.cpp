@@ -12,14 +12,15 @@ namespace sinew::cli {
 namespace fs = std::filesystem;
 
 RunOutput::RunOutput(fs::path folder, std::set<std::string> formats, std::string title, double fps, SceneAxes axes,
-                     std::size_t frame_count, std::string run)
+                     std::size_t frame_count, std::string run, engine::FileAccess files)
     : folder_(std::move(folder))
     , formats_(std::move(formats))
     , axes_(axes)
     , frame_count_(frame_count)
     , run_(std::move(run))
+    , files_(std::move(files))
     , glb_path_(folder_ / (title + ".glb"))
-    , glb_(glb_path_, {fps, axes.units_per_metre, axes.up})
+    , glb_(glb_path_, {fps, axes.units_per_metre, axes.up}, files_)
     , started_(fs::file_time_type::clock::now() - std::chrono::seconds(1)) {} // file systems round times
 
 void RunOutput::note(const fs::path& path) {
@@ -31,7 +32,7 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
     if (value.is<nodes::FileContent>()) {
         const auto& file = value.as<nodes::FileContent>();
         const std::string name = body_labels(graph, plug, 1).front().name;
-        write_file(folder_ / frame_file_name(name, frame, file.ending), file.bytes);
+        write_file(folder_ / frame_file_name(name, frame, file.ending), file.bytes, files_);
         note(folder_ / (name + ".*." + file.ending));
         return;
     }
@@ -48,7 +49,7 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
         pending_ = std::async(std::launch::async, [this, sequences, labels, meshes, frame] {
             for (const std::string& format : sequences)
                 for (std::size_t i = 0; i < meshes.size(); ++i)
-                    write_body(folder_, format, labels[i], meshes[i], frame, axes_, run_);
+                    write_body(folder_, format, labels[i], meshes[i], frame, axes_, run_, files_);
         });
     if (formats_.contains("glb")) add_to_glb(labels, meshes, frame);
 }
@@ -113,7 +114,7 @@ std::vector<engine::Diagnostic> RunOutput::older_files() const {
         for (const auto& entry : fs::directory_iterator(folder_ / format, error)) {
             const auto name = parse_frame_file(entry.path(), format);
             if (!name || !entry.is_regular_file(error) || entry.last_write_time(error) >= started_) continue;
-            if (format == "obj" && read_run_mark(entry.path()) == run_) continue;
+            if (format == "obj" && !files_.refusal(entry.path()) && read_run_mark(entry.path()) == run_) continue;
             ++count, names.insert(name->first), frames.insert(name->second);
         }
         if (count == 0) continue;

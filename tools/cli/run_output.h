@@ -21,8 +21,9 @@ class RunOutput {
     /// \param title names the GLB file
     /// \param frame_count of the whole run
     /// \param run its run_mark
+    /// \param files where files may lie
     RunOutput(std::filesystem::path folder, std::set<std::string> formats, std::string title, double fps,
-              SceneAxes axes, std::size_t frame_count, std::string run);
+              SceneAxes axes, std::size_t frame_count, std::string run, engine::FileAccess files = {});
 
     /// Before anything is written: what `plug` will give is like this `value`. Throws Failure IO405 if the GLB could
     /// not hold all frames of it and of the plugs before.
@@ -53,6 +54,7 @@ class RunOutput {
     SceneAxes axes_;
     std::size_t frame_count_;
     std::string run_;
+    engine::FileAccess files_;
     std::filesystem::path glb_path_;
     GlbFile glb_;
     std::vector<GlbCost> expected_;

@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
@@ -34,9 +33,11 @@ bool runs_here(const json& j) {
     return kill(process, 0) == 0 || errno == EPERM;
 }
 
-std::optional<UnfinishedRun> read_mark(const fs::path& file) {
-    std::ifstream in(file);
-    const json j = json::parse(in, nullptr, false);
+std::optional<UnfinishedRun> read_mark(const fs::path& file, const engine::FileAccess& files) {
+    constexpr std::uintmax_t most_bytes = std::uintmax_t{1} << 20;
+    const auto text = files.read(file.string(), most_bytes);
+    if (!std::holds_alternative<std::string>(text)) return {};
+    const json j = json::parse(std::get<std::string>(text), nullptr, false);
     if (!j.is_object()) return {};
     try {
         UnfinishedRun run;
@@ -63,7 +64,7 @@ std::vector<fs::path> marks_in(const fs::path& folder) {
 
 } // namespace
 
-void mark_unfinished(const fs::path& folder, const UnfinishedRun& run) {
+void mark_unfinished(const fs::path& folder, const UnfinishedRun& run, const engine::FileAccess& files) {
     json j = {{"graph", run.graph},
               {"first", run.first},
               {"last", run.last},
@@ -75,13 +76,13 @@ void mark_unfinished(const fs::path& folder, const UnfinishedRun& run) {
                       {"code", run.error->code},
                       {"node", run.error->node},
                       {"message", run.error->message}};
-    write_file(mark_of(folder, run), json_text(j, 1) + "\n");
+    write_file(mark_of(folder, run), json_text(j, 1) + "\n", files);
 }
 
-void mark_finished(const fs::path& folder, const UnfinishedRun& run) {
+void mark_finished(const fs::path& folder, const UnfinishedRun& run, const engine::FileAccess& files) {
     std::error_code error;
     for (const fs::path& file : marks_in(folder))
-        if (const auto other = read_mark(file);
+        if (const auto other = read_mark(file, files);
             file == mark_of(folder, run) ||
             (other && !other->is_alive && other->first >= run.first && other->last <= run.last))
             fs::remove(file, error);
@@ -90,7 +91,7 @@ void mark_finished(const fs::path& folder, const UnfinishedRun& run) {
 std::vector<UnfinishedRun> find_unfinished(const fs::path& folder) {
     std::vector<UnfinishedRun> out;
     for (const fs::path& file : marks_in(folder))
-        if (auto run = read_mark(file)) out.push_back(std::move(*run));
+        if (auto run = read_mark(file, {})) out.push_back(std::move(*run));
     std::sort(out.begin(), out.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     return out;
 }

@@ -54,6 +54,7 @@ void check_writable_file(const std::filesystem::path& file, std::string_view fla
     std::error_code error;
     const auto there = std::filesystem::status(file, error);
     if (std::filesystem::is_directory(there)) refuse(file, "it is a directory", hint);
+    if (engine::names_open_file(file)) return;
     if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there)) { // a device or a pipe
         if (access(file.c_str(), W_OK) != 0) refuse(file, std::strerror(errno), hint);
         return;

@@ -75,10 +75,11 @@ class Watch : public engine::Observer {
     std::mutex mutex_;
 };
 
-engine::StorePolicy policy_of(const Options& options) {
+engine::StorePolicy policy_of(const Options& options, const engine::FileAccess& files) {
     engine::StorePolicy policy;
     if (options.memory_bytes > 0) policy = engine::StorePolicy::within(options.memory_bytes);
     policy.disk_folder = options.cache_folder;
+    policy.files = files;
     policy.keeps_frames = !options.cache_folder.empty();
     policy.disk_bytes = options.cache_bytes;
     if (policy.keeps_frames) policy.build = build_mark();
@@ -158,8 +159,9 @@ std::string Frame::report_json() const {
 struct Session::Impl {
     explicit Impl(Options options, engine::Observer* observer)
         : registry(options.registry ? options.registry : nodes::make_registry())
+        , files(options.root_folder.empty() ? engine::FileAccess() : engine::FileAccess::within(options.root_folder))
         , watch(observer)
-        , evaluator(policy_of(options), options.threads, &watch) {}
+        , evaluator(policy_of(options, files), options.threads, &watch) {}
 
     /// Puts another graph in place and tells the reader's warnings.
     void take(engine::Loaded loaded) {
@@ -188,6 +190,7 @@ struct Session::Impl {
     }
 
     const std::shared_ptr<const engine::Registry> registry;
+    const engine::FileAccess files;
     Watch watch;
     engine::Evaluator evaluator;
     mutable std::mutex mutex; ///< of what follows
@@ -202,12 +205,12 @@ Session::~Session() = default;
 
 void Session::load_file(const std::string& path) {
     const std::lock_guard edits(impl_->editing);
-    impl_->take(engine::load_graph(impl_->registry, path));
+    impl_->take(engine::load_graph(impl_->registry, path, impl_->files));
 }
 
 void Session::load_text(std::string_view json, const std::string& file_name) {
     const std::lock_guard edits(impl_->editing);
-    impl_->take(engine::read_graph(impl_->registry, json, file_name));
+    impl_->take(engine::read_graph(impl_->registry, json, file_name, impl_->files));
 }
 
 std::shared_ptr<const Graph> Session::graph() const {

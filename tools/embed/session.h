@@ -34,6 +34,9 @@ struct Options {
     /// Where frames are kept for later processes; made when first written to. Empty: nowhere.
     std::string cache_folder = {};
     std::uintmax_t cache_bytes = std::uintmax_t{10} << 30;
+    /// The only folder in which files are opened and written that graphs and the host name, wherever "..", absolute
+    /// paths and links lead. Empty: anywhere. Failure IO411 where there is none, IO410 about a path that leads out.
+    std::string root_folder = {};
 };
 
 /// What has been done since the session began. Look-ups cost nothing and count as reused.

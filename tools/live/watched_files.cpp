@@ -27,8 +27,8 @@ void add_included(const engine::Graph& graph, std::set<std::string>& files) {
 
 } // namespace
 
-std::vector<std::string> files_named_by(const std::string& path) {
-    if (path.empty()) return {};
+std::vector<std::string> files_named_by(const std::string& path, const engine::FileAccess& files) {
+    if (path.empty() || files.refusal(path)) return {};
     if (!engine::names_sequence(path)) return {path};
     std::vector<std::string> out;
     for (const auto& [number, file] : engine::find_sequence(path)) out.push_back(file);
@@ -42,8 +42,8 @@ std::vector<std::string> files_of(const engine::Graph& graph) {
         for (const auto& [attribute, binding] : graph.find(name)->inputs)
             if (const auto* value = std::get_if<engine::Value>(&binding); value && value->is<engine::File>()) {
                 const std::string& path = value->as<engine::File>().path;
-                for (const std::string& file : files_named_by(path)) out.insert(file);
-                if (engine::names_sequence(path)) // where numbers come and go
+                for (const std::string& file : files_named_by(path, graph.files())) out.insert(file);
+                if (!graph.files().refusal(path) && engine::names_sequence(path)) // where numbers come and go
                     out.insert(fs::path(path).parent_path().string());
             }
     return {out.begin(), out.end()};

@@ -11,8 +11,9 @@
 
 namespace sinew::live {
 
-/// The file that an input names, or each of the numbered files. Empty for the empty path.
-std::vector<std::string> files_named_by(const std::string& path);
+/// The file that an input names, or each of the numbered files. Empty for the empty path, and for what `files` does not
+/// open.
+std::vector<std::string> files_named_by(const std::string& path, const engine::FileAccess& files);
 
 /// The graph file itself, the graphs that it includes, and every file that an input names; numbered files each, and
 /// their folder.

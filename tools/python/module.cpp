@@ -142,8 +142,8 @@ std::vector<embed::Setting> settings_of(const Inputs& inputs) {
 }
 
 std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std::string cache,
-                                            std::uintmax_t cache_size, py::object on_event, py::object on_warning,
-                                            const std::vector<py::object>& node_types) {
+                                            std::uintmax_t cache_size, std::string root, py::object on_event,
+                                            py::object on_warning, const std::vector<py::object>& node_types) {
     if (threads < 0) throw py::value_error("threads are 0, which takes all, or more");
     embed::Options options;
     if (!node_types.empty()) {
@@ -156,13 +156,14 @@ std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std
     options.memory_bytes = memory;
     options.cache_folder = std::move(cache);
     if (cache_size > 0) options.cache_bytes = cache_size;
+    options.root_folder = std::move(root);
     return std::make_unique<PythonSession>(std::move(options), std::move(on_event), std::move(on_warning));
 }
 
 void add_sessions(py::module_& module) {
     py::class_<PythonSession>(module, "Core", "What sinew.Session stands on.")
         .def(py::init(&make_session), py::arg("threads"), py::arg("memory"), py::arg("cache"), py::arg("cache_size"),
-             py::arg("on_event"), py::arg("on_warning"), py::arg("node_types"))
+             py::arg("root"), py::arg("on_event"), py::arg("on_warning"), py::arg("node_types"))
         .def("load_file",
              [](PythonSession& s, const std::string& path) { freely([&] { s.session().load_file(path); }); })
         .def("load_text", [](PythonSession& s, const std::string& text,

@@ -16,7 +16,7 @@ namespace {
 
 json read(const std::string& file) {
     try {
-        json out = nodes::read_json(file);
+        json out = nodes::read_json({}, file);
         if (out.is_object() && out.contains("frames") && out["frames"].is_array() && !out["frames"].empty() &&
             out["frames"].front().is_object() && out["frames"].front().contains("bones") &&
             out["frames"].front()["bones"].is_object())

@@ -234,12 +234,14 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
         part.stem = fs::path(file).stem().string();
         part.name = camel_case(part.stem);
         try {
-            solver::SurfaceMesh mesh = nodes::read_mesh(file);
+            solver::SurfaceMesh mesh = nodes::read_mesh({}, file);
             solver::check_usable(mesh);
             part.points = std::move(mesh.points);
             part.triangles = std::move(mesh.triangles);
         } catch (const solver::Error& e) {
-            wrong.push_back(say(Severity::error, e.code, part.name, file + ": " + e.what(), e.hint));
+            const std::string what = e.what();
+            const bool names_it = what.find(file) != std::string::npos;
+            wrong.push_back(say(Severity::error, e.code, part.name, names_it ? what : file + ": " + what, e.hint));
             return;
         }
         part.box = solver::bounding_box(part.points);

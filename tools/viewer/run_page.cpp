@@ -7,8 +7,8 @@
 
 namespace sinew::viewer {
 
-std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewScene scene,
-                                     const cli::RunReport& report) {
+std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewScene scene, const cli::RunReport& report,
+                                     const engine::FileAccess& files) {
     // Times are those of the run, not of looking up what it has just computed.
     if (report.error) scene.notes.insert(scene.notes.begin(), {true, ended_early(*report.error)});
     for (std::size_t i = 0; i < scene.frames.size(); ++i) {
@@ -16,7 +16,7 @@ std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewSc
         scene.frames[i].reused = report.frames[i].reused;
     }
     const std::filesystem::path file = std::filesystem::absolute(folder / "view.html");
-    cli::write_file(file, write_page(std::move(scene)).html);
+    cli::write_file(file, write_page(std::move(scene)).html, files);
     return file;
 }
 

@@ -10,7 +10,7 @@ namespace sinew::viewer {
 
 /// Writes `folder`/view.html and returns its absolute path. Throws Failure (IO405).
 /// \param scene with the report's frames or the first of them
-std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewScene scene,
-                                     const cli::RunReport& report);
+std::filesystem::path write_run_page(const std::filesystem::path& folder, ViewScene scene, const cli::RunReport& report,
+                                     const engine::FileAccess& files = {});
 
 } // namespace sinew::viewer

@@ -82,6 +82,13 @@ TEST_CASE("point caches that are cut, too long or of another kind are refused wi
     std::memset(none.data() + 16, 0, 4); // no points
     CHECK(code(none, "a.pc2", &text) == "IO403");
     CHECK(text.find("byte 16") != std::string::npos);
+    // 12 x 1076074802 x 1428551872 is 2^64 + 512: in 64 bits the file looks whole.
+    std::string many = pc2();
+    const std::int32_t points = 1076074802, samples = 1428551872;
+    std::memcpy(many.data() + 16, &points, 4), std::memcpy(many.data() + 28, &samples, 4);
+    many.resize(32 + 512);
+    CHECK(code(many, "a.pc2", &text) == "IO403");
+    CHECK(text.find("take far more bytes, and it has 544") != std::string::npos);
     std::string back = mdd();
     std::swap_ranges(back.begin() + 8, back.begin() + 12, back.begin() + 12); // times fall
     CHECK(code(back, "a.mdd") == "IO403");

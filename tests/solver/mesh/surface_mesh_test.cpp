@@ -118,6 +118,26 @@ TEST_CASE("a polygon of twenty thousand jagged corners is cut like a small one",
     REQUIRE(least >= 0);
 }
 
+TEST_CASE("a polygon of very many corners is a fan, or refused at once", "[mesh]") {
+    const std::size_t n = most_clipped_corners + 1;
+    Points points;
+    std::vector<int> corners(n);
+    std::iota(corners.begin(), corners.end(), 0);
+    for (std::size_t i = 0; i < n; ++i) {
+        const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(n);
+        points.emplace_back(std::cos(a), std::sin(a), 0);
+    }
+    REQUIRE(SurfaceMesh::from_polygons(points, {static_cast<int>(n)}, corners).triangles.size() == n - 2);
+    points[7] *= 0.5; // not convex any more
+    try {
+        SurfaceMesh::from_polygons(points, {static_cast<int>(n)}, corners);
+        FAIL("it was cut");
+    } catch (const Error& e) {
+        REQUIRE(e.code == "FE208");
+        REQUIRE(std::string(e.what()).find("50001 corners") != std::string::npos);
+    }
+}
+
 TEST_CASE("polygons that cross themselves or have no area still give n - 2 triangles", "[mesh]") {
     const Points bow{{0, 0, 0}, {1, 1, 0}, {1, 0, 0}, {0, 1, 0}, {0.5, 3, 0}, {0.4, -1, 0}};
     const Points line{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {3, 0, 0}, {1.5, 0, 0}, {0.2, 0, 0}};

@@ -88,6 +88,7 @@ class Core:
         memory: int,
         cache: str,
         cache_size: int,
+        root: str,
         on_event: Optional[Callable[[Event], Optional[bool]]],
         on_warning: Optional[Callable[[Diagnostic], None]],
         node_types: Sequence[NodeType],

@@ -56,6 +56,8 @@ class Session:
     threads: 0 takes all of the machine.
     memory: bytes for results that are kept; 0 takes a quarter of the machine's.
     cache: folder in which frames are kept for later processes; None keeps none.
+    root: the only folder in which files are opened and written that graphs and the host name, wherever "..", absolute
+        paths and links lead; None: anywhere.
     on_event: called with an Event from worker threads, one at a time; True cancels the evaluations that run. What it
         raises does, too, and comes out of evaluate. In it, of this session only cancel() and counts may be used.
     on_warning: called with a Diagnostic; without it evaluate gives a SinewWarning.
@@ -72,12 +74,16 @@ class Session:
         memory: int = 0,
         cache: Union[str, "os.PathLike[str]", None] = None,
         cache_size: int = 0,
+        root: Union[str, "os.PathLike[str]", None] = None,
         on_event: Optional[Callable[[_sinew.Event], Optional[bool]]] = None,
         on_warning: Optional[Callable[[_sinew.Diagnostic], None]] = None,
         node_types: Sequence[NodeType] = (),
     ) -> None:
         folder = "" if cache is None else os.fspath(cache)
-        self._core = _sinew.Core(threads, memory, folder, cache_size, on_event, on_warning, list(node_types))
+        base = "" if root is None else os.fspath(root)
+        self._core = _sinew.Core(
+            threads, memory, folder, cache_size, base, on_event, on_warning, list(node_types)
+        )
         if graph is not None and text is not None:
             raise UsageError("give a graph's path or its text, not both")
         if graph is not None:

@@ -1,0 +1,64 @@
+// JSON data files beyond what may be read: refused before they cost memory or the stack.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "bench.h"
+#include "nodes/curve_file.h"
+#include "nodes/json_file.h"
+#include "nodes/motion_track.h"
+#include "nodes/painted_maps.h"
+#include "solver/error.h"
+#include "tests/tools/temporary_folder.h"
+
+using namespace bench;
+
+namespace {
+
+std::string code(const std::function<void()>& read) {
+    try {
+        read();
+        return "";
+    } catch (const solver::Error& e) {
+        return e.code;
+    }
+}
+
+std::string nested(int depth) {
+    return std::string(static_cast<std::size_t>(depth), '[') + "1" + std::string(static_cast<std::size_t>(depth), ']');
+}
+
+} // namespace
+
+TEST_CASE("brackets in very many brackets are refused in every JSON data file", "[nodes]") {
+    CHECK(nodes::parse_curve(nested(nodes::most_json_depth), "a.json", "") == engine::NumberList{1});
+    // Enough to run through the stack where each bracket is a call.
+    for (const int depth : {nodes::most_json_depth + 1, 1'000'000}) {
+        const std::string text = nested(depth);
+        CHECK(code([&] { nodes::parse_curve(text, "a.json", ""); }) == "IO403");
+        CHECK(code([&] { nodes::parse_map(text, "a.json", ""); }) == "IO403");
+        CHECK(code([&] { nodes::parse_matrix_track(text, "a.json", "ulna"); }) == "IO403");
+        CHECK(code([&] { nodes::parse_number_track(text, "a.json", "ulna"); }) == "IO403");
+    }
+    CHECK_FALSE(nodes::is_too_deep("\"" + std::string(1000, '[') + "\""));
+    CHECK_FALSE(nodes::is_too_deep("\"\\\"" + std::string(1000, '{') + "\""));
+    CHECK(nodes::is_too_deep("\"\\\\\"" + std::string(1000, '{')));
+}
+
+TEST_CASE("JSON data files and graphs have a size beyond which they are not read", "[nodes]") {
+    const test::TemporaryFolder folder;
+    const auto hole = [&](const char* name, std::uintmax_t size) {
+        const std::string path = (folder / name).string();
+        test::write_text(path, "");
+        std::filesystem::resize_file(path, size);
+        return path;
+    };
+    const std::string data = hole("data.json", (std::uintmax_t{512} << 20) + 1);
+    CHECK(code([&] { nodes::read_json({}, data); }) == "IO412");
+    CHECK(code([&] { nodes::read_matrix_track({}, data, "ulna"); }) == "IO412");
+    CHECK(code([&] { nodes::file_map({}, data, ""); }) == "IO412");
+    try {
+        engine::load_graph(nodes::make_registry(), hole("graph.json", (std::uintmax_t{256} << 20) + 1));
+        FAIL("it was read");
+    } catch (const engine::Failure& f) {
+        CHECK(f.diagnostics()[0].code == "IO412");
+        CHECK(f.diagnostics()[0].message.find("is larger than 256 MB") != std::string::npos);
+    }
+}

@@ -1,0 +1,164 @@
+// --root DIR: what graphs and options name stays in a folder.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+
+#include <catch2/catch.hpp>
+#include <chrono>
+
+using namespace sinew::test;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// jobs/graph.json, which reads jobs/m.obj; secret.obj beside jobs.
+struct Jobs {
+    TemporaryFolder folder;
+    const fs::path root = folder / "jobs";
+    Jobs() {
+        fs::create_directories(root / "parts");
+        write_text(root / "m.obj", cube);
+        write_text(folder / "secret.obj", cube);
+        write_text(folder / "outside.json", R"({"format": "sinew 1", "nodes": {}})");
+    }
+    std::string graph(const std::string& mesh, const json& includes = json::object()) const {
+        json g = {{"format", "sinew 1"}, {"nodes", {{"body", {{"type", "meshFile"}, {"inputs", {{"file", mesh}}}}}}}};
+        if (!includes.empty()) g["includes"] = includes;
+        write_text(root / "graph.json", g.dump(1));
+        return (root / "graph.json").string();
+    }
+    Said run(std::vector<std::string> words) const {
+        words.insert(words.end(), {"--root", root.string()});
+        return run_program(words);
+    }
+    /// A refusal with code IO410 that names these.
+    void refused(const Said& said, const std::vector<std::string>& names) const {
+        INFO(said.out << said.err);
+        CHECK(said.code == 1);
+        CHECK(said.err.find("[IO410]") != std::string::npos);
+        CHECK(said.err.find("leads out of the root '" + fs::canonical(root).string() + "'") != std::string::npos);
+        CHECK(said.err.find("Name a file within the root") != std::string::npos);
+        for (const std::string& name : names) CHECK(said.err.find(name) != std::string::npos);
+    }
+};
+
+} // namespace
+
+TEST_CASE("meshes outside of the root are refused with node, attribute and path", "[tools]") {
+    const Jobs j;
+    CHECK(j.run({"check", j.graph("m.obj")}).code == 0);
+    CHECK(j.run({"eval", j.graph("m.obj"), "body.outMesh", "--no-cache"}).code == 0);
+    j.refused(j.run({"check", j.graph("../secret.obj")}), {"body.file", "../secret.obj"});
+    const std::string absolute = (j.folder / "secret.obj").string();
+    j.refused(j.run({"eval", j.graph(absolute), "body.outMesh", "--no-cache"}), {"body.file", absolute});
+    fs::create_symlink("../secret.obj", j.root / "link.obj");
+    j.refused(j.run({"run", j.graph("link.obj"), "--pull", "body.outMesh", "--no-cache"}), {"body.file", "link.obj"});
+    CHECK(run_program({"eval", j.graph("link.obj"), "body.outMesh", "--no-cache"}).code == 0); // without a root
+    j.refused(j.run({"eval", j.graph("m.obj"), "body.outMesh", "--no-cache", "--set", "body.file=../secret.obj"}),
+              {"body.file", "../secret.obj"});
+    // What is not there is not told apart from what is.
+    j.refused(j.run({"check", j.graph("../nothing.obj")}), {"body.file", "../nothing.obj"});
+    j.refused(j.run({"check", absolute}), {absolute});
+}
+
+TEST_CASE("numbered files and included graphs stay within the root", "[tools]") {
+    const Jobs j;
+    for (int frame = 1; frame <= 2; ++frame) write_text(j.root / ("s." + std::to_string(frame) + ".obj"), cube);
+    json g = {{"format", "sinew 1"},
+              {"timing", {{"start", 1}, {"end", 2}}},
+              {"nodes", {{"body", {{"type", "meshSequence"}, {"inputs", {{"file", "s.#.obj"}}}}}}}};
+    write_text(j.root / "graph.json", g.dump());
+    const std::vector<std::string> words{"run", (j.root / "graph.json").string(), "--pull", "body.outMesh",
+                                         "--no-cache"};
+    CHECK(j.run(words).code == 0);
+    fs::remove(j.root / "s.2.obj");
+    fs::create_symlink("../secret.obj", j.root / "s.2.obj");
+    j.refused(j.run(words), {"body.file", "s.2.obj"});
+    g["nodes"]["body"]["inputs"]["file"] = "../#.obj";
+    write_text(j.root / "graph.json", g.dump());
+    j.refused(j.run(words), {"body.file", "../#.obj"});
+
+    write_text(j.root / "parts/part.json", R"({"format": "sinew 1", "nodes": {"n": {"type": "meshFile",
+        "inputs": {"file": "../../secret.obj"}}}})");
+    j.refused(j.run({"check", j.graph("m.obj", {{"p", {{"file", "../outside.json"}}}})}), {"p", "outside.json"});
+    j.refused(j.run({"check", j.graph("m.obj", {{"p", {{"file", "parts/part.json"}}}})}),
+              {"p.n.file", "../../secret.obj"});
+    j.refused(j.run({"check", (j.folder / "outside.json").string()}), {"outside.json"});
+}
+
+TEST_CASE("nothing is written outside of the root", "[tools]") {
+    const Jobs j;
+    const std::string graph = j.graph("m.obj");
+    const std::vector<std::string> pull{"run", graph, "--pull", "body.outMesh", "--format", "obj", "--no-cache"};
+    const auto with = [&](std::vector<std::string> more) {
+        std::vector<std::string> words = pull;
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    CHECK(j.run(with({"--out", (j.root / "out").string(), "--report", (j.root / "out/r.json").string()})).code == 0);
+    CHECK(fs::exists(j.root / "out/obj/body.0001.obj"));
+    const std::string outside = (j.folder / "out").string();
+    j.refused(j.run(with({"--out", outside})), {"--out", outside});
+    j.refused(j.run(with({"--report", outside + "/r.json"})), {"--report", outside});
+    j.refused(j.run(with({"--out", (j.root / "../out").string()})), {"--out"});
+    j.refused(j.run({"run", graph, "--pull", "body.outMesh", "--cache", outside}), {"--cache", outside});
+    j.refused(j.run({"graph", graph, "--svg", outside + ".svg"}), {outside + ".svg"});
+    j.refused(j.run({"graph", graph, "--svg", outside + "/there/is/none.svg"}), {"--svg", outside});
+    j.refused(j.run({"view", graph, "-o", outside + ".html"}), {"--output", outside + ".html"});
+    j.refused(j.run({"snapshot", graph, "-o", outside + ".png"}), {"--output", outside + ".png"});
+    CHECK_FALSE(fs::exists(outside));
+    // A link in the output folder leads nowhere either.
+    fs::remove_all(j.root / "out/obj");
+    fs::create_directory(j.folder / "elsewhere");
+    fs::create_directory_symlink("../../elsewhere", j.root / "out/obj");
+    j.refused(j.run(with({"--out", (j.root / "out").string()})), {"out/obj/body.0001.obj"});
+    CHECK(fs::is_empty(j.folder / "elsewhere"));
+}
+
+TEST_CASE("whether files of an earlier run are of the same graph is not asked of what lies outside of the root",
+          "[tools]") {
+    const Jobs j;
+    const fs::path out = j.root / "out", link = out / "obj/body.0007.obj", moved = j.folder / "moved.obj";
+    const std::vector<std::string> words{"run", j.graph("m.obj"), "--pull",     "body.outMesh", "--format",
+                                         "obj", "--out",          out.string(), "--no-cache",   "--quiet"};
+    CHECK(j.run(words).err.empty());
+    fs::rename(out / "obj/body.0001.obj", moved);
+    fs::last_write_time(moved, fs::file_time_type::clock::now() - std::chrono::hours(1));
+    fs::create_symlink(moved, link);
+    CHECK(run_program(words).err.empty()); // its mark says that the same graph made it
+    const Said said = j.run(words);
+    CHECK(said.code == 0);
+    CHECK(said.err.find("[IO421]") != std::string::npos);
+}
+
+TEST_CASE("a root that is none is refused, and runs of folders have none", "[tools]") {
+    const Jobs j;
+    const std::string graph = j.graph("m.obj");
+    const Said none = run_program({"check", graph, "--root", (j.folder / "none").string()});
+    CHECK(none.code == 1);
+    CHECK(none.err.find("[IO411]") != std::string::npos);
+    CHECK(run_program({"check", graph, "--root", ""}).code == 2);
+    CHECK(j.run({"view", j.root.string()}).code == 2);
+    CHECK(j.run({"snapshot", j.root.string(), "-o", (j.root / "s.png").string()}).code == 2);
+}
+
+TEST_CASE("what is written to /dev/stdout arrives in a pipe, behind what a file holds already, and in a new file",
+          "[tools]") {
+    const Jobs j;
+    const std::string graph = j.graph("m.obj");
+    const auto shell = [&](const std::string& behind) {
+        const std::string command = "'" SINEW_PROGRAM "' graph '" + graph + "' --svg /dev/stdout " + behind;
+        return std::system(command.c_str());
+    };
+    const fs::path through = j.folder / "through.svg", file = j.folder / "file.svg", svg = j.folder / "plain.svg";
+    REQUIRE(run_program({"graph", graph, "--svg", svg.string()}).code == 0);
+    const std::string wanted = read_text(svg);
+    REQUIRE(wanted.find("<svg") != std::string::npos);
+    CHECK(shell("| cat > '" + through.string() + "'") == 0);
+    CHECK(read_text(through).starts_with(wanted));
+    write_text(file, "before\n");
+    CHECK(shell(">> '" + file.string() + "'") == 0);
+    CHECK(read_text(file).starts_with("before\n" + wanted));
+}
