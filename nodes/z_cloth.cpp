@@ -26,6 +26,7 @@ const Input<bool> enable{
     .doc = "Off leaves the cloth and its attachments out of the simulation. Keyed: while it is off the cloth stands "
            "still where it is, in the solver's space, its attachments let go and it touches nothing; when it comes on, "
            "it goes on from there at rest.",
+    .looks_ahead = true,
 };
 const Wire<Mesh> mesh{
     .name = "mesh",

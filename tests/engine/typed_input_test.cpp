@@ -68,8 +68,8 @@ TEST_CASE("a wrong form is answered with the right one") {
     CHECK(answer("times", "\"4\"") == "DG012 expected integer, found text | write 4 without quotes");
     CHECK(answer("negate", "\"true\"") == "DG012 expected true or false, found text | write true");
     CHECK(answer("negate", "0") == "DG012 expected true or false, found an integer | write false");
-    CHECK(answer("axis", "2") ==
-          "DG012 expected a list of numbers, found an integer | write three numbers: [2, 2, 2] if all of them are 2");
+    // The axis is usually along y, so a length alone is meant for that.
+    CHECK(answer("axis", "2") == "DG012 expected a list of numbers, found an integer | write three numbers: [0, 2, 0]");
     CHECK(answer("axis", "\"1, 2,3\"") == "DG012 expected a list of numbers, found text | write [1, 2, 3]");
     CHECK(answer("axis", "\"up\"") == "DG012 expected a list of numbers, found text | write three numbers: [x, y, z]");
     CHECK(answer("weights", "\"0 0.5 1\"") == "DG012 expected a list of numbers, found text | write [0, 0.5, 1]");

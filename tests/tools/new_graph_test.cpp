@@ -291,7 +291,11 @@ TEST_CASE("new rig: what is odd is named, in the graph, too, and left out or mad
     CHECK(has(text, "\"stray\": { \"type\": \"zTissue\", \"inputs\": {\n        \"enable\": false"));
     CHECK_FALSE(has(text, "strayTo"));
     CHECK(has(text, "// Not sure: stray: "));
-    CHECK(rig.is_right());
+    // The muscle that lies all along another is tied to it all over: check doubts that, and nothing else.
+    const Said checked = run_program({"check", rig.graph, "--json"});
+    CHECK(checked.code == 0);
+    CHECK(has(checked.out + checked.err, "\"code\":\"FE264\",\"node\":\"ulnaMuscleOverBiceps\""));
+    CHECK(has(checked.out + checked.err, "\"warnings\":1}"));
     CHECK(run_program({"run", rig.graph, "--frames", "1-2", "--no-cache"}).code == 0);
 }
 
