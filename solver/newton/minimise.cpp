@@ -164,6 +164,8 @@ constexpr double stalled_step = 0.1;
 constexpr double most_overshoot = 0.9;
 /// Of the residual three steps before: more is no progress.
 constexpr double idle = 0.9;
+/// Of what the slope promises: less energy is hardly any. Newton's step on a quadratic gives half.
+constexpr double least_share = 0.1;
 
 /// A step that was accepted may have gone from one side of a narrow valley to the other: where points come in contact,
 /// or pass from one face of a dent to the next, the stiffness that they meet there was not in the matrix. Energies do
@@ -276,8 +278,11 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             mean.forget();
             continue;
         }
-        // Three steps have brought nothing, and the last one was Newton's own.
-        if (!sheets && definite && potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
+        // Three steps have brought nothing, the last one was Newton's own, and bodies touch each other or it gained
+        // next to nothing of the energy that it promised.
+        const bool gained = before - value >= least_share * -t * slope;
+        if (!sheets && definite && (!gained || !w.hessian.overlay.empty()) &&
+            potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
             keep_in_valley(potential, w, options, x, slope, before + rounding, below_rounding, t, value);
         two_ago = one_ago, one_ago = r;
         stuck = t < stalled_step;
