@@ -18,10 +18,11 @@ int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 40, 5.
 constexpr double kept_factor_tolerance = 1e-2;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
 constexpr double kept_factor_solves = 5;
-/// What that takes before a step has begun: iterations with multigrid, with rows that springs hold, and Newton's.
-constexpr double usual_cycles = 6, usual_held_cycles = 10, usual_iterations = 4;
 /// The same with an overlay, which no factor knows: about as many iterations as with multigrid.
 constexpr double overlay_solves = 30;
+/// What a step is taken to need before it has begun: iterations with multigrid in a Newton iteration, with rows that
+/// springs hold, and Newton iterations.
+constexpr double usual_cycles = 6, usual_held_cycles = 10, usual_iterations = 4;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
 /// take as many.
 constexpr double worn_out = 0.5;

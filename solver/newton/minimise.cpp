@@ -278,9 +278,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             mean.forget();
             continue;
         }
-        // Three steps have brought nothing, and the last one next to nothing of the energy that it promised, though the
-        // matrix was exact and definite there.
-        if (!sheets && definite && before - value < least_share * -t * slope &&
+        // Three steps have brought nothing, the last one was Newton's own, and bodies touch each other or it gained
+        // next to nothing of the energy that it promised.
+        const bool gained = before - value >= least_share * -t * slope;
+        if (!sheets && definite && (!gained || !w.hessian.overlay.empty()) &&
             potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
             keep_in_valley(potential, w, options, x, slope, before + rounding, below_rounding, t, value);
         two_ago = one_ago, one_ago = r;

@@ -139,7 +139,8 @@ TEST_CASE("a run that is killed leaves its mark alone, and the next one takes wh
     const std::string graph = write_graph(folder, looped(20000)), out = (folder / "out").string();
     {
         Program program({"run", graph, "--out", out, "--format", "glb,obj"});
-        while (names_in(folder / "out/obj").size() < 9) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        for (int waited = 0; waited < 12000 && names_in(folder / "out/obj").size() < 9; ++waited)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
         program.signal(SIGKILL);
         CHECK(program.exit_code() == -1 - SIGKILL);
     }

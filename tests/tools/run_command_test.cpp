@@ -325,7 +325,8 @@ TEST_CASE("a cancelled run says so, keeps its frames, and leaves nothing half-ma
         fs::remove_all(out);
         Program program(
             {"run", write_graph(folder, graph), "--out", out, "--format", "glb,obj", "--report", out + "/r.json"});
-        while (names_in(folder / "out/obj").size() < 9) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        for (int waited = 0; waited < 12000 && names_in(folder / "out/obj").size() < 9; ++waited)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
         program.signal(signal);
         CHECK(program.exit_code() == 4);
         CHECK(program.err().find("cancelled") != std::string::npos);

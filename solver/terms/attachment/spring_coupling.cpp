@@ -3,6 +3,7 @@
 
 #include "solver/index.h"
 #include "solver/parallel.h"
+#include "solver/sort_into.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,20 +45,20 @@ std::vector<std::vector<std::size_t>> groups_of(const std::vector<CoupledSpring>
     return groups;
 }
 
-/// What goes to a row, row by row; `visit` calls its argument with (row, value) for each, the same in two calls. Rows
-/// are sorted by `before`, what is equal in the order visited.
-template <class Value, class Visit, class Before>
-std::vector<Value> sorted_rows(std::size_t rows, std::vector<std::size_t>& start, const Visit& visit,
-                               const Before& before) {
-    start.assign(rows + 1, 0);
-    visit([&](int row, const Value&) { ++start[at(row) + 1]; });
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    std::vector<Value> out(start.back());
-    std::vector<std::size_t> next(start.begin(), start.end() - 1);
-    visit([&](int row, const Value& value) { out[next[at(row)]++] = value; });
+/// By rows, and in each by `before`, what is equal as it came; `start`: of each row, and one past the end.
+template <class Value, class Before>
+std::vector<Value> sorted_rows(std::size_t rows, const std::vector<int>& row_of, const std::vector<Value>& values,
+                               std::vector<int>& start, const Before& before) {
+    std::vector<int> order;
+    sort_into(rows, start, order, [&](const auto& visit) {
+        for (std::size_t k = 0; k < values.size(); ++k) visit(at(row_of[k]), static_cast<int>(k));
+    });
+    std::vector<Value> out(values.size());
     parallel_for(rows, 16, [&](std::size_t row) {
-        std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(start[row]),
-                         out.begin() + static_cast<std::ptrdiff_t>(start[row + 1]), before);
+        const auto first = out.begin() + start[row], end = out.begin() + start[row + 1];
+        std::transform(order.begin() + start[row], order.begin() + start[row + 1], first,
+                       [&](int k) { return values[at(k)]; });
+        std::stable_sort(first, end, before);
     });
     return out;
 }
@@ -81,32 +82,29 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
         int column, attachment;
         double product;
     };
-    const std::vector<std::vector<std::size_t>> groups = groups_of(springs);
-    std::vector<std::size_t> start;
-    const std::vector<Product> products = sorted_rows<Product>(
-        nodes_.size(), start,
-        [&](const auto& visit) {
-            for (const std::vector<std::size_t>& group : groups) {
-                const CoupledSpring& first = springs[group.front()];
-                for (std::size_t i = 0; i < first.terms.size(); ++i)
-                    for (std::size_t j = 0; j < first.terms.size(); ++j) {
-                        double sum = 0;
-                        for (const std::size_t s : group)
-                            sum += springs[s].area_weight * springs[s].terms[i].coefficient *
-                                   springs[s].terms[j].coefficient;
-                        visit(node_of[at(first.terms[i].vertex)],
-                              Product{node_of[at(first.terms[j].vertex)], first.attachment, sum});
-                    }
+    std::vector<int> row_of;
+    std::vector<Product> unsorted;
+    for (const std::vector<std::size_t>& group : groups_of(springs)) {
+        const CoupledSpring& first = springs[group.front()];
+        for (std::size_t i = 0; i < first.terms.size(); ++i)
+            for (std::size_t j = 0; j < first.terms.size(); ++j) {
+                double sum = 0;
+                for (const std::size_t s : group)
+                    sum += springs[s].area_weight * springs[s].terms[i].coefficient * springs[s].terms[j].coefficient;
+                row_of.push_back(node_of[at(first.terms[i].vertex)]);
+                unsorted.push_back({node_of[at(first.terms[j].vertex)], first.attachment, sum});
             }
-        },
-        [](const Product& a, const Product& b) {
+    }
+    std::vector<int> start;
+    const std::vector<Product> products =
+        sorted_rows(nodes_.size(), row_of, unsorted, start, [](const Product& a, const Product& b) {
             return std::tie(a.column, a.attachment) < std::tie(b.column, b.attachment);
         });
     for (std::size_t row = 0; row < nodes_.size(); ++row) {
         row_start_.push_back(column_.size());
         int column = -1;
-        for (std::size_t k = start[row]; k < start[row + 1]; ++k) {
-            const Product& p = products[k];
+        for (int k = start[row]; k < start[row + 1]; ++k) {
+            const Product& p = products[at(k)];
             const bool is_new = p.column != column;
             if (is_new) {
                 column = p.column;
@@ -126,22 +124,22 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
 }
 
 void SpringCoupling::make_loads(const std::vector<CoupledSpring>& springs, const std::vector<int>& node_of) {
-    std::vector<std::size_t> start;
-    const std::vector<Load> all = sorted_rows<Load>(
-        nodes_.size(), start,
-        [&](const auto& visit) {
-            for (const CoupledSpring& s : springs)
-                for (const SpringTerm& term : s.terms)
-                    visit(node_of[at(term.vertex)], Load{s.attachment, s.area_weight * std::abs(term.coefficient)});
-        },
-        [](const Load& a, const Load& b) { return a.attachment < b.attachment; });
+    std::vector<int> row_of, start;
+    std::vector<Load> unsorted;
+    for (const CoupledSpring& s : springs)
+        for (const SpringTerm& term : s.terms) {
+            row_of.push_back(node_of[at(term.vertex)]);
+            unsorted.push_back({s.attachment, s.area_weight * std::abs(term.coefficient)});
+        }
+    const std::vector<Load> all = sorted_rows(nodes_.size(), row_of, unsorted, start,
+                                              [](const Load& a, const Load& b) { return a.attachment < b.attachment; });
     for (std::size_t node = 0; node < nodes_.size(); ++node) {
         first_load_.push_back(loads_.size());
-        for (std::size_t k = start[node]; k < start[node + 1]; ++k)
-            if (k == start[node] || loads_.back().attachment != all[k].attachment)
-                loads_.push_back(all[k]);
+        for (int k = start[node]; k < start[node + 1]; ++k)
+            if (const Load& load = all[at(k)]; k == start[node] || loads_.back().attachment != load.attachment)
+                loads_.push_back(load);
             else
-                loads_.back().area += all[k].area;
+                loads_.back().area += load.area;
     }
     first_load_.push_back(loads_.size());
     square_stiffness_.resize(nodes_.size());
