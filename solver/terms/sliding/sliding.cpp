@@ -40,6 +40,14 @@ std::vector<std::vector<std::size_t>> samples_alike(const std::vector<Anchor>& a
     return out;
 }
 
+void tidy(std::vector<int>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+/// Of the points that slide: where more have left the places that the matrix knows, it is laid out anew.
+constexpr double most_strayed = 0.05;
+
 bool all_bones(const Scene& scene) {
     const auto& attachments = scene.description().attachments;
     return std::none_of(attachments.begin(), attachments.end(),
@@ -54,7 +62,7 @@ const TermType sliding_type{
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         return all_bones(scene) ? nullptr : std::make_unique<Slides>(scene);
     },
-    .memory_version = 1,
+    .memory_version = 2,
     .has_memory = true,
 };
 
@@ -93,11 +101,16 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
             static_cast<int>(targets_[at(scene_.description().attachments[a].target)]->surface().triangles().size());
         const bool fits = places.size() == first_slide_[a + 1] - first_slide_[a] &&
                           std::all_of(places.begin(), places.end(), [&](const SlidingMemory::Place& p) {
-                              return p.triangle >= 0 && p.triangle < triangles;
+                              return p.triangle >= 0 && p.triangle < triangles && p.home >= -1 && p.home < triangles;
                           });
         if (!fits) throw Error("IO403", "a saved simulation state holds sliding attachments of another scene");
     }
-    return {.couplings = !same};
+    std::vector<int> homes;
+    for (const auto& places : kept_.places)
+        for (const SlidingMemory::Place& p : places) homes.push_back(p.home);
+    const bool at_home = homes == homes_;
+    homes_ = std::move(homes);
+    return {.couplings = !same || !at_home};
 }
 
 void Slides::make_slides(const AttachmentMemory& attachments) {
@@ -189,6 +202,7 @@ void Slides::begin_sliding(std::size_t attachment, const State& before) {
             find_feature(target.surface(), boxes, p, 1e300, [&](int t) { return flags.empty() || flags[at(t)]; });
         SlidingMemory::Place& place = kept_.places[attachment][i];
         place.triangle = nearest.triangle;
+        place.home = target.surface().deforms() && s.terms > 0 ? place.triangle : -1;
         if (rest.maintain_offset) {
             const ClosestFeature any =
                 flags.empty() ? nearest : follow_feature(target.surface(), target.places(), nearest.triangle, p);
@@ -198,20 +212,40 @@ void Slides::begin_sliding(std::size_t attachment, const State& before) {
 }
 
 void Slides::add_couplings(Couplings& couplings) const {
-    // What carries one point is coupled: elements couple most of that in any case. What carries the target is not
-    // coupled with what carries the source, as that changes: the matrix's overlay takes it.
+    // What carries one point is coupled: elements couple most of that in any case. So is what carries the source with
+    // what carries the target about where it was when the matrix was laid out; what has slid farther is left to the
+    // matrix's overlay.
     const auto add = [&](std::span<const RideTerm> ride) {
         for (const RideTerm& a : ride)
             for (const RideTerm& b : ride)
                 if (a.vertex < b.vertex) couplings.emplace_back(a.vertex, b.vertex);
     };
-    for (const Slide& s : slides_) add(ride(s));
+    std::vector<int> points, carriers;
+    for (std::size_t i = 0; i < slides_.size(); ++i) {
+        const Slide& s = slides_[i];
+        add(ride(s));
+        if (homes_[i] < 0) continue;
+        const CarriedSurface& surface = targets_[s.target]->surface();
+        points.clear(), carriers.clear();
+        for (const int corner : surface.triangles()[at(homes_[i])])
+            for (const int t : surface.fan(corner))
+                for (const int p : surface.triangles()[at(t)]) points.push_back(p);
+        tidy(points);
+        for (const int p : points)
+            for (const RideTerm& t : surface.ride(p)) carriers.push_back(t.vertex);
+        tidy(carriers);
+        for (const RideTerm& a : ride(s))
+            for (const int vertex : carriers)
+                if (vertex != a.vertex) couplings.emplace_back(a.vertex, vertex);
+    }
     for (const auto& target : targets_)
         if (target && target->surface().deforms()) target->hessian().add_couplings(couplings);
 }
 
 void Slides::bind(const BlockPattern& pattern) {
     const std::vector<int>& unknown = scene_.numbering().unknown;
+    pattern_ = &pattern;
+    ties_.assign(slides_.size(), {});
     entries_.clear(), first_entry_.clear();
     for (const Slide& s : slides_) {
         first_entry_.push_back(entries_.size());
@@ -264,7 +298,24 @@ void Slides::remember(const Positions& x, bool, TermMemory& memory) const {
             const std::size_t i = first_slide_[a] + k;
             remembered_.places[a][k].triangle = find_nearest(i, points_[i]).allowed.triangle;
         });
+    // Each change of what is coupled costs an analysis.
+    std::size_t strayed = 0;
+    for (std::size_t i = 0; i < slides_.size(); ++i) {
+        const std::size_t a = at(slides_[i].attachment);
+        if (!is_near_home(*targets_[slides_[i].target], remembered_.places[a][i - first_slide_[a]])) ++strayed;
+    }
+    if (static_cast<double>(strayed) > most_strayed * static_cast<double>(slides_.size()))
+        for (auto& places : remembered_.places)
+            for (SlidingMemory::Place& p : places)
+                if (p.home >= 0) p.home = p.triangle;
     keep_slides(remembered_, memory);
+}
+
+bool Slides::is_near_home(const SlidingTarget& target, const SlidingMemory::Place& place) const {
+    if (place.home < 0) return true;
+    const Triangle& home = target.surface().triangles()[at(place.home)];
+    return std::ranges::any_of(target.surface().triangles()[at(place.triangle)],
+                               [&](int v) { return has_vertex(home, v); });
 }
 
 } // namespace sinew::solver

@@ -103,6 +103,8 @@ class Slides final : public Term {
     double evaluate(const Positions& x, bool with_damping) const;
     void make_blocks(std::size_t slide, bool project);
     void add_blocks(std::size_t slide, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a);
+    bool is_near_home(const SlidingTarget& target, const SlidingMemory::Place& place) const;
+    void find_ties(std::size_t slide, int triangle);
 
     struct Pull {
         double stiffness = 0, viscous = 0; ///< [N/m^3], of damping x velocity factor likewise
@@ -117,6 +119,7 @@ class Slides final : public Term {
     std::vector<std::unique_ptr<SlidingTarget>> targets_;
     std::vector<std::vector<char>> allowed_; ///< per attachment, of the target's triangles; empty: all
     SlidingMemory kept_;                     ///< at the start of the step
+    std::vector<int> homes_;                 ///< of all slides, as the pattern was made
 
     // Of the stage:
     const Stage* stage_ = nullptr;
@@ -140,7 +143,21 @@ class Slides final : public Term {
     std::vector<std::size_t> first_entry_; ///< per slide and one past the end
     std::vector<Entry> entries_;
     std::vector<PointTriangleBlocks> blocks_; ///< per slide
-    std::vector<Overlay::Carrier> carriers_;  ///< scratch
+    /// Of the pattern, for what carries a point and what carries a triangle of its target.
+    struct Tie {
+        int block;
+        int corner; ///< of the triangle
+        double weight;
+        bool turned; ///< the target's row comes first
+    };
+    struct Ties {
+        int triangle = -1;
+        bool all = false; ///< the pattern has them all
+        std::vector<Tie> ties;
+    };
+    std::vector<Ties> ties_;                 ///< per slide, of the triangle that was last asked for
+    const BlockPattern* pattern_ = nullptr;
+    std::vector<Overlay::Carrier> carriers_; ///< scratch
     std::vector<Points> pressed_;             ///< per target: forces at its points [N]
     /// How what is nearest to a point has changed in this stage. One that goes to and fro, as where faces turn inwards,
     /// stays where it is after a while: it would keep Newton's method from coming to rest.

@@ -255,6 +255,30 @@ void Slides::make_blocks(std::size_t i, bool project) {
     add_square(h.place, h.normal * h.normal.transpose(), blocks);
 }
 
+void Slides::find_ties(std::size_t i, int triangle) {
+    Ties& out = ties_[i];
+    if (out.triangle == triangle) return;
+    out.triangle = triangle, out.all = true;
+    out.ties.clear();
+    const Slide& s = slides_[i];
+    const CarriedSurface& surface = targets_[s.target]->surface();
+    const std::vector<int>& unknown = scene_.numbering().unknown;
+    for (const RideTerm& one : ride(s))
+        for (int c = 0; c < 3; ++c)
+            for (const RideTerm& other : surface.ride(surface.triangles()[at(triangle)][at(c)])) {
+                const int row = unknown[at(one.vertex)], column = unknown[at(other.vertex)];
+                if (row < 0 || column < 0) continue;
+                const int block = pattern_->find(std::min(row, column), std::max(row, column));
+                if (block < 0) {
+                    out.all = false;
+                    return;
+                }
+                const double weight = one.weight * other.weight;
+                if (row <= column) out.ties.push_back({block, c, weight, false});
+                if (column <= row) out.ties.push_back({block, c, weight, true});
+            }
+}
+
 /// Blocks of a point and a triangle times a factor, to where they belong.
 void Slides::add_blocks(std::size_t i, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) {
     const Slide& s = slides_[i];
@@ -269,6 +293,17 @@ void Slides::add_blocks(std::size_t i, int triangle, const PointTriangleBlocks& 
     if (!surface.deforms()) return;
     target.hessian().add(triangle, blocks, factor);
     if (s.terms == 0) return;
+    find_ties(i, triangle);
+    if (ties_[i].all) {
+        for (const Tie& t : ties_[i].ties) {
+            const Mat3& block = blocks[at(t.corner + 1)];
+            double* to = a.block(at(t.block));
+            const double weight = factor * t.weight;
+            for (int r = 0; r < 3; ++r)
+                for (int c = 0; c < 3; ++c) to[3 * r + c] += weight * (t.turned ? block(c, r) : block(r, c));
+        }
+        return;
+    }
     carriers_.clear();
     const std::vector<int>& unknown = scene_.numbering().unknown;
     const auto add = [&](int corner, std::span<const RideTerm> ride) {

@@ -11,7 +11,7 @@ struct SlidingMemory {
     struct Place {
         double height = 0; ///< over the target, kept [m]
         int triangle = -1; ///< of the target, cut to the size of its tets
-        int unused = 0;
+        int home = -1;     ///< where it was when the matrix was last laid out; -1: of a bone
         friend bool operator==(const Place&, const Place&) = default;
     };
     static_assert(sizeof(Place) == 16, "no padding: its bytes are kept as they are");
