@@ -105,11 +105,12 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
                           });
         if (!fits) throw Error("IO403", "a saved simulation state holds sliding attachments of another scene");
     }
-    std::vector<int> homes;
+    // As the pattern is to be made.
+    newly_home_.clear();
     for (const auto& places : kept_.places)
-        for (const SlidingMemory::Place& p : places) homes.push_back(p.home);
-    const bool at_home = homes == homes_;
-    homes_ = std::move(homes);
+        for (const SlidingMemory::Place& p : places) newly_home_.push_back(p.home);
+    const bool at_home = newly_home_ == homes_;
+    homes_.swap(newly_home_);
     return {.couplings = !same || !at_home};
 }
 

@@ -119,7 +119,7 @@ class Slides final : public Term {
     std::vector<std::unique_ptr<SlidingTarget>> targets_;
     std::vector<std::vector<char>> allowed_; ///< per attachment, of the target's triangles; empty: all
     SlidingMemory kept_;                     ///< at the start of the step
-    std::vector<int> homes_;                 ///< of all slides, as the pattern was made
+    std::vector<int> homes_, newly_home_;    ///< of all slides, as the pattern was made; scratch
 
     // Of the stage:
     const Stage* stage_ = nullptr;
@@ -155,10 +155,10 @@ class Slides final : public Term {
         bool all = false; ///< the pattern has them all
         std::vector<Tie> ties;
     };
-    std::vector<Ties> ties_;                 ///< per slide, of the triangle that was last asked for
+    std::vector<Ties> ties_; ///< per slide, of the triangle that was last asked for
     const BlockPattern* pattern_ = nullptr;
     std::vector<Overlay::Carrier> carriers_; ///< scratch
-    std::vector<Points> pressed_;             ///< per target: forces at its points [N]
+    std::vector<Points> pressed_;            ///< per target: forces at its points [N]
     /// How what is nearest to a point has changed in this stage. One that goes to and fro, as where faces turn inwards,
     /// stays where it is after a while: it would keep Newton's method from coming to rest.
     struct Changing {
