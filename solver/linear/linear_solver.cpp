@@ -81,6 +81,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
             plain_factors_ = plain;
             ++symbolic_analyses_;
         }
+        if (single_) single_->release_if_large();
         outcome.definite = factors_->factorize(a);
         ++outcome.factors;
         kept_ = outcome.definite ? Kept::full : Kept::none;
@@ -102,6 +103,7 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
         single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
         ++symbolic_analyses_;
     }
+    if (factors_) factors_->release_if_large();
     const bool good = single_->factorize(a);
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
@@ -153,6 +155,7 @@ bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcom
         plain_factors_ = false;
         ++symbolic_analyses_;
     }
+    if (single_) single_->release_if_large();
     const bool good = factors_->factorize(a);
     ++outcome.factors;
     kept_ = good ? Kept::full : Kept::none;
