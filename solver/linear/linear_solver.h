@@ -72,6 +72,7 @@ class LinearSolver {
     void make_multigrid();
     /// Whether a usual step costs less with a factor that is kept than with multigrid.
     bool factor_is_cheaper() const;
+    double factor_cost(double solves) const;
     double hierarchy_cost() const;
     double cycle_cost() const;
     const BlockPattern& pattern_;
