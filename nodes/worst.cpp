@@ -68,7 +68,7 @@ void look_at_tets(const Setup& setup, const solver::Scene& scene, const solver::
 }
 
 void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solver::State& state,
-                     const std::vector<solver::Anchor>& anchors, std::size_t attachment, WorstPlaces& worst) {
+                     std::span<const solver::Anchor> anchors, std::size_t attachment, WorstPlaces& worst) {
     const auto [source, target] = setup.key.links[attachment];
     const bool from_bone = scene.bone(source), to_bone = scene.bone(target);
     if (from_bone && to_bone) return; // has no effect
@@ -92,7 +92,7 @@ void look_at_anchors(const Setup& setup, const solver::Scene& scene, const solve
 WorstPlaces find_worst(const Setup& setup, const solver::Scene& scene, const solver::State& state) {
     WorstPlaces out;
     for (const solver::TissueBatches& tissue : scene.system().tissues) look_at_tets(setup, scene, state, tissue, out);
-    const solver::AttachmentMemory attachments = attachments_kept(state.memories);
+    const solver::AttachmentView attachments = attachments_kept(state.memories);
     for (std::size_t a = 0; a < attachments.anchors.size() && a < setup.key.links.size(); ++a)
         if (setup.attachments[a].get().values.mode() == solver::AttachmentMode::fixed)
             look_at_anchors(setup, scene, state, attachments.anchors[a], a, out);

@@ -11,7 +11,7 @@ namespace sinew::engine {
 
 namespace {
 
-constexpr std::string_view mark = "sinew kept 3\n";
+constexpr std::string_view mark = "sinew kept 4\n";
 
 /// Everything before the payload: mark, key, checksum, length.
 constexpr std::size_t header_size = mark.size() + 2 * sizeof(Digest) + sizeof(std::uint64_t);

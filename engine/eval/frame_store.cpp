@@ -31,34 +31,51 @@ bool is_ours(const fs::path& file) {
     return ending == rows_ending || ending == frames_ending || ending == outputs_ending;
 }
 
-/// Parts begin at a block's edge, so that one that changes its length moves none of the others against the start frame.
-void pad(ByteWriter& out) { out.bytes.resize((out.bytes.size() + block - 1) / block * block); }
+} // namespace
 
-void put_section(ByteWriter& out, const ByteWriter& section) {
-    out.put_list(std::span<const std::byte>(section.bytes));
-    pad(out);
-}
+/// Sections begin at a block's edge, and each is told from the same one of the start frame: one that changes its length
+/// moves none of the others.
+struct LaidFrame {
+    std::vector<std::byte> bytes;
+    std::vector<std::uint32_t> first_block; ///< of each section
+
+    void put(std::span<const std::byte> section) {
+        bytes.resize((bytes.size() + block - 1) / block * block);
+        first_block.push_back(static_cast<std::uint32_t>(bytes.size() / block));
+        const std::uint64_t size = section.size();
+        const auto* number = reinterpret_cast<const std::byte*>(&size);
+        bytes.insert(bytes.end(), number, number + sizeof size);
+        bytes.insert(bytes.end(), section.begin(), section.end());
+    }
+    /// With its length, to where the next one begins; nothing beyond the last.
+    std::span<const std::byte> section(std::size_t k) const {
+        if (k >= first_block.size()) return {};
+        const std::size_t first = std::size_t{first_block[k]} * block;
+        const std::size_t end = k + 1 < first_block.size() ? std::size_t{first_block[k + 1]} * block : bytes.size();
+        return std::span(bytes).subspan(first, end - first);
+    }
+};
+
+namespace {
 
 class Sections {
   public:
-    explicit Sections(std::span<const std::byte> bytes)
-        : bytes_(bytes)
-        , rest_(bytes) {}
+    explicit Sections(const LaidFrame& of)
+        : of_(of) {}
     /// A copy, or an empty one where it is not wanted.
     std::vector<std::byte> next(bool wanted = true) {
-        ByteReader in(rest_);
+        ByteReader in(of_.section(next_++));
         const auto size = in.get<std::uint64_t>();
         if (size > in.rest.size()) throw BadBytes("it ends too early");
         const auto part = in.rest.first(size);
         std::vector<std::byte> out;
         if (wanted) out.assign(part.begin(), part.end());
-        const std::size_t used = bytes_.size() - in.rest.size() + size;
-        rest_ = bytes_.subspan(std::min(bytes_.size(), (used + block - 1) / block * block));
         return out;
     }
 
   private:
-    std::span<const std::byte> bytes_, rest_;
+    const LaidFrame& of_;
+    std::size_t next_ = 0;
 };
 
 void put_warnings(ByteWriter& out, const std::vector<Diagnostic>& warnings) {
@@ -79,17 +96,17 @@ std::vector<Diagnostic> get_warnings(ByteReader& in) {
     return out;
 }
 
-/// A frame as one run of bytes: what it was made from, its state, each output, its warnings.
-std::vector<std::byte> encode(const Registry& registry, const NodeType& type, const KeptFrame& frame) {
-    ByteWriter out, made_from, state;
+/// What it was made from, its state, each output, its warnings.
+LaidFrame encode(const Registry& registry, const NodeType& type, const KeptFrame& frame) {
+    LaidFrame out;
+    ByteWriter made_from;
     made_from.put(identity(type).finish());
     made_from.put<std::int64_t>(frame.frame);
     made_from.put_text(frame.made_from.node);
     made_from.put<std::uint64_t>(frame.made_from.contents.size());
     for (const auto& [plug, content] : frame.made_from.contents) made_from.put_text(plug), made_from.put(content);
-    put_section(out, made_from);
-    state.bytes = frame.state;
-    put_section(out, state);
+    out.put(made_from.bytes);
+    out.put(frame.state);
     for (std::size_t i = 0; i < type.outputs.size(); ++i) {
         ByteWriter output;
         const Codec* codec = registry.find_codec(type.outputs[i].type);
@@ -100,13 +117,13 @@ std::vector<std::byte> encode(const Registry& registry, const NodeType& type, co
             output.put<std::int64_t>(codec->version);
             codec->write(frame.entry->outputs[i], output);
         }
-        put_section(out, output);
+        out.put(output.bytes);
     }
     ByteWriter warnings;
     put_warnings(warnings, frame.entry->warnings);
     put_warnings(warnings, frame.warnings_of_state);
-    put_section(out, warnings);
-    return std::move(out.bytes);
+    out.put(warnings.bytes);
+    return out;
 }
 
 void read_made_from(std::span<const std::byte> bytes, KeptFrame& out, Digest& type) {
@@ -121,9 +138,9 @@ void read_made_from(std::span<const std::byte> bytes, KeptFrame& out, Digest& ty
     }
 }
 
-KeptFrame decode(const Registry& registry, const NodeType& type, std::span<const std::byte> bytes, bool with_state) {
+KeptFrame decode(const Registry& registry, const NodeType& type, const LaidFrame& frame, bool with_state) {
     KeptFrame out;
-    Sections sections(bytes);
+    Sections sections(frame);
     Digest made_by;
     read_made_from(sections.next(), out, made_by);
     if (made_by != identity(type).finish()) throw BadBytes("it was made by another version of the program");
@@ -154,22 +171,31 @@ KeptFrame decode(const Registry& registry, const NodeType& type, std::span<const
     return out;
 }
 
-/// The blocks of `bytes` that are not those of `start` at the same place.
-std::vector<std::byte> differing(std::span<const std::byte> bytes, std::span<const std::byte> start,
-                                 const Digest& start_key) {
+/// How many bytes of a section's block b there are; it is cut at the section's end.
+std::size_t bytes_of(std::span<const std::byte> section, std::size_t b) {
+    return std::min(block, section.size() - b * block);
+}
+
+/// The blocks of a frame that are not those of the start frame at the same place of the same section.
+std::vector<std::byte> differing(const LaidFrame& frame, const LaidFrame* start, const Digest& start_key) {
     ByteWriter out;
     out.put(start_key);
-    out.put<std::uint64_t>(bytes.size());
+    out.put<std::uint64_t>(frame.bytes.size());
+    out.put_list(frame.first_block);
     std::vector<std::uint32_t> others;
-    for (std::size_t at = 0; at < bytes.size(); at += block) {
-        const std::size_t count = std::min(block, bytes.size() - at);
-        const bool same = at + count <= start.size() && std::memcmp(bytes.data() + at, start.data() + at, count) == 0;
-        if (!same) others.push_back(static_cast<std::uint32_t>(at / block));
+    for (std::size_t k = 0; k < frame.first_block.size(); ++k) {
+        const auto section = frame.section(k), base = start ? start->section(k) : std::span<const std::byte>();
+        for (std::size_t b = 0; b * block < section.size(); ++b) {
+            const std::size_t count = bytes_of(section, b);
+            const bool same = b * block + count <= base.size() &&
+                              std::memcmp(section.data() + b * block, base.data() + b * block, count) == 0;
+            if (!same) others.push_back(frame.first_block[k] + static_cast<std::uint32_t>(b));
+        }
     }
     out.put_list(others);
     out.bytes.reserve(out.bytes.size() + others.size() * block);
     for (const std::uint32_t b : others) {
-        const auto part = bytes.subspan(b * block, std::min(block, bytes.size() - b * block));
+        const auto part = std::span(frame.bytes).subspan(std::size_t{b} * block, bytes_of(frame.bytes, b));
         out.bytes.insert(out.bytes.end(), part.begin(), part.end());
     }
     return std::move(out.bytes);
@@ -261,23 +287,30 @@ FrameStore::Bytes FrameStore::whole(const Digest& key, bool is_start, std::strin
         ByteReader in(*found.payload);
         const auto start = in.get<Digest>();
         const auto size = in.get<std::uint64_t>();
+        auto out = std::make_shared<LaidFrame>();
+        out->first_block = in.get_list<std::uint32_t>();
+        const auto& first = out->first_block;
+        const bool in_order = std::is_sorted(first.begin(), first.end());
+        if (!in_order || (!first.empty() && std::size_t{first.back()} * block > size))
+            throw BadBytes("its parts lie beyond its end");
         const auto others = in.get_list<std::uint32_t>();
-        auto out = std::make_shared<std::vector<std::byte>>();
         if (start != key && is_start) throw BadBytes("the start frame differs from yet another frame");
-        if (start != key) {
-            const Bytes base = start_of(start);
-            if (!base) throw BadBytes("the start frame that it differs from is gone");
-            out->assign(base->begin(), base->begin() + static_cast<std::ptrdiff_t>(std::min(base->size(), size)));
+        const Bytes base = start != key ? start_of(start) : nullptr;
+        if (start != key && !base) throw BadBytes("the start frame that it differs from is gone");
+        // What the start frame does not have is in blocks of its own; parts begin at whole ones.
+        const std::size_t from_start = base ? base->bytes.size() + first.size() * block : 0;
+        if (size > from_start + others.size() * block) throw BadBytes("it is longer than its blocks");
+        out->bytes.resize(size);
+        for (std::size_t k = 0; base && k < first.size(); ++k) {
+            const auto section = base->section(k);
+            const std::size_t count = std::min(section.size(), out->section(k).size());
+            std::copy_n(section.begin(), count, out->bytes.begin() + std::ptrdiff_t{first[k]} * std::ptrdiff_t{block});
         }
-        // Beyond the start frame every block is its own.
-        if (size > out->size() + others.size() * block) throw BadBytes("it is longer than its blocks");
-        out->resize(size);
         for (const std::uint32_t b : others) {
-            const std::size_t at = std::size_t{b} * block;
-            if (at >= size) throw BadBytes("its blocks lie beyond its end");
-            const std::size_t count = std::min<std::size_t>(block, size - at);
+            if (std::size_t{b} * block >= size) throw BadBytes("its blocks lie beyond its end");
+            const std::size_t count = bytes_of(out->bytes, b);
             if (count > in.rest.size()) throw BadBytes("it ends too early");
-            std::memcpy(out->data() + at, in.rest.data(), count);
+            std::memcpy(out->bytes.data() + std::size_t{b} * block, in.rest.data(), count);
             in.rest = in.rest.subspan(count);
         }
         if (!in.rest.empty()) throw BadBytes("it holds more than its blocks");
@@ -310,21 +343,21 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
                        const KeptFrame& frame) {
     make_room();
     const Digest key = name_of(frame_key), start = name_of(start_key);
-    std::vector<std::byte> bytes = encode(registry, type, frame);
+    LaidFrame laid = encode(registry, type, frame);
     Bytes base;
     if (key != start) {
         base = start_of(start);
         files_.touch(start); // it is needed as long as the frames that differ from it
     }
     // Without the start frame's file it stands for itself.
-    const std::vector<std::byte> payload =
-        differing(bytes, base ? std::span<const std::byte>(*base) : std::span<const std::byte>(), base ? start : key);
+    const std::vector<std::byte> payload = differing(laid, base.get(), base ? start : key);
     files_.write(key, payload, false);
     const std::lock_guard lock(mutex_);
     written_ += payload.size();
     if (key != start) return;
     if (starts_.size() >= most_starts) starts_.clear();
-    starts_[start] = std::make_shared<const std::vector<std::byte>>(std::move(bytes));
+    laid.bytes.shrink_to_fit();
+    starts_[start] = std::make_shared<const LaidFrame>(std::move(laid));
 }
 
 void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) const {

@@ -2,8 +2,8 @@
 // plugs hold, so that a later process finds the keys without evaluating what leads to them.
 //
 // A frame repeats much of the one at the start: connectivity, anchors, rest poses. So it is written as the blocks in
-// which it differs from that one. Files are whole or not there; a damaged one is not used. Several processes may share
-// the folder.
+// which it differs from that one, part by part. Files are whole or not there; a damaged one is not used. Several
+// processes may share the folder.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/disk_store.h"
@@ -27,6 +27,7 @@ struct PlugContent {
     Digest plug, content;
 };
 
+struct LaidFrame; ///< a frame's bytes, and where its parts begin
 struct KeptFrame {
     KeptInputs made_from;
     int frame = 0;
@@ -67,7 +68,7 @@ class FrameStore {
     std::vector<Listed> frames_of(const std::string& node) const;
 
   private:
-    using Bytes = std::shared_ptr<const std::vector<std::byte>>;
+    using Bytes = std::shared_ptr<const LaidFrame>;
     Digest name_of(const Digest& key) const { return Hasher().add(key).add(build_).finish(); }
     /// Here and in start_of: of files, not of frames.
     /// \param is_start it must stand for itself, and not differ from another one in turn

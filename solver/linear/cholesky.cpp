@@ -34,9 +34,16 @@ Cholesky::Cholesky(const BlockPattern& pattern, bool own_threads)
 
 Cholesky::~Cholesky() = default;
 
-bool Cholesky::factorize(const BlockMatrix& a) {
-    // LAPACK kernels differ in whether they notice a NaN among their pivots.
-    if (!std::isfinite(ordered_sum(a.values.size(), [&](std::size_t i) { return a.values[i]; }))) return false;
+bool BlockView::finite() const {
+    return std::isfinite(ordered_sum(pattern->block_count(), [&](std::size_t b) {
+        double sum = 0;
+        for (int k = 0; k < 9; ++k) sum += block(b)[k];
+        return sum;
+    }));
+}
+
+bool Cholesky::factorize(const BlockView& a) {
+    if (!a.finite()) return false;
     const BlockPattern& p = *a.pattern;
     double* value = static_cast<double*>(impl_->analysis.matrix->x);
     const int* start = static_cast<const int*>(impl_->analysis.matrix->p);
@@ -56,6 +63,15 @@ bool Cholesky::factorize(const BlockMatrix& a) {
     const int ok = cholmod_factorize(impl_->analysis.matrix, impl_->analysis.factor, &impl_->analysis.common);
     return ok && impl_->analysis.common.status == CHOLMOD_OK &&
            impl_->analysis.factor->minor == impl_->analysis.factor->n;
+}
+
+void Cholesky::release() {
+    cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, impl_->analysis.factor, &impl_->analysis.common);
+}
+
+std::size_t Cholesky::bytes() const {
+    const cholmod_factor& f = *impl_->analysis.factor;
+    return f.xtype == CHOLMOD_PATTERN ? 0 : f.xsize * sizeof(double);
 }
 
 double Cholesky::factor_operations() const { return impl_->analysis.operations; }

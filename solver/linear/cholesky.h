@@ -14,8 +14,10 @@ class Cholesky final : public SparseFactor {
     /// `own_threads`: CHOLMOD may open OpenMP regions, as it does if left alone; they cost more than they give.
     explicit Cholesky(const BlockPattern& pattern, bool own_threads = false);
     ~Cholesky() override;
-    bool factorize(const BlockMatrix& a) override;
+    bool factorize(const BlockView& a) override;
     double factor_operations() const override;
+    void release() override;
+    std::size_t bytes() const override;
     void solve(const double* b, double* x) override;
 
   private:

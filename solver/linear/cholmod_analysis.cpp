@@ -10,7 +10,7 @@
 
 namespace sinew::solver {
 
-CholmodAnalysis::CholmodAnalysis(const BlockPattern& pattern) {
+CholmodAnalysis::CholmodAnalysis(const BlockPattern& pattern, bool with_values) {
     const std::lock_guard lock(analysis_mutex());
     use_one_blas_thread();
     cholmod_start(&common);
@@ -20,7 +20,7 @@ CholmodAnalysis::CholmodAnalysis(const BlockPattern& pattern) {
     common.final_ll = 1;
     common.try_catch = 1;
     common.quick_return_if_not_posdef = 1;
-    build_structure(pattern);
+    build_structure(pattern, with_values);
     std::vector<int> order = order_vertices(pattern);
     common.nmethods = 1;
     common.method[0].ordering = CHOLMOD_GIVEN;
@@ -37,11 +37,11 @@ CholmodAnalysis::~CholmodAnalysis() {
 }
 
 /// The scalar lower triangle: column 3i+c holds rows 3i+c…3i+2, then three rows a block (i, j > i).
-void CholmodAnalysis::build_structure(const BlockPattern& p) {
+void CholmodAnalysis::build_structure(const BlockPattern& p, bool with_values) {
     std::size_t entries = 0;
     for (int i = 0; i < p.rows; ++i) entries += 6 + 9 * at(p.row_start[at(i) + 1] - p.row_start[at(i)] - 1);
     const std::size_t n = 3 * at(p.rows);
-    matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, CHOLMOD_REAL, &common);
+    matrix = cholmod_allocate_sparse(n, n, entries, 1, 1, -1, with_values ? CHOLMOD_REAL : CHOLMOD_PATTERN, &common);
     if (!matrix) throw Error("FE305", "not enough memory for a matrix of " + std::to_string(n) + " unknowns");
     int* start = static_cast<int*>(matrix->p);
     int* row = static_cast<int*>(matrix->i);

@@ -27,13 +27,16 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
     }
     for (auto& part : parts_) {
         std::vector<std::pair<int, int>> couplings;
+        std::size_t blocks = 0;
+        for (const int i : part->rows) blocks += at(pattern.row_start[at(i) + 1] - pattern.row_start[at(i)]);
+        couplings.reserve(blocks + part->rows.size()), part->source.reserve(blocks);
         for (const int i : part->rows)
             for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
                 couplings.emplace_back(local[at(i)], local[at(pattern.column[at(e)])]);
                 part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
-        part->matrix = std::make_unique<BlockMatrix>(part->pattern);
+        part->pattern.lower_start = {}, part->pattern.lower = {};
         if (factoring == Factoring::single)
             part->factor = std::make_unique<SingleCholesky>(part->pattern);
         else
@@ -49,11 +52,17 @@ bool ComponentFactors::factorize(const BlockMatrix& a) {
     std::atomic<bool> good = true;
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
-        for (std::size_t b = 0; b < part.source.size(); ++b)
-            std::copy_n(a.block(at(part.source[b])), 9, part.matrix->block(b));
-        if (!part.factor->factorize(*part.matrix)) good = false;
+        if (!part.factor->factorize({part.pattern, a, part.source})) good = false;
     });
     return good;
+}
+
+void ComponentFactors::release_if_large() {
+    constexpr std::size_t large = std::size_t{16} << 20;
+    std::size_t bytes = 0;
+    for (const auto& part : parts_) bytes += part->factor->bytes();
+    if (bytes < large) return; // to take it again would cost more than it is worth
+    for (const auto& part : parts_) part->factor->release();
 }
 
 void ComponentFactors::solve(const double* in, double* out) {

@@ -20,15 +20,16 @@ class ComponentFactors {
     std::size_t count() const { return parts_.size(); }
     /// False if a component is not positive definite.
     bool factorize(const BlockMatrix& a);
+    /// Gives the memory of large factors back; the next factorize takes it again.
+    void release_if_large();
     /// out = A^-1 in, 3 numbers a row.
     void solve(const double* in, double* out);
 
   private:
     struct Part {
-        std::vector<int> rows; ///< of the whole, ascending
-        BlockPattern pattern;
+        std::vector<int> rows;   ///< of the whole, ascending
+        BlockPattern pattern;    ///< without the lists that products with it would read
         std::vector<int> source; ///< per block of the part: the block of the whole
-        std::unique_ptr<BlockMatrix> matrix;
         std::unique_ptr<SparseFactor> factor;
         std::vector<double> in, out;
     };

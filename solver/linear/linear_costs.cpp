@@ -17,8 +17,11 @@ constexpr double flops = 90;
 constexpr double entries = 45;
 /// Single-precision flops a second of two cores on supernodes of such sizes.
 constexpr double flop_rate = 90e9;
-/// Bytes a second: while they fit the third-level cache, and beyond.
-constexpr double cached = 60e9, streamed = 14e9, cache = 24e6;
+/// Bytes a second of what caches hold, and of the rest: multigrid cycles on rigs and boxes of 5,000 to 500,000 tets
+/// take within a fifth of the times that these give.
+constexpr double cached = 60e9, streamed = 27e9, cache = 8e6;
+/// Seconds to take an entry of the matrix into the factor.
+constexpr double entry = 20 / 14e9;
 /// Of a solve with a factor, which runs on one core a component.
 constexpr double solve_rate = 19e9;
 /// Blocks of all grids for one of the matrix: 0.8 in a box, 0.9 to 1.3 in muscles, which are few tets thick.
@@ -28,7 +31,10 @@ constexpr double call = 2e-5;
 /// A hierarchy costs about as much as so many cycles.
 constexpr double cycles_a_hierarchy = 2;
 
-double seconds(double bytes, double working_set) { return bytes / (working_set < cache ? cached : streamed); }
+double seconds(double bytes, double working_set) {
+    const double share = std::min(1.0, cache / working_set);
+    return bytes * (share / cached + (1 - share) / streamed);
+}
 
 } // namespace
 
@@ -42,8 +48,8 @@ LinearCosts linear_costs(const BlockPattern& pattern) {
         out.factor += flops * rows * rows / flop_rate;
         nonzeros += entries * std::pow(rows, 4.0 / 3);
     }
-    // The matrix is copied into the factor, some twenty bytes an entry.
-    out.factor += 9 * blocks * 20 / streamed;
+    out.factor_bytes = sizeof(float) * nonzeros;
+    out.factor += 9 * blocks * entry;
     const double product = seconds(48 * blocks, 48 * blocks);
     out.factor_solve = call + 2 * 4 * nonzeros / solve_rate + product;
     // A cycle streams the single-precision blocks four and a half times and some forty vectors.

@@ -12,6 +12,7 @@ struct LinearCosts {
     double factor_solve = 0; ///< with it, and one product with the matrix
     double cycle = 0;        ///< an iteration with a multigrid cycle
     double hierarchy = 0;    ///< the coarse matrices of a new matrix
+    double factor_bytes = 0; ///< that its numbers take
 };
 
 LinearCosts linear_costs(const BlockPattern& pattern);

@@ -11,9 +11,9 @@ namespace {
 
 /// Steps that stay with the kept factor after multigrid did not pay; then that is tried again.
 constexpr int kept_steps = 24;
-/// Newton iterations of one step after which the inexact directions are taken to be what holds it up; more where a
-/// factor is dear (its cost in cycles).
-int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 40, 5.0, 25.0)); }
+/// Newton iterations of one step after which the inexact directions are taken to be what holds it up: as many as a
+/// factor, whose cost in cycles this is, is worth.
+int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 8, 5.0, 25.0)); }
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
 constexpr double kept_factor_tolerance = 1e-2;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
@@ -22,10 +22,13 @@ constexpr double kept_factor_solves = 5;
 constexpr double overlay_solves = 30;
 /// What a step is taken to need before it has begun: iterations with multigrid in a Newton iteration, with rows that
 /// springs hold, and Newton iterations.
-constexpr double usual_cycles = 6, usual_held_cycles = 10, usual_iterations = 4;
+constexpr double usual_cycles = 6, usual_held_cycles = 12, usual_iterations = 4;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
 /// take as many.
 constexpr double worn_out = 0.5;
+/// A factor of more bytes than this takes more memory than all else together, and so has to bring more: what it costs
+/// is taken for so much higher.
+constexpr double large_factor = 128e6, price_of_memory = 1.5;
 /// Up to here a factor is too cheap for anything else to pay.
 constexpr int small_rows = 200;
 /// Where there is no factor to fall back on.
@@ -37,14 +40,19 @@ constexpr int most_truncated = 60;
 
 /// Cycles that this solve may take before the step has cost more than it would with a factor.
 int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
-    const double by_factor = costs_.factor + solves * (newton_iteration + 1) * costs_.factor_solve;
+    const double by_factor = factor_cost(solves * (newton_iteration + 1));
     return static_cast<int>(std::clamp((by_factor - spent_ - hierarchy_cost()) / cycle_cost(), 0.0, 1000.0));
 }
 
 bool LinearSolver::factor_is_cheaper() const {
-    const double by_factor = costs_.factor + usual_iterations * kept_factor_solves * costs_.factor_solve;
+    const double by_factor = factor_cost(usual_iterations * kept_factor_solves);
     const double cycles = held_.rows.empty() ? usual_cycles : usual_held_cycles;
     return by_factor < usual_iterations * (hierarchy_cost() + cycles * cycle_cost());
+}
+
+double LinearSolver::factor_cost(double solves) const {
+    const double price = costs_.factor_bytes > large_factor ? price_of_memory : 1;
+    return price * (costs_.factor + solves * costs_.factor_solve);
 }
 
 double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_costs_.factor; }
@@ -81,6 +89,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
             plain_factors_ = plain;
             ++symbolic_analyses_;
         }
+        if (single_) single_->release_if_large();
         outcome.definite = factors_->factorize(a);
         ++outcome.factors;
         kept_ = outcome.definite ? Kept::full : Kept::none;
@@ -102,6 +111,7 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
         single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
         ++symbolic_analyses_;
     }
+    if (factors_) factors_->release_if_large();
     const bool good = single_->factorize(a);
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
@@ -153,6 +163,7 @@ bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcom
         plain_factors_ = false;
         ++symbolic_analyses_;
     }
+    if (single_) single_->release_if_large();
     const bool good = factors_->factorize(a);
     ++outcome.factors;
     kept_ = good ? Kept::full : Kept::none;
@@ -204,7 +215,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     const int allowed = automatic ? allowed_cycles(newton_iteration, has_overlay ? overlay_solves : kept_factor_solves)
                                   : most_iterations;
     // Where contacts come and go it is they that hold Newton's method up, not inexact directions.
-    const bool impatient = !has_overlay && newton_iteration >= patience(costs_.factor / costs_.cycle);
+    const bool impatient = !has_overlay && newton_iteration >= patience(factor_cost(0) / costs_.cycle);
     if (automatic && (impatient || allowed == 0 || (!has_overlay && factor_is_cheaper())))
         memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {

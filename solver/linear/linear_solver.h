@@ -72,6 +72,7 @@ class LinearSolver {
     void make_multigrid();
     /// Whether a usual step costs less with a factor that is kept than with multigrid.
     bool factor_is_cheaper() const;
+    double factor_cost(double solves) const;
     double hierarchy_cost() const;
     double cycle_cost() const;
     const BlockPattern& pattern_;
@@ -79,10 +80,11 @@ class LinearSolver {
     HeldRows held_;                         ///< that the grids were, or will be, made for
     std::vector<double> springs_, elastic_; ///< of which held_ was made
     LinearCosts costs_, held_costs_;
-    std::unique_ptr<ComponentFactors> factors_, single_; ///< made when first needed
-    std::unique_ptr<ConjugateGradients> iterative_;      ///< likewise
-    std::unique_ptr<Multigrid> multigrid_;               ///< likewise
-    std::unique_ptr<HeldBlock> held_block_;              ///< with multigrid_; null: nothing is held
+    /// Made when first needed. Only one of them holds a factor that is large: the one that was made last.
+    std::unique_ptr<ComponentFactors> factors_, single_;
+    std::unique_ptr<ConjugateGradients> iterative_; ///< likewise
+    std::unique_ptr<Multigrid> multigrid_;          ///< likewise
+    std::unique_ptr<HeldBlock> held_block_;         ///< with multigrid_; null: nothing is held
     TruncatedNewton truncated_;
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;

@@ -8,7 +8,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <map>
+#include <numeric>
 #include <set>
 
 namespace sinew::solver {
@@ -19,6 +22,8 @@ namespace {
 constexpr int coarsest_rows = 64;
 /// Gauss-Seidel sweeps run through chunks of rows without a break: at least so many rows, and no more chunks than this.
 constexpr std::size_t least_chunk = 1024, most_chunks = 16;
+/// Rows of a slice of T, some three megabytes.
+constexpr std::size_t slice = 4096;
 
 /// What one fine unknown takes from coarse ones: up to four, weights sum to 1.
 struct Interpolation {
@@ -90,14 +95,22 @@ struct Multigrid::Level {
     std::size_t chunk = least_chunk;
     std::vector<float> r, x, old, rest; ///< right side, result, result before a sweep, residual; one number of padding
 
-    // To the next level: T = A P, then P^T T.
+    // To the next level: T = A P, then P^T T. Only a slice of T's rows is there at a time: each coarse row takes what
+    // it needs of them, in the order of the fine rows, while they are in the cache.
     std::vector<Interpolation> up;
-    std::vector<int> t_start, t_column; ///< rows of T
-    std::vector<FloatBlock> t_blocks;
-    std::vector<std::array<int, 4>> t_target; ///< per entry of A: where its products go in T
-    std::vector<int> member_start;            ///< per coarse row: fine rows that it reaches
+    std::vector<int> t_start;                           ///< of T's rows, and one past the end
+    std::vector<FloatBlock> t_blocks;                   ///< of one slice after another
+    std::vector<std::array<std::uint16_t, 4>> t_target; ///< per entry of A: where its products go in the row of T
+    std::vector<int> member_start;                      ///< per coarse row: fine rows that it reaches, ascending
     std::vector<std::pair<int, float>> members;
-    std::vector<int> product_start, product_target; ///< per member: where the entries of its T row go in the coarse row
+    std::vector<int> product_start;            ///< per member, in product_target
+    std::vector<std::uint16_t> product_target; ///< where the entries of its T row go in the coarse row
+    /// What a coarse row takes from a slice.
+    struct Taking {
+        int coarse, first, end; ///< members
+    };
+    std::vector<Taking> takings;
+    std::vector<std::size_t> taking_start; ///< per slice and one past the end
 
     std::vector<char> left_out; ///< flags; empty: none
 
@@ -109,7 +122,9 @@ struct Multigrid::Level {
     std::size_t rows() const { return at(a->rows); }
     void set_outside();
     std::size_t chunks() const { return (rows() + chunk - 1) / chunk; }
-    void prepare_products(int coarse_rows, RowBlocks& coarse);
+    /// False: rows of T, or of the coarse matrix, are longer than can be numbered.
+    bool prepare_products(int coarse_rows, RowBlocks& coarse);
+    void find_takings();
     void multiply_products(RowBlocks& coarse);
     void sweep_forward_from_zero();
     void residual_after_forward();
@@ -122,7 +137,9 @@ struct Multigrid::Coarsest {
     Eigen::VectorXf x;
 };
 
-void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
+bool Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
+    constexpr std::size_t most = std::numeric_limits<std::uint16_t>::max();
+    std::vector<int> t_column;
     t_start = {0};
     t_target.resize(a->column.size());
     for (std::size_t i = 0; i < rows(); ++i) {
@@ -134,23 +151,25 @@ void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
         }
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+        if (columns.size() > most) return false;
         for (int e = first; e < last; ++e) {
             const Interpolation& p = up[at(a->column[at(e)])];
             for (int k = 0; k < p.count; ++k)
-                t_target[at(e)][at(k)] =
-                    t_start.back() +
-                    static_cast<int>(std::lower_bound(columns.begin(), columns.end(), p.coarse[at(k)]) -
-                                     columns.begin());
+                t_target[at(e)][at(k)] = static_cast<std::uint16_t>(
+                    std::lower_bound(columns.begin(), columns.end(), p.coarse[at(k)]) - columns.begin());
         }
         t_column.insert(t_column.end(), columns.begin(), columns.end());
         t_start.push_back(static_cast<int>(t_column.size()));
     }
-    t_blocks.resize(t_column.size());
 
     std::vector<std::vector<std::pair<int, float>>> by_coarse(at(coarse_rows));
+    std::size_t member_count = 0, product_count = 0;
     for (std::size_t i = 0; i < rows(); ++i)
-        for (int k = 0; k < up[i].count; ++k)
+        for (int k = 0; k < up[i].count; ++k) {
             by_coarse[at(up[i].coarse[at(k)])].emplace_back(static_cast<int>(i), up[i].weight[at(k)]);
+            ++member_count, product_count += at(t_start[i + 1] - t_start[i]);
+        }
+    members.reserve(member_count), product_start.reserve(member_count + 1), product_target.reserve(product_count);
     coarse.rows = coarse_rows;
     coarse.row_start = member_start = product_start = {0};
     for (int c = 0; c < coarse_rows; ++c) {
@@ -159,22 +178,48 @@ void Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
             columns.insert(columns.end(), t_column.begin() + t_start[at(i)], t_column.begin() + t_start[at(i) + 1]);
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+        if (columns.size() > most) return false;
         const auto place_of = [&](int column) {
-            return coarse.row_start.back() +
-                   static_cast<int>(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
+            return std::lower_bound(columns.begin(), columns.end(), column) - columns.begin();
         };
         for (const auto& member : by_coarse[at(c)]) {
             members.push_back(member);
             for (int t = t_start[at(member.first)]; t < t_start[at(member.first) + 1]; ++t)
-                product_target.push_back(place_of(t_column[at(t)]));
+                product_target.push_back(static_cast<std::uint16_t>(place_of(t_column[at(t)])));
             product_start.push_back(static_cast<int>(product_target.size()));
         }
         member_start.push_back(static_cast<int>(members.size()));
-        coarse.diagonal.push_back(place_of(c));
+        coarse.diagonal.push_back(coarse.row_start.back() + static_cast<int>(place_of(c)));
         coarse.column.insert(coarse.column.end(), columns.begin(), columns.end());
         coarse.row_start.push_back(static_cast<int>(coarse.column.size()));
     }
+    coarse.column.shrink_to_fit();
     coarse.blocks.resize(coarse.column.size());
+    find_takings();
+    return true;
+}
+
+void Multigrid::Level::find_takings() {
+    const auto for_each_taking = [&](const auto& visit) {
+        for (int c = 0; c + 1 < static_cast<int>(member_start.size()); ++c)
+            for (int m = member_start[at(c)]; m < member_start[at(c) + 1];) {
+                const std::size_t s = at(members[at(m)].first) / slice;
+                const int first = m;
+                while (m < member_start[at(c) + 1] && at(members[at(m)].first) / slice == s) ++m;
+                visit(s, Taking{c, first, m});
+            }
+    };
+    const std::size_t slices = (rows() + slice - 1) / slice;
+    taking_start.assign(slices + 1, 0);
+    for_each_taking([&](std::size_t s, const Taking&) { ++taking_start[s + 1]; });
+    std::partial_sum(taking_start.begin(), taking_start.end(), taking_start.begin());
+    takings.resize(taking_start.back());
+    std::vector<std::size_t> next(taking_start.begin(), taking_start.end() - 1);
+    for_each_taking([&](std::size_t s, const Taking& taking) { takings[next[s]++] = taking; });
+    int longest = 0;
+    for (std::size_t s = 0; s < slices; ++s)
+        longest = std::max(longest, t_start[std::min((s + 1) * slice, rows())] - t_start[s * slice]);
+    t_blocks.resize(at(longest));
 }
 
 namespace {
@@ -186,24 +231,33 @@ void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {
 } // namespace
 
 void Multigrid::Level::multiply_products(RowBlocks& coarse) {
-    parallel_for(rows(), 256, [&](std::size_t i) {
-        for (int t = t_start[i]; t < t_start[i + 1]; ++t) t_blocks[at(t)] = {};
-        for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
-            const std::size_t entry = at(e);
-            const Interpolation& p = up[at(a->column[entry])];
-            for (std::size_t k = 0; k < at(p.count); ++k)
-                add_scaled(a->blocks[entry], p.weight[k], t_blocks[at(t_target[entry][k])]);
-        }
-    });
-    parallel_for(at(coarse.rows), 64, [&](std::size_t c) {
-        for (int e = coarse.row_start[c]; e < coarse.row_start[c + 1]; ++e) coarse.blocks[at(e)] = {};
-        for (int m = member_start[c]; m < member_start[c + 1]; ++m) {
-            const auto [i, weight] = members[at(m)];
-            int target = product_start[at(m)];
-            for (int t = t_start[at(i)]; t < t_start[at(i) + 1]; ++t, ++target)
-                add_scaled(t_blocks[at(t)], weight, coarse.blocks[at(product_target[at(target)])]);
-        }
-    });
+    parallel_for(coarse.blocks.size(), 4096, [&](std::size_t e) { coarse.blocks[e] = {}; });
+    for (std::size_t s = 0; s + 1 < taking_start.size(); ++s) {
+        const std::size_t first = s * slice, count = std::min(slice, rows() - first);
+        const auto row_of_t = [&](std::size_t i) { return t_blocks.data() + (t_start[i] - t_start[first]); };
+        parallel_for(count, 256, [&](std::size_t k) {
+            const std::size_t i = first + k;
+            FloatBlock* row = row_of_t(i);
+            std::fill_n(row, t_start[i + 1] - t_start[i], FloatBlock{});
+            for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
+                const std::size_t entry = at(e);
+                const Interpolation& p = up[at(a->column[entry])];
+                for (std::size_t n = 0; n < at(p.count); ++n)
+                    add_scaled(a->blocks[entry], p.weight[n], row[t_target[entry][n]]);
+            }
+        });
+        parallel_for(taking_start[s + 1] - taking_start[s], 64, [&](std::size_t k) {
+            const Taking& taking = takings[taking_start[s] + k];
+            FloatBlock* out = coarse.blocks.data() + coarse.row_start[at(taking.coarse)];
+            for (int m = taking.first; m < taking.end; ++m) {
+                const auto [i, weight] = members[at(m)];
+                const FloatBlock* row = row_of_t(at(i));
+                const std::uint16_t* target = product_target.data() + product_start[at(m)];
+                for (int t = 0; t < t_start[at(i) + 1] - t_start[at(i)]; ++t)
+                    add_scaled(row[t], weight, out[target[t]]);
+            }
+        });
+    }
 }
 
 void Multigrid::Level::set_outside() {
@@ -306,7 +360,7 @@ Multigrid::Multigrid(const RowBlocks& fine, const UnknownPlaces& places)
             }
         }
         auto next = std::make_unique<Level>(static_cast<int>(coarse_points.size()));
-        level.prepare_products(static_cast<int>(coarse_points.size()), next->own);
+        if (!level.prepare_products(static_cast<int>(coarse_points.size()), next->own)) break;
         next->a = &next->own;
         levels_.push_back(std::move(next));
         points = std::move(coarse_points);

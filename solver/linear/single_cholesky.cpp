@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdint>
+#include <numeric>
 #include <tbb/enumerable_thread_specific.h>
 
 extern "C" {
@@ -43,6 +43,9 @@ struct Supernode {
     std::size_t row_start = 0, value_start = 0; ///< in rows_, in values_ (column by column)
 };
 
+/// Whether a supernode above the pieces is made by tiles of rows side by side.
+bool cut_into_tiles(const Supernode& s) { return s.rows > 2 * tile; }
+
 /// What an earlier supernode takes off a later one: its rows from `from` on times those from `from` to `to`, which are
 /// columns of the later one.
 struct Update {
@@ -57,22 +60,20 @@ struct Scratch {
 } // namespace
 
 struct SingleCholesky::Impl {
-    std::size_t unknowns = 0;
+    std::size_t unknowns = 0, value_count = 0;
     double operations = 0;
     std::vector<int> order; ///< unknown at each place of the factor
     std::vector<Supernode> nodes;
     std::vector<int> rows;
     std::vector<std::size_t> update_start;
     std::vector<Update> updates;
-    /// Entries of the matrix by supernode: number in the block matrix's values, place in the factor's.
+    std::vector<int> place; ///< of each unknown in the factor
+    /// A block of the matrix that has entries in a supernode's columns, and its row.
     struct Entry {
-        std::uint32_t from;
-        std::uint32_t to;
-        std::uint32_t row, column; ///< unknowns, for the scale
+        int block, row;
     };
-    std::vector<std::size_t> entry_start;
+    std::vector<std::size_t> entry_start; ///< per supernode and one past the end
     std::vector<Entry> entries;
-    std::vector<std::size_t> diagonal;       ///< per unknown: its number in the block matrix's values
     std::vector<std::pair<int, int>> pieces; ///< subtrees: first supernode, one past the last
     std::vector<int> above;                  ///< supernodes above them, ascending
     int most_rows = 0;
@@ -84,13 +85,15 @@ struct SingleCholesky::Impl {
     void find_updates();
     void find_entries(const BlockPattern& pattern);
     void find_pieces();
-    bool make(int node, const BlockMatrix& a, bool in_tiles);
+    std::size_t largest_product() const;
+    bool make(int node, const BlockView& a, bool in_tiles);
+    void take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node);
     bool factor_dense(const Supernode& s, bool in_tiles);
     void subtract(const Supernode& s, const Update& u, int first_row, int last_row, Scratch& w);
 };
 
 SingleCholesky::Impl::Impl(const BlockPattern& pattern) {
-    const CholmodAnalysis analysis(pattern);
+    const CholmodAnalysis analysis(pattern, false);
     const cholmod_factor& f = *analysis.factor;
     unknowns = f.n;
     operations = analysis.operations;
@@ -102,18 +105,28 @@ SingleCholesky::Impl::Impl(const BlockPattern& pattern) {
         most_rows = std::max(most_rows, nodes.back().rows);
     }
     rows.assign(s, s + f.ssize);
-    values.resize(f.xsize);
+    value_count = f.xsize;
     scale.resize(unknowns), work.resize(unknowns), below.resize(at(most_rows));
     find_updates();
     find_entries(pattern);
     find_pieces();
-    // The widest product of all, so that no step has to allocate.
-    std::size_t largest = 0;
-    for (const Update& u : updates)
-        largest = std::max(largest, at(nodes[at(u.source)].rows - u.from) * at(u.to - u.from));
-    scratch = tbb::enumerable_thread_specific<Scratch>([n = unknowns, largest] {
+    scratch = tbb::enumerable_thread_specific<Scratch>([n = unknowns, largest = largest_product()] {
         return Scratch{std::vector<float>(largest), std::vector<int>(n)};
     });
+}
+
+/// Numbers of the largest product that `subtract` makes, so that no step has to allocate.
+std::size_t SingleCholesky::Impl::largest_product() const {
+    std::vector<char> in_tiles(nodes.size(), 0);
+    for (const int k : above) in_tiles[at(k)] = cut_into_tiles(nodes[at(k)]);
+    std::size_t largest = 0;
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+        for (std::size_t u = update_start[k]; u < update_start[k + 1]; ++u) {
+            const int count = nodes[at(updates[u].source)].rows - updates[u].from;
+            largest = std::max(largest,
+                               at(in_tiles[k] ? std::min(count, tile) : count) * at(updates[u].to - updates[u].from));
+        }
+    return largest;
 }
 
 void SingleCholesky::Impl::find_updates() {
@@ -140,34 +153,31 @@ void SingleCholesky::Impl::find_updates() {
 }
 
 void SingleCholesky::Impl::find_entries(const BlockPattern& pattern) {
-    std::vector<int> place(unknowns), node_of(unknowns);
+    std::vector<int> node_of(unknowns);
+    place.resize(unknowns);
     for (std::size_t k = 0; k < unknowns; ++k) place[at(order[k])] = static_cast<int>(k);
     for (std::size_t k = 0; k < nodes.size(); ++k)
         std::fill_n(node_of.begin() + nodes[k].first, nodes[k].width, static_cast<int>(k));
-    std::vector<std::vector<Entry>> of(nodes.size());
-    diagonal.resize(unknowns);
-    for (int i = 0; i < pattern.rows; ++i)
-        for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e)
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) {
-                    const int j = pattern.column[at(e)], row = 3 * i + r, column = 3 * j + c;
-                    if (i == j && c < r) continue; // its mirror image is read
-                    const std::size_t from = 9 * at(e) + at(3 * r + c);
-                    if (row == column) diagonal[at(row)] = from;
-                    const auto [low, high] = std::minmax(place[at(row)], place[at(column)]);
-                    const int k = node_of[at(low)];
-                    const Supernode& s = nodes[at(k)];
-                    const auto first = rows.begin() + static_cast<std::ptrdiff_t>(s.row_start);
-                    const auto found = std::lower_bound(first, first + s.rows, high);
-                    const std::size_t to = s.value_start + at(low - s.first) * at(s.rows) + at(int(found - first));
-                    of[at(k)].push_back({static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(to),
-                                         static_cast<std::uint32_t>(row), static_cast<std::uint32_t>(column)});
-                }
-    entry_start = {0};
-    for (const auto& list : of) {
-        entries.insert(entries.end(), list.begin(), list.end());
-        entry_start.push_back(entries.size());
-    }
+    // Counted, then filled, so that nothing is held twice.
+    const auto for_each_entry = [&](const auto& visit) {
+        for (int i = 0; i < pattern.rows; ++i)
+            for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
+                int last = -1; // nearly always all columns of a block's entries are of one supernode
+                for (int r = 0; r < 3; ++r)
+                    for (int c = 0; c < 3; ++c) {
+                        const int j = pattern.column[at(e)];
+                        const int k = node_of[at(std::min(place[at(3 * i + r)], place[at(3 * j + c)]))];
+                        if (k != last) visit(at(k), Entry{e, i});
+                        last = k;
+                    }
+            }
+    };
+    entry_start.assign(nodes.size() + 1, 0);
+    for_each_entry([&](std::size_t node, const Entry&) { ++entry_start[node + 1]; });
+    std::partial_sum(entry_start.begin(), entry_start.end(), entry_start.begin());
+    entries.resize(entry_start.back());
+    std::vector<std::size_t> next(entry_start.begin(), entry_start.end() - 1);
+    for_each_entry([&](std::size_t node, const Entry& entry) { entries[next[node]++] = entry; });
 }
 
 /// Cuts the tree of supernodes: what is below piece_share of the operations is one piece, all above goes in order.
@@ -269,28 +279,42 @@ bool SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
     return true;
 }
 
-bool SingleCholesky::Impl::make(int node, const BlockMatrix& a, bool in_tiles) {
+/// The matrix's entries, scaled, in the lower triangle of a supernode.
+void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node) {
     const Supernode& s = nodes[at(node)];
-    std::fill_n(values.begin() + static_cast<std::ptrdiff_t>(s.value_start), at(s.rows) * at(s.width), 0.0f);
+    float* block = values.data() + s.value_start;
+    std::fill_n(block, at(s.rows) * at(s.width), 0.0f);
     for (std::size_t e = entry_start[at(node)]; e < entry_start[at(node) + 1]; ++e) {
-        const Entry& entry = entries[e];
-        values[entry.to] = static_cast<float>(a.values[entry.from]) * scale[entry.row] * scale[entry.column];
+        const std::size_t i = at(entries[e].row), j = at(a.pattern->column[at(entries[e].block)]);
+        const double* from = a.block(at(entries[e].block));
+        for (std::size_t r = 0; r < 3; ++r)
+            for (std::size_t c = i == j ? r : 0; c < 3; ++c) { // of a diagonal block the upper triangle is read
+                const auto [low, high] = std::minmax(place[3 * i + r], place[3 * j + c]);
+                if (low < s.first || low >= s.first + s.width) continue;
+                block[at(low - s.first) * at(s.rows) + at(place_in_node[at(high)])] =
+                    static_cast<float>(from[3 * r + c]) * scale[3 * i + r] * scale[3 * j + c];
+            }
     }
+}
+
+bool SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
+    const Supernode& s = nodes[at(node)];
     const int* row = rows.data() + s.row_start;
     const std::size_t first = update_start[at(node)], last = update_start[at(node) + 1];
-    const auto take = [&](int first_row, int last_row) {
-        Scratch& w = scratch.local();
-        for (int r = first_row; r < last_row; ++r) w.place[at(row[r])] = r;
-        for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], first_row, last_row, w);
-    };
-    if (in_tiles && s.rows > 2 * tile) {
+    Scratch& here = scratch.local();
+    for (int r = 0; r < s.rows; ++r) here.place[at(row[r])] = r;
+    take_entries(node, a, here.place);
+    if (in_tiles && cut_into_tiles(s)) {
         parallel_for(at((s.rows + tile - 1) / tile), 1, [&](std::size_t t) {
             const OneOpenMpThread guard;
-            take(static_cast<int>(t) * tile, std::min(s.rows, static_cast<int>(t + 1) * tile));
+            Scratch& w = scratch.local();
+            const int first_row = static_cast<int>(t) * tile, last_row = std::min(s.rows, first_row + tile);
+            for (int r = first_row; r < last_row; ++r) w.place[at(row[r])] = r;
+            for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], first_row, last_row, w);
         });
         return factor_dense(s, true);
     }
-    take(0, s.rows);
+    for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], 0, s.rows, here);
     return factor_dense(s, false);
 }
 
@@ -299,17 +323,21 @@ SingleCholesky::SingleCholesky(const BlockPattern& pattern)
 
 SingleCholesky::~SingleCholesky() = default;
 
+void SingleCholesky::release() { impl_->values = {}; }
+
+std::size_t SingleCholesky::bytes() const { return impl_->values.size() * sizeof(float); }
+
 double SingleCholesky::factor_operations() const { return impl_->operations; }
 
-bool SingleCholesky::factorize(const BlockMatrix& a) {
+bool SingleCholesky::factorize(const BlockView& a) {
     Impl& f = *impl_;
     for (std::size_t i = 0; i < f.unknowns; ++i) {
-        const double d = a.values[f.diagonal[i]];
+        const double d = a.block(at(a.pattern->row_start[i / 3]))[4 * (i % 3)];
         if (!(d > 0) || !std::isfinite(d)) return false;
         f.scale[i] = static_cast<float>(1 / std::sqrt(d));
     }
-    // LAPACK kernels differ in whether they notice a NaN among their pivots.
-    if (!std::isfinite(ordered_sum(a.values.size(), [&](std::size_t i) { return a.values[i]; }))) return false;
+    if (!a.finite()) return false;
+    f.values.resize(f.value_count);
     std::atomic<bool> good = true;
     parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
         const OneOpenMpThread guard;

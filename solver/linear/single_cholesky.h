@@ -18,8 +18,10 @@ class SingleCholesky final : public SparseFactor {
     explicit SingleCholesky(const BlockPattern& pattern);
     ~SingleCholesky() override;
     /// False also where a matrix is positive definite by less than single precision can tell.
-    bool factorize(const BlockMatrix& a) override;
+    bool factorize(const BlockView& a) override;
     double factor_operations() const override;
+    void release() override;
+    std::size_t bytes() const override;
     /// Right to single precision times the condition of the scaled matrix.
     void solve(const double* b, double* x) override;
 

@@ -3,15 +3,41 @@
 #pragma once
 #include "solver/linear/block_matrix.h"
 
+#include <cstddef>
+#include <span>
+
 namespace sinew::solver {
+
+/// A matrix as factors read it: the blocks of a pattern, wherever they stand.
+struct BlockView {
+    const BlockPattern* pattern;
+    std::span<const double> values;
+    std::span<const int> source; ///< per block of the pattern: its number among the values; empty: the same
+    BlockView(const BlockMatrix& a)
+        : pattern(a.pattern)
+        , values(a.values) {}
+    /// A part of a larger matrix.
+    BlockView(const BlockPattern& part, const BlockMatrix& whole, std::span<const int> source)
+        : pattern(&part)
+        , values(whole.values)
+        , source(source) {}
+    const double* block(std::size_t index) const {
+        return values.data() + 9 * (source.empty() ? index : static_cast<std::size_t>(source[index]));
+    }
+    /// LAPACK kernels differ in whether they notice a NaN among their pivots.
+    bool finite() const;
+};
 
 class SparseFactor {
   public:
     virtual ~SparseFactor() = default;
     /// False if the matrix is not positive definite (or not finite).
-    virtual bool factorize(const BlockMatrix& a) = 0;
+    virtual bool factorize(const BlockView& a) = 0;
     /// Solves A x = b with the last factor; 3 numbers a row.
     virtual void solve(const double* b, double* x) = 0;
+    /// Gives the numbers' memory back and keeps the analysis; the next factorize takes it again.
+    virtual void release() = 0;
+    virtual std::size_t bytes() const = 0; ///< that the numbers take now
     /// Floating-point operations of one factorisation, as the analysis counts them.
     virtual double factor_operations() const = 0;
 };

@@ -1,5 +1,6 @@
 // Outputs on disk: what a later process finds, what it is told, and which declarations are refused.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/eval/frame_store.h"
 #include "engine/registry.h"
 #include "tests/support/engine_toys.h"
 
@@ -140,4 +141,42 @@ TEST_CASE("the switch that keeps outputs takes a plain value alone") {
     CHECK(codes_of([&] {
               graph(r, R"("t": {"type": "truth"}, "k": {"type": "keeper", "inputs": {"keep": {"from": "t.yes"}}})");
           }) == "DG029");
+}
+
+TEST_CASE("a frame on disk holds the blocks that differ from the start's, whatever changes its length before them") {
+    const Folder folder;
+    Registry registry;
+    registry.add(make_codec<double>(1, write, read));
+    int computes = 0;
+    NodeType type = keeper(&computes);
+    Entry entry;
+    entry.outputs = {Value::of(2.5)};
+    const auto frame = [&](int number, std::size_t length, int first) {
+        KeptFrame f;
+        f.made_from.node = "a";
+        f.frame = number;
+        f.entry = std::make_shared<const Entry>(entry);
+        f.state.assign(length, std::byte{7});
+        f.state.front() = std::byte(first);
+        return f;
+    };
+    // With its length before it the start's state ends at a block's edge. The next frame's is a byte longer, and its
+    // first byte is another one.
+    constexpr std::size_t block = 4096, length = 50 * block - sizeof(std::uint64_t);
+    const Digest start{1, 1}, next{2, 2};
+    FrameStore store(folder.path, 1 << 30, "build");
+    store.write(registry, type, start, start, frame(1, length, 1));
+    store.write(registry, type, next, start, frame(2, length + 1, 2));
+    // Of each file: its header, the start's key, how long it is, where its four parts begin, which blocks follow.
+    constexpr std::uintmax_t sum = 16, header = 13 + 2 * sum + 8, before = sum + 8 + (8 + 4 * 4) + 8;
+    // What it was made from, the state's first block, and the one that its last byte stands in.
+    CHECK(fs::file_size(store.file_of(next)) == header + before + 3 * (4 + block));
+    CHECK(fs::file_size(store.file_of(start)) > 50 * block);
+    for (const auto& [key, number] : {std::pair{start, 1}, {next, 2}}) {
+        const FrameStore::Found found = FrameStore(folder.path, 1 << 30, "build").read(registry, type, key, true);
+        REQUIRE(found.frame);
+        CHECK(found.frame->frame == number);
+        CHECK(found.frame->state == frame(number, length + std::size_t(number) - 1, number).state);
+        CHECK(found.frame->entry->outputs.at(0).as<double>() == 2.5);
+    }
 }

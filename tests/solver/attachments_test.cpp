@@ -187,7 +187,7 @@ TEST_CASE("an attachment's force does not depend on how finely the surface is cu
         for (Vec3& p : std::get<BoneInputs>(in.bodies[1]).positions) p.y() += way;
         const State s = settle(w, start, in);
         double sum = 0;
-        const AttachmentMemory kept = attachments_kept(start.memories);
+        const AttachmentView kept = attachments_kept(start.memories);
         for (const Anchor& anchor : kept.anchors[0]) {
             const PointWeights p = scene->embedded(0, anchor.source.tet, anchor.source.coordinates);
             double moved = 0;
@@ -229,7 +229,7 @@ TEST_CASE("a box that hangs by its painted top from a spring bed extends it by r
             Workspace w(scene);
             const State start = initial_state(*scene, in), s = settle(w, start, in);
             double extension = 0, area = 0; // the mean over the samples
-            const AttachmentMemory kept = attachments_kept(start.memories);
+            const AttachmentView kept = attachments_kept(start.memories);
             for (const Anchor& anchor : kept.anchors[0]) {
                 const PointWeights p = scene->embedded(0, anchor.source.tet, anchor.source.coordinates);
                 double z = 0;
@@ -261,7 +261,7 @@ TEST_CASE(
                 in.bodies.push_back(BoneInputs{wall()});
                 in.attachments = {{2 * k, 0.5, 0}};
                 State s = initial_state(scene, in);
-                Springs springs(scene, attachments_kept(s.memories).anchors);
+                Springs springs(scene, attachments_kept(s.memories));
                 ImplicitForm form;
                 quasi_static_form(s, form);
                 springs.begin_stage(in, s, s.bones, form);
@@ -285,7 +285,7 @@ TEST_CASE("springs' energy by vertices is that of all samples, from rounding's d
         const double step = 0.02, spring = 0.5e9, dashpot = 0.5 * damping / step;
         ImplicitForm form;
         backward_euler_form(s, step, form);
-        Springs springs(scene, attachments_kept(s.memories).anchors);
+        Springs springs(scene, attachments_kept(s.memories));
         springs.begin_stage(in, s, s.bones, form);
         std::mt19937 random(2);
         std::normal_distribution<double> normal;
@@ -331,7 +331,7 @@ TEST_CASE("forces between two tissues balance in sum and in moment, and are the 
         in.bodies.push_back(material(3e5, 0.3, 1000));
         in.attachments = {{1e6, 0.7, 0}};
         State s = initial_state(scene, in);
-        Springs springs(scene, attachments_kept(s.memories).anchors);
+        Springs springs(scene, attachments_kept(s.memories));
         ImplicitForm form;
         quasi_static_form(s, form);
         springs.begin_stage(in, s, s.bones, form);
@@ -385,9 +385,9 @@ TEST_CASE("targetWeights exclude: who faces what is not painted holds on to noth
         StepInputs in = bar_inputs();
         in.bodies.push_back(BoneInputs{table.points});
         in.attachments = {{1e6, 1, 0}};
-        const AttachmentMemory kept = attachments_kept(initial_state(scene, in).memories);
+        const AttachmentView kept = attachments_kept(initial_state(scene, in).memories);
         start = kept.starts.at(0);
-        return kept.anchors.at(0);
+        return {kept.anchors.at(0).begin(), kept.anchors.at(0).end()};
     };
     for (const PaintedOn on : {PaintedOn::vertices, PaintedOn::faces}) {
         AttachmentStart start;
@@ -527,4 +527,39 @@ TEST_CASE("both ends of an attachment are judged against its elastic forces, not
         else
             CHECK(forces[0].sum > pull);
     }
+}
+
+TEST_CASE("a state holds an attachment's samples once, 128 bytes each, and those after it share them") {
+    auto t = tissue(box_mesh({0.1, 0.1, 0.1}, 2, 2, 2), ElasticLaw::stvk);
+    AttachmentRest a;
+    a.source = 0, a.target = 1;
+    a.source_weights = paint_vertices(t->surface, at_root);
+    const auto scene = std::make_shared<const Scene>(SceneDescription{{t, wall_bone()}, {a}});
+    StepInputs in = bar_inputs();
+    in.bodies.push_back(BoneInputs{wall()});
+    in.attachments = {{1e6, 1, 0}};
+    const State start = initial_state(*scene, in);
+    const AttachmentView kept = attachments_kept(start.memories);
+    const std::size_t samples = kept.anchors.at(0).size();
+    CHECK(samples >= 8); // triangles of the face
+    // Each list with its length before it.
+    constexpr std::size_t length = 8;
+    const std::size_t memory = 8 + 5 * 8 + length + 128 * samples; // how many attachments; of each its start
+    const TermMemory* own = find_memory(start.memories, "attachment");
+    REQUIRE(own);
+    CHECK(own->bytes.size() == memory);
+    CHECK(reinterpret_cast<const std::byte*>(kept.anchors[0].data()) == own->bytes.data() + (memory - 128 * samples));
+    std::size_t memories = length; // each with its name and version
+    for (const TermMemory& m : start.memories) memories += length + m.term.size() + 4 + length + m.bytes.size();
+    CHECK(memories < memory + 100);
+    const std::size_t positions_and_velocities = 2 * (length + 27 * 3 * 8),
+                      history = 8 + 3 * length + length + 1, // step, x, v, acceleration, bones, values
+        bones = length + length + (length + 4 * 3 * 8),      // none of the tissue
+        record = 2 * 8 + 8 + 6 * 4 + 1 + length;
+    const std::string_view mark = "sinew state 11\n";
+    CHECK(save(start).size() ==
+          mark.size() + positions_and_velocities + history + memories + length + bones + (8 + 4) + record);
+    Workspace w(scene);
+    const State next = advance(w, start, std::span(&in, 1));
+    CHECK(find_memory(next.memories, "attachment")->bytes.data() == own->bytes.data());
 }

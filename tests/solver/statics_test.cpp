@@ -342,7 +342,7 @@ TEST_CASE("quadratic tets glued to a bone are as stiff as clamped ones") {
         }
         const auto scene = std::make_shared<const Scene>(d);
         State s = initial_state(*scene, in);
-        const AttachmentMemory kept = attachments_kept(s.memories);
+        const AttachmentView kept = attachments_kept(s.memories);
         for (const auto& list : kept.anchors)
             for (const Anchor& a : list) area += a.area_weight;
         if (glued) CHECK(area == Approx(0.01)); // the end's own: paint does not run around the edges

@@ -172,7 +172,7 @@ class Collector {
         const nodes::SimulationState state = nodes::load_simulation(std::span(saved).subspan(header));
         const std::vector<ActingAttachment> acting = acting_attachments(
             *e_.graph, source.meshes.node, solved, [&](const Plug& plug) { return pull(plug, frame); });
-        const solver::AttachmentMemory attachments = solver::attachments_kept(state.state.memories);
+        const solver::AttachmentView attachments = solver::attachments_kept(state.state.memories);
         for (std::size_t a = 0; a < attachments.anchors.size() && a < state.scene.links.size(); ++a) {
             // What slides or is off has no places to draw lines to; marks show where it slides.
             if (a < acting.size() && !acting[a].holds) continue;

@@ -136,7 +136,7 @@ std::vector<ActingAttachment> acting_attachments(const engine::Graph& graph, con
     return out;
 }
 
-ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& source,
+ViewAttachment attachment_of(std::span<const solver::Anchor> anchors, const nodes::BodyRest& source,
                              const nodes::BodyRest& target, double units_per_metre) {
     ViewAttachment out;
     const std::size_t drawn = std::min(anchors.size(), most_anchors);

@@ -40,7 +40,7 @@ std::vector<ActingAttachment> acting_attachments(const engine::Graph& graph, con
                                                  const nodes::Solved& solved, const Puller& pull);
 
 /// Anchors in scene units, some hundreds evenly chosen where there are more; node and bodies are left for the caller.
-ViewAttachment attachment_of(const std::vector<solver::Anchor>& anchors, const nodes::BodyRest& source,
+ViewAttachment attachment_of(std::span<const solver::Anchor> anchors, const nodes::BodyRest& source,
                              const nodes::BodyRest& target, double units_per_metre);
 
 } // namespace sinew::viewer

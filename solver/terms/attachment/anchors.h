@@ -6,6 +6,7 @@
 #include "solver/term/memory.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace sinew::solver {
@@ -44,6 +45,13 @@ struct AttachmentMemory {
     friend bool operator==(const AttachmentMemory&, const AttachmentMemory&) = default;
 };
 
+/// The same, read where a term's memory holds it: nothing is copied, and the bytes stay as long as this does.
+struct AttachmentView {
+    SharedBytes bytes;
+    std::vector<std::span<const Anchor>> anchors;
+    std::vector<AttachmentStart> starts;
+};
+
 /// Position of an end on a bone.
 Vec3 bone_point(const AnchorEnd& end, const Points& positions);
 /// Where an end was modelled, on a tissue or a bone.
@@ -77,9 +85,9 @@ AttachmentMemory make_anchors(const Scene& scene, const std::vector<AttachmentIn
 /// To and from the bytes of a term's memory.
 void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory);
 /// Empty where none of `memories` is that of attachments. Throws Error IO403 where the bytes end too early.
-AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories);
+AttachmentView attachments_kept(const std::vector<TermMemory>& memories);
 /// Throws Error IO403 where what was kept is of another scene, FE240 (attachment set) where an attachment is on that
 /// found no hold at the start frame.
-void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentMemory& kept);
+void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentView& kept);
 
 } // namespace sinew::solver

@@ -36,12 +36,12 @@ Changes Attachments::take(const StepInputs& inputs, const State& before) {
     wanted_.clear();
     for (const AttachmentInputs& a : inputs.attachments) wanted_.push_back(a.mode() == AttachmentMode::fixed);
     if (springs_ && memory && *memory == memory_ && wanted_ == on_) return {};
-    AttachmentMemory kept = attachments_kept(before.memories);
+    AttachmentView kept = attachments_kept(before.memories);
     check_kept(scene_, inputs.attachments, kept);
     for (std::size_t a = 0; a < wanted_.size(); ++a)
-        if (!wanted_[a]) kept.anchors[a].clear();
+        if (!wanted_[a]) kept.anchors[a] = {};
     memory_ = *memory, on_ = wanted_;
-    springs_ = std::make_unique<Springs>(scene_, std::move(kept.anchors));
+    springs_ = std::make_unique<Springs>(scene_, std::move(kept));
     return {.couplings = true};
 }
 

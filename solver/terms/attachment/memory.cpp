@@ -21,6 +21,10 @@ void append(const void* from, std::size_t size, std::vector<std::byte>& bytes) {
     bytes.insert(bytes.end(), first, first + size);
 }
 
+// All counts and items are whole doubles long, so that items can be read where they lie.
+static_assert(sizeof(Anchor) % alignof(Anchor) == 0 && sizeof(AttachmentStart) % alignof(Anchor) == 0 &&
+              sizeof(std::uint64_t) % alignof(Anchor) == 0);
+
 void take(std::span<const std::byte>& bytes, void* to, std::size_t size) {
     if (bytes.size() < size) throw Error("IO403", "the attachments of a saved simulation state end too early");
     if (size > 0) std::memcpy(to, bytes.data(), size);
@@ -41,6 +45,10 @@ void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory) {
     if (attachments.anchors.empty()) return memory.bytes.clear();
     std::vector<std::byte> bytes;
     const std::uint64_t count = attachments.anchors.size();
+    std::size_t total = sizeof count;
+    for (const std::vector<Anchor>& anchors : attachments.anchors)
+        total += sizeof(AttachmentStart) + sizeof count + anchors.size() * sizeof(Anchor);
+    bytes.reserve(total);
     append(&count, sizeof count, bytes);
     for (std::size_t a = 0; a < attachments.anchors.size(); ++a) {
         const std::vector<Anchor>& anchors = attachments.anchors[a];
@@ -52,23 +60,25 @@ void keep_attachments(const AttachmentMemory& attachments, TermMemory& memory) {
     memory.bytes = std::move(bytes);
 }
 
-AttachmentMemory attachments_kept(const std::vector<TermMemory>& memories) {
-    AttachmentMemory out;
+AttachmentView attachments_kept(const std::vector<TermMemory>& memories) {
+    AttachmentView out;
     const TermMemory* memory = find_memory(memories, attachment_type.name);
     if (!memory) return out;
-    std::span<const std::byte> bytes = memory->bytes;
+    out.bytes = memory->bytes;
+    std::span<const std::byte> bytes = out.bytes;
     const std::size_t count = take_count(bytes, sizeof(AttachmentStart) + sizeof(std::uint64_t));
     out.anchors.resize(count), out.starts.resize(count);
     for (std::size_t a = 0; a < count; ++a) {
         take(bytes, &out.starts[a], sizeof(AttachmentStart));
-        out.anchors[a].resize(take_count(bytes, sizeof(Anchor)));
-        take(bytes, out.anchors[a].data(), out.anchors[a].size() * sizeof(Anchor));
+        const std::size_t size = take_count(bytes, sizeof(Anchor));
+        out.anchors[a] = {reinterpret_cast<const Anchor*>(bytes.data()), size};
+        bytes = bytes.subspan(size * sizeof(Anchor));
     }
     if (!bytes.empty()) throw Error("IO403", "the attachments of a saved simulation state have bytes left over");
     return out;
 }
 
-void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentMemory& kept) {
+void check_kept(const Scene& scene, const std::vector<AttachmentInputs>& inputs, const AttachmentView& kept) {
     const auto& attachments = scene.description().attachments;
     // A state may come from a file.
     if (kept.anchors.size() != attachments.size())

@@ -109,7 +109,7 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
             if (is_new) {
                 column = p.column;
                 column_.push_back(column);
-                first_share_.push_back(shares_.size());
+                first_share_.push_back(static_cast<int>(shares_.size()));
             }
             if (is_new || shares_.back().attachment != p.attachment)
                 shares_.push_back({p.attachment, p.product});
@@ -118,7 +118,9 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
         }
     }
     row_start_.push_back(column_.size());
-    first_share_.push_back(shares_.size());
+    first_share_.push_back(static_cast<int>(shares_.size()));
+    for (auto* list : {&column_, &first_share_}) list->shrink_to_fit();
+    shares_.shrink_to_fit();
     values_.resize(column_.size());
     make_loads(springs, node_of);
 }
@@ -156,8 +158,9 @@ void SpringCoupling::set_pattern(const BlockPattern& pattern, const std::vector<
     for (std::size_t n = 0; n < nodes_.size(); ++n)
         for (std::size_t e = row_start_[n]; e < row_start_[n + 1]; ++e) {
             const int row = unknown[at(nodes_[n].vertex)], column = unknown[at(nodes_[at(column_[e])].vertex)];
-            if (row >= 0 && column >= row) blocks_.emplace_back(pattern.find(row, column), e);
+            if (row >= 0 && column >= row) blocks_.emplace_back(pattern.find(row, column), static_cast<int>(e));
         }
+    blocks_.shrink_to_fit();
 }
 
 void SpringCoupling::set_pulls(const std::vector<SpringPull>& pulls) {
@@ -166,9 +169,9 @@ void SpringCoupling::set_pulls(const std::vector<SpringPull>& pulls) {
     elastic_values_.resize(viscous ? values_.size() : 0);
     parallel_for(values_.size(), 2048, [&](std::size_t e) {
         double elastic = 0, damped = 0;
-        for (std::size_t i = first_share_[e]; i < first_share_[e + 1]; ++i) {
-            elastic += pulls[at(shares_[i].attachment)].stiffness * shares_[i].product;
-            damped += pulls[at(shares_[i].attachment)].viscous * shares_[i].product;
+        for (int i = first_share_[e]; i < first_share_[e + 1]; ++i) {
+            elastic += pulls[at(shares_[at(i)].attachment)].stiffness * shares_[at(i)].product;
+            damped += pulls[at(shares_[at(i)].attachment)].viscous * shares_[at(i)].product;
         }
         values_[e] = elastic + damped;
         if (viscous) elastic_values_[e] = elastic;
@@ -185,12 +188,12 @@ void SpringCoupling::set_pulls(const std::vector<SpringPull>& pulls) {
 void SpringCoupling::add_hessian(BlockMatrix& a) const {
     parallel_for(blocks_.size(), 2048, [&](std::size_t b) {
         double* block = a.block(at(blocks_[b].first));
-        for (int c = 0; c < 3; ++c) block[4 * c] += values_[blocks_[b].second];
+        for (int c = 0; c < 3; ++c) block[4 * c] += values_[at(blocks_[b].second)];
     });
 }
 
 void SpringCoupling::add_springs(std::span<double> blocks) const {
-    for (const auto& [block, entry] : blocks_) blocks[at(block)] += values_[entry];
+    for (const auto& [block, entry] : blocks_) blocks[at(block)] += values_[at(entry)];
 }
 
 void SpringCoupling::add_squared_stiffnesses(std::vector<double>& of_body) const {

@@ -73,9 +73,9 @@ class SpringCoupling {
     void make_loads(const std::vector<CoupledSpring>& springs, const std::vector<int>& node_of);
 
     std::vector<Node> nodes_;
-    std::vector<std::size_t> row_start_;   ///< per node and one past the end: of its entries
-    std::vector<int> column_;              ///< per entry: a node
-    std::vector<std::size_t> first_share_; ///< per entry and one past the end
+    std::vector<std::size_t> row_start_; ///< per node and one past the end: of its entries
+    std::vector<int> column_;            ///< per entry: a node
+    std::vector<int> first_share_;       ///< per entry and one past the end
     std::vector<Share> shares_;
     std::vector<std::size_t> first_load_; ///< per node and one past the end
     std::vector<Load> loads_;
@@ -84,7 +84,7 @@ class SpringCoupling {
     std::vector<double> elastic_values_;   ///< likewise; empty where nothing is damped and they are the same
     std::vector<double> square_stiffness_; ///< per node, of its loads [N^2/m^2]
     // Of the pattern:
-    std::vector<std::pair<int, std::size_t>> blocks_; ///< of the pattern's upper triangle, and whose entry
+    std::vector<std::pair<int, int>> blocks_; ///< of the pattern's upper triangle, and whose entry
 };
 
 } // namespace sinew::solver

@@ -23,58 +23,85 @@ Vec3 point_of(const std::vector<double>& x, int vertex) { return Eigen::Map<cons
 
 } // namespace
 
-Springs::Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors)
+Springs::Springs(const Scene& scene, AttachmentView kept)
     : scene_(scene)
-    , anchors_(std::move(anchors)) {
+    , kept_(std::move(kept)) {
     const auto& attachments = scene.description().attachments;
-    for (std::size_t a = 0; a < anchors_.size(); ++a) {
-        const int source = attachments[a].source, target = attachments[a].target;
-        const bool pulls_source = scene.deforms(source), pulls_target = scene.deforms(target);
-        if (!pulls_source && !pulls_target) continue;
-        for (std::size_t i = 0; i < anchors_[a].size(); ++i) {
-            const Anchor& anchor = anchors_[a][i];
-            springs_.push_back({static_cast<int>(a), static_cast<int>(i), terms_.size(), 0, anchor.area_weight});
-            if (pulls_source) add_end(anchor.source, source, 1);
-            if (pulls_target) add_end(anchor.target, target, pulls_source ? -1 : 1);
-        }
+    for (std::size_t a = 0; a < kept_.anchors.size(); ++a) {
+        const bool pulls_source = scene.deforms(attachments[a].source),
+                   pulls_target = scene.deforms(attachments[a].target);
+        if (kept_.anchors[a].empty() || (!pulls_source && !pulls_target)) continue;
+        beds_.push_back({static_cast<int>(a), count_, pulls_source, pulls_target});
+        count_ += kept_.anchors[a].size();
     }
-    std::vector<CoupledSpring> coupled;
-    for (const Spring& s : springs_)
-        coupled.push_back({s.attachment, {terms_.data() + s.first_term, at(s.count)}, s.area_weight});
-    coupling_.make(scene, coupled);
+    make_coupling();
     make_shares();
     pulls_.resize(attachments.size());
-    places_.resize(springs_.size()), of_springs_.resize(springs_.size());
+    places_.resize(count_), of_springs_.resize(count_);
     const std::size_t nodes = coupling_.nodes().size();
     for (auto* by_node : {&base_, &forces_, &elastic_forces_, &moves_, &products_}) by_node->resize(nodes);
     node_square_.resize(nodes);
 }
 
-/// Adds an embedded point to the last spring.
-void Springs::add_end(const AnchorEnd& end, int body, double sign) {
-    const PointWeights point = carried_end(scene_, body, end);
-    for (int k = 0; k < point.count; ++k) terms_.push_back({point.vertex[k], sign * point.weight[k]});
-    springs_.back().count += point.count;
+const Springs::Bed& Springs::bed_of(std::size_t spring) const {
+    return *(std::upper_bound(beds_.begin(), beds_.end(), spring,
+                              [](std::size_t s, const Bed& bed) { return s < bed.first; }) -
+             1);
+}
+
+template <class Visit>
+void Springs::for_each_term(const Bed& bed, const Anchor& anchor, const Visit& visit) const {
+    const AttachmentRest& rest = scene_.description().attachments[at(bed.attachment)];
+    const auto add_end = [&](const AnchorEnd& end, int body, double sign) {
+        const PointWeights point = carried_end(scene_, body, end);
+        for (int k = 0; k < point.count; ++k) visit(point.vertex[k], sign * point.weight[k]);
+    };
+    if (bed.pulls_source) add_end(anchor.source, rest.source, 1);
+    if (bed.pulls_target) add_end(anchor.target, rest.target, bed.pulls_source ? -1 : 1);
+}
+
+void Springs::make_coupling() {
+    std::vector<SpringTerm> terms;
+    std::vector<std::size_t> first;
+    first.reserve(count_ + 1);
+    for (const Bed& bed : beds_)
+        for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
+            first.push_back(terms.size());
+            for_each_term(bed, anchor, [&](int vertex, double c) { terms.push_back({vertex, c}); });
+        }
+    first.push_back(terms.size());
+    std::vector<CoupledSpring> coupled;
+    coupled.reserve(count_);
+    for (const Bed& bed : beds_)
+        for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
+            const std::size_t s = coupled.size();
+            coupled.push_back({bed.attachment, {terms.data() + first[s], first[s + 1] - first[s]}, anchor.area_weight});
+        }
+    coupling_.make(scene_, coupled);
 }
 
 /// Finds what each node gets, in the order of the springs, which fixes the order of every sum.
 void Springs::make_shares() {
+    std::vector<int> node_of(scene_.numbering().vertex_count(), -1);
     const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
-    const auto node_of = [&](int vertex) {
-        const auto found = std::lower_bound(nodes.begin(), nodes.end(), vertex,
-                                            [](const SpringCoupling::Node& n, int v) { return n.vertex < v; });
-        return static_cast<std::size_t>(found - nodes.begin());
+    for (std::size_t n = 0; n < nodes.size(); ++n) node_of[at(nodes[n].vertex)] = static_cast<int>(n);
+    const auto for_each_share = [&](const auto& visit) {
+        int spring = 0;
+        for (const Bed& bed : beds_)
+            for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
+                for_each_term(bed, anchor, [&](int vertex, double c) { visit(at(node_of[at(vertex)]), spring, c); });
+                ++spring;
+            }
     };
     first_share_.assign(nodes.size() + 1, 0);
-    for (const Term& term : terms_) ++first_share_[node_of(term.vertex) + 1];
+    for_each_share([&](std::size_t node, int, double) { ++first_share_[node + 1]; });
     std::partial_sum(first_share_.begin(), first_share_.end(), first_share_.begin());
-    shares_.resize(terms_.size());
+    share_spring_.resize(first_share_.back()), share_coefficient_.resize(first_share_.back());
     std::vector<std::size_t> next(first_share_.begin(), first_share_.end() - 1);
-    for (std::size_t s = 0; s < springs_.size(); ++s)
-        for (std::size_t k = 0; k < at(springs_[s].count); ++k) {
-            const Term& term = terms_[springs_[s].first_term + k];
-            shares_[next[node_of(term.vertex)]++] = {static_cast<int>(s), term.coefficient};
-        }
+    for_each_share([&](std::size_t node, int spring, double c) {
+        share_spring_[next[node]] = spring;
+        share_coefficient_[next[node]++] = c;
+    });
 }
 
 void Springs::begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
@@ -87,12 +114,12 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
     }
     const bool any_viscous =
         std::any_of(pulls_.begin(), pulls_.end(), [](const SpringPull& p) { return p.viscous != 0; });
-    references_.resize(any_viscous ? springs_.size() : 0);
+    references_.resize(any_viscous ? count_ : 0);
     elastic_of_springs_.resize(references_.size());
-    parallel_for(springs_.size(), grain, [&](std::size_t k) {
-        const Spring& s = springs_[k];
-        const Anchor& anchor = anchors_[at(s.attachment)][at(s.anchor)];
-        const AttachmentRest& rest = attachments[at(s.attachment)];
+    parallel_for(count_, grain, [&](std::size_t k) {
+        const Bed& bed = bed_of(k);
+        const Anchor& anchor = anchor_of(bed, k);
+        const AttachmentRest& rest = attachments[at(bed.attachment)];
         Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();
         const bool to_bone = scene_.bone(rest.target), from_bone = scene_.bone(rest.source);
         for (std::size_t time = 0; time < 3 && (to_bone || from_bone); ++time) {
@@ -109,22 +136,19 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
         places_[k] = place;
         if (!any_viscous) return;
         references_[k] = Vec3::Zero();
-        if (pulls_[at(s.attachment)].viscous == 0) return;
+        if (pulls_[at(bed.attachment)].viscous == 0) return;
         // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
         Vec3 offset = Vec3::Zero();
-        for (std::size_t i = s.first_term; i < s.first_term + at(s.count); ++i)
-            offset += terms_[i].coefficient * point_of(form.velocity_offset, terms_[i].vertex);
+        for_each_term(bed, anchor, [&](int vertex, double c) { offset += c * point_of(form.velocity_offset, vertex); });
         references_[k] = (velocity - offset) / form.velocity_factor - place;
     });
     coupling_.set_pulls(pulls_);
     expand(before.x);
 }
 
-Vec3 Springs::stretch(std::size_t spring, const std::vector<double>& x) const {
-    const Spring& s = springs_[spring];
+Vec3 Springs::stretch(std::size_t spring, const Bed& bed, const std::vector<double>& x) const {
     Vec3 sum = -places_[spring];
-    for (std::size_t i = s.first_term; i < s.first_term + at(s.count); ++i)
-        sum += terms_[i].coefficient * point_of(x, terms_[i].vertex);
+    for_each_term(bed, anchor_of(bed, spring), [&](int vertex, double c) { sum += c * point_of(x, vertex); });
     return sum;
 }
 
@@ -132,23 +156,24 @@ void Springs::gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_
     parallel_for(at_nodes.size(), 64, [&](std::size_t n) {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = first_share_[n]; i < first_share_[n + 1]; ++i)
-            sum += shares_[i].coefficient * of_springs[at(shares_[i].spring)];
+            sum += share_coefficient_[i] * of_springs[at(share_spring_[i])];
         at_nodes[n] = sum;
     });
 }
 
 void Springs::expand(const std::vector<double>& x) {
-    energy_ = ordered_sum(springs_.size(), [&](std::size_t k) {
-        const Spring& s = springs_[k];
-        const SpringPull& pull = pulls_[at(s.attachment)];
-        const Vec3 d = stretch(k, x), elastic = s.area_weight * pull.stiffness * d;
+    energy_ = ordered_sum(count_, [&](std::size_t k) {
+        const Bed& bed = bed_of(k);
+        const double area = anchor_of(bed, k).area_weight;
+        const SpringPull& pull = pulls_[at(bed.attachment)];
+        const Vec3 d = stretch(k, bed, x), elastic = area * pull.stiffness * d;
         of_springs_[k] = elastic;
         double energy = 0.5 * elastic.dot(d);
         if (viscous()) {
             const Vec3 moved = d - references_[k];
             elastic_of_springs_[k] = elastic;
-            of_springs_[k] += s.area_weight * pull.viscous * moved;
-            energy += 0.5 * s.area_weight * pull.viscous * moved.squaredNorm();
+            of_springs_[k] += area * pull.viscous * moved;
+            energy += 0.5 * area * pull.viscous * moved.squaredNorm();
         }
         return energy;
     });
@@ -193,18 +218,19 @@ void Springs::add_squared_forces(const std::vector<double>& x, std::vector<doubl
 
 double Springs::longest(const std::vector<double>& x) const {
     std::array<double, 256> parts{};
-    const std::size_t chunk = (springs_.size() + parts.size() - 1) / parts.size();
+    const std::size_t chunk = (count_ + parts.size() - 1) / parts.size();
     parallel_for(parts.size(), 4, [&](std::size_t p) {
-        for (std::size_t k = p * chunk; k < std::min((p + 1) * chunk, springs_.size()); ++k)
-            parts[p] = std::max(parts[p], stretch(k, x).squaredNorm());
+        for (std::size_t k = p * chunk; k < std::min((p + 1) * chunk, count_); ++k)
+            parts[p] = std::max(parts[p], stretch(k, bed_of(k), x).squaredNorm());
     });
     return std::sqrt(*std::max_element(parts.begin(), parts.end()));
 }
 
 double Springs::stored_energy(const std::vector<double>& x) const {
-    return ordered_sum(springs_.size(), [&](std::size_t k) {
-        const double k_area = pulls_[at(springs_[k].attachment)].stiffness * springs_[k].area_weight;
-        return 0.5 * k_area * stretch(k, x).squaredNorm();
+    return ordered_sum(count_, [&](std::size_t k) {
+        const Bed& bed = bed_of(k);
+        const double k_area = pulls_[at(bed.attachment)].stiffness * anchor_of(bed, k).area_weight;
+        return 0.5 * k_area * stretch(k, bed, x).squaredNorm();
     });
 }
 

@@ -19,7 +19,7 @@ namespace sinew::solver {
 class Springs {
   public:
     /// Springs of all attachments that pull; bone to bone ones have no effect and are left out.
-    Springs(const Scene& scene, std::vector<std::vector<Anchor>> anchors);
+    Springs(const Scene& scene, AttachmentView kept);
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const { coupling_.add_couplings(couplings); }
     /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
@@ -45,22 +45,24 @@ class Springs {
     double stored_energy(const std::vector<double>& x) const;
 
   private:
-    /// |sum_i c_i x_i - anchor|: up to two embedded points against each other or against a bone.
-    struct Spring {
-        int attachment, anchor; ///< places in anchors_
-        std::size_t first_term; ///< of terms_
-        int count;              ///< of its terms
-        double area_weight;     ///< [m^2]
+    /// The springs of one attachment: |sum_i c_i x_i - anchor|, up to two embedded points against each other or against
+    /// a bone. What they are made of is read from the anchors whenever it is needed: there are more springs than tets
+    /// where muscles lie side by side.
+    struct Bed {
+        int attachment;
+        std::size_t first;               ///< its first spring
+        bool pulls_source, pulls_target; ///< these ends have terms
     };
-    using Term = SpringTerm;
-    /// What a vertex gets from springs.
-    struct Share {
-        int spring;
-        double coefficient;
-    };
-    void add_end(const AnchorEnd& end, int body, double sign);
+    const Bed& bed_of(std::size_t spring) const;
+    const Anchor& anchor_of(const Bed& bed, std::size_t spring) const {
+        return kept_.anchors[static_cast<std::size_t>(bed.attachment)][spring - bed.first];
+    }
+    /// visit(vertex, coefficient) for all terms of a spring, in fixed order.
+    template <class Visit>
+    void for_each_term(const Bed& bed, const Anchor& anchor, const Visit& visit) const;
+    void make_coupling();
     void make_shares();
-    Vec3 stretch(std::size_t spring, const std::vector<double>& x) const;
+    Vec3 stretch(std::size_t spring, const Bed& bed, const std::vector<double>& x) const;
     /// Sums of the springs' forces at each node: elastic ones, and all.
     void gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const;
     /// Visits all springs at x.
@@ -70,12 +72,14 @@ class Springs {
     bool viscous() const { return !references_.empty(); }
 
     const Scene& scene_;
-    std::vector<std::vector<Anchor>> anchors_; ///< per attachment
-    std::vector<Spring> springs_;
-    std::vector<Term> terms_;
+    const AttachmentView kept_; ///< without those of attachments that are off or slide
+    std::vector<Bed> beds_;     ///< that have springs, in the order of the attachments
+    std::size_t count_ = 0;     ///< of all springs
     SpringCoupling coupling_;
-    std::vector<std::size_t> first_share_; ///< per node
-    std::vector<Share> shares_;
+    // What a vertex gets from springs, by nodes:
+    std::vector<std::size_t> first_share_; ///< and one past the end
+    std::vector<int> share_spring_;
+    std::vector<double> share_coefficient_;
     // Of the stage:
     std::vector<SpringPull> pulls_; ///< per attachment
     std::vector<Vec3> places_;      ///< prescribed points, 0 where both ends are free

@@ -20,7 +20,7 @@ HeldPoints::HeldPoints(const Scene& scene, const CollisionBodies& bodies)
 void HeldPoints::take(const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
     if (!memory || (taken_ && *memory == memory_)) return;
-    const AttachmentMemory attachments = attachments_kept(before.memories);
+    const AttachmentView attachments = attachments_kept(before.memories);
     struct End {
         int body = -1, in_contact = -1;
         Points places;           ///< of the samples, as modelled

@@ -1,4 +1,5 @@
-// The Hessian of all tets: batch by batch in parallel into places of their own, then gathered block by block.
+// The Hessian of all tets, chunk by chunk: batch by batch in parallel into places of their own, then added block by
+// block.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/parallel.h"
 #include "solver/sort_into.h"
@@ -26,64 +27,108 @@ void Elastic::add_couplings(Couplings& couplings) const {
     }
 }
 
+void Elastic::find_chunks() {
+    std::size_t entries = 0, most = 0; // of the last chunk, of the largest
+    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
+        const TissueBatches& batches = system_.tissues[t];
+        const std::size_t size = batches.hessian_at(1) - batches.hessian_at(0);
+        for (std::size_t first = 0; first < batches.batch_count;) {
+            if (chunks_.empty() || entries + size > chunk_entries) {
+                chunks_.emplace_back().first_entry = batches.hessian_at(first);
+                entries = 0;
+            }
+            const std::size_t end =
+                std::min(batches.batch_count, first + std::max<std::size_t>(1, (chunk_entries - entries) / size));
+            chunks_.back().parts.push_back({t, first, end});
+            entries += (end - first) * size;
+            most = std::max(most, entries);
+            first = end;
+        }
+    }
+    entries_.resize(most);
+}
+
 void Elastic::bind(const BlockPattern& pattern) {
     pattern_ = &pattern;
     const auto row = [&](int vertex) { return system_.numbering.unknown[static_cast<std::size_t>(vertex)]; };
-    // An element entry is named by twice the place of its first number, plus one if it has to be transposed.
-    sort_into(pattern.block_count(), contribution_start_, contributions_, [&](const auto& visit) {
-        for (const TissueBatches& batches : system_.tissues)
-            for (std::size_t slot = 0; slot < batches.tet_count; ++slot) {
+    std::vector<int> place(pattern.block_count(), -1); // of each block among those of the chunk
+    for (HessianChunk& chunk : chunks_) {
+        std::vector<int> blocks, block_of, codes;
+        for (const HessianChunk::Part& part : chunk.parts) {
+            const TissueBatches& batches = system_.tissues[part.tissue];
+            const std::size_t end = std::min(part.end * lanes, batches.tet_count);
+            for (std::size_t slot = part.first * lanes; slot < end; ++slot) {
                 const std::size_t lane = slot % lanes;
-                std::size_t at = batches.hessian_at(slot / lanes) + lane;
+                std::size_t at = batches.hessian_at(slot / lanes) - chunk.first_entry + lane;
                 for (int a = 0; a < batches.nodes(); ++a)
                     for (int b = a; b < batches.nodes(); ++b, at += 9 * lanes) {
                         const int i = row(system_.node(batches, slot / lanes, a)[lane]),
                                   j = row(system_.node(batches, slot / lanes, b)[lane]);
                         if (i < 0 || j < 0) continue;
-                        visit(static_cast<std::size_t>(pattern.find(std::min(i, j), std::max(i, j))),
-                              static_cast<int>(2 * at) + (i > j ? 1 : 0));
+                        const int block = pattern.find(std::min(i, j), std::max(i, j));
+                        int& k = place[static_cast<std::size_t>(block)];
+                        if (k < 0) k = static_cast<int>(blocks.size()), blocks.push_back(block);
+                        block_of.push_back(k);
+                        codes.push_back(static_cast<int>(2 * at) + (i > j ? 1 : 0));
                     }
             }
-    });
+        }
+        sort_into(blocks.size(), chunk.start, chunk.contributions, [&](const auto& visit) {
+            for (std::size_t c = 0; c < codes.size(); ++c) visit(static_cast<std::size_t>(block_of[c]), codes[c]);
+        });
+        for (const int block : blocks) place[static_cast<std::size_t>(block)] = -1;
+        blocks.shrink_to_fit();
+        chunk.blocks = std::move(blocks);
+    }
     for (const auto& patches : patches_)
         if (patches) patches->bind(pattern);
 }
 
 void Elastic::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
-    for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
-        const TissueBatches& batches = system_.tissues[t];
-        if (patches_[t]) {
-            patches_[t]->set_pressures(x);
-            patches_[t]->set_slopes(x, gradients_);
-        }
-        parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
-            PointInputs in = point_inputs(t, i);
-            double* h = hessians_.data() + batches.hessian_at(i);
-            if (batches.kind == ElementKind::quadratic)
-                return quadratic_hessian(in, edges(t, i), has_means_[t], x.data(), project, h);
-            Pressures pressures{Pack(0.0), Pack(0.0)};
-            if (patches_[t]) {
-                pressures.j = Pack::load(patches_[t]->pressures(i));
-                in.pressures = &pressures;
+    for (const auto& patches : patches_) {
+        if (!patches) continue;
+        patches->set_pressures(x);
+        patches->set_slopes(x, gradients_);
+    }
+    parallel_for(pattern_->block_count(), 4096, [&](std::size_t index) { std::fill_n(a.block(index), 9, 0.0); });
+    for (const HessianChunk& chunk : chunks_) {
+        for (const HessianChunk::Part& part : chunk.parts) set_entries(chunk, part, x, project);
+        parallel_for(chunk.blocks.size(), 512, [&](std::size_t k) {
+            double* block = a.block(static_cast<std::size_t>(chunk.blocks[k]));
+            double sum[9];
+            std::copy_n(block, 9, sum);
+            for (int c = chunk.start[k]; c < chunk.start[k + 1]; ++c) {
+                const int code = chunk.contributions[static_cast<std::size_t>(c)];
+                const double* h = entries_.data() + code / 2;
+                if (code % 2)
+                    for (int r = 0; r < 3; ++r)
+                        for (int m = 0; m < 3; ++m) sum[3 * r + m] += h[(3 * m + r) * lanes];
+                else
+                    for (int m = 0; m < 9; ++m) sum[m] += h[m * lanes];
             }
-            point_hessian(in, corners_of(in.batch, x.data()), project, h);
+            std::copy_n(sum, 9, block);
         });
     }
-    parallel_for(pattern_->block_count(), 512, [&](std::size_t index) {
-        double sum[9] = {};
-        for (int c = contribution_start_[index]; c < contribution_start_[index + 1]; ++c) {
-            const int code = contributions_[static_cast<std::size_t>(c)];
-            const double* h = hessians_.data() + code / 2;
-            if (code % 2)
-                for (int r = 0; r < 3; ++r)
-                    for (int k = 0; k < 3; ++k) sum[3 * r + k] += h[(3 * k + r) * lanes];
-            else
-                for (int k = 0; k < 9; ++k) sum[k] += h[k * lanes];
-        }
-        std::copy_n(sum, 9, a.block(index));
-    });
     for (const auto& patches : patches_)
         if (patches) patches->add_hessian(a);
+}
+
+void Elastic::set_entries(const HessianChunk& chunk, const HessianChunk::Part& part, const Positions& x, bool project) {
+    const TissueBatches& batches = system_.tissues[part.tissue];
+    const auto& patches = patches_[part.tissue];
+    parallel_for(part.end - part.first, batch_grain, [&](std::size_t k) {
+        const std::size_t i = part.first + k;
+        PointInputs in = point_inputs(part.tissue, i);
+        double* h = entries_.data() + (batches.hessian_at(i) - chunk.first_entry);
+        if (batches.kind == ElementKind::quadratic)
+            return quadratic_hessian(in, edges(part.tissue, i), has_means_[part.tissue], x.data(), project, h);
+        Pressures pressures{Pack(0.0), Pack(0.0)};
+        if (patches) {
+            pressures.j = Pack::load(patches->pressures(i));
+            in.pressures = &pressures;
+        }
+        point_hessian(in, corners_of(in.batch, x.data()), project, h);
+    });
 }
 
 } // namespace sinew::solver

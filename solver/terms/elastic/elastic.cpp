@@ -45,7 +45,7 @@ Elastic::Elastic(const Scene& scene)
     moduli_.resize(system_.batches.size());
     summaries_.resize(system_.batches.size());
     gradients_.resize(system_.gradient_size);
-    hessians_.resize(system_.hessian_size);
+    find_chunks();
     tet_mass_.assign(lanes * system_.batches.size(), 0.0);
 }
 

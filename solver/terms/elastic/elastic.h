@@ -1,6 +1,7 @@
 // All tets of a scene as one term: elasticity, active fibres, volume conservation, stiffness damping. Element entries
 // are computed batch by batch in parallel into places of their own, then gathered vertex by vertex and block by block
-// in a fixed order, so that sums have the same bits for any number of threads.
+// in a fixed order, so that sums have the same bits for any number of threads; Hessians chunk by chunk, each while it
+// is still in the cache.
 //   elastic.cpp    values, stages, energy and forces     materials.cpp  moduli, masses, scales
 //   assembly.cpp   couplings and the Hessian             layer_mix, conserved_volume, rest_change: its parts
 // SPDX-License-Identifier: GPL-3.0-or-later
@@ -9,6 +10,7 @@
 #include "solver/system.h"
 #include "solver/term/type.h"
 #include "solver/terms/elastic/conserved_volume.h"
+#include "solver/terms/elastic/hessian_chunk.h"
 #include "solver/terms/elastic/rest_change.h"
 
 #include <memory>
@@ -64,6 +66,9 @@ class Elastic final : public Term {
         return changed_[tissue] ? changed_[tissue]->edges(i)
                                 : system_.edge_batches[system_.tissues[tissue].first_edge_batch + i];
     }
+    void find_chunks();
+    /// Element Hessians of a chunk's part into their places.
+    void set_entries(const HessianChunk& chunk, const HessianChunk::Part& part, const Positions& x, bool project);
     /// Norms of the last evaluation's forces of a tissue's single elements, and of its fibres, before they cancel [N].
     double force_norm(std::size_t tissue) const;
     double fiber_norm(std::size_t tissue) const;
@@ -91,8 +96,9 @@ class Elastic final : public Term {
     std::vector<double> force_floor_, stiffness_scale_;
 
     const BlockPattern* pattern_ = nullptr;
-    std::vector<int> contribution_start_, contributions_; ///< per block: element entries in fixed order
-    std::vector<double> gradients_, hessians_;
+    std::vector<HessianChunk> chunks_; ///< all batches, in order
+    std::vector<double> entries_;      ///< element Hessians of one chunk after another
+    std::vector<double> gradients_;
     std::vector<ElementSummary> summaries_;
 };
 

@@ -22,8 +22,7 @@ constexpr Measure measures[] = {
 };
 
 /// Anchors that one tet carries where the target looks to about the same side: places in the list.
-std::vector<std::vector<std::size_t>> samples_alike(const std::vector<Anchor>& anchors,
-                                                    const std::vector<Vec3>& normals) {
+std::vector<std::vector<std::size_t>> samples_alike(std::span<const Anchor> anchors, const std::vector<Vec3>& normals) {
     constexpr double least_facing_alike = 0.8; // the cosine
     std::map<int, std::vector<std::vector<std::size_t>>> by_tet;
     for (std::size_t i = 0; i < anchors.size(); ++i) {
@@ -82,7 +81,7 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
         first_slide_.assign(wanted_.size() + 1, 0);
         on_ = wanted_;
         if (any) {
-            const AttachmentMemory attachments = attachments_kept(before.memories);
+            const AttachmentView attachments = attachments_kept(before.memories);
             check_kept(scene_, inputs.attachments, attachments);
             make_slides(attachments);
             anchors_ = *memory;
@@ -114,7 +113,7 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
     return {.couplings = !same || !at_home};
 }
 
-void Slides::make_slides(const AttachmentMemory& attachments) {
+void Slides::make_slides(const AttachmentView& attachments) {
     const auto& rests = scene_.description().attachments;
     targets_.resize(at(scene_.body_count())), allowed_.resize(rests.size());
     for (std::size_t a = 0; a < rests.size(); ++a) {
@@ -131,7 +130,7 @@ void Slides::make_slides(const AttachmentMemory& attachments) {
     pulls_.resize(rests.size()), bones_.resize(at(scene_.body_count()));
 }
 
-void Slides::add_slides(int attachment, const std::vector<Anchor>& anchors) {
+void Slides::add_slides(int attachment, std::span<const Anchor> anchors) {
     const AttachmentRest& rest = scene_.description().attachments[at(attachment)];
     const auto add = [&](const AnchorEnd& source, double area_weight) {
         slides_.push_back({attachment, at(rest.target), rides_.size(), 0, area_weight, source});
@@ -164,7 +163,7 @@ void Slides::add_slides(int attachment, const std::vector<Anchor>& anchors) {
 }
 
 /// Of the target where each anchor holds, where it was modelled.
-std::vector<Vec3> Slides::modelled_normals(const std::vector<Anchor>& anchors, const AttachmentRest& rest) const {
+std::vector<Vec3> Slides::modelled_normals(std::span<const Anchor> anchors, const AttachmentRest& rest) const {
     const CarriedSurface& surface = targets_[at(rest.target)]->surface();
     const double* carriers =
         surface.deforms() ? scene_.numbering().rest.data() : scene_.bone(rest.target)->surface.data()->data();

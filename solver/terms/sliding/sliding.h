@@ -81,9 +81,9 @@ class Slides final : public Term {
         Vec3 drift = Vec3::Zero(); ///< relative velocity minus velocity factor x the way [m/s]
     };
 
-    void make_slides(const AttachmentMemory& attachments);
-    void add_slides(int attachment, const std::vector<Anchor>& anchors);
-    std::vector<Vec3> modelled_normals(const std::vector<Anchor>& anchors, const AttachmentRest& rest) const;
+    void make_slides(const AttachmentView& attachments);
+    void add_slides(int attachment, std::span<const Anchor> anchors);
+    std::vector<Vec3> modelled_normals(std::span<const Anchor> anchors, const AttachmentRest& rest) const;
     void begin_sliding(std::size_t attachment, const State& before);
     std::span<const RideTerm> ride(const Slide& s) const { return {rides_.data() + s.first_term, at(s.terms)}; }
     const std::vector<char>* allowed(const Slide& s) const {

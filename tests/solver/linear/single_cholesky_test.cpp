@@ -96,3 +96,27 @@ TEST_CASE("a factor in single precision sees what is not positive definite, and 
     factor.solve(b.data(), again.data());
     CHECK(again == x);
 }
+
+TEST_CASE("a factor that gave its memory back takes it again, with the same bits", "[linear]") {
+    const GridMatrix grid(20);
+    const std::vector<double> b = random_numbers(3 * 20 * 20 * 20, 5);
+    for (const Factoring how : {Factoring::by_component, Factoring::single}) {
+        ComponentFactors factors(grid.pattern, how);
+        std::vector<double> first(b.size()), again(b.size());
+        REQUIRE(factors.factorize(grid.a));
+        factors.solve(b.data(), first.data());
+        factors.release_if_large();
+        REQUIRE(factors.factorize(grid.a));
+        factors.solve(b.data(), again.data());
+        CHECK(again == first);
+    }
+    Cholesky exact(grid.pattern);
+    SingleCholesky single(grid.pattern);
+    for (SparseFactor* factor : {static_cast<SparseFactor*>(&exact), static_cast<SparseFactor*>(&single)}) {
+        REQUIRE(factor->factorize(grid.a));
+        // A factor has more entries than a triangle of the matrix, 4 or 8 bytes each.
+        CHECK(factor->bytes() > 4 * 9 * grid.pattern.block_count());
+        factor->release();
+        CHECK(factor->bytes() == 0);
+    }
+}
