@@ -297,8 +297,8 @@ FrameStore::Bytes FrameStore::whole(const Digest& key, bool is_start, std::strin
         if (start != key && is_start) throw BadBytes("the start frame differs from yet another frame");
         const Bytes base = start != key ? start_of(start) : nullptr;
         if (start != key && !base) throw BadBytes("the start frame that it differs from is gone");
-        // What the start frame does not have is in blocks of its own; parts begin at whole ones.
-        const std::size_t from_start = base ? base->bytes.size() + first.size() * block : 0;
+        // What the start frame does not have is in blocks of its own; its last may be short.
+        const std::size_t from_start = base ? base->bytes.size() + block : 0;
         if (size > from_start + others.size() * block) throw BadBytes("it is longer than its blocks");
         out->bytes.resize(size);
         for (std::size_t k = 0; base && k < first.size(); ++k) {
