@@ -23,6 +23,7 @@ struct Kept {
         ByteWriter out;
         out.put(name(start));
         out.put(size);
+        out.put_list(std::vector<std::uint32_t>{0}); // one part
         out.put_list(blocks);
         out.bytes.resize(out.bytes.size() + bytes);
         DiskStore(folder.path(), ".frame").write(name(key), out.bytes);
