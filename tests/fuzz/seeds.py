@@ -48,8 +48,9 @@ def kept_values():
 
 def sections(payload):
     """The parts of a frame that is written whole: (offset, length) of each."""
-    blocks = struct.unpack_from("<Q", payload, 24)[0]
-    at, out = 32 + 4 * blocks, []
+    at, out = 24, []
+    for _ in range(2):  # where parts begin, and which blocks follow
+        at += 8 + 4 * struct.unpack_from("<Q", payload, at)[0]
     base = at
     while at + 8 <= len(payload):
         length = struct.unpack_from("<Q", payload, at)[0]
