@@ -113,12 +113,16 @@ void read_kept_frame(std::string_view bytes) {
         const engine::Digest start = name_of(keys.front()), other = name_of(keys.back());
         if (payload.size() >= sizeof start && payload.front() <= std::byte{1})
             std::memcpy(payload.data(), payload.front() == std::byte{0} ? &start : &other, sizeof start);
-        // Which version of the node made it stands behind the numbers of the blocks and the length of the first
-        // section.
-        constexpr std::size_t number = sizeof(std::uint64_t), head = sizeof start + 2 * number;
-        std::uint64_t blocks = 0;
-        if (payload.size() >= head) std::memcpy(&blocks, payload.data() + sizeof start + number, number);
-        const std::size_t at = head + (blocks & 0xffff) * sizeof(std::uint32_t) + number;
+        // Which version of the node made it stands behind the numbers of the parts, those of the blocks and the length
+        // of the first part.
+        constexpr std::size_t number = sizeof(std::uint64_t);
+        std::size_t at = sizeof start + number;
+        for (int list = 0; list < 2; ++list) {
+            std::uint64_t count = 0;
+            if (payload.size() >= at + number) std::memcpy(&count, payload.data() + at, number);
+            at += number + (count & 0xffff) * sizeof(std::uint32_t);
+        }
+        at += number;
         const engine::Digest type = engine::identity(solver).finish();
         if (payload.size() > at + sizeof type && payload[at] == std::byte{0})
             std::memcpy(payload.data() + at, &type, sizeof type);
