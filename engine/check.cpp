@@ -54,8 +54,8 @@ class Checker {
     void number(const std::optional<Outside>& wrong, const std::string& below) {
         if (!wrong) return;
         if (!wrong->finite) return problem("DG027", "not a finite number", {}, below);
-        problem("DG013", number_text(wrong->value) + " is outside " + limits_text(input_.limits, input_.unit), {},
-                below);
+        problem("DG013", number_text(wrong->value) + " is outside " + limits_text(input_.limits, input_.unit),
+                meaning_of(input_), below);
     }
 
     void literal(const Value& v) {
@@ -184,6 +184,11 @@ std::vector<std::string> names_of(const std::vector<AttributeInfo>& all) {
 
 std::vector<std::string> input_names(const NodeType& type) { return names_of(type.inputs); }
 std::vector<std::string> output_names(const NodeType& type) { return names_of(type.outputs); }
+
+std::string meaning_of(const AttributeInfo& input) {
+    const std::string_view doc = input.doc.substr(0, input.doc.find(". "));
+    return std::string(doc.ends_with('.') ? doc.substr(0, doc.size() - 1) : doc);
+}
 
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known) {
     const std::string near = nearest_name(word, candidates);

@@ -29,6 +29,9 @@ std::vector<std::string> entry_names(const Graph& graph, const Node& n, const At
 /// Warns of literals that contradict the graph's timing where that is the default (DG031).
 std::vector<Diagnostic> check_timing(const Graph& graph);
 
+/// What an attribute is, in the first sentence of its documentation: a range alone does not say what is right.
+std::string meaning_of(const AttributeInfo& input);
+
 /// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
 

@@ -218,6 +218,10 @@ constexpr CodeInfo table[] = {
     {"FE322", "gravity that is hardly meant", "Write it in m/s^2, whatever the scene's scale: [0, -9.8, 0]."},
     {"FE323", "flesh lighter than any", "Write the unit that is meant: \"1 g/cm^3\" instead of 1."},
     {"FE324", "fibres weaker than any", "Write the unit that is meant: \"60 kPa\" instead of 60."},
+    {"FE330", "node that no solver reads", "Connect it to where it is to act, or take it out of the graph."},
+    {"FE331", "hold of a whole tissue", "Paint what is to be held: what is held cannot deform."},
+    {"FE332", "scale or matrix that makes everything flat", "Scale along each axis by a number other than 0."},
+    {"FE333", "frames outside of the graph's timing", "Run frames that it has, or change timing.start and timing.end."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -78,6 +78,20 @@ void check_affine(const engine::Reads& in, std::string_view attribute, const Mat
             "has to be transposed.");
 }
 
+double volume_factor(const Matrix4& matrix) {
+    const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> m(matrix.data());
+    const solver::Mat3 linear = m.topLeftCorner<3, 3>();
+    // By the axes' own lengths, so that rounding is told from what is small: a matrix of 1e-6 is not flat.
+    const double axes = linear.colwise().norm().prod(), volume = linear.determinant();
+    return std::abs(volume) > 1e-12 * axes ? volume : 0;
+}
+
+void refuse_flat(const engine::Reads& in, std::string_view attribute, const Matrix4& matrix) {
+    if (volume_factor(matrix) != 0) return;
+    in.fail(attribute, "FE332", "the matrix makes everything flat: what it moves has no volume left",
+            "Scale along each axis by a number other than 0; 1 leaves the size alone.");
+}
+
 Mesh moved(const Mesh& mesh, const Matrix4& matrix) {
     return matrix == identity_matrix ? mesh : mesh.with_points(moved(*mesh.points, matrix));
 }

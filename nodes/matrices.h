@@ -26,6 +26,11 @@ bool is_affine(const engine::Matrix4& matrix);
 /// Fails at `attribute` with FE252 unless it is_affine.
 void check_affine(const engine::Reads& in, std::string_view attribute, const engine::Matrix4& matrix);
 
+/// How large a matrix makes the box of 1 x 1 x 1: below 0 where it mirrors, 0 where it makes everything flat.
+double volume_factor(const engine::Matrix4& matrix);
+/// Fails at `attribute` with FE332 if the matrix makes everything flat, so that no body is left of what it moves.
+void refuse_flat(const engine::Reads& in, std::string_view attribute, const engine::Matrix4& matrix);
+
 /// The mesh with every point moved; the very same mesh for the identity. Throws solver::Error FE202 or FE224 if they
 /// land where no mesh may lie.
 Mesh moved(const Mesh& mesh, const engine::Matrix4& matrix);

@@ -22,7 +22,7 @@ const Input<Vec3> scale{
     .name = "scale",
     .def = {1, 1, 1},
     .unit = "1",
-    .doc = "Scale along x, y and z; applied first.",
+    .doc = "Scale along x, y and z; applied first. Never 0, which leaves nothing of a body.",
 };
 const Input<std::string> rotate_order{
     .name = "rotateOrder",
@@ -82,8 +82,17 @@ Matrix4 tracked(const Reads& in) {
 
 void compute(const Reads& in, Writes& out) {
     check_affine(in, parent.name, in[parent]);
+    refuse_flat(in, parent.name, in[parent]);
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        if (in[scale][axis] == 0)
+            in.fail(scale.name, "FE332",
+                    std::string("the scale along ") + "xyz"[axis] +
+                        " is 0, which makes everything flat: what it moves has no volume left",
+                    "Scale along each axis by a number other than 0; 1 leaves the size alone.");
     const Matrix4 keyed = compose(in[translate], in[rotate], in[scale], in[rotate_order], in[rotate_pivot]);
-    const Matrix4 all = multiply(in[parent], multiply(keyed, tracked(in)));
+    const Matrix4 recorded = tracked(in);
+    refuse_flat(in, track.name, recorded);
+    const Matrix4 all = multiply(in[parent], multiply(keyed, recorded));
     out.set(out_matrix, all);
     const Mesh* m = in.find(mesh);
     out.set(out_mesh, m ? guarded(in, mesh.name, [&] { return moved(*m, all); }) : Mesh::from({}));

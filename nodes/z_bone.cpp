@@ -57,6 +57,7 @@ std::shared_ptr<const BodyRest> make_rest(const Mesh& modelled) {
 void compute(const Reads& in, Writes& out) {
     const Mesh& modelled = in[mesh];
     check_affine(in, matrix.name, in[matrix]);
+    refuse_flat(in, matrix.name, in[matrix]);
     // All frames of a bone that only a matrix moves share one rest object.
     struct Kept {
         std::shared_ptr<const BodyRest> rest;

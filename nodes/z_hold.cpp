@@ -29,8 +29,9 @@ const Input<NumberList> weights{
     .unit = "1",
     .limits = {.min = 0, .max = 1},
     .doc =
-        "One number per vertex or face of the tissue's mesh (see weightsOn), one for all, or none for 1 everywhere: "
-        "what is above 0 is held, wholly. A face whose vertices are all painted is held with them. Exact for the "
+        "One number per vertex or face of the tissue's mesh (see weightsOn), one for all, or none for 1 everywhere, "
+        "which holds the whole tissue: nothing of it moves or deforms by itself then, and a check doubts it. What is "
+        "above 0 is held, wholly. A face whose vertices are all painted is held with them. Exact for the "
         "painted part of the mesh: every corner (and edge, of quadratic tets) that carries some of it is held. Where "
         "the tets' surface is the mesh that is just the painted part; a lattice is held in all tets that the "
         "painted part passes, so up to one tet deep.",

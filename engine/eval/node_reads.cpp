@@ -54,6 +54,7 @@ void NodeReads::refuse_outside(const Slot& s, const Value& v) {
                                  ? " (from " + context_.program->place(s.sources.front().node).name + ")"
                                  : " (between keys)";
     d.message = number_text(wrong->value) + from + " is outside " + limits_text(s.info->limits, s.info->unit);
+    d.hint = meaning_of(*s.info);
     fail(std::move(d));
 }
 

@@ -1,8 +1,10 @@
 // JSON text -> Graph. Stages: syntax, format number, migrations, then everything inside at once.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/comments.h"
+#include "engine/format/format_number.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/graph_text.h"
+#include "engine/format/key_meant.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
 #include "engine/include.h"
@@ -10,7 +12,6 @@
 #include "engine/text.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 
 namespace sinew::engine {
@@ -23,6 +24,9 @@ constexpr std::size_t most_levels = 32, most_included_nodes = 1000000;
 struct Part {
     std::shared_ptr<const Graph> graph; ///< nullptr: not even its nodes are known. Else as far as it is right
     std::vector<Diagnostic> problems, notes;
+    /// Nodes of types that this program does not know. The graph is read in spite of them, but where it cannot be used
+    /// for other reasons they are wrong as well.
+    std::vector<Diagnostic> unknown_types;
     std::optional<double> fps; ///< if the file says it
 };
 
@@ -54,11 +58,17 @@ class GraphReader {
     Part read() {
         Part out;
         JsonDocument doc = parse_json(source_->text);
+        if (!doc.problems.empty() && !doc.comments.empty() && is_nothing_but(doc.comments)) {
+            problem("DG004", 0, "", {}, {}, "there is nothing but comments in the file",
+                    "write { \"format\": … } below them");
+            doc.problems.clear();
+        }
         for (JsonProblem& p : doc.problems) problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message));
-        const int format = problems_.empty() ? format_number(doc.root) : 0;
-        if (problems_.empty() && format < current_format)
+        const FormatNumber format = problems_.empty() ? format_number(doc.root) : FormatNumber();
+        if (!format.code.empty()) problem(format.code, format.at, format.pointer, {}, {}, format.message, format.hint);
+        if (problems_.empty() && format.number < current_format)
             return GraphReader(graph_.registry_,
-                               migrated(source_->text, format, current_format, migration_steps()).value(),
+                               migrated(source_->text, format.number, current_format, migration_steps()).value(),
                                source_->file, graph_.files_, reading_)
                 .read();
         if (problems_.empty()) {
@@ -72,6 +82,7 @@ class GraphReader {
             out.graph = std::make_shared<const Graph>(std::move(graph_));
         }
         out.problems = std::move(problems_), out.notes = std::move(notes_);
+        out.unknown_types = std::move(unknown_types_);
         return out;
     }
 
@@ -94,48 +105,25 @@ class GraphReader {
         return problems_.back();
     }
 
-    int format_number(const Json& root) {
-        if (!root.as<Json::Object>()) {
-            problem("DG004", root.begin, "", {}, {},
-                    "a graph file is one JSON object, found " + std::string(root.kind()));
-            return 0;
-        }
-        const Json* format = root.find("format");
-        const auto* text = format ? format->as<std::string>() : nullptr;
-        const std::string wanted = "write \"format\": \"sinew " + std::to_string(current_format) + "\"";
-        int number = 0;
-        if (!format) {
-            problem("DG004", root.begin, "", {}, {}, "the key \"format\" is missing", wanted);
-            return 0;
-        }
-        const std::string_view digits = text && text->rfind("sinew ", 0) == 0 ? std::string_view(*text).substr(6) : "";
-        const auto [end, ec] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-        if (digits.empty() || ec != std::errc() || end != digits.data() + digits.size())
-            problem("DG004", format->begin, "/format", {}, {},
-                    (text ? json_quoted(*text) : std::string(format->kind())) + " is not a Sinew format", wanted);
-        else if (number > current_format)
-            problem("DG005", format->begin, "/format", {}, {},
-                    "the file has format " + std::to_string(number) + ", this program reads up to " +
-                        std::to_string(current_format),
-                    "use a newer program");
-        else if (number < current_format && !migration_from(number))
-            problem("DG006", format->begin, "/format", {}, {},
-                    "there is no way from format " + std::to_string(number) + " to " + std::to_string(current_format),
-                    wanted);
-        return number;
+    bool is_nothing_but(const std::vector<JsonComment>& comments) const {
+        std::string rest = source_->text;
+        for (const JsonComment& c : comments)
+            std::fill_n(rest.begin() + static_cast<std::ptrdiff_t>(c.begin), c.end - c.begin, ' ');
+        return rest.find_first_not_of("\xEF\xBB\xBF \t\r\n") == std::string::npos;
     }
 
-    void unknown_keys(const Json::Object& object, const std::vector<std::string>& known, const std::string& pointer,
-                      std::string_view node) {
+    /// \param inputs of the node's type, for keys of a node
+    void unknown_keys(const Json::Object& object, Level level, const std::string& pointer, std::string_view node,
+                      std::span<const std::string> inputs = {}) {
+        const auto known = keys_of(level);
         for (const JsonMember& m : object)
             if (std::find(known.begin(), known.end(), m.key) == known.end())
                 problem("DG007", m.key_begin, pointer + pointer_token(m.key), node, {},
-                        "unknown key " + json_quoted(m.key), name_hint(m.key, known, "keys"));
+                        "unknown key " + json_quoted(m.key), key_hint(m.key, level, inputs));
     }
 
     void top(const Json& root) {
-        unknown_keys(*root.as<Json::Object>(),
-                     {"$schema", "format", "comment", "timing", "includes", "nodes", "editor"}, "", {});
+        unknown_keys(*root.as<Json::Object>(), Level::document, "", {});
         for (const JsonMember& m : *root.as<Json::Object>()) {
             anchors_.push_back({m.key_begin, m.value.end, std::string::npos, "", m.key});
             if (m.key == "editor") anchors_.back().kept_from = m.value.begin;
@@ -152,7 +140,8 @@ class GraphReader {
         if (const Json* i = root.find("includes")) includes(*i, root.find("nodes"));
         const Json* all = root.find("nodes");
         if (!all) {
-            problem("DG008", root.begin, "", {}, {}, "the key \"nodes\" is missing", "write \"nodes\": { … }");
+            if (!meant_as(root, "nodes", Level::document)) // else it has been said
+                problem("DG008", root.begin, "", {}, {}, "the key \"nodes\" is missing", "write \"nodes\": { … }");
             return;
         }
         if (!all->as<Json::Object>()) return wrong_kind(*all, "/nodes", {}, "an object, one entry a node");
@@ -205,7 +194,7 @@ class GraphReader {
     void timing(const Json& json) {
         const auto* object = json.as<Json::Object>();
         if (!object) return wrong_kind(json, "/timing", {}, "an object");
-        unknown_keys(*object, {"fps", "start", "end"}, "/timing", {});
+        unknown_keys(*object, Level::timing, "/timing", {});
         const auto number = [&](const char* key, bool whole, double fallback) {
             const Json* j = json.find(key);
             if (!j) return fallback;
@@ -250,8 +239,16 @@ class GraphReader {
         const Json* type = m.value.find("type");
         const auto* name = type ? type->as<std::string>() : nullptr;
         if (!name) {
-            problem("DG008", type ? type->begin : m.key_begin, pointer + (type ? "/type" : ""), m.key, {},
-                    "a node needs a \"type\" in quotes");
+            const JsonMember* meant = meant_as(m.value, "type", Level::node);
+            problem("DG008",
+                    type    ? type->begin
+                    : meant ? meant->key_begin
+                            : m.key_begin,
+                    pointer + (type    ? "/type"
+                               : meant ? pointer_token(meant->key)
+                                       : ""),
+                    m.key, {}, "a node needs a \"type\" in quotes",
+                    meant ? "write \"type\" instead of " + json_quoted(meant->key) : "");
             return;
         }
         n->type_name = *name;
@@ -262,7 +259,7 @@ class GraphReader {
             anchors_.back().kept_from = m.value.begin;
             unknown_type(m, *name, type->begin, pointer);
         } else {
-            unknown_keys(*object, {"type", "comment", "inputs"}, pointer, m.key);
+            unknown_keys(*object, Level::node, pointer, m.key, input_names(*n->type));
             for (const JsonMember& part : *object)
                 anchors_.push_back({part.key_begin, part.value.end, std::string::npos, m.key, ""});
             if (const Json* comment = m.value.find("comment")) n->remarks[""].json = raw(*comment);
@@ -284,11 +281,10 @@ class GraphReader {
         Diagnostic d = std::move(problem("DG010", offset, pointer + "/type", m.key, {},
                                          "this program does not know the type " + json_quoted(name)));
         problems_.pop_back();
-        d.severity = Severity::warning;
         const std::string near = nearest_name(name, graph_.registry().names());
         d.hint = near.empty() ? "the node is kept as it is and fails only when it is needed"
                               : "did you mean \"" + near + "\"?";
-        notes_.push_back(std::move(d));
+        unknown_types_.push_back(std::move(d));
     }
 
     void report(std::vector<Problem>&& found, const Plug& at, const std::string& pointer, const Json& value) {
@@ -339,15 +335,16 @@ class GraphReader {
         graph_.includes_.emplace_back(m.key, out); // also one that is wrong has its prefix
         const auto* object = m.value.as<Json::Object>();
         if (!object) return wrong_kind(m.value, pointer, m.key, "an object with the \"file\" to include"), false;
-        unknown_keys(*object, {"file", "comment", "overrides"}, pointer, m.key);
+        unknown_keys(*object, Level::include, pointer, m.key);
         for (const JsonMember& part : *object)
             anchors_.push_back({part.key_begin, part.value.end, std::string::npos, "", "", m.key});
         if (const Json* comment = m.value.find("comment")) out->remark.json = raw(*comment);
         const Json* file = m.value.find("file");
         const auto* path = file ? file->as<std::string>() : nullptr;
         if (!path || path->empty()) {
-            problem("DG130", file ? file->begin : m.value.begin, pointer + (file ? "/file" : ""), m.key, {},
-                    "an include needs the \"file\" to include, in quotes", "write { \"file\": \"graph.json\" }");
+            if (file || !meant_as(m.value, "file", Level::include)) // else it has been said
+                problem("DG130", file ? file->begin : m.value.begin, pointer + (file ? "/file" : ""), m.key, {},
+                        "an include needs the \"file\" to include, in quotes", "write { \"file\": \"graph.json\" }");
             return false;
         }
         out->file = resolved_path(*path, folder_);
@@ -408,6 +405,7 @@ class GraphReader {
         };
         hand_on(part.problems, problems_);
         hand_on(part.notes, notes_);
+        hand_on(part.unknown_types, unknown_types_);
         const Part& kept = reading_.parts[key] = std::move(part);
         return kept.graph ? &kept : nullptr;
     }
@@ -554,7 +552,7 @@ class GraphReader {
     std::string folder_;
     Reading& reading_;
     bool is_outermost_, says_fps_ = false;
-    std::vector<Diagnostic> problems_, notes_;
+    std::vector<Diagnostic> problems_, notes_, unknown_types_;
     std::vector<Pending> pending_;
     std::vector<Anchor> anchors_;     // what comments can belong to
     std::vector<std::string> unread_; // prefixes of files whose nodes are not known
@@ -564,10 +562,13 @@ Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view jso
                   const FileAccess& files) {
     Reading reading;
     Part part = GraphReader(std::move(registry), json_text, file_name, files, reading).read();
-    if (part.problems.empty()) return {std::move(part.graph), std::move(part.notes)};
-    // What is wrong may follow from the notes, and where nothing can run a type that nobody knows is wrong as well.
-    for (Diagnostic& d : part.notes)
-        if (d.code == "DG010") d.severity = Severity::error;
+    const bool is_usable = part.problems.empty();
+    for (Diagnostic& d : part.unknown_types) {
+        d.severity = is_usable ? Severity::warning : Severity::error;
+        part.notes.push_back(std::move(d));
+    }
+    if (is_usable) return {std::move(part.graph), std::move(part.notes)};
+    // What is wrong may follow from the notes.
     part.problems.insert(part.problems.end(), part.notes.begin(), part.notes.end());
     throw Failure(std::move(part.problems));
 }

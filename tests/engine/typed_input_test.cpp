@@ -55,7 +55,7 @@ TEST_CASE("a quantity in quotes is a number with its unit") {
     CHECK(answer("value", "\"12 parsec\"") == "DG015 unknown unit \"parsec\" | usual units here: Pa, kPa or MPa");
     CHECK(answer("value", "\"fatt\"") == "DG016 unknown preset \"fatt\" | did you mean \"fat\"?");
     CHECK(answer("value", "\"inf Pa\"") == "DG016 unknown preset \"inf Pa\" | presets: fat or muscle");
-    CHECK(answer("value", "\"-1 kPa\"") == "DG013 -1000 is outside [0, 1e+09] Pa");
+    CHECK(answer("value", "\"-1 kPa\"") == "DG013 -1000 is outside [0, 1e+09] Pa | A number");
     CHECK(answer("value", "{\"value\": \"1 kPa\", \"unit\": \"Pa\"}") ==
           "DG015 \"1 kPa\" holds a unit, and \"unit\" stands beside it | keep one of them");
     CHECK(answer("value", "\"1,5 kPa\"") ==

@@ -3,6 +3,7 @@
 import glob
 import json
 import os
+import re
 import struct
 import subprocess
 
@@ -30,6 +31,13 @@ def with_places(tree, folder):
     return tree
 
 
+def graph_in(name):
+    """The graph in a file, which may have comments; texts that hold // stay."""
+    with open(name, encoding="utf-8") as file:
+        text = re.sub(r'"(?:\\.|[^"\\])*"|//[^\n]*|/\*.*?\*/', lambda m: m[0] if m[0][0] == '"' else "", file.read(), flags=re.S)
+    return with_places(json.loads(text), os.path.dirname(name))
+
+
 def graphs(kept_alone):
     """Those that are right and quick to check, and the broken ones, where they are JSON. `kept_alone`: those of the folder
     samples, which stay as they are whatever becomes of the others."""
@@ -38,14 +46,12 @@ def graphs(kept_alone):
     if not kept_alone:
         names = sorted(glob.glob(SOURCE + "/graphs/learn/*.json")) + [SOURCE + "/graphs/scenes/arm.json"]
     for name in names:
-        with open(name, encoding="utf-8") as file:
-            right.append(with_places(json.load(file), os.path.dirname(name)))
+        right.append(graph_in(name))
     if kept_alone:
         return right, right
     for name in sorted(glob.glob(SOURCE + "/graphs/broken/*.json")):
         try:
-            with open(name, encoding="utf-8") as file:
-                broken.append(with_places(json.load(file), os.path.dirname(name)))
+            broken.append(graph_in(name))
         except ValueError:
             pass
     return right, broken

@@ -273,6 +273,58 @@ TEST_CASE("live: a change that no longer fits is told, and what the reader noted
     CHECK(codes == std::set<std::string>{"DG010", "IO401"});
 }
 
+TEST_CASE("live: with a root nothing outside of it is read, watched or written", "[live]") {
+    const TemporaryFolder folder;
+    const std::filesystem::path root = folder / "jobs";
+    std::filesystem::create_directories(root);
+    const std::string outside = write_graph(folder, small_graph(), "outside.json"), file = root / "graph.json";
+    const Said refused = run_program({"live", outside, "--root", root.string(), "--no-cache"});
+    CHECK(refused.code == 1);
+    CHECK(refused.err.find("[IO410]") != std::string::npos);
+    std::filesystem::copy_file(outside, file);
+    const Live live({"live", file, "--no-cache", "--frames", "1", "--root", root.string()});
+    CHECK(live.ended(1)["state"] == "ready");
+    // What the page sets is confined, too.
+    json graph = small_graph();
+    for (const std::filesystem::path& mesh : {folder / "secret.obj", root / "mine.obj"})
+        write_text(mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+    graph["nodes"]["plateMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", "mine.obj"}}}};
+    write(file, graph.dump());
+    live.ended(2);
+    const json out{{"node", "plateMesh"}, {"attribute", "file"}, {"value", "../secret.obj"}};
+    const auto answer = live.http->Post(live.root + "change", out.dump(), "application/json");
+    CHECK(answer->status == 422);
+    INFO(answer->body);
+    CHECK(answer->body.find("IO410") != std::string::npos);
+    write(file, small_graph().dump());
+    CHECK(live.ended(3)["state"] == "ready");
+    // A link that leads out in place of the graph file: not read, and nothing is written through it.
+    CHECK(live.post("change", {{"node", "flesh"}, {"attribute", "youngsModulus"}, {"value", 5000}}) == 200);
+    live.ended(4);
+    const std::string before = read_text(outside);
+    std::filesystem::create_symlink("../outside.json", root / "link");
+    std::filesystem::rename(root / "link", file);
+    const json led_out = live.ended(5);
+    CHECK(led_out["state"] == "wrong");
+    CHECK(led_out["diagnostics"][0]["code"] == "IO410");
+    CHECK(live.post("save", {}) == 422);
+    CHECK(read_text(outside) == before);
+}
+
+TEST_CASE("live: of graphs that cannot be read, those outside of the root are not watched", "[live]") {
+    const TemporaryFolder folder;
+    const std::filesystem::path root = folder / "jobs", file = root / "graph.json";
+    std::filesystem::create_directories(root);
+    write_text(folder / "outside.json", "{}");
+    write_text(root / "part.json", "{}");
+    write_text(file, R"({"includes": {"a": {"file": "part.json"}, "b": {"file": "../outside.json"}}})");
+    const auto named = [&](const engine::FileAccess& files) { return live::graphs_named_in(file.string(), files); };
+    CHECK(named({}) ==
+          std::vector<std::string>{file.string(), (root / "part.json").string(), (folder / "outside.json").string()});
+    CHECK(named(engine::FileAccess::within(root)) ==
+          std::vector<std::string>{file.string(), (root / "part.json").string()});
+}
+
 TEST_CASE("live: who asks for a part of a page gets all of it", "[live]") {
     const TemporaryFolder folder;
     const Live live({"live", write_graph(folder, small_graph()), "--no-cache", "--frames", "1"});

@@ -4,6 +4,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/doubts.h"
+#include "tools/cli/idle_nodes.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/mesh_report.h"
 #include "tools/cli/motion_range.h"
@@ -70,6 +71,8 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         for (auto& doubt :
              find_doubts(open.graph, evaluator, open.graph->node_names(), Look::closely, in.stop, failures))
             found.push_back(std::move(doubt));
+    if (!has_error(found))
+        for (auto& doubt : find_idle_nodes(*open.graph)) found.push_back(std::move(doubt));
     if (!fast) {
         const std::vector<std::string> all = open.graph->node_names();
         const engine::Timing& timing = open.graph->timing();

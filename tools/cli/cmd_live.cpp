@@ -34,6 +34,7 @@ ExitCode live(const Invocation& in) {
     std::optional<Departure> departure(std::in_place, in.stop, "sinew live", false); // to open a graph may take long
     live::Options options;
     options.file = arguments.operand(0).value();
+    options.files = file_access(arguments);
     options.open = [&arguments](std::vector<engine::Diagnostic>& notes) {
         OpenGraph open = open_graph(arguments);
         notes = std::move(open.notes);
@@ -51,7 +52,7 @@ ExitCode live(const Invocation& in) {
     } catch (const engine::Failure& failure) {
         // A graph with errors may be mended while it is watched, but a word that is no file is a mistake.
         const engine::Diagnostic& first = failure.diagnostics().front();
-        if (first.code.starts_with("IO40") && (!first.spot || first.spot->pointer.empty())) throw;
+        if (first.code.starts_with("IO4") && (!first.spot || first.spot->pointer.empty())) throw;
     }
     options.store = store_policy(arguments, options.file);
     live::Session session(std::move(options));
@@ -77,6 +78,7 @@ Command live_command() {
          {"--surfaces", "", "leave out tets, fibres and attachments; smaller pages"},
          {"--set", "NODE.ATTR=JSON", "give an input another value; not written when the page writes the file", true},
          {"--threads", "N", "default: all cores", false, 'j'},
+         root_flag,
          memory_flag,
          cache_flag,
          no_cache_flag,

@@ -15,6 +15,7 @@
 #include "tools/cli/unfinished.h"
 #include "tools/cli/writable_folder.h"
 #include "tools/viewer/collect.h"
+#include "tools/viewer/recorder.h"
 #include "tools/viewer/run_page.h"
 
 #include <chrono>
@@ -141,6 +142,7 @@ class Run {
             for (const engine::Diagnostic& d :
                  find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures))
                 progress_.warning(d);
+            warn_of_timing();
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
@@ -172,6 +174,27 @@ class Run {
         return {report_.graph,       plan_.frames.front(),
                 plan_.frames.back(), static_cast<int>(plan_.frames.size()),
                 report_.error,       false};
+    }
+
+    /// A graph of a single frame says nothing of how long it is.
+    void warn_of_timing() {
+        const engine::Timing& timing = plan_.graph->timing();
+        if (plan_.frames.empty() || timing.start == timing.end) return;
+        std::vector<int> outside;
+        for (const int f : plan_.frames)
+            if (f < timing.start || f > timing.end) outside.push_back(f);
+        if (outside.empty()) return;
+        engine::Diagnostic d;
+        d.severity = engine::Severity::warning;
+        d.code = "FE333";
+        const bool one = outside.size() == 1;
+        d.message = std::string(one ? "frame " : "frames ") + viewer::frame_list(outside) + (one ? " lies" : " lie") +
+                    " outside of the graph's timing, " + std::to_string(timing.start) + " to " +
+                    std::to_string(timing.end) + ": what is keyed and recorded may not be meant for " +
+                    (one ? "it" : "them");
+        d.hint = "run --frames " + std::to_string(timing.start) + "-" + std::to_string(timing.end) +
+                 ", or change timing.start and timing.end in the graph";
+        progress_.warning(d);
     }
 
     void warn_of_motion() {

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/doubts.h"
 
+#include "engine/curve.h"
 #include "engine/text.h"
+#include "nodes/matrices.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
 #include "solver/mesh/mesh_check.h"
@@ -76,7 +78,9 @@ class Doubts {
             if (!node || !node->type) continue;
             if (name_of(node) == "zMaterial") soft_material(name), light_material(name);
             if (name_of(node) == "zFiber") weak_fiber(name);
-            if (name_of(node) == "transform") mirrored(name);
+            if (name_of(node) == "transform") mirroring_transform(name);
+            if (name_of(node) == "zBone") mirroring_bone(name);
+            if (name_of(node) == "zHold") whole_hold(name);
             if (name_of(node) == "zSolver") solver(name);
         }
         return std::move(out_);
@@ -118,7 +122,7 @@ class Doubts {
         return list ? *list : std::vector<Plug>();
     }
 
-    /// A literal or the value of keys at the start; the default if nothing stands there; empty if it is connected.
+    /// A literal; the default if nothing stands there; empty if it is keyed or connected.
     template <class T>
     std::optional<T> number(const std::string& node, std::string_view attribute) const {
         const engine::Node& n = *graph_->find(node);
@@ -130,6 +134,21 @@ class Doubts {
             v = *literal;
         if (v.is<T>()) return v.as<T>();
         return {};
+    }
+
+    /// The same of vectors and matrices, with the value that keys give at the start.
+    template <class T>
+    std::optional<T> at_start(const std::string& node, std::string_view attribute) const {
+        const auto& inputs = graph_->find(node)->inputs;
+        const auto it = inputs.find(attribute);
+        const auto* curve = it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
+        if (!curve) return number<T>(node, attribute);
+        if constexpr (std::is_same_v<T, engine::Matrix4>) return curve->matrix_at(frame_);
+        const std::vector<double> numbers = curve->at(frame_);
+        T out{};
+        if (numbers.size() != out.size()) return {};
+        std::copy(numbers.begin(), numbers.end(), out.begin());
+        return out;
     }
 
     void soft_material(const std::string& name) {
@@ -160,11 +179,46 @@ class Doubts {
               "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
     }
 
-    void mirrored(const std::string& name) {
-        const auto scale = number<engine::Vec3>(name, "scale");
-        if (!scale || !((*scale)[0] * (*scale)[1] * (*scale)[2] < 0)) return;
-        doubt("FE265", name, "scale", "the scale mirrors, which turns what is moved inside out: its faces look inwards",
+    bool mirrors(const Plug& matrix) {
+        const auto m = value<engine::Matrix4>(matrix);
+        return m && nodes::volume_factor(*m) < 0;
+    }
+
+    void mirrored(const std::string& name, std::string_view attribute, const std::string& what) {
+        doubt("FE265", name, attribute, what + " mirrors, which turns what is moved inside out: its faces look inwards",
               "mirror the mesh where it is modelled and turn its faces, or scale by positive numbers and rotate");
+    }
+
+    /// Told where the mirroring comes in, not of all that goes along.
+    void mirroring_transform(const std::string& name) {
+        if (!mirrors({name, "outMatrix"})) return;
+        for (const Plug& above : plugs(name, "offsetParentMatrix"))
+            if (mirrors(above)) return;
+        const auto scale = at_start<engine::Vec3>(name, "scale");
+        const auto parent = at_start<engine::Matrix4>(name, "offsetParentMatrix");
+        if (scale && (*scale)[0] * (*scale)[1] * (*scale)[2] < 0)
+            mirrored(name, "scale", "the scale");
+        else if (parent && nodes::volume_factor(*parent) < 0)
+            mirrored(name, "offsetParentMatrix", "the matrix");
+        else
+            mirrored(name, "track", "the recorded motion");
+    }
+
+    void mirroring_bone(const std::string& name) {
+        const auto matrix = at_start<engine::Matrix4>(name, "matrix");
+        if (matrix && nodes::volume_factor(*matrix) < 0) mirrored(name, "matrix", "the matrix");
+    }
+
+    void whole_hold(const std::string& name) {
+        if (number<bool>(name, "enable") == false) return;
+        auto weights = number<engine::NumberList>(name, "weights");
+        for (const Plug& plug : plugs(name, "weights")) weights = value<engine::NumberList>(plug);
+        if (!weights || !std::all_of(weights->begin(), weights->end(), [](double w) { return w > 0; })) return;
+        for (const Plug& plug : plugs(name, "tissue"))
+            doubt("FE331", name, "weights",
+                  "holds the whole of " + plug.node + ", so nothing of it moves or deforms by itself",
+                  "paint what is to be held: a node weights with the mesh of " + plug.node +
+                      ", for example with mode near; what is to move as a whole is a zBone");
     }
 
     struct Member {

@@ -312,15 +312,16 @@ std::vector<std::string> ways_to_write(const std::string& text, const engine::Gr
 }
 
 /// The text of a graph file with the changes in it; what they do not touch is as it was.
-std::string written_into(std::string text, const std::string& file, const std::vector<Change>& changes) {
+std::string written_into(std::string text, const std::string& file, const engine::FileAccess& files,
+                         const std::vector<Change>& changes) {
     const auto registry = nodes::make_registry();
-    std::shared_ptr<const engine::Graph> graph = engine::read_graph(registry, text, file).graph;
+    std::shared_ptr<const engine::Graph> graph = engine::read_graph(registry, text, file, files).graph;
     for (const Change& c : changes) {
         const std::shared_ptr<const engine::Graph> wanted = with_changes(graph, {c});
         bool is_written = false;
         for (std::string& way : ways_to_write(text, *graph, *wanted, c)) {
             try { // it is read as it will be, so that no text can come to mean something else
-                auto read = engine::read_graph(registry, way, file).graph;
+                auto read = engine::read_graph(registry, way, file, files).graph;
                 if (!cli::differences(*wanted, *read).empty()) continue;
                 graph = std::move(read);
                 text = std::move(way);
@@ -385,12 +386,12 @@ void Session::save_changes() {
     }
     if (changes.empty()) return;
     // The file as it is, without what the command line sets.
-    const engine::GraphText before = engine::graph_text(options_.file);
+    const engine::GraphText before = engine::graph_text(options_.file, options_.files);
     if (!before.code.empty()) throw engine::Failure(unwritable(options_.file, before.message));
-    const std::string text = written_into(before.text, options_.file, changes);
+    const std::string text = written_into(before.text, options_.file, options_.files, changes);
     try {
         const auto rights = std::filesystem::status(options_.file).permissions();
-        if (text != before.text) engine::write_file(options_.file, text);
+        if (text != before.text) engine::write_file(options_.file, text, options_.files);
         std::error_code ignored; // on some file systems there are none
         std::filesystem::permissions(options_.file, rights, ignored);
     } catch (const std::exception& why) {
@@ -430,7 +431,7 @@ void Session::look_at_files(const std::stop_token& stop) {
 void Session::watch_what_is_named() {
     const std::lock_guard lock(mutex_);
     std::vector<std::string> files = graph_ ? files_of(*graph_) : std::vector<std::string>{};
-    for (std::string& file : graphs_named_in(options_.file)) files.push_back(std::move(file));
+    for (std::string& file : graphs_named_in(options_.file, options_.files)) files.push_back(std::move(file));
     files_.watch(files);
 }
 

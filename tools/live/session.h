@@ -19,6 +19,7 @@ namespace sinew::live {
 
 struct Options {
     std::string file;
+    engine::FileAccess files; ///< what may be read and written, the graph file itself too
     /// Reads the file anew, with the command line's settings. Throws Failure. Called by several threads at once: by the
     /// one that simulates, and by whoever changes an attribute.
     std::function<std::shared_ptr<const engine::Graph>(std::vector<engine::Diagnostic>& notes)> open;

@@ -49,13 +49,14 @@ std::vector<std::string> files_of(const engine::Graph& graph) {
     return {out.begin(), out.end()};
 }
 
-std::vector<std::string> graphs_named_in(const std::string& file) {
+std::vector<std::string> graphs_named_in(const std::string& file, const engine::FileAccess& files) {
     std::set<std::string> out;
     std::vector<std::string> open{file};
     while (!open.empty()) {
         const std::string at = open.back();
         open.pop_back();
         std::error_code none;
+        if (files.refusal(at)) continue;
         if (!out.insert(at).second || out.size() > most_files || !fs::is_regular_file(at, none)) continue;
         std::ifstream in(at);
         const auto json = nlohmann::json::parse(in, nullptr, false, true);

@@ -20,7 +20,8 @@ std::vector<std::string> files_named_by(const std::string& path, const engine::F
 std::vector<std::string> files_of(const engine::Graph& graph);
 
 /// `file` and the graphs that it says it includes, for a graph that cannot be read: what can be read of each counts.
-std::vector<std::string> graphs_named_in(const std::string& file);
+/// What `files` refuses is not looked at.
+std::vector<std::string> graphs_named_in(const std::string& file, const engine::FileAccess& files = {});
 
 /// Looks by name, size, time of change and inode, so that editors that write aside and rename are seen as well.
 class WatchedFiles {

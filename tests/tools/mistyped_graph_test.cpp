@@ -1,0 +1,95 @@
+// Graph files that cannot be read, and keys that are misspelt: what was probably meant.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/program.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+
+using namespace sinew::test;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What `check` says of a file, "CODE pointer: message | hint" a line; it always refuses.
+std::string said_of_file(const fs::path& file) {
+    const Said said = run_program({"check", file.string(), "--json", "--no-cache"});
+    CHECK(said.code == 1);
+    std::string out;
+    for (const json& d : said.lines())
+        out += d.at("code").get<std::string>() + " " + d.value("pointer", "") + ": " +
+               d.at("message").get<std::string>() + " | " + d.value("hint", "") + "\n";
+    return out;
+}
+
+std::string said_of_text(const std::string& text) {
+    const TemporaryFolder folder;
+    std::ofstream(folder / "graph.json") << text;
+    return said_of_file(folder / "graph.json");
+}
+
+} // namespace
+
+TEST_CASE("check tells graph files that hold nothing from those that are wrong", "[tools]") {
+    const std::string begins =
+        "a graph begins as { \"format\": \"sinew 1\", \"nodes\": { … } }; `sinew new` writes one\n";
+    CHECK(said_of_text("") == "DG004 : the file is empty | " + begins);
+    CHECK(said_of_text(" \n\t\n") == "DG004 : there is nothing but blanks in the file | " + begins);
+    CHECK(said_of_text("// a plan\n/* of\nmine */\n") ==
+          "DG004 : there is nothing but comments in the file | write { \"format\": … } below them\n");
+    CHECK(said_of_text("v 0 0 0\n") ==
+          "DG004 : this is no graph file: a graph is one JSON object and begins with { | " + begins);
+    CHECK(said_of_text(std::string("\xFF\xFE{\0}\0", 6)) ==
+          "DG004 : the file is written in UTF-16 | save it as UTF-8\n");
+}
+
+TEST_CASE("check says why a graph file cannot be opened, and which one may be meant", "[tools]") {
+    const TemporaryFolder folder;
+    CHECK(said_of_file(folder.path()) ==
+          "IO402 : this is a folder, not a graph file | name the graph file (.json) that is meant\n");
+    CHECK(said_of_file(folder / "thigh.json") == "IO401 : there is no such graph file | \n");
+    std::ofstream(folder / "thigh_muscles.json") << "{}";
+    std::ofstream(folder / "arm.json") << "{}";
+    CHECK(said_of_file(folder.path()) ==
+          "IO402 : this is a folder, not a graph file | name a file in it: arm.json or thigh_muscles.json\n");
+    CHECK(said_of_file(folder / "thigh_muscle.json") ==
+          "IO401 : there is no such graph file | did you mean \"" + (folder / "thigh_muscles.json").string() + "\"?\n");
+    CHECK(said_of_file(folder / "leg.json") == "IO401 : there is no such graph file | \n"); // all end in .json
+}
+
+TEST_CASE("check says which key was probably meant by one that is unknown", "[tools]") {
+    CHECK(said_of_text(R"({"format": "sinew 1", "nods": {}})") ==
+          "DG007 /nods: unknown key \"nods\" | did you mean \"nodes\"?\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "Timing": {"start": 2}, "nodes": {}})") ==
+          "DG007 /Timing: unknown key \"Timing\" | did you mean \"timing\"?\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "timings": {"start": 2}, "nodes": {}})") ==
+          "DG007 /timings: unknown key \"timings\" | did you mean \"timing\"?\n");
+    CHECK(said_of_text(R"({"fromat": "sinew 1", "nodes": {}})") ==
+          "DG004 /fromat: the key \"format\" is missing; there is \"fromat\" | write \"format\": \"sinew 1\" in its "
+          "place\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "fps": 25, "nodes": {}})") ==
+          "DG007 /fps: unknown key \"fps\" | write it within \"timing\": { \"fps\": … }\n");
+    CHECK(
+        said_of_text(R"({"format": "sinew 1", "colour": 1, "nodes": {}})") ==
+        "DG007 /colour: unknown key \"colour\" | keys: $schema, format, comment, timing, includes, nodes or editor\n");
+    // What is there need not be meant by what is not known, and is missing all the same where nothing is meant by it.
+    CHECK(said_of_text(R"({"format": "sinew 1", "nods": {}, "nodes": {}})") ==
+          "DG007 /nods: unknown key \"nods\" | did you mean \"nodes\"?\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "colour": 1})")
+              .ends_with("DG008 : the key \"nodes\" is missing | write \"nodes\": { … }\n"));
+}
+
+TEST_CASE("check says which key was probably meant within timing, nodes and includes", "[tools]") {
+    CHECK(said_of_text(R"({"format": "sinew 1", "timing": {"begin": 1, "frameRate": 24, "ends": 3}, "nodes": {}})") ==
+          "DG007 /timing/begin: unknown key \"begin\" | did you mean \"start\"?\n"
+          "DG007 /timing/frameRate: unknown key \"frameRate\" | did you mean \"fps\"?\n"
+          "DG007 /timing/ends: unknown key \"ends\" | did you mean \"end\"?\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "nodes": {"a": {"typ": "polyCube"}}})") ==
+          "DG008 /nodes/a/typ: a node needs a \"type\" in quotes | write \"type\" instead of \"typ\"\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "nodes": {"a": {"type": "polyCube", "input": {}, "width": 3}}})") ==
+          "DG007 /nodes/a/input: unknown key \"input\" | did you mean \"inputs\"?\n"
+          "DG007 /nodes/a/width: unknown key \"width\" | write it within \"inputs\": { \"width\": … }\n");
+    CHECK(said_of_text(R"({"format": "sinew 1", "includes": {"x": {"path": "b.json"}}, "nodes": {}})") ==
+          "DG007 /includes/x/path: unknown key \"path\" | did you mean \"file\"?\n");
+}
