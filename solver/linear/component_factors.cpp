@@ -36,7 +36,8 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
                 part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
             }
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
-        part->pattern.lower_start = {}, part->pattern.lower = {};
+        std::vector<int>().swap(part->pattern.lower_start);
+        std::vector<std::pair<int, int>>().swap(part->pattern.lower);
         if (factoring == Factoring::single)
             part->factor = std::make_unique<SingleCholesky>(part->pattern);
         else

@@ -23,7 +23,7 @@ constexpr int coarsest_rows = 64;
 /// Gauss-Seidel sweeps run through chunks of rows without a break: at least so many rows, and no more chunks than this.
 constexpr std::size_t least_chunk = 1024, most_chunks = 16;
 /// Rows of a slice of T, some three megabytes.
-constexpr std::size_t slice = 4096;
+constexpr std::size_t slice = 1024;
 
 /// What one fine unknown takes from coarse ones: up to four, weights sum to 1.
 struct Interpolation {

@@ -323,9 +323,9 @@ SingleCholesky::SingleCholesky(const BlockPattern& pattern)
 
 SingleCholesky::~SingleCholesky() = default;
 
-void SingleCholesky::release() { impl_->values = {}; }
+void SingleCholesky::release() { std::vector<float>().swap(impl_->values); }
 
-std::size_t SingleCholesky::bytes() const { return impl_->values.size() * sizeof(float); }
+std::size_t SingleCholesky::bytes() const { return impl_->values.capacity() * sizeof(float); }
 
 double SingleCholesky::factor_operations() const { return impl_->operations; }
 

@@ -304,12 +304,14 @@ Section rigs_section(const std::vector<SceneBench>& rigs) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     for (const SceneBench& s : rigs)
         for (const auto& row : scene_json(s)) rows.push_back(row);
-    return {"Rigs",
-            "`sinew bench scene` with `--elements` and `--sizes`: the scenes' first nine frames, with all tet sizes "
-            "scaled alike and with quadratic tets, one turn each. Linear iterations and factors are per frame.\n\n" +
-                as_markdown(scenes_table(rigs)),
-            {},
-            {{"rigs", rows}}};
+    return {
+        "Rigs",
+        "`sinew bench scene` with `--elements` and `--sizes`: the scenes' first nine frames, with all tet sizes "
+        "scaled alike and with quadratic tets, one turn each. Linear iterations and factors are per frame; bytes per "
+        "tet are the growth of the resident set over the frames.\n\n" +
+            as_markdown(scenes_table(rigs)),
+        {},
+        {{"rigs", rows}}};
 }
 
 Section elements_section(const ElementBench& curve) {

@@ -5,16 +5,14 @@
 #include "solver/linear/cholesky.h"
 #include "tools/bench/beams.h"
 #include "tools/bench/cantilever.h"
+#include "tools/bench/resident.h"
 
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <limits>
-#include <malloc.h>
 #include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
-#include <unistd.h>
 
 namespace sinew::bench {
 
@@ -24,15 +22,6 @@ using Clock = std::chrono::steady_clock;
 namespace {
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-/// Memory that the process has in use now [bytes], after giving free pages back.
-double resident_bytes() {
-    malloc_trim(0);
-    std::ifstream in("/proc/self/statm");
-    double total = 0, resident = 0;
-    in >> total >> resident;
-    return resident * static_cast<double>(sysconf(_SC_PAGESIZE));
-}
 
 double triad_rate(int threads, std::size_t entries, int repeats) {
     std::vector<double> a(entries), b(entries, 1.5), c(entries, 0.5), rates;

@@ -4,6 +4,7 @@
 #include "engine/evaluator.h"
 #include "nodes/values.h"
 #include "tools/bench/beams.h"
+#include "tools/bench/resident.h"
 #include "tools/bench/tet_variants.h"
 
 #include <algorithm>
@@ -25,9 +26,10 @@ struct Pass {
 /// Simulates all frames from the start; fills in what does not vary from turn to turn.
 Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::string& node, const RunOptions& options,
              SceneRow& row, SceneBench& scene, Motion& motion) {
+    motion.clear();
+    const double before = resident_bytes();
     engine::Evaluator evaluator;
     Pass pass;
-    motion.clear();
     row.newton_per_frame = row.linear_per_frame = row.factors_per_frame = 0, row.unconverged = 0;
     const int frames = scene.last - scene.first; // the first one is the start
     for (int frame = scene.first; frame <= scene.last; ++frame) {
@@ -50,6 +52,8 @@ Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::strin
         row.residual_max = std::max(row.residual_max, r.residual);
         row.unconverged += !r.converged;
     }
+    if (row.bytes_per_tet == 0)
+        row.bytes_per_tet = std::max(0.0, resident_bytes() - before) / static_cast<double>(scene.tets);
     return pass;
 }
 
@@ -106,20 +110,11 @@ SceneBench run_scene(const SceneVariant& variant, const std::vector<std::string>
 namespace {
 
 std::vector<std::string> titles(const std::string& yardstick) {
-    return {"solver",
-            "ms per frame",
-            yardstick + " / this",
-            "assembly [ms]",
-            "factor [ms]",
-            "solve [ms]",
-            "other [ms]",
-            "Newton per frame",
-            "linear iterations",
-            "factors",
-            "worst residual",
-            "unconverged",
-            "inverted",
-            "farthest vertex from " + yardstick + "'s [scene units]"};
+    return {"solver",        "ms per frame",     yardstick + " / this",
+            "assembly [ms]", "factor [ms]",      "solve [ms]",
+            "other [ms]",    "Newton per frame", "linear iterations",
+            "factors",       "worst residual",   "unconverged",
+            "inverted",      "bytes per tet",    "farthest vertex from " + yardstick + "'s [scene units]"};
 }
 
 std::vector<std::string> cells(const SceneRow& r) {
@@ -136,6 +131,7 @@ std::vector<std::string> cells(const SceneRow& r) {
             number(r.residual_max, 2),
             std::to_string(r.unconverged),
             std::to_string(r.inverted),
+            number(r.bytes_per_tet, 3),
             number(r.difference, 2)};
 }
 
@@ -186,6 +182,7 @@ nlohmann::ordered_json scene_json(const SceneBench& result) {
                        {"residual_max", r.residual_max},
                        {"unconverged", r.unconverged},
                        {"inverted", r.inverted},
+                       {"bytes_per_tet", r.bytes_per_tet},
                        {"difference", r.difference},
                        {"difference_unit", "scene units"}});
     return out;

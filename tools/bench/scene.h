@@ -22,6 +22,7 @@ struct SceneRow {
     double speedup = 1; ///< the yardstick's time / this one's, median over the turns
     double newton_per_frame = 0, linear_per_frame = 0, factors_per_frame = 0, residual_max = 0;
     int unconverged = 0, inverted = 0; ///< frames, and the most tets in one
+    double bytes_per_tet = 0;          ///< growth of the resident set over the frames of the first turn
     double difference = 0;             ///< farthest vertex from the yardstick's, over all frames, in scene units
 };
 

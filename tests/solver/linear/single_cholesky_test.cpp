@@ -3,10 +3,12 @@
 #include "solver/linear/cholesky.h"
 #include "solver/linear/component_factors.h"
 #include "solver/linear/conjugate_gradients.h"
+#include "solver/linear/linear_costs.h"
 #include "solver/linear/single_cholesky.h"
 #include "tests/support/grid_matrix.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <tbb/global_control.h>
 
@@ -118,5 +120,23 @@ TEST_CASE("a factor that gave its memory back takes it again, with the same bits
         CHECK(factor->bytes() > 4 * 9 * grid.pattern.block_count());
         factor->release();
         CHECK(factor->bytes() == 0);
+    }
+}
+
+TEST_CASE("a factor's memory is counted before it is made, and a cycle's cost grows with the matrix without leaps",
+          "[linear]") {
+    const GridMatrix grid(16);
+    SingleCholesky factor(grid.pattern);
+    REQUIRE(factor.factorize(grid.a));
+    const double counted = linear_costs(grid.pattern).factor_bytes;
+    CHECK(counted == Approx(4 * 45 * std::pow(16, 4))); // 45 entries a row to the power of 4/3
+    // Meshes of tets, which that number is of, fill in more than a grid does.
+    CHECK(static_cast<double>(factor.bytes()) < 1.5 * counted);
+    CHECK(static_cast<double>(factor.bytes()) > 0.4 * counted);
+    // Matrices of 23 and 34 rows a side fill caches of 8 and 24 MB.
+    for (const int n : {22, 33}) {
+        const double here = linear_costs(GridMatrix(n).pattern).cycle,
+                     next = linear_costs(GridMatrix(n + 1).pattern).cycle;
+        CHECK(next / here == Approx(std::pow((n + 1.0) / n, 3)).epsilon(0.08));
     }
 }
