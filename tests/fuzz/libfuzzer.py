@@ -52,15 +52,17 @@ class Fuzzing:
         for i, seed in enumerate(begin_with):
             with open(f"{given}/{i}", "wb") as file:
                 file.write(seed)
+        words = seeds.words_of(begin_with)
         with open(folder + "/words", "w", encoding="ascii") as file:
-            file.write(seeds.words_of(begin_with))
+            file.write(words)
+        dictionary = [f"-dict={folder}/words"] if words else []  # libFuzzer takes no empty one
         self.before = set(os.listdir(self.found))
         self.log = folder + "/log"
         with open(self.log, "wb") as log:
             self.process = subprocess.Popen(
                 [PROGRAM, grown, given, self.found, "-handle_usr1=1", f"-timeout={SECONDS_AN_INPUT}",
                  f"-rss_limit_mb={MEGABYTES}", f"-malloc_limit_mb={MEGABYTES_AT_ONCE}",
-                 f"-max_len={LONGEST.get(target, 4096)}", f"-artifact_prefix={self.found}/", f"-dict={folder}/words",
+                 f"-max_len={LONGEST.get(target, 4096)}", f"-artifact_prefix={self.found}/", *dictionary,
                  "-use_value_profile=1", "-print_final_stats=1"],
                 stdout=log, stderr=log, stdin=subprocess.DEVNULL, preexec_fn=stand_back,
                 env={**os.environ, "SINEW_FUZZ_TARGET": target, "UBSAN_OPTIONS": "print_stacktrace=1",

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <set>
@@ -243,6 +244,12 @@ TEST_CASE("check doubts nodes that nothing reads and names what could", "[tools]
         "the graph\n"
         "FE330 second.: nothing reads it, so it does nothing | connect it to where it is to act, or take it out of the "
         "graph\n");
+    // Of many some are told.
+    json many = ball();
+    for (int i = 0; i < 25; ++i) many["nodes"]["spare" + std::to_string(i)] = {{"type", "zMaterial"}};
+    const std::string told = all_said_of(many);
+    CHECK(std::count(told.begin(), told.end(), '\n') == 20);
+    CHECK(told.find("does nothing; so it is with 5 more nodes | ") != std::string::npos);
     // Where nothing is simulated, any end may be what is asked for.
     for (const char* name : {"solver", "grip", "second"}) graph["nodes"].erase(name);
     CHECK(all_said_of(graph).empty());

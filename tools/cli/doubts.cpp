@@ -14,6 +14,7 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <map>
 
 namespace sinew::cli {
 
@@ -179,9 +180,39 @@ class Doubts {
               "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
     }
 
-    bool mirrors(const Plug& matrix) {
-        const auto m = value<engine::Matrix4>(matrix);
-        return m && nodes::volume_factor(*m) < 0;
+    bool has_track(const std::string& name) const {
+        const auto file = number<engine::File>(name, "track");
+        return file && !file->path.empty();
+    }
+
+    static bool is_negative(const std::optional<engine::Vec3>& v) { return v && (*v)[0] * (*v)[1] * (*v)[2] < 0; }
+    static bool is_negative(const std::optional<engine::Matrix4>& m) { return m && nodes::volume_factor(*m) < 0; }
+
+    /// The transform whose outMatrix is applied after this one; empty if there is none.
+    std::string above(const std::string& name) const {
+        for (const Plug& plug : plugs(name, "offsetParentMatrix"))
+            if (const engine::Node* node = graph_->find(plug.node); node->type && name_of(node) == "transform")
+                return plug.node;
+        return {};
+    }
+
+    /// Whether all that a transform does, those above it included, mirrors. Chains are walked once and not evaluated:
+    /// that would take the square of their length. What a recorded motion does only evaluation tells.
+    bool mirrors(const std::string& name) {
+        std::vector<std::string> way;
+        for (std::string at = name; !at.empty() && !mirrors_.contains(at); at = above(at)) way.push_back(at);
+        for (; !way.empty(); way.pop_back()) {
+            const std::string& at = way.back();
+            if (has_track(at)) {
+                mirrors_[at] = is_negative(value<engine::Matrix4>({at, "outMatrix"}));
+                continue;
+            }
+            const bool itself = is_negative(at_start<engine::Vec3>(at, "scale")) !=
+                                is_negative(at_start<engine::Matrix4>(at, "offsetParentMatrix"));
+            const std::string next = above(at);
+            mirrors_[at] = itself != (!next.empty() && mirrors_[next]);
+        }
+        return mirrors_[name];
     }
 
     void mirrored(const std::string& name, std::string_view attribute, const std::string& what) {
@@ -191,22 +222,18 @@ class Doubts {
 
     /// Told where the mirroring comes in, not of all that goes along.
     void mirroring_transform(const std::string& name) {
-        if (!mirrors({name, "outMatrix"})) return;
-        for (const Plug& above : plugs(name, "offsetParentMatrix"))
-            if (mirrors(above)) return;
-        const auto scale = at_start<engine::Vec3>(name, "scale");
-        const auto parent = at_start<engine::Matrix4>(name, "offsetParentMatrix");
-        if (scale && (*scale)[0] * (*scale)[1] * (*scale)[2] < 0)
+        if (!mirrors(name)) return;
+        if (const std::string next = above(name); !next.empty() && mirrors(next)) return;
+        if (is_negative(at_start<engine::Vec3>(name, "scale")))
             mirrored(name, "scale", "the scale");
-        else if (parent && nodes::volume_factor(*parent) < 0)
+        else if (is_negative(at_start<engine::Matrix4>(name, "offsetParentMatrix")))
             mirrored(name, "offsetParentMatrix", "the matrix");
         else
             mirrored(name, "track", "the recorded motion");
     }
 
     void mirroring_bone(const std::string& name) {
-        const auto matrix = at_start<engine::Matrix4>(name, "matrix");
-        if (matrix && nodes::volume_factor(*matrix) < 0) mirrored(name, "matrix", "the matrix");
+        if (is_negative(at_start<engine::Matrix4>(name, "matrix"))) mirrored(name, "matrix", "the matrix");
     }
 
     void whole_hold(const std::string& name) {
@@ -490,6 +517,7 @@ class Doubts {
     std::stop_token stop_;
     std::shared_ptr<engine::Failures> failures_;
     double frame_ = 1;
+    std::map<std::string, bool> mirrors_; ///< by transform
     std::vector<Diagnostic> out_;
 };
 

@@ -36,9 +36,15 @@ class Search {
         for (const std::string& name : names_)
             if (gives_a_file(name)) ends.push_back(name);
         for (const std::string& name : embed::upstream_of(graph_, ends)) used_.insert(name);
-        std::vector<engine::Diagnostic> out;
+        std::vector<std::string> idle;
         for (const std::string& name : names_)
-            if (!used_.contains(name) && is_end(name)) out.push_back(doubt(name));
+            if (!used_.contains(name) && is_end(name)) idle.push_back(name);
+        // Nobody reads more, and each takes a walk through the graph.
+        constexpr std::size_t most_told = 20;
+        std::vector<engine::Diagnostic> out;
+        for (std::size_t i = 0; i < idle.size() && i < most_told; ++i) out.push_back(doubt(idle[i]));
+        if (idle.size() > most_told)
+            out.back().message += "; so it is with " + std::to_string(idle.size() - most_told) + " more nodes";
         return out;
     }
 

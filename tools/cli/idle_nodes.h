@@ -7,10 +7,11 @@
 
 namespace sinew::cli {
 
-/// Warnings FE330, one for each node at whose end nobody reads, with the inputs that take what it gives. In a graph
-/// with a solver a node is for something if a solver reads it, however far away, or if it reads a solver's result (and
-/// so does what it reads besides), or if it gives a file to pull. Without a solver every end may be what is pulled, and
-/// nothing is doubted. Nodes of included files are theirs: a limb that is included need not be used as a whole.
+/// Warnings FE330, one for each node at whose end nobody reads (of many the first 20), with the inputs that take what
+/// it gives. In a graph with a solver a node is for something if a solver reads it, however far away, or if it reads a
+/// solver's result (and so does what it reads besides), or if it gives a file to pull. Without a solver every end may
+/// be what is pulled, and nothing is doubted. Nodes of included files are theirs: a limb that is included need not be
+/// used as a whole.
 std::vector<engine::Diagnostic> find_idle_nodes(const engine::Graph& graph);
 
 } // namespace sinew::cli
