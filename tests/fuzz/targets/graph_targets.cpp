@@ -6,10 +6,10 @@
 #include "nodes/register_all.h"
 #include "tests/fuzz/targets/refused.h"
 #include "tests/fuzz/targets/targets.h"
+#include "tests/tools/temporary_folder.h"
 
 #include <cstdlib>
 #include <filesystem>
-#include <unistd.h>
 
 namespace sinew::fuzz {
 
@@ -22,25 +22,9 @@ const std::shared_ptr<const engine::Registry>& registry() {
     return types;
 }
 
-/// One of this process, empty but for what a target puts into it, gone at the end.
-class Folder {
-  public:
-    Folder()
-        : path_(fs::temp_directory_path() / ("sinew-fuzz-" + std::to_string(getpid()))) {
-        fs::create_directories(path_);
-    }
-    ~Folder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
-
+/// Of this process alone; gone at the end.
 const fs::path& folder() {
-    static const Folder one;
+    static const test::TemporaryFolder one;
     return one.path();
 }
 

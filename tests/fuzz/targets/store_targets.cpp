@@ -13,10 +13,10 @@
 #include "solver/state.h"
 #include "tests/fuzz/targets/refused.h"
 #include "tests/fuzz/targets/targets.h"
+#include "tests/tools/temporary_folder.h"
 
 #include <filesystem>
 #include <typeindex>
-#include <unistd.h>
 
 namespace sinew::fuzz {
 
@@ -54,25 +54,9 @@ void check(const nodes::TetMeshValue& tets) {
         promise(t >= 0 && static_cast<std::size_t>(t) < tets.mesh->tets.size(), "a kept cut beyond the tets");
 }
 
-/// A folder of this process for one frame and its start frame.
-class KeptFolder {
-  public:
-    KeptFolder()
-        : path_(fs::temp_directory_path() / ("sinew-fuzz-kept-" + std::to_string(getpid()))) {
-        fs::create_directories(path_);
-    }
-    ~KeptFolder() {
-        std::error_code ignored;
-        fs::remove_all(path_, ignored);
-    }
-    const fs::path& path() const { return path_; }
-
-  private:
-    fs::path path_;
-};
-
+/// Of this process alone; gone at the end.
 const fs::path& folder() {
-    static const KeptFolder one;
+    static const test::TemporaryFolder one;
     return one.path();
 }
 
