@@ -60,7 +60,7 @@ double LinearSolver::hierarchy_cost() const { return costs_.hierarchy + held_cos
 double LinearSolver::cycle_cost() const { return costs_.cycle + 2 * held_costs_.factor_solve; }
 
 void LinearSolver::begin_step(std::span<const double> springs, std::span<const double> elastic) {
-    spent_ = 0;
+    spent_ = 0, indefinite_ = false;
     if (std::ranges::equal(springs, springs_) && std::ranges::equal(elastic, elastic_)) return;
     springs_.assign(springs.begin(), springs.end()), elastic_.assign(elastic.begin(), elastic.end());
     HeldRows held = find_held_rows(pattern_, springs, elastic, places_);
@@ -144,14 +144,22 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
         const ConjugateGradients::Result r = iterate_with_factor(a, b, x, loose, allowed, outcome);
         if (r.converged || (!r.definite && !projected)) return;
     }
-    if (kept_ != Kept::full && make_single(a, outcome)) {
-        const ConjugateGradients::Result r =
-            iterate_with_factor(a, b, x, loose, has_overlay ? most_iterations : most, outcome);
-        fresh_iterations_ = has_overlay ? r.iterations : 0;
-        if (r.converged || (!r.definite && !projected)) return;
+    if (kept_ != Kept::full) {
+        if (make_single(a, outcome)) {
+            const ConjugateGradients::Result r =
+                iterate_with_factor(a, b, x, loose, has_overlay ? most_iterations : most, outcome);
+            fresh_iterations_ = has_overlay ? r.iterations : 0;
+            if (!projected && r.definite) indefinite_ = false;
+            if (r.converged || (!r.definite && !projected)) return;
+        } else if (!projected && indefinite_) {
+            // As double precision said of an earlier matrix of the step: what follows is seldom otherwise.
+            outcome.definite = false;
+            return;
+        }
     }
     // What single precision cannot tell.
     factorize_and_solve(a, b, x, tolerance, projected, outcome);
+    if (!projected) indefinite_ = !outcome.definite;
 }
 
 bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcome) {

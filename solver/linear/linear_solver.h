@@ -90,6 +90,7 @@ class LinearSolver {
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
     int fresh_iterations_ = 0; ///< that an overlay cost when the kept factor was new
+    bool indefinite_ = false;  ///< the last factor of an exact Hessian in this step found it so
     double spent_ = 0;         ///< on multigrid in this step, as costs_ count
 };
 

@@ -138,6 +138,43 @@ double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double
     return flight;
 }
 
+/// Contacts left out while this lives.
+struct ContactsOut {
+    Potential& potential;
+    explicit ContactsOut(Potential& of)
+        : potential(of) {
+        potential.leave_out_contacts(true);
+    }
+    ~ContactsOut() { potential.leave_out_contacts(false); }
+    ContactsOut(const ContactsOut&) = delete;
+    ContactsOut& operator=(const ContactsOut&) = delete;
+};
+
+/// A first step of Newton's without contacts, where bones have moved and the flesh that hangs on them has yet to
+/// follow: what touches there never did, it curves the potential every way, and no step that minds it is right for the
+/// rest. Taken if the potential, contacts and all, is lower there. Returns its value at x, with gradient and forces in
+/// the workspace.
+double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
+                        std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    if (!potential.contacts_are_early()) return value;
+    {
+        const ContactsOut guard(potential);
+        evaluate(potential, w, x, record);
+        bool definite = false;
+        constexpr double far_away = 1; // the residual: springs are all there is
+        find_direction(potential, w, options, far_away, 0, x, memory, definite, record);
+        ++record.newton_iterations;
+        const Stopwatch timer(record.seconds_assembly);
+        potential.work(w.gradient, w.direction, w.gain);
+        w.arcs.fit(potential, x, w.direction, w.gain);
+        w.arcs.move(potential, x, w.direction, 1, w.trial);
+    }
+    const double there = evaluate(potential, w, w.trial, record);
+    if (!(there <= value)) return evaluate(potential, w, x, record);
+    x.swap(w.trial);
+    return there;
+}
+
 /// The volume let go while this lives; given back also where a solve is stopped or fails.
 struct RelaxedTerms {
     Potential& potential;
@@ -407,8 +444,9 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
     double r = 0;
     const int levels = potential.levels();
     bool definite = false;
-    End end = iterate(potential, w, options, choose_start(potential, w, x, record), levels > 0, control, x, memory,
-                      definite, record, r);
+    const double start =
+        let_flesh_follow(potential, w, options, choose_start(potential, w, x, record), x, memory, record);
+    End end = iterate(potential, w, options, start, levels > 0, control, x, memory, definite, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only
         // small ones. With the volume let go tenfold more gently the path is found in a few steps and then tightened.

@@ -11,6 +11,13 @@
 
 namespace sinew::solver {
 
+namespace {
+
+/// Of the energy of springs, what contacts may have where bones have just moved away from flesh.
+constexpr double early_share = 2e-2;
+
+} // namespace
+
 Potential::Potential(const Scene& scene)
     : scene_(scene)
     , numbering_(scene.numbering())
@@ -23,6 +30,13 @@ Potential::Potential(const Scene& scene)
 }
 
 Potential::~Potential() = default;
+
+/// Visits the numbers of all terms that are not left out.
+template <class Visit>
+void Potential::for_each_present(const Visit& visit) const {
+    for (std::size_t t = 0; t < terms_.size(); ++t)
+        if (!contacts_out_ || !types_[t]->waits) visit(t);
+}
 
 bool Potential::take(const State& before, const StepInputs& inputs) {
     Changes all;
@@ -200,15 +214,16 @@ bool Potential::widen(const Positions& x) {
 double Potential::evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces) {
     double total = 0;
     energy_scale_ = 0;
-    for (const auto& term : terms_) {
-        const double energy = term->energy(x, gradient != nullptr);
-        total += energy;
-        energy_scale_ += std::abs(energy);
-    }
+    energies_.assign(terms_.size(), 0.0);
+    for_each_present([&](std::size_t t) {
+        energies_[t] = terms_[t]->energy(x, gradient != nullptr);
+        total += energies_[t];
+        energy_scale_ += std::abs(energies_[t]);
+    });
     total += dynamics_.energy(x, energy_scale_);
     if (!gradient) return total;
     gradient->assign(3 * unknown_count(), 0.0);
-    for (const auto& term : terms_) term->add_gradient(*gradient);
+    for_each_present([&](std::size_t t) { terms_[t]->add_gradient(*gradient); });
     dynamics_.add_gradient(*gradient);
     for (std::size_t d = 0; d < frozen_.size(); ++d) {
         const Deformable& body = numbering_.deformables[d];
@@ -221,7 +236,7 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
 
 void Potential::set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
     of_body_.assign(numbering_.deformables.size(), 0.0);
-    for (const auto& term : terms_) term->raise_forces_at_work(x, of_body_);
+    for_each_present([&](std::size_t t) { terms_[t]->raise_forces_at_work(x, of_body_); });
     dynamics_.raise_forces_at_work(of_body_);
     forces.resize(of_body_.size());
     for (std::size_t d = 0; d < forces.size(); ++d) {
@@ -265,7 +280,7 @@ void Potential::work(const std::vector<double>& force, const std::vector<double>
 void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
-    for (const auto& term : terms_) term->add_hessian(x, project, a);
+    for_each_present([&](std::size_t t) { terms_[t]->add_hessian(x, project, a); });
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);
@@ -275,6 +290,15 @@ double Potential::longest_move(const Positions& x, const std::vector<double>& di
     double longest = 1;
     for (const auto& term : terms_) longest = std::min(longest, term->longest_move(x, direction));
     return longest;
+}
+
+bool Potential::contacts_are_early() const {
+    double waiting = 0, pulling = 0;
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
+        if (types_[t]->waits) waiting += energies_[t];
+        if (types_[t]->pulls) pulling += energies_[t];
+    }
+    return waiting > 0 && waiting < early_share * pulling && stage_->bones_after != stage_->before.bones;
 }
 
 double Potential::energy_rounding() const {
