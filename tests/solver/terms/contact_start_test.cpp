@@ -1,0 +1,60 @@
+// Where a step begins, when bones have moved far and flesh hangs on them: contacts between the bones' new places and
+// the flesh's old one are nothing to go by.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/primitives.h"
+#include "solver/terms/contact/contact.h"
+#include "tests/support/solver_scenes.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew::solver;
+using namespace sinew::test;
+
+TEST_CASE("contact: flesh that leans on a bone goes along with all of them at once", "[contact]") {
+    // A cube that hangs on one bone, and leans a millimetre into the side of another.
+    SceneDescription description;
+    StepInputs in = still_inputs();
+    in.integrator = Integrator::quasi_static;
+    const TetMesh mesh = box_mesh(Vec3::Constant(0.1), 4, 4, 4);
+    const auto cube = tissue(mesh, ElasticLaw::neo_hookean);
+    const auto slab = [](const Vec3& middle) {
+        SurfaceMesh out = make_cube(0.2, 0.2, 0.2, 8, 8, 8);
+        for (Vec3& p : out.points) p += middle;
+        return out;
+    };
+    const SurfaceMesh wall = slab({0.199, 0.03, 0.05}), ceiling = slab({0.05, 0.2, 0.05});
+    description.bodies = {cube, bone(wall.points, wall.triangles), bone(ceiling.points, ceiling.triangles)};
+    AttachmentRest a;
+    a.source = 0, a.target = 2;
+    for (const Vec3& p : cube->surface) a.source_weights.push_back(p.y() > 0.1 - 1e-9 ? 1 : 0);
+    description.attachments = {a};
+    in.bodies = {material(1e4, 0.3), BoneInputs{wall.points}, BoneInputs{ceiling.points}};
+    in.attachments = {{1e9, 1, 0}};
+    ContactValues values;
+    values.stiffness = 1e6;
+    for (int body = 0; body < 2; ++body) {
+        description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
+        put_fields(values, std::span(in.parts.emplace_back(contact_type.values.size())));
+    }
+    const auto scene = std::make_shared<const Scene>(description);
+    Workspace workspace(scene);
+    State state = initial_state(*scene, in);
+    state = advance(workspace, state, std::span(&in, 1));
+    REQUIRE(state.record.converged);
+    const double force = value_of(state.record.measured, "contact", "force_N");
+    CHECK(force > 0.1);
+    const Points before = surface_positions(*scene, state, 0);
+
+    // All bones by the same way, so that the wall is where half of the cube was: only places change.
+    const Vec3 shift(-0.06, 0.02, 0.01);
+    for (const std::size_t body : {1, 2})
+        for (Vec3& p : std::get<BoneInputs>(in.bodies[body]).positions) p += shift;
+    state = advance(workspace, state, std::span(&in, 1));
+    REQUIRE(state.record.converged);
+    const Points after = surface_positions(*scene, state, 0);
+    double off = 0;
+    for (std::size_t v = 0; v < after.size(); ++v) off = std::max(off, (after[v] - before[v] - shift).norm());
+    CHECK(off < 1e-6);
+    CHECK(value_of(state.record.measured, "contact", "force_N") == Catch::Detail::Approx(force).epsilon(1e-3));
+    CHECK(state.record.newton_iterations <= 5); // with those contacts from the first iteration on 7
+}
