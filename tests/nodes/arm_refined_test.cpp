@@ -89,7 +89,8 @@ TEST_CASE("the refined arm's tets are fine at its tendons and attachments and co
 TEST_CASE("the refined arm's paint covers every attachment of its muscles to bones and tendons", "[nodes][arm]") {
     const auto graph = scene("arm_refined.json");
     engine::Evaluator evaluator;
-    for (const nlohmann::json& a : read_json(folder + "arm_ziva/attachments.json")["attachments"]) {
+    const nlohmann::json file = read_json(folder + "arm_ziva/attachments.json");
+    for (const nlohmann::json& a : file["attachments"]) {
         const std::string of = a["muscle"];
         const auto muscle = std::find_if(muscles.begin(), muscles.end(), [&](const auto& m) { return m.second == of; });
         REQUIRE(muscle != muscles.end());
