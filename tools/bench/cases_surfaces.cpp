@@ -251,7 +251,9 @@ void laplace(Book& book, const RunOptions& options) {
 /// The cube's strain has no bound at its edges, so displacements converge more slowly there.
 void cube_rounding(Book& book, const RunOptions& options) {
     book.open("7", "rounding of a cube by surface tension");
-    const auto& [title, e] = *reference_values()["surface_tension_cube"].items().begin();
+    const auto only = reference_values()["surface_tension_cube"].begin();
+    const std::string& title = only.key();
+    const nlohmann::json& e = *only;
     const double half = 0.05, ratio = 0.45, modulus = 2 * (1 + ratio) * double(e["mu"]);
     if (options.quick) return; // coarse meshes say nothing about a limit
     // Denser towards the faces.
