@@ -142,15 +142,18 @@ FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& 
     return {feature, inverse * feature.away, inverse * feature.normal};
 }
 
+Vec3 moved_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start) {
+    const ClosestFeature& was = start.feature;
+    const std::array<Vec3, 3> c = surface.corners(was.triangle, places);
+    return was.place[0] * c[0] + was.place[1] * c[1] + was.place[2] * c[2] + edges_of(c) * start.away;
+}
+
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
                               const Vec3& p, const std::vector<char>* allowed) {
     constexpr double most_steps = 64;
     const ClosestFeature& was = start.feature;
-    const std::array<Vec3, 3> corners = surface.corners(was.triangle, places);
-    const Mat3 edges = edges_of(corners);
-    const Vec3 from =
-        was.place[0] * corners[0] + was.place[1] * corners[1] + was.place[2] * corners[2] + edges * start.away;
-    const Vec3 side = edges * start.normal, way = p - from;
+    const Vec3 from = moved_along(surface, places, start), way = p - from,
+               side = edges_of(surface.corners(was.triangle, places)) * start.normal;
     const double longest = std::max(was.away.norm(), 0.5 * surface.mean_edge());
     const int steps = static_cast<int>(std::clamp(std::ceil(way.norm() / std::max(longest, 1e-300)), 1.0, most_steps));
     int triangle = was.triangle;

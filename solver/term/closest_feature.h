@@ -35,6 +35,8 @@ struct FeatureStart {
 };
 /// `corners` of the feature's triangle when it was found.
 FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& corners);
+/// Where the point would be had it moved along with the surface.
+Vec3 moved_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start);
 /// From where the point was at the start, moved along with the surface, straight to p, in steps so short that it does
 /// not jump over faces: a function of where things are now alone.
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,

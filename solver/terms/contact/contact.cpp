@@ -66,7 +66,7 @@ void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermM
 
 const TermType contact_type{
     .name = "contact",
-    .numerics = 3,
+    .numerics = 4,
     .values = value_names,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
@@ -150,11 +150,17 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const
                     side,
                     {f.place[0], f.place[1], f.place[2]},
                     k * press(i, f).depth};
-    if (t.kept < 0 || (pair.slides && pair.friction <= 0)) return out;
-    const KeptContact& was = kept_.contacts[at(t.kept)];
-    const Vec3 anchor_place(was.anchor[0], was.anchor[1], was.anchor[2]);
-    const Vec3 p = point_at(t);
-    const Vec3 way = p - place_at(t.target, was.anchor_triangle, anchor_place) - offset_of(pair, t.side, f);
+    if (pair.slides && pair.friction <= 0) return out;
+    if (t.kept >= 0) {
+        const KeptContact& was = kept_.contacts[at(t.kept)];
+        out.anchor_triangle = was.anchor_triangle, out.anchor = was.anchor;
+    } else if (const Tether* tie = first_tie(i)) {
+        out.anchor_triangle = tie->triangle, out.anchor = {tie->place[0], tie->place[1], tie->place[2]};
+    } else {
+        return out;
+    }
+    const Vec3 anchor(out.anchor[0], out.anchor[1], out.anchor[2]), p = point_at(t);
+    const Vec3 way = p - place_at(t.target, out.anchor_triangle, anchor) - offset_of(pair, t.side, f);
     if (!pair.slides) out.force = k * way.norm();
     const Vec3 n = f.normal.normalized(), along = way - n * n.dot(way);
     const double most = pair.friction * out.force, length = along.norm();
@@ -162,8 +168,6 @@ KeptContact Contacts::kept_contact(std::size_t i, const ClosestFeature& f) const
         const Vec3 behind = p - f.away - (most / k / length) * along; // on the surface
         const ClosestFeature end = follow_feature(bodies_[t.target], places_[at(t.target)], f.triangle, behind);
         out.anchor_triangle = end.triangle, out.anchor = {end.place[0], end.place[1], end.place[2]};
-    } else {
-        out.anchor_triangle = was.anchor_triangle, out.anchor = was.anchor;
     }
     return out;
 }

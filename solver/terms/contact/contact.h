@@ -17,8 +17,9 @@ extern const TermType contact_type;
 /// A sliding contact has the energy 1/2 k A d^2, d the distance to the nearest place of the surface, followed from
 /// where the point came in; a fixed one 1/2 k A |p - q|^2, q where it touched. k is the series stiffness of the two
 /// bodies, A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the
-/// surface whose end slips where it would pull with more than mu times the force that the contact pressed with at the
-/// end of the step before: it neither creeps nor drags below that.
+/// surface whose end slips where it would pull with more than mu times the force that the contact presses with: it
+/// neither creeps nor drags below that. A stage is solved with the forces of the end of the step before, and without
+/// friction of what comes in; where that turns out to be wrong by much, the solve goes on with those that it found.
 ///
 /// Which points may come in is settled at the start of a step: those whose way comes near to what the other body's
 /// triangles sweep. Where a solution has moved bodies elsewhere, the set is made larger, and the solve goes on.
@@ -65,6 +66,10 @@ class Contacts final : public Term {
         Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
         Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
     };
+    /// Of a pair, sums of forces [N].
+    struct Rubbing {
+        double presses = 0, change = 0; ///< `change` of friction by what has been found out about it
+    };
     struct Force {
         double energy = 0;
         Vec3 by_point = Vec3::Zero(); ///< derivative by the point's place [N]
@@ -84,6 +89,8 @@ class Contacts final : public Term {
         return bodies_[body].deforms() ? x.data() : bones_[at(body)].data()->data();
     }
     const double* carriers_before(int body) const;
+    /// Where nothing but momentum leads, and bones are.
+    const double* carriers_expected(int body) const;
     const ContactPair& pair_of(std::size_t touch) const { return pairs_[pair_of_touch_[touch]]; }
     Vec3 point_at(const Touch& t) const { return places_[at(t.source)][at(t.point)]; }
     Vec3 place_at(int target, int triangle, const Vec3& place) const;
@@ -118,6 +125,12 @@ class Contacts final : public Term {
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
+    bool look_farther(const Positions& x);
+    // Of friction within the step, in contact_friction.cpp:
+    bool renew_friction(const Positions& x);
+    void place_flown();
+    const Tether* first_tie(std::size_t touch) const;
+    ClosestFeature way_in(std::size_t touch, const Points& places, const Vec3& p) const;
     Vec3 drift_of(int body, int point) const;
     Vec3 reach(const Tether& tether) const;
     Force tether_force(const Tether& tether, double* stored) const;
@@ -175,7 +188,12 @@ class Contacts final : public Term {
     mutable Positions looked_at_;
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
-    std::vector<Tether> tethers_;
+    std::vector<Tether> tethers_;  ///< of contacts of the state, then of touches that came in within the step, in order
+    std::size_t first_ties_ = 0;   ///< where the latter begin
+    bool renewed_ = false;         ///< whether friction has been renewed in this stage
+    std::vector<double> limits_;   ///< scratch: per tether the renewed force at which it slips [N]
+    std::vector<Rubbing> rubbing_; ///< likewise, per pair
+    std::vector<Points> flown_;    ///< per body: where its points would be without forces
     VertexGradient gradient_;
 
     // Of layers of cloth:

@@ -56,6 +56,11 @@ const double* Contacts::carriers_before(int body) const {
     return b.deforms() ? stage_->before.x.data() : stage_->before.bones[at(b.body())].data()->data();
 }
 
+const double* Contacts::carriers_expected(int body) const {
+    if (!bodies_[body].deforms()) return bones_[at(body)].data()->data();
+    return stage_->form.mass_factor > 0 ? stage_->form.target.data() : carriers_before(body);
+}
+
 Vec3 Contacts::place_at(int target, int triangle, const Vec3& place) const {
     const std::array<Vec3, 3> c = bodies_[target].corners(triangle, places_[at(target)]);
     return place[0] * c[0] + place[1] * c[1] + place[2] * c[2];
@@ -110,15 +115,13 @@ void Contacts::begin_stage(const Stage& stage) {
     for (std::size_t b = 0; b < bodies_.count(); ++b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         before_.push_back(carriers_before(static_cast<int>(b)));
-        if (body.deforms()) {
-            expected_.push_back(stage.form.mass_factor > 0 ? stage.form.target.data() : before_.back());
-            continue;
+        if (!body.deforms()) {
+            Points& places = bones_[b];
+            place_bone(stage.form, weighed, at(body.body()), places);
+            reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
+            place_points(static_cast<int>(b), places.data()->data());
         }
-        Points& places = bones_[b];
-        place_bone(stage.form, weighed, at(body.body()), places);
-        reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
-        place_points(static_cast<int>(b), places.data()->data());
-        expected_.push_back(places.data()->data());
+        expected_.push_back(carriers_expected(static_cast<int>(b)));
     }
     committed_x_ = stage.before.x, iterated_ = false, found_ = false;
     looked_at_.clear();
@@ -213,6 +216,7 @@ void Contacts::make_tethers() {
             tethers_.push_back(braked);
         }
     }
+    first_ties_ = tethers_.size(), renewed_ = false;
     tether_forces_.resize(tethers_.size());
     if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
     for (PointTriangleElement& e : tether_elements_) e.forget();
@@ -239,7 +243,13 @@ double Contacts::begin_iteration(const Positions& x) {
 
 bool Contacts::widen(const Positions& x) {
     find_all_touches();
-    const bool more_cloth = widen_cloth(x);
+    const bool more_cloth = widen_cloth(x), more = look_farther(x);
+    // Who touches must be settled first: what has just been found may be far inside.
+    return more_cloth || more || renew_friction(x);
+}
+
+/// Looks again for who may touch, now that it is known where bodies are; whether any such point presses.
+bool Contacts::look_farther(const Positions& x) {
     // Where nothing is farther from where it was looked for than the margin, all is known.
     expected_.clear();
     off_.resize(bodies_.count());
@@ -252,14 +262,14 @@ bool Contacts::widen(const Positions& x) {
     if (std::all_of(pairs_.begin(), pairs_.end(), [&](const ContactPair& pair) {
             return off_[at(pair.source)] + off_[at(pair.target)] <= resting_share * bodies_[pair.target].mean_edge();
         }))
-        return more_cloth;
+        return false;
     sweep(expected_);
     const std::size_t known = touches_.size();
     for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
     look_at(x);
     for (std::size_t i = known; i < touches_.size(); ++i)
         if (presses(i, press(i, feature_at(i)).depth)) return true;
-    return more_cloth;
+    return false;
 }
 
 Vec3 Contacts::reach(const Tether& tether) const {

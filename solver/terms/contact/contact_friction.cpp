@@ -1,0 +1,104 @@
+// Friction as hard as a step presses, and of points that come in within the step: both are known once the stage is
+// solved, so the solve goes on from there.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/index.h"
+#include "solver/terms/contact/contact.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace sinew::solver {
+
+namespace {
+
+/// Of what two bodies press with: friction that is off by less may be so until the next step, so that what slides
+/// evenly, or rests and has points come and go at its rim, is not solved twice.
+constexpr double least_share = 0.05;
+
+} // namespace
+
+/// Where a point comes in on its straight way from where it was at the start of the step to p, as the target sees it
+/// that moves along to `places`. triangle = -1: it does not.
+ClosestFeature Contacts::way_in(std::size_t i, const Points& places, const Vec3& p) const {
+    const CollisionBody& target = bodies_[touches_[i].target];
+    const ClosestFeature f = follow_feature(target, places, starts_[i], p);
+    const Press pressed = press(i, f);
+    if (!(pressed.depth > 0)) return {};
+    const Vec3 back = moved_along(target, places, starts_[i]) - p;
+    const double height = pressed.out.dot(back);
+    const double inside = height > pressed.depth ? pressed.depth / height : 1;
+    return follow_feature(target, places, f.triangle, p + inside * back);
+}
+
+void Contacts::place_flown() {
+    flown_.resize(bodies_.count());
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        flown_[b].resize(body.point_count());
+        const double* carriers = carriers_expected(static_cast<int>(b));
+        for (std::size_t p = 0; p < flown_[b].size(); ++p) flown_[b][p] = body.place(static_cast<int>(p), carriers);
+    }
+}
+
+/// Once a stage, where it has been solved with all that touches; whether that changes friction enough to count. Until
+/// they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way there.
+bool Contacts::renew_friction(const Positions& x) {
+    if (renewed_) return false;
+    renewed_ = true;
+    find_features(x);
+    bool flown = false;
+    rubbing_.assign(pairs_.size(), {}), limits_.clear();
+    for (const Tether& tether : tethers_) limits_.push_back(tether.most);
+    std::size_t known = 0;
+    for (std::size_t i = 0; i < touches_.size(); ++i) {
+        const Touch& t = touches_[i];
+        const ContactPair& pair = pair_of(i);
+        while (known < first_ties_ && tethers_[known].touch < i) ++known;
+        if (now_[i].triangle < 0 || (pair.slides ? pair.friction <= 0 : t.kept >= 0)) continue;
+        const Press pressed = press(i, now_[i]);
+        const double presses = pressed.depth > 0 ? stiffness(i) * pressed.depth : 0;
+        const double most = pair.slides ? pair.friction * presses : std::numeric_limits<double>::infinity();
+        Rubbing& sum = rubbing_[pair_of_touch_[i]];
+        sum.presses += presses;
+        if (known < first_ties_ && tethers_[known].touch == i && tethers_[known].stiffness > 0) {
+            Tether renewed = tethers_[known];
+            renewed.most = limits_[known] = most;
+            sum.change +=
+                (tether_force(renewed, nullptr).by_point - tether_force(tethers_[known], nullptr).by_point).norm();
+            continue;
+        }
+        if (!(presses > 0)) continue;
+        Tether tie;
+        if (t.kept >= 0) {
+            const KeptContact& was = kept_.contacts[at(t.kept)];
+            tie.triangle = was.anchor_triangle, tie.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
+        } else {
+            if (!flown) place_flown(), flown = true;
+            ClosestFeature in = way_in(i, flown_[at(t.target)], flown_[at(t.source)][at(t.point)]);
+            if (in.triangle < 0) in = way_in(i, places_[at(t.target)], point_at(t));
+            if (in.triangle < 0) continue;
+            tie.triangle = in.triangle, tie.place = in.place;
+        }
+        tie.touch = i, tie.stiffness = stiffness(i), tie.most = most;
+        tie.holds = Mat3::Identity() - pressed.out * pressed.out.transpose();
+        sum.change += tether_force(tie, nullptr).by_point.norm();
+        tethers_.push_back(tie), limits_.push_back(most);
+    }
+    const bool counts = std::any_of(rubbing_.begin(), rubbing_.end(),
+                                    [](const Rubbing& r) { return r.change > least_share * r.presses; });
+    if (counts)
+        for (std::size_t k = 0; k < tethers_.size(); ++k) tethers_[k].most = limits_[k];
+    else
+        tethers_.resize(first_ties_);
+    tether_forces_.resize(tethers_.size());
+    if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
+    return counts;
+}
+
+const Contacts::Tether* Contacts::first_tie(std::size_t touch) const {
+    const auto tie = std::lower_bound(tethers_.begin() + static_cast<std::ptrdiff_t>(first_ties_), tethers_.end(),
+                                      touch, [](const Tether& t, std::size_t i) { return t.touch < i; });
+    return tie != tethers_.end() && tie->touch == touch ? &*tie : nullptr;
+}
+
+} // namespace sinew::solver
