@@ -4,8 +4,10 @@
 #include "tests/tools/program.h"
 
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <set>
 #include <sstream>
 
 using namespace sinew::test;
@@ -160,4 +162,87 @@ TEST_CASE("a run writes the contacts of each frame, and the report says which bo
     std::size_t all = 0;
     for (const json& pair : pairs) all += pair.at("contacts").get<std::size_t>();
     CHECK(all == contacts.size());
+}
+
+TEST_CASE("a plate catches a cube that comes down by four of its lengths a frame, wherever in the frame it meets it",
+          "[tools][contact]") {
+    constexpr double side = 0.05, density = 1000, g = 9.81, stiffness = 1e8; // of graphs/bench/g_thin_5.1.json
+    const std::string graph = std::string(SINEW_SOURCE_DIR) + "/graphs/bench/g_thin_5.1.json";
+    for (const double height : {5.0, 5.05, 5.1, 5.15, 5.2}) {
+        const TemporaryFolder folder;
+        const double top = 5.1 - height;
+        const std::string at = "plate.matrix=[1,0,0,0, 0,1,0,0, 0,0,1," + std::to_string(top) + ", 0,0,0,1]";
+        const Said said = run_program({"run", graph, "--set", at, "--out", (folder / "out").string(), "--format", "obj",
+                                       "--report", (folder / "report.json").string(), "--no-cache", "--quiet"});
+        INFO("from " << height << " m: " << said.err);
+        REQUIRE(said.code == 0);
+        const json frames = json::parse(read_text(folder / "report.json")).at("frames");
+        double lowest = 1e9;
+        for (const json& frame : frames) {
+            CHECK(frame.at("converged") == true);
+            CHECK(frame.at("inverted") == 0);
+            const std::string number = std::to_string(10000 + frame.at("frame").get<int>()).substr(1);
+            std::istringstream file(read_text(folder / "out" / "obj" / ("cube." + number + ".obj")));
+            for (std::string line; std::getline(file, line);) {
+                double x = 0, y = 0, z = 0;
+                std::istringstream words(line);
+                if (std::string v; words >> v >> x >> y >> z && v == "v") lowest = std::min(lowest, z - top);
+            }
+        }
+        // Were it rigid, all that it gains by falling would be in the contact, 1/2 k A d^2; flesh takes up most of it.
+        CHECK(lowest < 0);
+        CHECK(lowest > -std::sqrt(2 * g * height * density * side / stiffness));
+        CHECK(frames.back().at("terms").at("contact").at("force_N").get<double>() ==
+              Approx(density * side * side * side * g).epsilon(1e-4));
+    }
+}
+
+TEST_CASE("what touches stays the same set once all motion has died away", "[tools][contact]") {
+    // A ball with friction between two plates: one comes down and aside for half a second, and stops.
+    json graph = json::parse(R"({
+      "format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 32},
+      "nodes": {
+        "slab": {"type": "polyCube", "inputs": {"width": 6, "height": 1, "depth": 6}},
+        "slabPlace": {"type": "transform", "inputs": {"mesh": {"from": "slab.outMesh"}, "translate": [0, -0.5, 0]}},
+        "ground": {"type": "zBone", "inputs": {"mesh": {"from": "slabPlace.outMesh"}}},
+        "lidMove": {"type": "transform", "inputs": {
+          "translate": {"keys": [[1, [0, 1.5, 0]], [13, [0.1, 1.2, 0]]], "interp": "linear"}}},
+        "lid": {"type": "zBone", "inputs": {"mesh": {"from": "slab.outMesh"}, "matrix": {"from": "lidMove.outMatrix"}}},
+        "sphere": {"type": "polySphere", "inputs": {"radius": 0.5, "subdivisionsAxis": 16, "subdivisionsHeight": 12}},
+        "place": {"type": "transform", "inputs": {"mesh": {"from": "sphere.outMesh"}, "translate": [0, 0.5, 0]}},
+        "tets": {"type": "zTet", "inputs": {"mesh": {"from": "place.outMesh"}, "tetSize": 0.2}},
+        "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 1e5, "massDensity": 1000}},
+        "ball": {"type": "zTissue", "inputs": {
+          "mesh": {"from": "place.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "solver": {"type": "zSolver", "inputs": {
+          "bodies": [{"from": "ground.outBody"}, {"from": "lid.outBody"}, {"from": "ball.outBody"}],
+          "collisionDetection": true, "maxNewtonIterations": 40, "scale": 1, "stiffnessDamping": 0.02}},
+        "table": {"type": "contactWriter", "inputs": {"contacts": {"from": "solver.outContacts"}, "format": "json"}}
+      }})");
+    for (const char* body : {"ground", "lid", "ball"}) {
+        graph["nodes"][body]["inputs"]["contactStiffness"] = 1e7;
+        graph["nodes"][body]["inputs"]["contactFriction"] = 0.3;
+    }
+    const TemporaryFolder folder;
+    const std::string out = (folder / "out").string();
+    const Said said = run_program({"run", write_graph(folder, graph), "--pull", "table.outFile", "--out", out});
+    INFO(said.err);
+    REQUIRE(said.code == 0);
+    using Touching = std::set<std::array<int, 3>>;
+    const auto touching_at = [&](int frame) {
+        const std::string number = std::to_string(10000 + frame).substr(1);
+        Touching set;
+        for (const json& c :
+             json::parse(read_text(folder / "out" / (std::string("table.") + number + ".json"))).at("contacts"))
+            set.insert({c.at("source").get<int>(), c.at("target").get<int>(), c.at("point").get<int>()});
+        return set;
+    };
+    const Touching at_rest = touching_at(22);
+    CHECK(at_rest.size() > 40);
+    CHECK(touching_at(13) != at_rest); // while it moves, and just after
+    CHECK(touching_at(14) != at_rest);
+    for (int frame = 23; frame <= 32; ++frame) {
+        INFO("frame " << frame);
+        CHECK(touching_at(frame) == at_rest);
+    }
 }
