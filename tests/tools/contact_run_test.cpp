@@ -232,8 +232,8 @@ TEST_CASE("what touches stays the same set once all motion has died away", "[too
     const auto touching_at = [&](int frame) {
         const std::string number = std::to_string(10000 + frame).substr(1);
         Touching set;
-        for (const json& c :
-             json::parse(read_text(folder / "out" / (std::string("table.") + number + ".json"))).at("contacts"))
+        const json table = json::parse(read_text(folder / "out" / ("table." + number + ".json")));
+        for (const json& c : table.at("contacts"))
             set.insert({c.at("source").get<int>(), c.at("target").get<int>(), c.at("point").get<int>()});
         return set;
     };
