@@ -222,8 +222,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     const bool has_overlay = !a.overlay.empty();
     const int allowed = automatic ? allowed_cycles(newton_iteration, has_overlay ? overlay_solves : kept_factor_solves)
                                   : most_iterations;
-    // Where contacts come and go it is they that hold Newton's method up, not inexact directions.
-    const bool impatient = !has_overlay && newton_iteration >= patience(factor_cost(0) / costs_.cycle);
+    const bool impatient = !kinked_ && newton_iteration >= patience(factor_cost(0) / costs_.cycle);
     if (automatic && (impatient || allowed == 0 || (!has_overlay && factor_is_cheaper())))
         memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {

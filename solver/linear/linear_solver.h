@@ -38,6 +38,9 @@ class LinearSolver {
     void begin_frame() { kept_ = Kept::none; }
     /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
     void begin_step(std::span<const double> springs, std::span<const double> elastic);
+    /// Whether what the coming matrices are Hessians of has kinks, as where contacts come and go: then it is those that
+    /// hold Newton's method up, not inexact directions.
+    void set_kinked(bool kinked) { kinked_ = kinked; }
     /// Solves A x = b. `newton_iteration` counts from 0 in the step. `projected`: the matrix is positive definite by
     /// construction, so iterations that find otherwise met the limits of single precision, and the factor decides.
     /// `tolerance` is for the iterative path; the direct one is exact to rounding.
@@ -90,8 +93,9 @@ class LinearSolver {
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
     int fresh_iterations_ = 0; ///< that an overlay cost when the kept factor was new
-    bool indefinite_ = false;  ///< the last factor of an exact Hessian in this step found it so
-    double spent_ = 0;         ///< on multigrid in this step, as costs_ count
+    bool kinked_ = false;
+    bool indefinite_ = false; ///< the last factor of an exact Hessian in this step found it so
+    double spent_ = 0;        ///< on multigrid in this step, as costs_ count
 };
 
 } // namespace sinew::solver

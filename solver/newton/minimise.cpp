@@ -74,6 +74,7 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
             const Stopwatch timer(record.seconds_assembly);
             potential.assemble(x, project, w.hessian);
         }
+        w.linear.set_kinked(potential.contacts_press());
         const LinearSolver::Outcome outcome =
             w.linear.solve(options.method, w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance),
                            iteration, project, memory);

@@ -292,6 +292,12 @@ double Potential::longest_move(const Positions& x, const std::vector<double>& di
     return longest;
 }
 
+bool Potential::contacts_press() const {
+    for (std::size_t t = 0; t < terms_.size(); ++t)
+        if (types_[t]->waits && energies_[t] > 0) return true;
+    return false;
+}
+
 bool Potential::contacts_are_early() const {
     double waiting = 0, pulling = 0;
     for (std::size_t t = 0; t < terms_.size(); ++t) {

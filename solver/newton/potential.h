@@ -92,6 +92,8 @@ class Potential {
     /// After evaluate: whether bones have moved and the springs by which flesh hangs on them hold so much more energy
     /// than contacts that those are between the new places of bones and the old ones of flesh.
     bool contacts_are_early() const;
+    /// After evaluate: whether contacts press.
+    bool contacts_press() const;
     /// Whether terms that may wait (TermType::waits) are left out of what follows.
     void leave_out_contacts(bool out) { contacts_out_ = out; }
 
