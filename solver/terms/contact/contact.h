@@ -68,7 +68,7 @@ class Contacts final : public Term {
     };
     /// Of a pair, sums of forces [N].
     struct Rubbing {
-        double presses = 0, change = 0; ///< `change` of friction by what has been found out about it
+        double could = 0, change = 0; ///< at most; of friction by what has been found out about it
     };
     struct Force {
         double energy = 0;
