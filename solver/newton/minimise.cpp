@@ -18,9 +18,18 @@ double dot(const std::vector<double>& a, const std::vector<double>& b) {
     return ordered_sum(a.size(), [&](std::size_t i) { return a[i] * b[i]; });
 }
 
-/// How exactly the linear system needs to be solved: to a tenth far from the solution, where a better direction buys
-/// nothing, and no further than a fifth of what is missing when this iteration can be the last.
-double forcing(double residual, double tolerance) { return std::clamp(0.2 * tolerance / residual, 1e-3, 1e-1); }
+/// How exactly the linear system needs to be solved: loosely far from the solution, where a better direction buys
+/// nothing, to the residual itself nearer to it, where that keeps Newton's quadratic convergence, and no further than a
+/// fifth of what is missing when this iteration can be the last. Where each digit costs the same, as with conjugate
+/// gradients alone, quadratic convergence is not worth its digits.
+double forcing(double residual, const NewtonOptions& options) {
+    const double last = 0.2 * options.tolerance / residual;
+    if (options.method == LinearMethod::iterative) return std::clamp(last, 1e-3, 1e-1);
+    return std::clamp(std::max(residual, last), 1e-3, 3e-2);
+}
+
+/// At a residual below this what presses presses about as hard as it will at the end of the stage.
+constexpr double roughly_solved = 0.03;
 
 /// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
 /// projected one; `definite` says which. Returns the slope along it.
@@ -52,8 +61,7 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     }
     how.length = how.longest;
     if (good)
-        w.linear.solve_truncated(w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance), how.length,
-                                 outcome);
+        w.linear.solve_truncated(w.hessian, w.gradient, w.direction, forcing(residual, options), how.length, outcome);
     how.fresh = outcome.worn, how.negative = !outcome.definite;
     record.linear_iterations += outcome.iterations;
     record.factorizations += outcome.factors;
@@ -75,9 +83,8 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
             potential.assemble(x, project, w.hessian);
         }
         w.linear.set_kinked(potential.contacts_press());
-        const LinearSolver::Outcome outcome =
-            w.linear.solve(options.method, w.hessian, w.gradient, w.direction, forcing(residual, options.tolerance),
-                           iteration, project, memory);
+        const LinearSolver::Outcome outcome = w.linear.solve(options.method, w.hessian, w.gradient, w.direction,
+                                                             forcing(residual, options), iteration, project, memory);
         record.linear_iterations += outcome.iterations;
         record.factorizations += outcome.factors;
         record.seconds_factor += outcome.seconds_factor;
@@ -268,12 +275,21 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         judge();
         return true;
     };
+    const auto renew = [&] {
+        if (w.renewed || !(converged || r <= roughly_solved)) return false;
+        w.renewed = true;
+        if (!potential.renew(x)) return false;
+        value = evaluate(potential, w, x, record);
+        w.floor.forget();
+        judge();
+        return true;
+    };
     bool stuck = false;
     double one_ago = std::numeric_limits<double>::infinity(), two_ago = one_ago; // residuals before the last steps
     Truncated how;
     FadingMean mean; // of sheets
     const bool sheets = w.linear.takes_sheets(options.method);
-    for (int iteration = 0; !converged; ++iteration) {
+    for (int iteration = 0; !converged || renew(); ++iteration) {
         if (iteration == options.max_iterations) return End::out_of_iterations;
         if (!std::isfinite(value) || !std::isfinite(r))
             throw Error(
@@ -283,6 +299,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (control.stop && control.stop()) throw Stopped();
         if (control.progress) control.progress(static_cast<double>(iteration) / options.max_iterations, iteration, r);
         if (look_anew(stuck)) mean.forget();
+        if (renew()) mean.forget();
         if (converged) break;
         const double change = potential.begin_iteration(x);
         value += change, mean.raise(change);
@@ -440,6 +457,7 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    w.renewed = false;
     potential.add_up_springs(w.springs, w.elastic);
     w.linear.begin_step(w.springs, w.elastic);
     double r = 0;

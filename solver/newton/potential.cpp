@@ -205,6 +205,12 @@ bool Potential::settle(const Positions& x, bool stuck) {
     return changed;
 }
 
+bool Potential::renew(const Positions& x) {
+    bool changed = false;
+    for (const auto& term : terms_) changed = term->renew(x) || changed;
+    return changed;
+}
+
 bool Potential::widen(const Positions& x) {
     bool more = false;
     for (const auto& term : terms_) more = term->widen(x) || more;

@@ -75,8 +75,9 @@ class Potential {
     void work(const std::vector<double>& force, const std::vector<double>& direction, std::vector<double>& out) const;
     /// Before an iteration at x; returns by how much it changes the value there (see Term).
     double begin_iteration(const Positions& x);
-    /// Where a solve has come to rest: whether a term takes in more than it knew of (see Term).
+    /// Whether a term takes in something anew (see Term).
     bool settle(const Positions& x, bool stuck);
+    bool renew(const Positions& x);
     bool widen(const Positions& x);
     /// Value at x. With `gradient` (3 an unknown) also the gradient and `forces`, one a deformable.
     double evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);

@@ -8,6 +8,7 @@
 #include "solver/terms/contact/cloth_contact.h"
 #include "solver/terms/contact/contact_list.h"
 #include "solver/terms/contact/held_points.h"
+#include "solver/terms/contact/slipping_spring.h"
 #include "solver/terms/contact/touches.h"
 
 namespace sinew::solver {
@@ -18,8 +19,9 @@ extern const TermType contact_type;
 /// where the point came in; a fixed one 1/2 k A |p - q|^2, q where it touched. k is the series stiffness of the two
 /// bodies, A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the
 /// surface whose end slips where it would pull with more than mu times the force that the contact presses with: it
-/// neither creeps nor drags below that. A stage is solved with the forces of the end of the step before, and without
-/// friction of what comes in; where that turns out to be wrong by much, the solve goes on with those that it found.
+/// neither creeps nor drags below that. A stage begins with the forces of the end of the step before, and without
+/// friction of what comes in; where that turns out to be wrong by much, once the stage is roughly solved, the solve
+/// goes on with those that it found.
 ///
 /// Which points may come in is settled at the start of a step: those whose way comes near to what the other body's
 /// triangles sweep. Where a solution has moved bodies elsewhere, the set is made larger, and the solve goes on.
@@ -32,6 +34,7 @@ class Contacts final : public Term {
     void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage& stage) override;
     double begin_iteration(const Positions& x) override;
+    bool renew(const Positions& x) override;
     bool widen(const Positions& x) override;
     double energy(const Positions& x, bool with_forces) override;
     void add_gradient(std::span<double> gradient) const override {
@@ -61,8 +64,8 @@ class Contacts final : public Term {
         Vec3 place = Vec3::Zero();
         Vec3 offset = Vec3::Zero(); ///< where the point is at rest, from there [m]
         Mat3 holds = Mat3::Zero();  ///< projects on the directions that the spring sees
-        double stiffness = 0;       ///< [N/m]
-        double most = 0;            ///< force at which it slips [N]; infinite if it does not
+        SlippingSpring spring;
+        FollowedForce followed;     ///< of it
         Mat3 brakes = Mat3::Zero(); ///< damping by directions [N s/m]
         Vec3 drift = Vec3::Zero();  ///< relative velocity minus velocity factor x the way [m/s]
     };
@@ -77,10 +80,11 @@ class Contacts final : public Term {
 
     /// What holds the sides of a press between layers as they were at the start of the step: friction and damping.
     struct Drag {
-        ClothContact::Press press;  ///< then
-        Vec3 way = Vec3::Zero();    ///< between the sides, then [m]
-        Mat3 holds = Mat3::Zero();  ///< as of tethers
-        double most = 0;            ///< likewise [N]
+        ClothContact::Press press; ///< then
+        Vec3 way = Vec3::Zero();   ///< between the sides, then [m]
+        Mat3 holds = Mat3::Zero(); ///< as of tethers
+        SlippingSpring spring;
+        FollowedForce followed;     ///< of it
         Mat3 brakes = Mat3::Zero(); ///< likewise
         Vec3 drift = Vec3::Zero();  ///< likewise
     };
@@ -125,8 +129,10 @@ class Contacts final : public Term {
     void sweep(const std::vector<const double*>& later);
     void find_touches(std::size_t pair, std::size_t first_touch);
     void make_tethers();
+    Vec3 held_before(const Tether& tether) const;
     bool look_farther(const Positions& x);
     // Of friction within the step, in contact_friction.cpp:
+    void follow_friction();
     bool renew_friction(const Positions& x);
     void place_flown();
     const Tether* first_tie(std::size_t touch) const;

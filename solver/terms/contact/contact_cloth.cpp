@@ -87,7 +87,8 @@ void Contacts::make_drags() {
         Drag drag{.press = press};
         const Mat3 across = press.out * press.out.transpose();
         drag.holds = Mat3::Identity() - across;
-        drag.most = pair.slides ? pair.friction * press.force() : std::numeric_limits<double>::infinity();
+        const double most = pair.slides ? pair.friction * press.force() : std::numeric_limits<double>::infinity();
+        drag.spring = {press.stiffness, most};
         if (form.velocity_factor > 0) drag.brakes = pair.damping * press.stiffness / pair.stiffness * across;
         for (std::size_t c = 0; c < 4; ++c) {
             const int body = cloth_.body_of(press.corners[c]), point = cloth_.point_of(press.corners[c]);
@@ -114,13 +115,7 @@ bool Contacts::widen_cloth(const Positions& x) {
 
 Contacts::Force Contacts::drag_force(const Drag& drag, double* stored) const {
     const Vec3 moved = way_between(drag.press) - drag.way, held = drag.holds * moved;
-    const double length = held.norm(), k = drag.press.stiffness;
-    Force out;
-    if (k * length <= drag.most) {
-        out.by_point = k * held, out.energy = 0.5 * k * length * length;
-    } else if (length > 0) {
-        out.by_point = drag.most / length * held, out.energy = drag.most * (length - 0.5 * drag.most / k);
-    }
+    Force out{drag.spring.energy(held), drag.spring.force(held)};
     if (stored) *stored = out.energy;
     const double factor = stage_->form.velocity_factor;
     if (factor > 0 && !drag.brakes.isZero(0)) {
@@ -170,12 +165,8 @@ void Contacts::add_cloth_hessian(bool project, BlockMatrix& a) {
     for (const Drag& drag : drags_) {
         set(drag.press);
         const Vec3 held = drag.holds * (way_between(drag.press) - drag.way);
-        const double length = held.norm(), k = drag.press.stiffness;
-        Mat3 by_way = stage_->form.velocity_factor * drag.brakes;
-        if (k * length <= drag.most)
-            by_way += k * drag.holds;
-        else if (length > 0)
-            by_way += drag.most / length * (drag.holds - held * held.transpose() / (length * length));
+        const Mat3 by_way =
+            stage_->form.velocity_factor * drag.brakes + drag.followed.stiffness(drag.spring, held, drag.holds);
         PointTriangleBlocks blocks;
         std::size_t entry = 0;
         for (std::size_t c = 0; c < 4; ++c)

@@ -199,16 +199,19 @@ void Contacts::make_tethers() {
         Tether anchored;
         anchored.touch = i, anchored.triangle = was.anchor_triangle;
         anchored.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
-        anchored.stiffness = k;
+        anchored.spring.stiffness = k;
         if (!pair.slides) {
-            anchored.holds = Mat3::Identity(), anchored.most = std::numeric_limits<double>::infinity();
+            anchored.holds = Mat3::Identity(), anchored.spring.most = std::numeric_limits<double>::infinity();
             anchored.brakes = c * Mat3::Identity();
             anchored.offset = offset_of(pair, t.side, t.feature);
             tethers_.push_back(anchored);
             continue;
         }
-        anchored.holds = Mat3::Identity() - across, anchored.most = pair.friction * was.force;
-        if (anchored.most > 0) tethers_.push_back(anchored);
+        anchored.holds = Mat3::Identity() - across, anchored.spring.most = pair.friction * was.force;
+        if (anchored.spring.most > 0) {
+            anchored.followed = FollowedForce(anchored.spring.force(held_before(anchored)));
+            tethers_.push_back(anchored);
+        }
         if (c > 0) {
             Tether braked;
             braked.touch = i, braked.triangle = t.feature.triangle, braked.place = t.feature.place;
@@ -238,14 +241,19 @@ double Contacts::begin_iteration(const Positions& x) {
         clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
     }
     committed_x_ = x, iterated_ = true;
+    follow_friction();
     return 0;
+}
+
+bool Contacts::renew(const Positions& x) {
+    find_all_touches();
+    return renew_friction(x);
 }
 
 bool Contacts::widen(const Positions& x) {
     find_all_touches();
     const bool more_cloth = widen_cloth(x), more = look_farther(x);
-    // Who touches must be settled first: what has just been found may be far inside.
-    return more_cloth || more || renew_friction(x);
+    return more_cloth || more;
 }
 
 /// Looks again for who may touch, now that it is known where bodies are; whether any such point presses.
@@ -272,6 +280,16 @@ bool Contacts::look_farther(const Positions& x) {
     return false;
 }
 
+/// The tether's way at the start of the step, as its spring sees it.
+Vec3 Contacts::held_before(const Tether& tether) const {
+    const Touch& t = touches_[tether.touch];
+    const CollisionBody &source = bodies_[t.source], &target = bodies_[t.target];
+    Vec3 way = source.place(t.point, before_[at(t.source)]) - tether.offset;
+    const Triangle& corners = target.triangles()[at(tether.triangle)];
+    for (int c = 0; c < 3; ++c) way -= tether.place[c] * target.place(corners[at(c)], before_[at(t.target)]);
+    return tether.holds * way;
+}
+
 Vec3 Contacts::reach(const Tether& tether) const {
     const Touch& t = touches_[tether.touch];
     return point_at(t) - place_at(t.target, tether.triangle, tether.place) - tether.offset;
@@ -280,15 +298,7 @@ Vec3 Contacts::reach(const Tether& tether) const {
 /// With `stored` only what it stores, there.
 Contacts::Force Contacts::tether_force(const Tether& tether, double* stored) const {
     const Vec3 way = reach(tether), held = tether.holds * way;
-    const double length = held.norm();
-    Force out;
-    if (tether.stiffness * length <= tether.most) {
-        out.by_point = tether.stiffness * held;
-        out.energy = 0.5 * tether.stiffness * length * length;
-    } else if (length > 0) {
-        out.by_point = tether.most / length * held;
-        out.energy = tether.most * (length - 0.5 * tether.most / tether.stiffness);
-    }
+    Force out{tether.spring.energy(held), tether.spring.force(held)};
     if (stored) *stored = out.energy;
     const double factor = stage_->form.velocity_factor;
     if (factor > 0 && !tether.brakes.isZero(0)) {
@@ -382,17 +392,12 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         const Touch& t = touches_[tether.touch];
         tether_elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
                                 scene_.numbering(), *pattern_);
-        const Vec3 held = tether.holds * reach(tether);
-        const double length = held.norm();
-        Mat3 by_way = stage_->form.velocity_factor * tether.brakes;
-        if (tether.stiffness * length <= tether.most)
-            by_way += tether.stiffness * tether.holds;
-        else if (length > 0)
-            by_way += tether.most / length * (tether.holds - held * held.transpose() / (length * length));
+        const Mat3 by_way = stage_->form.velocity_factor * tether.brakes +
+                            tether.followed.stiffness(tether.spring, tether.holds * reach(tether), tether.holds);
         PointTriangleBlocks blocks;
         for (Mat3& block : blocks) block.setZero();
         add_square(tether.place, by_way, blocks);
-        if (!tether_elements_[i].coupled() && is_strong(tether_elements_[i], tether.place, tether.stiffness, a))
+        if (!tether_elements_[i].coupled() && is_strong(tether_elements_[i], tether.place, tether.spring.stiffness, a))
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
     }
@@ -411,7 +416,7 @@ void Contacts::add_squared_stiffnesses(std::span<double> squares) const {
         add(touches_[i].source, k), add(touches_[i].target, k);
     }
     for (const Tether& t : tethers_)
-        add(touches_[t.touch].source, t.stiffness), add(touches_[t.touch].target, t.stiffness);
+        add(touches_[t.touch].source, t.spring.stiffness), add(touches_[t.touch].target, t.spring.stiffness);
     for (const ClothContact::Press& p : presses_)
         for (const std::size_t c : {std::size_t{0}, std::size_t{3}}) add(cloth_.body_of(p.corners[c]), p.rise());
 }

@@ -41,15 +41,22 @@ void Contacts::place_flown() {
     }
 }
 
-/// Once a stage, where it has been solved with all that touches; whether that changes friction enough to count. Until
-/// they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way there.
+/// Before an iteration, after find_features.
+void Contacts::follow_friction() {
+    for (Tether& t : tethers_) t.followed.follow(t.spring, t.holds * reach(t));
+    for (Drag& d : drags_) d.followed.follow(d.spring, d.holds * (way_between(d.press) - d.way));
+}
+
+/// Once a stage, where it has been solved roughly with all that touches; whether that changes friction enough to count.
+/// Until they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way
+/// there.
 bool Contacts::renew_friction(const Positions& x) {
     if (renewed_) return false;
     renewed_ = true;
     find_features(x);
     bool flown = false;
     rubbing_.assign(pairs_.size(), {}), limits_.clear();
-    for (const Tether& tether : tethers_) limits_.push_back(tether.most);
+    for (const Tether& tether : tethers_) limits_.push_back(tether.spring.most);
     std::size_t known = 0;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const Touch& t = touches_[i];
@@ -61,9 +68,9 @@ bool Contacts::renew_friction(const Positions& x) {
         const double most = pair.slides ? pair.friction * presses : std::numeric_limits<double>::infinity();
         Rubbing& sum = rubbing_[pair_of_touch_[i]];
         sum.could += pair.slides ? most : presses;
-        if (known < first_ties_ && tethers_[known].touch == i && tethers_[known].stiffness > 0) {
+        if (known < first_ties_ && tethers_[known].touch == i && tethers_[known].spring.stiffness > 0) {
             Tether renewed = tethers_[known];
-            renewed.most = limits_[known] = most;
+            renewed.spring.most = limits_[known] = most;
             sum.change +=
                 (tether_force(renewed, nullptr).by_point - tether_force(tethers_[known], nullptr).by_point).norm();
             continue;
@@ -80,7 +87,7 @@ bool Contacts::renew_friction(const Positions& x) {
             if (in.triangle < 0) continue;
             tie.triangle = in.triangle, tie.place = in.place;
         }
-        tie.touch = i, tie.stiffness = stiffness(i), tie.most = most;
+        tie.touch = i, tie.spring = {stiffness(i), most};
         tie.holds = Mat3::Identity() - pressed.out * pressed.out.transpose();
         sum.change += tether_force(tie, nullptr).by_point.norm();
         tethers_.push_back(tie), limits_.push_back(most);
@@ -88,7 +95,7 @@ bool Contacts::renew_friction(const Positions& x) {
     const bool counts = std::any_of(rubbing_.begin(), rubbing_.end(),
                                     [](const Rubbing& r) { return r.change > least_share * r.could; });
     if (counts)
-        for (std::size_t k = 0; k < tethers_.size(); ++k) tethers_[k].most = limits_[k];
+        for (std::size_t k = 0; k < tethers_.size(); ++k) tethers_[k].spring.most = limits_[k];
     else
         tethers_.resize(first_ties_);
     tether_forces_.resize(tethers_.size());
