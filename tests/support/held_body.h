@@ -88,6 +88,7 @@ struct HeldBody {
     void start() {
         scene = std::make_shared<const Scene>(description);
         workspace = std::make_unique<Workspace>(scene);
+        potential.reset();
         state = initial_state(*scene, in, motions);
     }
     bool step() {
@@ -100,8 +101,10 @@ struct HeldBody {
         workspace = std::make_unique<Workspace>(scene);
     }
     const MassMatrix& masses() {
-        potential = std::make_unique<Potential>(*scene);
-        potential->take(state, in);
+        if (!potential) {
+            potential = std::make_unique<Potential>(*scene);
+            potential->take(state, in);
+        }
         return potential->masses();
     }
     Vec3 centre_of_mass() {

@@ -84,6 +84,9 @@ void check_hessian(const TermExample& example) {
     for (const Pose& pose : poses(probe)) {
         if (!can_be_asked(example, pose)) continue;
         INFO(pose.name);
+        // Twice: what a term follows from iteration to iteration has come to rest then.
+        const std::vector<double> x(pose.x.data(), pose.x.data() + pose.x.size());
+        probe.term().begin_iteration(x), probe.term().begin_iteration(x);
         const MatrixXd h = probe.hessian(pose.x, false);
         REQUIRE(h.allFinite());
         if (!example.acts) CHECK(h.isZero(0));
