@@ -1,5 +1,5 @@
-// Friction as hard as a step presses, and of points that come in within the step: both are known once the stage is
-// solved, so the solve goes on from there.
+// Friction: its force from iteration to iteration, and, once a stage is roughly solved, as hard as the step presses and
+// of points that come in within it.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/index.h"
 #include "solver/terms/contact/contact.h"
@@ -12,8 +12,7 @@ namespace sinew::solver {
 namespace {
 
 /// Of the most that friction between two bodies could do: where it is off by less it may be so until the next step, so
-/// that what slides evenly, or rests and has points come and go at its rim, is not solved twice. Piles are all the
-/// same: until they rest they take nearly twice the Newton iterations of friction that lags.
+/// that what slides evenly, or rests and has points come and go at its rim, is not solved twice.
 constexpr double least_share = 0.3;
 
 } // namespace
