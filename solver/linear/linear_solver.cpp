@@ -118,6 +118,20 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
     return good;
 }
 
+/// With what knows the pattern alone, and what knows the overlay around it. After iterative_->set(a).
+ConjugateGradients::Result
+LinearSolver::precondition_and_iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
+                                       double tolerance, int most,
+                                       const ConjugateGradients::Preconditioner& by_pattern) {
+    if (a.overlay.empty()) return iterative_->solve(b.data(), x.data(), tolerance, most, by_pattern);
+    if (!smoother_) smoother_ = std::make_unique<OverlaySmoother>(iterative_->matrix());
+    if (!smoother_->set_values(a.overlay)) return {0, false, false};
+    const ConjugateGradients::Preconditioner both = [&](const std::vector<double>& in, std::vector<double>& out) {
+        smoother_->apply(by_pattern, in, out);
+    };
+    return iterative_->solve(b.data(), x.data(), tolerance, most, both);
+}
+
 ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
                                                              std::vector<double>& x, double tolerance, int most,
                                                              Outcome& outcome) {
@@ -128,7 +142,7 @@ ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& 
     };
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
-    const ConjugateGradients::Result r = iterative_->solve(b.data(), x.data(), tolerance, most, factor);
+    const ConjugateGradients::Result r = precondition_and_iterate(a, b, x, tolerance, most, factor);
     outcome.iterations += r.iterations;
     outcome.definite = r.definite;
     return r;
@@ -203,7 +217,7 @@ ConjugateGradients::Result LinearSolver::iterate(const BlockMatrix& a, const std
         else
             multigrid_->apply(in, out);
     };
-    const ConjugateGradients::Result r = iterative_->solve(b.data(), x.data(), tolerance, most, cycle);
+    const ConjugateGradients::Result r = precondition_and_iterate(a, b, x, tolerance, most, cycle);
     spent_ += r.iterations * cycle_cost();
     return r;
 }

@@ -14,6 +14,7 @@
 #include "solver/linear/linear_costs.h"
 #include "solver/linear/linear_method.h"
 #include "solver/linear/multigrid.h"
+#include "solver/linear/overlay_smoother.h"
 #include "solver/linear/truncated_newton.h"
 
 #include <memory>
@@ -73,6 +74,9 @@ class LinearSolver {
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
     void make_multigrid();
+    ConjugateGradients::Result precondition_and_iterate(const BlockMatrix& a, const std::vector<double>& b,
+                                                        std::vector<double>& x, double tolerance, int most,
+                                                        const ConjugateGradients::Preconditioner& by_pattern);
     /// Whether a usual step costs less with a factor that is kept than with multigrid.
     bool factor_is_cheaper() const;
     double factor_cost(double solves) const;
@@ -87,6 +91,7 @@ class LinearSolver {
     std::unique_ptr<ComponentFactors> factors_, single_;
     std::unique_ptr<ConjugateGradients> iterative_; ///< likewise
     std::unique_ptr<Multigrid> multigrid_;          ///< likewise
+    std::unique_ptr<OverlaySmoother> smoother_;     ///< likewise
     std::unique_ptr<HeldBlock> held_block_;         ///< with multigrid_; null: nothing is held
     TruncatedNewton truncated_;
     bool plain_factors_ = false;

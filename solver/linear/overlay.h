@@ -4,6 +4,7 @@
 #pragma once
 #include "solver/types.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <vector>
@@ -31,6 +32,12 @@ class Overlay {
     /// After the last element: sorts them by rows.
     void finish(int rows);
     bool empty() const { return elements_.empty(); }
+    /// After finish: those that elements couple, ascending.
+    const std::vector<int>& rows() const { return rows_; }
+    /// After finish, for one of rows(): calls visit(column, factor, block, transposed) for what its elements add to its
+    /// block with each column; a column may come several times.
+    template <class Visit>
+    void visit_row(int row, const Visit& visit) const;
     /// y += O x, 3 numbers a row; the same bits for any number of threads.
     void add_product(const double* x, double* y) const;
 
@@ -49,5 +56,22 @@ class Overlay {
     std::vector<int> rows_;                   ///< that have entries
     mutable std::vector<std::array<Vec3, corners>> forces_;
 };
+
+template <class Visit>
+void Overlay::visit_row(int row, const Visit& visit) const {
+    for (int k = start_[static_cast<std::size_t>(row)]; k < start_[static_cast<std::size_t>(row) + 1]; ++k) {
+        const auto entry = static_cast<std::size_t>(entries_[static_cast<std::size_t>(k)]);
+        const auto element = static_cast<std::size_t>(element_[entry]);
+        const Element& e = elements_[element];
+        const Carrier& own = carriers_[entry];
+        for (std::size_t i = e.first_carrier; i < elements_[element + 1].first_carrier; ++i) {
+            const Carrier& other = carriers_[i];
+            const int low = std::min(own.corner, other.corner), high = std::max(own.corner, other.corner);
+            if (e.across && (low > 0 || high == 0)) continue;
+            const std::size_t block = e.across ? static_cast<std::size_t>(high - 1) : block_of(low, high);
+            visit(other.row, own.weight * other.weight, blocks_[e.first_block + block], own.corner > other.corner);
+        }
+    }
+}
 
 } // namespace sinew::solver
