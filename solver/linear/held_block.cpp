@@ -43,11 +43,6 @@ LinearCosts held_costs(const BlockPattern& pattern, const HeldRows& held) {
     return linear_costs(part_of(pattern, held).pattern);
 }
 
-void HeldBlock::Strip::end_row(int row) {
-    rows.push_back(row);
-    start.push_back(static_cast<int>(entries.size()));
-}
-
 HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const HeldRows& held)
     : fine_(fine)
     , part_(part_of(pattern, held))
@@ -55,7 +50,7 @@ HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const H
     , factors_(part_.pattern, Factoring::single) {
     for (int i = 0; i < fine.rows; ++i) {
         const bool is_held = held.rows[at(i)] != Held::no;
-        Strip& strip = is_held ? within_ : beside_;
+        RowStrip& strip = is_held ? within_ : beside_;
         for (int e = fine.row_start[at(i)]; e < fine.row_start[at(i) + 1]; ++e) {
             const Held column = held.rows[at(fine.column[at(e)])];
             if (is_held ? column != Held::pinned : column != Held::no) strip.entries.push_back(e);
@@ -72,18 +67,6 @@ bool HeldBlock::set_values(const BlockMatrix& a) {
     return factors_.factorize(matrix_);
 }
 
-Vec3 HeldBlock::product(const Strip& strip, std::size_t place, const std::vector<double>& x) const {
-    Float4 sum = {0, 0, 0, 0};
-    for (int k = strip.start[place]; k < strip.start[place + 1]; ++k) {
-        const std::size_t e = at(strip.entries[at(k)]);
-        const FloatBlock& b = fine_.blocks[e];
-        const double* v = x.data() + 3 * at(fine_.column[e]);
-        sum += b.col(0) * static_cast<float>(v[0]) + b.col(1) * static_cast<float>(v[1]) +
-               b.col(2) * static_cast<float>(v[2]);
-    }
-    return {sum[0], sum[1], sum[2]};
-}
-
 void HeldBlock::apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z) {
     for (std::size_t k = 0; k < part_.rows.size(); ++k)
         std::copy_n(r.data() + 3 * at(part_.rows[k]), 3, in_.data() + 3 * k);
@@ -94,12 +77,12 @@ void HeldBlock::apply(Multigrid& cycle, const std::vector<double>& r, std::vecto
         std::fill_n(rest_.data() + 3 * at(part_.rows[k]), 3, 0.0); // solved
     }
     parallel_for(beside_.rows.size(), strip_grain, [&](std::size_t k) {
-        const Vec3 p = product(beside_, k, held_);
+        const Vec3 p = beside_.product(fine_, k, held_);
         for (std::size_t c = 0; c < 3; ++c) rest_[3 * at(beside_.rows[k]) + c] -= p[static_cast<Eigen::Index>(c)];
     });
     cycle.apply(rest_, z);
     parallel_for(part_.rows.size(), strip_grain, [&](std::size_t k) {
-        const Vec3 p = product(within_, k, z);
+        const Vec3 p = within_.product(fine_, k, z);
         for (std::size_t c = 0; c < 3; ++c) in_[3 * k + c] = -p[static_cast<Eigen::Index>(c)];
     });
     std::vector<double>& again = out_;

@@ -6,6 +6,7 @@
 #include "solver/linear/component_factors.h"
 #include "solver/linear/held_rows.h"
 #include "solver/linear/linear_costs.h"
+#include "solver/linear/row_strip.h"
 
 #include <vector>
 
@@ -31,19 +32,12 @@ class HeldBlock {
     void apply(Multigrid& cycle, const std::vector<double>& r, std::vector<double>& z);
 
   private:
-    /// Some entries of some rows of the whole matrix.
-    struct Strip {
-        std::vector<int> rows, start{0}, entries;
-        void end_row(int row);
-    };
-    Vec3 product(const Strip& strip, std::size_t place, const std::vector<double>& x) const;
-
     const RowBlocks& fine_;
     const HeldPart part_;
     BlockMatrix matrix_;
     ComponentFactors factors_;
-    Strip beside_; ///< free rows: their entries in held columns
-    Strip within_; ///< all held rows: their entries in columns that grids carry
+    RowStrip beside_; ///< free rows: their entries in held columns
+    RowStrip within_; ///< all held rows: their entries in columns that grids carry
     std::vector<double> in_, out_, rest_, held_;
 };
 

@@ -4,7 +4,8 @@
 // what they give, it goes over to a kept factor for a while: made once, in single precision, it preconditions conjugate
 // gradients on the later matrices of the frame until those take so many iterations that a new one is cheaper. The
 // choice is by counted cost (linear_costs.h), never by the clock, so that the same scene takes the same path
-// everywhere; an overlay's share is solved for by conjugate gradients in any case; and no factor outlives its frame, so
+// everywhere; an overlay's share is solved for by conjugate gradients in any case, smoothed around grids or factor
+// (overlay_smoother.h); and no factor outlives its frame, so
 // that a result never depends on what a workspace happens to hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once

@@ -3,7 +3,7 @@
 // each pressed against something that does not give.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "solver/linear/row_blocks.h"
+#include "solver/linear/row_strip.h"
 
 #include <functional>
 #include <vector>
@@ -23,27 +23,22 @@ class OverlaySmoother {
     void apply(const Inner& inner, const std::vector<double>& r, std::vector<double>& z);
 
   private:
-    /// Of a row that the overlay couples.
-    struct Gathered {
-        std::vector<int> columns; ///< local
-        std::vector<Mat3> blocks;
-        std::vector<int> place; ///< per local column: among the above, or -1
-    };
     void find_rows(const std::vector<int>& rows);
     void gather(const Overlay& overlay);
-    Float4 coupled(std::size_t k, const float* x) const;
-    Vec3 fine_product(std::size_t row, bool inside, const std::vector<double>& x) const;
     void relax(std::size_t k);
 
     const RowBlocks& fine_;
-    std::vector<int> rows_, local_;   ///< those coupled; per row of the whole: its place among them, or -1
-    std::vector<int> beside_;         ///< rows that are not coupled, but have entries in columns that are
-    std::vector<int> seen_;           ///< scratch: per row of the whole, whether it is in beside_
-    std::vector<int> start_, column_; ///< the coupled rows' block of the whole matrix, local numbers
-    std::vector<FloatBlock> blocks_, inverse_;
+    std::vector<int> rows_, local_; ///< those coupled; per row of the whole: its place among them, or -1
+    RowStrip beside_;               ///< rows that are not coupled: their entries in columns that are
+    RowStrip within_;               ///< all coupled rows: their entries in columns that are not
+    RowBlocks coupled_;             ///< the coupled rows' block of the whole matrix, by their places
+    std::vector<FloatBlock> inverse_;
     std::vector<float> right_, x_; ///< of the coupled rows, 3 a row and one of padding
-    std::vector<double> rest_;
-    Gathered gathered_;
+    std::vector<double> swept_, rest_;
+    std::vector<int> place_;       ///< scratch of gather: per coupled row, among those below, or -1
+    std::vector<int> columns_;     ///< likewise: of one row
+    std::vector<FloatBlock> sums_; ///< likewise
+    std::vector<float> added_;     ///< to the coupled rows' diagonals: nothing
 };
 
 } // namespace sinew::solver

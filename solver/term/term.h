@@ -73,7 +73,7 @@ class Term {
     /// the energy at x. A term must become false for good after some times within a stage.
     virtual bool settle(const Positions&, bool /*stuck*/) { return false; }
 
-    /// Once a stage, where it is roughly solved at x: takes anew what it took from the end of the step before, such as
+    /// Called once a stage, where it is roughly solved at x: takes anew what it took from the end of the step before, such as
     /// how hard things press that rub. True: that changes the energy at x.
     virtual bool renew(const Positions&) { return false; }
 

@@ -101,10 +101,8 @@ struct HeldBody {
         workspace = std::make_unique<Workspace>(scene);
     }
     const MassMatrix& masses() {
-        if (!potential) {
-            potential = std::make_unique<Potential>(*scene);
-            potential->take(state, in);
-        }
+        if (!potential) potential = std::make_unique<Potential>(*scene);
+        potential->take(state, in);
         return potential->masses();
     }
     Vec3 centre_of_mass() {

@@ -67,6 +67,7 @@ StepCheck check_step(const Scene& scene, const State& before, const StepInputs& 
     potential.begin_stage(before, form, after.bones);
     std::vector<double> gradient(3 * n), direction(3 * n);
     std::vector<BodyForces> forces;
+    potential.renew(after.x);
     while (potential.widen(after.x)) {
     } // contacts that the start of the step does not tell of
     potential.evaluate(after.x, &gradient, &forces);

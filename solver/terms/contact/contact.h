@@ -196,7 +196,6 @@ class Contacts final : public Term {
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;  ///< of contacts of the state, then of touches that came in within the step, in order
     std::size_t first_ties_ = 0;   ///< where the latter begin
-    bool renewed_ = false;         ///< whether friction has been renewed in this stage
     std::vector<double> limits_;   ///< scratch: per tether the renewed force at which it slips [N]
     std::vector<Rubbing> rubbing_; ///< likewise, per pair
     std::vector<Points> flown_;    ///< per body: where its points would be without forces

@@ -219,7 +219,7 @@ void Contacts::make_tethers() {
             tethers_.push_back(braked);
         }
     }
-    first_ties_ = tethers_.size(), renewed_ = false;
+    first_ties_ = tethers_.size();
     tether_forces_.resize(tethers_.size());
     if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
     for (PointTriangleElement& e : tether_elements_) e.forget();

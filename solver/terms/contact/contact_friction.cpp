@@ -50,8 +50,6 @@ void Contacts::follow_friction() {
 /// Until they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way
 /// there.
 bool Contacts::renew_friction(const Positions& x) {
-    if (renewed_) return false;
-    renewed_ = true;
     find_features(x);
     bool flown = false;
     rubbing_.assign(pairs_.size(), {}), limits_.clear();

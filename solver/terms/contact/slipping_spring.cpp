@@ -13,15 +13,11 @@ Vec3 SlippingSpring::force(const Vec3& way) const {
 }
 
 void FollowedForce::follow(const SlippingSpring& spring, const Vec3& way) {
-    if (has_way_) {
-        const Vec3 stuck = spring.stiffness * way;
-        if (spring.slips(way_)) {
-            const double length = way_.norm();
-            const double along = way_.dot(way - way_) / length;
-            force_ = (spring.most * way - along * force_) / length;
-        } else {
-            force_ = stuck;
-        }
+    if (has_way_ && spring.slips(way_)) {
+        const double length = way_.norm(), along = way_.dot(way - way_) / length;
+        force_ = (spring.most * way - along * force_) / length;
+    } else if (has_way_) {
+        force_ = spring.stiffness * way;
     }
     const double size = force_.norm();
     if (size > spring.most) force_ *= spring.most / size;
