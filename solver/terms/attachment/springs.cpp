@@ -34,6 +34,7 @@ Springs::Springs(const Scene& scene, AttachmentView kept)
         beds_.push_back({static_cast<int>(a), count_, pulls_source, pulls_target});
         count_ += kept_.anchors[a].size();
     }
+    make_terms();
     make_coupling();
     make_shares();
     pulls_.resize(attachments.size());
@@ -41,12 +42,6 @@ Springs::Springs(const Scene& scene, AttachmentView kept)
     const std::size_t nodes = coupling_.nodes().size();
     for (auto* by_node : {&base_, &forces_, &elastic_forces_, &moves_, &products_}) by_node->resize(nodes);
     node_square_.resize(nodes);
-}
-
-const Springs::Bed& Springs::bed_of(std::size_t spring) const {
-    return *(std::upper_bound(beds_.begin(), beds_.end(), spring,
-                              [](std::size_t s, const Bed& bed) { return s < bed.first; }) -
-             1);
 }
 
 template <class Visit>
@@ -60,23 +55,31 @@ void Springs::for_each_term(const Bed& bed, const Anchor& anchor, const Visit& v
     if (bed.pulls_target) add_end(anchor.target, rest.target, bed.pulls_source ? -1 : 1);
 }
 
-void Springs::make_coupling() {
-    std::vector<SpringTerm> terms;
-    std::vector<std::size_t> first;
-    first.reserve(count_ + 1);
+/// Twelve of the sixteen bytes of a term are what it takes to find it anew, fifty times as slow: through the body, the
+/// tet that carries the anchor, and its shape functions.
+void Springs::make_terms() {
+    bed_.reserve(count_), area_.reserve(count_), first_term_.reserve(count_ + 1);
+    std::size_t terms = 0;
     for (const Bed& bed : beds_)
-        for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
-            first.push_back(terms.size());
-            for_each_term(bed, anchor, [&](int vertex, double c) { terms.push_back({vertex, c}); });
+        for (const Anchor& anchor : kept_.anchors[at(bed.attachment)])
+            for_each_term(bed, anchor, [&](int, double) { ++terms; });
+    terms_.reserve(terms);
+    for (std::size_t b = 0; b < beds_.size(); ++b)
+        for (const Anchor& anchor : kept_.anchors[at(beds_[b].attachment)]) {
+            bed_.push_back(static_cast<int>(b)), area_.push_back(anchor.area_weight);
+            first_term_.push_back(terms_.size());
+            for_each_term(beds_[b], anchor, [&](int vertex, double c) { terms_.push_back({vertex, c}); });
         }
-    first.push_back(terms.size());
+    first_term_.push_back(terms_.size());
+}
+
+void Springs::make_coupling() {
     std::vector<CoupledSpring> coupled;
     coupled.reserve(count_);
-    for (const Bed& bed : beds_)
-        for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
-            const std::size_t s = coupled.size();
-            coupled.push_back({bed.attachment, {terms.data() + first[s], first[s + 1] - first[s]}, anchor.area_weight});
-        }
+    for (std::size_t s = 0; s < count_; ++s)
+        coupled.push_back({beds_[at(bed_[s])].attachment,
+                           {terms_.data() + first_term_[s], first_term_[s + 1] - first_term_[s]},
+                           area_[s]});
     coupling_.make(scene_, coupled);
 }
 
@@ -85,23 +88,14 @@ void Springs::make_shares() {
     std::vector<int> node_of(scene_.numbering().vertex_count(), -1);
     const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
     for (std::size_t n = 0; n < nodes.size(); ++n) node_of[at(nodes[n].vertex)] = static_cast<int>(n);
-    const auto for_each_share = [&](const auto& visit) {
-        int spring = 0;
-        for (const Bed& bed : beds_)
-            for (const Anchor& anchor : kept_.anchors[at(bed.attachment)]) {
-                for_each_term(bed, anchor, [&](int vertex, double c) { visit(at(node_of[at(vertex)]), spring, c); });
-                ++spring;
-            }
-    };
     first_share_.assign(nodes.size() + 1, 0);
-    for_each_share([&](std::size_t node, int, double) { ++first_share_[node + 1]; });
+    for (const SpringTerm& t : terms_) ++first_share_[at(node_of[at(t.vertex)]) + 1];
     std::partial_sum(first_share_.begin(), first_share_.end(), first_share_.begin());
-    share_spring_.resize(first_share_.back()), share_coefficient_.resize(first_share_.back());
+    shares_.resize(terms_.size());
     std::vector<std::size_t> next(first_share_.begin(), first_share_.end() - 1);
-    for_each_share([&](std::size_t node, int spring, double c) {
-        share_spring_[next[node]] = spring;
-        share_coefficient_[next[node]++] = c;
-    });
+    for (std::size_t s = 0; s < count_; ++s)
+        for (std::size_t t = first_term_[s]; t < first_term_[s + 1]; ++t)
+            shares_[next[at(node_of[at(terms_[t].vertex)])]++] = {static_cast<int>(s), static_cast<int>(t)};
 }
 
 void Springs::begin_stage(const StepInputs& inputs, const State& before, const std::vector<Points>& bones_after,
@@ -117,7 +111,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
     references_.resize(any_viscous ? count_ : 0);
     elastic_of_springs_.resize(references_.size());
     parallel_for(count_, grain, [&](std::size_t k) {
-        const Bed& bed = bed_of(k);
+        const Bed& bed = beds_[at(bed_[k])];
         const Anchor& anchor = anchor_of(bed, k);
         const AttachmentRest& rest = attachments[at(bed.attachment)];
         Vec3 place = Vec3::Zero(), velocity = Vec3::Zero();
@@ -139,16 +133,18 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
         if (pulls_[at(bed.attachment)].viscous == 0) return;
         // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
         Vec3 offset = Vec3::Zero();
-        for_each_term(bed, anchor, [&](int vertex, double c) { offset += c * point_of(form.velocity_offset, vertex); });
+        for (std::size_t t = first_term_[k]; t < first_term_[k + 1]; ++t)
+            offset += terms_[t].coefficient * point_of(form.velocity_offset, terms_[t].vertex);
         references_[k] = (velocity - offset) / form.velocity_factor - place;
     });
     coupling_.set_pulls(pulls_);
     expand(before.x);
 }
 
-Vec3 Springs::stretch(std::size_t spring, const Bed& bed, const std::vector<double>& x) const {
+Vec3 Springs::stretch(std::size_t spring, const std::vector<double>& x) const {
     Vec3 sum = -places_[spring];
-    for_each_term(bed, anchor_of(bed, spring), [&](int vertex, double c) { sum += c * point_of(x, vertex); });
+    for (std::size_t t = first_term_[spring]; t < first_term_[spring + 1]; ++t)
+        sum += terms_[t].coefficient * point_of(x, terms_[t].vertex);
     return sum;
 }
 
@@ -156,17 +152,16 @@ void Springs::gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_
     parallel_for(at_nodes.size(), 64, [&](std::size_t n) {
         Vec3 sum = Vec3::Zero();
         for (std::size_t i = first_share_[n]; i < first_share_[n + 1]; ++i)
-            sum += share_coefficient_[i] * of_springs[at(share_spring_[i])];
+            sum += terms_[at(shares_[i].term)].coefficient * of_springs[at(shares_[i].spring)];
         at_nodes[n] = sum;
     });
 }
 
 void Springs::expand(const std::vector<double>& x) {
     energy_ = ordered_sum(count_, [&](std::size_t k) {
-        const Bed& bed = bed_of(k);
-        const double area = anchor_of(bed, k).area_weight;
-        const SpringPull& pull = pulls_[at(bed.attachment)];
-        const Vec3 d = stretch(k, bed, x), elastic = area * pull.stiffness * d;
+        const double area = area_[k];
+        const SpringPull& pull = pulls_[at(beds_[at(bed_[k])].attachment)];
+        const Vec3 d = stretch(k, x), elastic = area * pull.stiffness * d;
         of_springs_[k] = elastic;
         double energy = 0.5 * elastic.dot(d);
         if (viscous()) {
@@ -221,16 +216,15 @@ double Springs::longest(const std::vector<double>& x) const {
     const std::size_t chunk = (count_ + parts.size() - 1) / parts.size();
     parallel_for(parts.size(), 4, [&](std::size_t p) {
         for (std::size_t k = p * chunk; k < std::min((p + 1) * chunk, count_); ++k)
-            parts[p] = std::max(parts[p], stretch(k, bed_of(k), x).squaredNorm());
+            parts[p] = std::max(parts[p], stretch(k, x).squaredNorm());
     });
     return std::sqrt(*std::max_element(parts.begin(), parts.end()));
 }
 
 double Springs::stored_energy(const std::vector<double>& x) const {
     return ordered_sum(count_, [&](std::size_t k) {
-        const Bed& bed = bed_of(k);
-        const double k_area = pulls_[at(bed.attachment)].stiffness * anchor_of(bed, k).area_weight;
-        return 0.5 * k_area * stretch(k, bed, x).squaredNorm();
+        const double k_area = pulls_[at(beds_[at(bed_[k])].attachment)].stiffness * area_[k];
+        return 0.5 * k_area * stretch(k, x).squaredNorm();
     });
 }
 
