@@ -15,6 +15,8 @@ class Cholesky final : public SparseFactor {
     explicit Cholesky(const BlockPattern& pattern, bool own_threads = false);
     ~Cholesky() override;
     bool factorize(const BlockView& a) override;
+    /// Always: where double precision makes no factor, nothing makes one.
+    bool surely_indefinite() const override { return true; }
     double factor_operations() const override;
     void release() override;
     std::size_t bytes() const override;

@@ -5,14 +5,12 @@
 #include "solver/linear/block_matrix.h"
 
 #include <cholmod.h>
-#include <vector>
 
 namespace sinew::solver {
 
 struct CholmodAnalysis {
     /// Sets OpenBLAS to one thread: with two, its sums differ in the last bits. Throws Error FE305 (memory).
-    /// `with_values`: the matrix has room for its numbers, not only its structure.
-    explicit CholmodAnalysis(const BlockPattern& pattern, bool with_values = true);
+    explicit CholmodAnalysis(const BlockPattern& pattern);
     ~CholmodAnalysis();
     CholmodAnalysis(const CholmodAnalysis&) = delete;
     CholmodAnalysis& operator=(const CholmodAnalysis&) = delete;
@@ -23,8 +21,7 @@ struct CholmodAnalysis {
     double operations = 0;            ///< of one factorisation
 
   private:
-    void build_structure(const BlockPattern& pattern, bool with_values);
-    std::vector<int> order_vertices(const BlockPattern& pattern);
+    void build_structure(const BlockPattern& pattern);
 };
 
 } // namespace sinew::solver

@@ -50,11 +50,14 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
 }
 
 bool ComponentFactors::factorize(const BlockMatrix& a) {
-    std::atomic<bool> good = true;
+    std::atomic<bool> good = true, indefinite = false;
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
-        if (!part.factor->factorize({part.pattern, a, part.source})) good = false;
+        if (part.factor->factorize({part.pattern, a, part.source})) return;
+        good = false;
+        if (part.factor->surely_indefinite()) indefinite = true;
     });
+    surely_indefinite_ = indefinite;
     return good;
 }
 

@@ -20,6 +20,8 @@ class ComponentFactors {
     std::size_t count() const { return parts_.size(); }
     /// False if a component is not positive definite.
     bool factorize(const BlockMatrix& a);
+    /// Of a matrix that factorize refused: whether a component is not positive definite by more than rounding.
+    bool surely_indefinite() const { return surely_indefinite_; }
     /// Gives the memory of large factors back; the next factorize takes it again.
     void release_if_large();
     /// out = A^-1 in, 3 numbers a row.
@@ -33,6 +35,7 @@ class ComponentFactors {
         std::unique_ptr<SparseFactor> factor;
         std::vector<double> in, out;
     };
+    bool surely_indefinite_ = false;
     std::vector<std::unique_ptr<Part>> parts_; ///< the largest first, so that threads end together
 };
 

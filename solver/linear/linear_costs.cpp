@@ -16,14 +16,15 @@ constexpr double flops = 90;
 /// Entries of the factor a vertex of a component to the power of 4/3: 34 to 51 from 740 to 10,031 vertices.
 constexpr double entries = 45;
 /// Single-precision flops a second of two cores on supernodes of such sizes.
-constexpr double flop_rate = 90e9;
+constexpr double flop_rate = 115e9;
 /// Bytes a second of what caches hold, and of the rest: multigrid cycles on rigs and boxes of 5,000 to 500,000 tets
 /// take within a fifth of the times that these give.
 constexpr double cached = 60e9, streamed = 27e9, cache = 8e6;
 /// Seconds to take an entry of the matrix into the factor.
 constexpr double entry = 20 / 14e9;
-/// Of a solve with a factor, which runs on one core a component.
-constexpr double solve_rate = 19e9;
+/// Bytes of an entry of the factor: of the one that solves read, and of the one that it is made in, which large factors
+/// give back (single_cholesky.h).
+constexpr double kept_bytes = 2, working_bytes = 4, given_back = 64 << 20;
 /// Blocks of all grids for one of the matrix: 0.8 in a box, 0.9 to 1.3 in muscles, which are few tets thick.
 constexpr double grid_blocks = 0.9;
 /// What an iteration costs however small the matrix is.
@@ -48,10 +49,11 @@ LinearCosts linear_costs(const BlockPattern& pattern) {
         out.factor += flops * rows * rows / flop_rate;
         nonzeros += entries * std::pow(rows, 4.0 / 3);
     }
-    out.factor_bytes = sizeof(float) * nonzeros;
+    out.factor_bytes = kept_bytes * nonzeros;
+    if (working_bytes * nonzeros <= given_back) out.factor_bytes += working_bytes * nonzeros;
     out.factor += 9 * blocks * entry;
     const double product = seconds(48 * blocks, 48 * blocks);
-    out.factor_solve = call + 2 * 4 * nonzeros / solve_rate + product;
+    out.factor_solve = call + seconds(2 * kept_bytes * nonzeros, kept_bytes * nonzeros) + product;
     // A cycle streams the single-precision blocks four and a half times and some forty vectors.
     const double streams = (1 + grid_blocks) * blocks;
     out.cycle = call + seconds(4.5 * 52 * streams + 40 * 24 * n, 48 * streams);

@@ -16,6 +16,8 @@ constexpr int kept_steps = 24;
 int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 8, 5.0, 25.0)); }
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
 constexpr double kept_factor_tolerance = 1e-2;
+/// With a factor of the matrix itself, of which three digits are kept, an iteration more brings three digits more.
+constexpr double fresh_factor_tolerance = 1e-4;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
 constexpr double kept_factor_solves = 5;
 /// The same with an overlay, which no factor knows. Smoothed around it takes some 12, as around multigrid; counted so,
@@ -161,13 +163,15 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
     }
     if (kept_ != Kept::full) {
         if (make_single(a, outcome)) {
+            // An overlay's digits all cost the same, whatever the factor is.
+            const double exact = has_overlay ? loose : std::min(loose, fresh_factor_tolerance);
             const ConjugateGradients::Result r =
-                iterate_with_factor(a, b, x, loose, has_overlay ? most_iterations : most, outcome);
+                iterate_with_factor(a, b, x, exact, has_overlay ? most_iterations : most, outcome);
             fresh_iterations_ = has_overlay ? r.iterations : 0;
             if (!projected && r.definite) indefinite_ = false;
             if (r.converged || (!r.definite && !projected)) return;
-        } else if (!projected && indefinite_) {
-            // As double precision said of an earlier matrix of the step: what follows is seldom otherwise.
+        } else if (!projected && (indefinite_ || single_->surely_indefinite())) {
+            // Or as double precision said of an earlier matrix of the step: what follows is seldom otherwise.
             outcome.definite = false;
             return;
         }

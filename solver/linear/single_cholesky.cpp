@@ -2,13 +2,18 @@
 #include "solver/linear/single_cholesky.h"
 
 #include "solver/index.h"
-#include "solver/linear/cholmod_analysis.h"
+#include "solver/linear/block_column.h"
 #include "solver/linear/cholmod_threads.h"
+#include "solver/linear/flush_denormals.h"
+#include "solver/linear/large_array.h"
+#include "solver/linear/supernodes.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <limits>
 #include <numeric>
 #include <tbb/enumerable_thread_specific.h>
 
@@ -18,30 +23,28 @@ void sgemm_(const char* transpose_a, const char* transpose_b, const int* m, cons
             float* c, const int* ldc);
 void strsm_(const char* side, const char* triangle, const char* transpose, const char* diagonal, const int* m,
             const int* n, const float* alpha, const float* a, const int* lda, float* b, const int* ldb);
-void sgemv_(const char* transpose, const int* m, const int* n, const float* alpha, const float* a, const int* lda,
-            const float* x, const int* incx, const float* beta, float* y, const int* incy);
-void strsv_(const char* triangle, const char* transpose, const char* diagonal, const int* n, const float* a,
-            const int* lda, float* x, const int* incx);
-void spotrf_(const char* triangle, const int* n, float* a, const int* lda, int* info);
 }
 
 namespace sinew::solver {
 
 namespace {
 
-/// Subtrees of fewer operations than this share of all are one piece of work each.
-constexpr double piece_share = 1.0 / 16;
-/// Rows of a large supernode that are one piece of work.
-constexpr int tile = 96;
-/// Columns that are factorised between two updates of the rest of a large supernode.
+/// Subtrees of fewer operations than this share of all are one piece of work each, and where there are fewer than so
+/// many operations, all is one piece.
+constexpr double piece_share = 1.0 / 16, least_operations = 2e7;
+/// Rows (of blocks) of a large supernode that are one piece of work.
+constexpr int tile = 32;
+/// Products of more columns, as long as wider than this, are BLAS's.
+constexpr int most_own_width = 96, most_own_columns = 48;
+/// Columns (of numbers) that are factorised between two updates of the rest of a large supernode.
 constexpr int panel = 96;
 
-/// A dense block column: columns first…first+width-1 of the factor, and the rows where they are not zero, the first
-/// `width` of which are the columns themselves.
-struct Supernode {
-    int first = 0, width = 0, rows = 0;
-    std::size_t row_start = 0, value_start = 0; ///< in rows_, in values_ (column by column)
-};
+/// A factor of more bytes than this gives its working memory back once it is made. To take it again costs a factor of
+/// that size a twentieth of its time; smaller ones more.
+constexpr std::size_t large = std::size_t{64} << 20;
+/// What rounding may do to a pivot of a matrix of unit diagonal: it is 1 less squares that sum to at most that, of
+/// which there are up to some ten thousand.
+constexpr float rounding = 1e-3f;
 
 /// Whether a supernode above the pieces is made by tiles of rows side by side.
 bool cut_into_tiles(const Supernode& s) { return s.rows > 2 * tile; }
@@ -52,91 +55,126 @@ struct Update {
     int source, from, to;
 };
 
+/// Three numbers and a zero: a row of the right side, that goes from and to memory as a whole.
+typedef float Float4 __attribute__((vector_size(16)));
+
+/// Numbers that the rows of a supernode and a row of four after them take.
+int room(int rows) { return ShortColumn::stride(3 * rows) + 4; }
+/// Rows one after another, three numbers each; the fourth goes where the next row will come.
+void put_row(Float4 row, float* p) { std::memcpy(p, &row, sizeof row); }
+Float4 take_row(const float* p) {
+    typedef std::int32_t Mask __attribute__((vector_size(16)));
+    Float4 row;
+    std::memcpy(&row, p, sizeof row);
+    return (Float4)((Mask)row & Mask{-1, -1, -1, 0});
+}
+
+/// Rows of a product, and as many of a supernode from `place` on, that they are taken off.
+struct Run {
+    int row, place, count;
+};
+
 struct Scratch {
     std::vector<float> product;
+    std::vector<Run> runs;
     std::vector<int> place; ///< of each row in the supernode at work
+};
+
+/// A subtree: supernodes first…last-1, of which the last is the root.
+struct Piece {
+    int first, last;
+    int end;                   ///< one past its last row of the factor
+    float pivot;               ///< the first that was not above zero, else one that was
+    std::vector<float> x;      ///< the right side at one supernode's rows
+    std::vector<Float4> above; ///< what it takes off the right side above the pieces
 };
 
 } // namespace
 
 struct SingleCholesky::Impl {
-    std::size_t unknowns = 0, value_count = 0;
-    double operations = 0;
-    std::vector<int> order; ///< unknown at each place of the factor
-    std::vector<Supernode> nodes;
-    std::vector<int> rows;
+    Supernodes tree;
     std::vector<std::size_t> update_start;
     std::vector<Update> updates;
-    std::vector<int> place; ///< of each unknown in the factor
-    /// A block of the matrix that has entries in a supernode's columns, and its row.
+    std::vector<int> place; ///< of each row of the matrix in the factor
+    /// A block of the matrix that lies in a supernode's columns, and its row.
     struct Entry {
         int block, row;
     };
     std::vector<std::size_t> entry_start; ///< per supernode and one past the end
     std::vector<Entry> entries;
-    std::vector<std::pair<int, int>> pieces; ///< subtrees: first supernode, one past the last
-    std::vector<int> above;                  ///< supernodes above them, ascending
-    int most_rows = 0;
+    std::vector<Piece> pieces;
+    std::vector<int> above;       ///< supernodes above them, ascending
+    std::vector<int> above_place; ///< of each row of the factor among those of `above`
 
-    std::vector<float> values, scale, work, below;
+    LargeArray<float> values;            ///< while the factor is made
+    LargeArray<Short> kept;              ///< for solves
+    std::vector<std::size_t> kept_start; ///< per supernode and one past the end
+    std::vector<float> inverse_diagonal, scale, x;
+    std::vector<Float4> work; ///< the right side, then the solution
+    bool surely_indefinite = false;
     tbb::enumerable_thread_specific<Scratch> scratch;
 
     explicit Impl(const BlockPattern& pattern);
+    std::vector<int> nodes_of_rows() const;
     void find_updates();
     void find_entries(const BlockPattern& pattern);
     void find_pieces();
     std::size_t largest_product() const;
-    bool make(int node, const BlockView& a, bool in_tiles);
+    float make(int node, const BlockView& a, bool in_tiles);
     void take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node);
-    bool factor_dense(const Supernode& s, bool in_tiles);
+    float factor_dense(const Supernode& s, bool in_tiles);
     void subtract(const Supernode& s, const Update& u, int first_row, int last_row, Scratch& w);
+    BlockColumn column(const Supernode& s);
+    ShortColumn kept_column(int node) const;
+    void down(int node, float* own, Piece* piece);
+    void up(int node, float* own);
 };
 
-SingleCholesky::Impl::Impl(const BlockPattern& pattern) {
-    const CholmodAnalysis analysis(pattern, false);
-    const cholmod_factor& f = *analysis.factor;
-    unknowns = f.n;
-    operations = analysis.operations;
-    order.assign(static_cast<const int*>(f.Perm), static_cast<const int*>(f.Perm) + f.n);
-    const int *super = static_cast<const int*>(f.super), *pi = static_cast<const int*>(f.pi),
-              *px = static_cast<const int*>(f.px), *s = static_cast<const int*>(f.s);
-    for (std::size_t k = 0; k < f.nsuper; ++k) {
-        nodes.push_back({super[k], super[k + 1] - super[k], pi[k + 1] - pi[k], at(pi[k]), at(px[k])});
-        most_rows = std::max(most_rows, nodes.back().rows);
-    }
-    rows.assign(s, s + f.ssize);
-    value_count = f.xsize;
-    scale.resize(unknowns), work.resize(unknowns), below.resize(at(most_rows));
+SingleCholesky::Impl::Impl(const BlockPattern& pattern)
+    : tree(find_supernodes(pattern)) {
+    const std::size_t unknowns = 3 * at(pattern.rows);
+    for (auto* v : {&inverse_diagonal, &scale}) v->resize(unknowns);
+    work.resize(at(pattern.rows));
+    kept_start = {0};
+    for (const Supernode& s : tree.nodes)
+        kept_start.push_back(kept_start.back() + at(ShortColumn::stride(3 * s.rows)) * 3 * at(s.width));
     find_updates();
     find_entries(pattern);
     find_pieces();
-    scratch = tbb::enumerable_thread_specific<Scratch>([n = unknowns, largest = largest_product()] {
-        return Scratch{std::vector<float>(largest), std::vector<int>(n)};
+    scratch = tbb::enumerable_thread_specific<Scratch>([rows = at(pattern.rows), largest = largest_product()] {
+        Scratch w{std::vector<float>(largest), {}, std::vector<int>(rows)};
+        w.runs.reserve(rows);
+        return w;
     });
+}
+
+std::vector<int> SingleCholesky::Impl::nodes_of_rows() const {
+    std::vector<int> out(tree.order.size());
+    for (std::size_t k = 0; k < tree.nodes.size(); ++k)
+        std::fill_n(out.begin() + tree.nodes[k].first, tree.nodes[k].width, static_cast<int>(k));
+    return out;
 }
 
 /// Numbers of the largest product that `subtract` makes, so that no step has to allocate.
 std::size_t SingleCholesky::Impl::largest_product() const {
-    std::vector<char> in_tiles(nodes.size(), 0);
-    for (const int k : above) in_tiles[at(k)] = cut_into_tiles(nodes[at(k)]);
+    std::vector<char> in_tiles(tree.nodes.size(), 0);
+    for (const int k : above) in_tiles[at(k)] = cut_into_tiles(tree.nodes[at(k)]);
     std::size_t largest = 0;
-    for (std::size_t k = 0; k < nodes.size(); ++k)
+    for (std::size_t k = 0; k < tree.nodes.size(); ++k)
         for (std::size_t u = update_start[k]; u < update_start[k + 1]; ++u) {
-            const int count = nodes[at(updates[u].source)].rows - updates[u].from;
-            largest = std::max(largest,
-                               at(in_tiles[k] ? std::min(count, tile) : count) * at(updates[u].to - updates[u].from));
+            const int count = tree.nodes[at(updates[u].source)].rows - updates[u].from;
+            largest = std::max(largest, 9 * at(in_tiles[k] ? std::min(count, tile) : count) *
+                                            at(updates[u].to - updates[u].from));
         }
     return largest;
 }
 
 void SingleCholesky::Impl::find_updates() {
-    std::vector<int> node_of(unknowns);
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-        std::fill_n(node_of.begin() + nodes[k].first, nodes[k].width, static_cast<int>(k));
-    std::vector<std::vector<Update>> of(nodes.size());
-    for (std::size_t k = 0; k < nodes.size(); ++k) {
-        const Supernode& s = nodes[k];
-        const int* row = rows.data() + s.row_start;
+    const std::vector<int> node_of = nodes_of_rows();
+    std::vector<std::vector<Update>> of(tree.nodes.size());
+    for (std::size_t k = 0; k < tree.nodes.size(); ++k) {
+        const Supernode& s = tree.nodes[k];
+        const int* row = tree.rows.data() + s.row_start;
         for (int from = s.width; from < s.rows;) {
             int to = from;
             const int target = node_of[at(row[from])];
@@ -153,26 +191,18 @@ void SingleCholesky::Impl::find_updates() {
 }
 
 void SingleCholesky::Impl::find_entries(const BlockPattern& pattern) {
-    std::vector<int> node_of(unknowns);
-    place.resize(unknowns);
-    for (std::size_t k = 0; k < unknowns; ++k) place[at(order[k])] = static_cast<int>(k);
-    for (std::size_t k = 0; k < nodes.size(); ++k)
-        std::fill_n(node_of.begin() + nodes[k].first, nodes[k].width, static_cast<int>(k));
+    const std::vector<int> node_of = nodes_of_rows();
+    place.resize(at(pattern.rows));
+    for (std::size_t k = 0; k < place.size(); ++k) place[at(tree.order[k])] = static_cast<int>(k);
     // Counted, then filled, so that nothing is held twice.
     const auto for_each_entry = [&](const auto& visit) {
         for (int i = 0; i < pattern.rows; ++i)
             for (int e = pattern.row_start[at(i)]; e < pattern.row_start[at(i) + 1]; ++e) {
-                int last = -1; // nearly always all columns of a block's entries are of one supernode
-                for (int r = 0; r < 3; ++r)
-                    for (int c = 0; c < 3; ++c) {
-                        const int j = pattern.column[at(e)];
-                        const int k = node_of[at(std::min(place[at(3 * i + r)], place[at(3 * j + c)]))];
-                        if (k != last) visit(at(k), Entry{e, i});
-                        last = k;
-                    }
+                const int low = std::min(place[at(i)], place[at(pattern.column[at(e)])]);
+                visit(at(node_of[at(low)]), Entry{e, i});
             }
     };
-    entry_start.assign(nodes.size() + 1, 0);
+    entry_start.assign(tree.nodes.size() + 1, 0);
     for_each_entry([&](std::size_t node, const Entry&) { ++entry_start[node + 1]; });
     std::partial_sum(entry_start.begin(), entry_start.end(), entry_start.begin());
     entries.resize(entry_start.back());
@@ -182,124 +212,156 @@ void SingleCholesky::Impl::find_entries(const BlockPattern& pattern) {
 
 /// Cuts the tree of supernodes: what is below piece_share of the operations is one piece, all above goes in order.
 void SingleCholesky::Impl::find_pieces() {
-    const int count = static_cast<int>(nodes.size());
-    std::vector<int> parent(nodes.size(), -1), first(nodes.size());
-    std::vector<double> cost(nodes.size());
+    const int count = static_cast<int>(tree.nodes.size());
+    std::vector<int> parent(tree.nodes.size(), -1), first(tree.nodes.size());
+    std::vector<double> cost(tree.nodes.size());
     double total = 0;
     for (int k = 0; k < count; ++k) {
-        const Supernode& s = nodes[at(k)];
+        const Supernode& s = tree.nodes[at(k)];
         first[at(k)] = k;
         for (int c = 0; c < s.width; ++c) cost[at(k)] += double(s.rows - c) * double(s.rows - c);
         total += cost[at(k)];
     }
-    std::vector<int> node_of(unknowns);
-    for (int k = 0; k < count; ++k) std::fill_n(node_of.begin() + nodes[at(k)].first, nodes[at(k)].width, k);
+    const std::vector<int> node_of = nodes_of_rows();
     // Children come before their parents, and a subtree's supernodes one after another (postorder).
     for (int k = 0; k < count; ++k) {
-        const Supernode& s = nodes[at(k)];
+        const Supernode& s = tree.nodes[at(k)];
         if (s.rows == s.width) continue;
-        const int p = parent[at(k)] = node_of[at(rows[s.row_start + at(s.width)])];
+        const int p = parent[at(k)] = node_of[at(tree.rows[s.row_start + at(s.width)])];
         cost[at(p)] += cost[at(k)];
         first[at(p)] = std::min(first[at(p)], first[at(k)]);
     }
+    const double most = tree.operations < least_operations ? total : piece_share * total;
+    int rows_above = 0;
+    above_place.assign(tree.order.size(), -1);
     for (int k = 0; k < count; ++k) {
-        const bool small = cost[at(k)] <= piece_share * total;
-        if (!small)
+        const Supernode& s = tree.nodes[at(k)];
+        if (!(cost[at(k)] <= most)) {
             above.push_back(k);
-        else if (parent[at(k)] < 0 || cost[at(parent[at(k)])] > piece_share * total)
-            pieces.emplace_back(first[at(k)], k + 1);
+            for (int c = 0; c < s.width; ++c) above_place[at(s.first + c)] = rows_above++;
+        } else if (parent[at(k)] < 0 || !(cost[at(parent[at(k)])] <= most)) {
+            int most_rows = 0;
+            for (int n = first[at(k)]; n <= k; ++n) most_rows = std::max(most_rows, tree.nodes[at(n)].rows);
+            pieces.push_back(
+                {first[at(k)], k + 1, s.first + s.width, 0.0f, std::vector<float>(at(room(most_rows))), {}});
+        }
     }
+    for (Piece& p : pieces) p.above.resize(at(rows_above));
+    x.resize(at(room(tree.most_rows)));
     // The costliest first, so that threads end together.
     std::stable_sort(pieces.begin(), pieces.end(),
-                     [&](const auto& a, const auto& b) { return cost[at(a.second - 1)] > cost[at(b.second - 1)]; });
+                     [&](const Piece& a, const Piece& b) { return cost[at(a.last - 1)] > cost[at(b.last - 1)]; });
 }
 
 /// Takes what `u` gives to rows first_row…last_row-1 of s off them.
 void SingleCholesky::Impl::subtract(const Supernode& s, const Update& u, int first_row, int last_row, Scratch& w) {
-    const Supernode& d = nodes[at(u.source)];
-    const int* row = rows.data() + d.row_start;
+    const Supernode& d = tree.nodes[at(u.source)];
+    const int* row = tree.rows.data() + d.row_start;
     int from = u.from, to = d.rows;
     if (first_row > 0) {
-        const int limit = rows[s.row_start + at(first_row)];
+        const int limit = tree.rows[s.row_start + at(first_row)];
         from = static_cast<int>(std::lower_bound(row + from, row + to, limit) - row);
     }
     if (last_row < s.rows) {
-        const int limit = rows[s.row_start + at(last_row)];
+        const int limit = tree.rows[s.row_start + at(last_row)];
         to = static_cast<int>(std::lower_bound(row + from, row + to, limit) - row);
     }
     if (from >= to) return;
-    const int columns = u.to - u.from, count = to - from;
-    const float one = 1, zero = 0;
+    const int columns = 3 * (std::min(u.to, to) - u.from), count = 3 * (to - from), width = 3 * d.width,
+              stride = 3 * d.rows;
     const float* block = values.data() + d.value_start;
-    sgemm_("N", "T", &count, &columns, &d.width, &one, block + from, &d.rows, block + u.from, &d.rows, &zero,
-           w.product.data(), &count);
+    if (width > most_own_width && columns > most_own_columns) {
+        const float one = 1, zero = 0;
+        sgemm_("N", "T", &count, &columns, &width, &one, block + 3 * from, &stride, block + 3 * u.from, &stride, &zero,
+               w.product.data(), &count);
+    } else {
+        multiply_transposed(block + 3 * from, block + 3 * u.from, stride, count, columns, width, 3 * (from - u.from),
+                            w.product.data());
+    }
+    // Rows that follow each other in both go together.
+    w.runs.clear();
+    for (int r = 0; r < to - from; ++r) {
+        const int p = w.place[at(row[from + r])];
+        if (!w.runs.empty() && p == w.runs.back().place + w.runs.back().count)
+            ++w.runs.back().count;
+        else
+            w.runs.push_back({r, p, 1});
+    }
     for (int c = 0; c < columns; ++c) {
-        const int column = row[u.from + c];
-        float* out = values.data() + s.value_start + at(column - s.first) * at(s.rows);
+        const int column = 3 * (row[u.from + c / 3] - s.first) + c % 3;
+        float* out = values.data() + s.value_start + at(column) * 3 * at(s.rows);
         const float* in = w.product.data() + at(c) * at(count);
-        // Only the lower triangle is kept.
-        for (int r = std::max(0, u.from + c - from); r < count; ++r) out[w.place[at(row[from + r])]] -= in[r];
+        const int first = u.from + c / 3 - from; // the lower triangle alone
+        for (const Run& run : w.runs) {
+            const int skipped = std::max(0, first - run.row);
+            float* o = out + 3 * run.place;
+            const float* p = in + 3 * run.row;
+            for (int n = 3 * skipped; n < 3 * run.count; ++n) o[n] -= p[n];
+        }
     }
 }
 
-/// The dense factor of a supernode whose updates are taken off.
-bool SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
+/// The dense factor of a supernode whose updates are taken off. Gives the least pivot, as make_factor does.
+float SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
+    if (!in_tiles) return make_factor(column(s));
     float* block = values.data() + s.value_start;
+    float least = std::numeric_limits<float>::max();
     const float one = 1, minus = -1;
-    int info = 0;
-    if (!in_tiles) {
-        spotrf_("L", &s.width, block, &s.rows, &info);
-        const int below = s.rows - s.width;
-        if (info == 0 && below > 0)
-            strsm_("R", "L", "T", "N", &below, &s.width, &one, block, &s.rows, block + s.width, &s.rows);
-        return info == 0;
-    }
-    for (int k = 0; k < s.width; k += panel) {
-        const int width = std::min(panel, s.width - k);
-        float* corner = block + at(k) * at(s.rows) + k;
-        spotrf_("L", &width, corner, &s.rows, &info);
-        if (info != 0) return false;
-        const int first = k + width, below = s.rows - first, tiles = (below + tile - 1) / tile;
-        const auto rows_of = [&](std::size_t t) { return std::min(tile, below - static_cast<int>(t) * tile); };
+    const int columns = 3 * s.width, rows = 3 * s.rows;
+    for (int k = 0; k < columns; k += panel) {
+        const int width = std::min(panel, columns - k);
+        float* corner = block + at(k) * at(rows) + k;
+        const float pivot = make_factor({corner, inverse_diagonal.data() + 3 * s.first + k, width, width, rows});
+        if (!(pivot > 0)) return pivot;
+        least = std::min(least, pivot);
+        const int first = k + width, below = rows - first, tiles = (below + 3 * tile - 1) / (3 * tile);
+        const auto rows_of = [&](std::size_t t) { return std::min(3 * tile, below - static_cast<int>(t) * 3 * tile); };
         parallel_for(at(tiles), 1, [&](std::size_t t) {
             const OneOpenMpThread guard;
+            const FlushDenormals flush;
             const int count = rows_of(t);
-            strsm_("R", "L", "T", "N", &count, &width, &one, corner, &s.rows, corner + width + t * tile, &s.rows);
+            strsm_("R", "L", "T", "N", &count, &width, &one, corner, &rows, corner + width + t * 3 * tile, &rows);
         });
-        const int right = s.width - first;
+        const int right = columns - first;
         parallel_for(at(right > 0 ? tiles : 0), 1, [&](std::size_t t) {
             const OneOpenMpThread guard;
-            const int count = rows_of(t), row = static_cast<int>(t) * tile,
-                      columns = std::min(right, row + count); // the lower triangle, to whole tiles
-            if (columns > 0)
-                sgemm_("N", "T", &count, &columns, &width, &minus, corner + width + row, &s.rows, corner + width,
-                       &s.rows, &one, block + at(first) * at(s.rows) + first + row, &s.rows);
+            const FlushDenormals flush;
+            const int count = rows_of(t), row = static_cast<int>(t) * 3 * tile,
+                      wide = std::min(right, row + count); // the lower triangle, to whole tiles
+            if (wide > 0)
+                sgemm_("N", "T", &count, &wide, &width, &minus, corner + width + row, &rows, corner + width, &rows,
+                       &one, block + at(first) * at(rows) + first + row, &rows);
         });
     }
-    return true;
+    return least;
 }
 
 /// The matrix's entries, scaled, in the lower triangle of a supernode.
 void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node) {
-    const Supernode& s = nodes[at(node)];
+    const Supernode& s = tree.nodes[at(node)];
+    const std::size_t stride = 3 * at(s.rows);
     float* block = values.data() + s.value_start;
-    std::fill_n(block, at(s.rows) * at(s.width), 0.0f);
+    std::fill_n(block, stride * 3 * at(s.width), 0.0f);
     for (std::size_t e = entry_start[at(node)]; e < entry_start[at(node) + 1]; ++e) {
-        const std::size_t i = at(entries[e].row), j = at(a.pattern->column[at(entries[e].block)]);
+        const int i = entries[e].row, j = a.pattern->column[at(entries[e].block)];
         const double* from = a.block(at(entries[e].block));
+        const float *scale_i = scale.data() + 3 * i, *scale_j = scale.data() + 3 * j;
+        const auto entry = [&](std::size_t r, std::size_t c) {
+            return static_cast<float>(from[3 * r + c]) * scale_i[r] * scale_j[c];
+        };
+        const auto [low, high] = std::minmax(place[at(i)], place[at(j)]);
+        float* out = block + 3 * at(low - s.first) * stride + 3 * at(place_in_node[at(high)]);
+        const bool transposed = low == place[at(i)]; // rows of the factor's block are columns of the matrix's
         for (std::size_t r = 0; r < 3; ++r)
-            for (std::size_t c = i == j ? r : 0; c < 3; ++c) { // of a diagonal block the upper triangle is read
-                const auto [low, high] = std::minmax(place[3 * i + r], place[3 * j + c]);
-                if (low < s.first || low >= s.first + s.width) continue;
-                block[at(low - s.first) * at(s.rows) + at(place_in_node[at(high)])] =
-                    static_cast<float>(from[3 * r + c]) * scale[3 * i + r] * scale[3 * j + c];
-            }
+            for (std::size_t c = i == j ? r : 0; c < 3; ++c) // of a diagonal block the upper triangle is read
+                out[transposed ? r * stride + c : c * stride + r] = entry(r, c);
     }
 }
 
-bool SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
-    const Supernode& s = nodes[at(node)];
-    const int* row = rows.data() + s.row_start;
+/// The columns of one supernode; the least pivot.
+float SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
+    const Supernode& s = tree.nodes[at(node)];
+    const int* row = tree.rows.data() + s.row_start;
     const std::size_t first = update_start[at(node)], last = update_start[at(node) + 1];
     Scratch& here = scratch.local();
     for (int r = 0; r < s.rows; ++r) here.place[at(row[r])] = r;
@@ -307,15 +369,51 @@ bool SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
     if (in_tiles && cut_into_tiles(s)) {
         parallel_for(at((s.rows + tile - 1) / tile), 1, [&](std::size_t t) {
             const OneOpenMpThread guard;
+            const FlushDenormals flush;
             Scratch& w = scratch.local();
             const int first_row = static_cast<int>(t) * tile, last_row = std::min(s.rows, first_row + tile);
             for (int r = first_row; r < last_row; ++r) w.place[at(row[r])] = r;
             for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], first_row, last_row, w);
         });
-        return factor_dense(s, true);
+    } else {
+        in_tiles = false;
+        for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], 0, s.rows, here);
     }
-    for (std::size_t u = first; u < last; ++u) subtract(s, updates[u], 0, s.rows, here);
-    return factor_dense(s, false);
+    const float pivot = factor_dense(s, in_tiles);
+    if (pivot > 0) shorten(column(s), kept.data() + kept_start[at(node)]);
+    return pivot;
+}
+
+BlockColumn SingleCholesky::Impl::column(const Supernode& s) {
+    return {values.data() + s.value_start, inverse_diagonal.data() + 3 * s.first, 3 * s.rows, 3 * s.width, 3 * s.rows};
+}
+
+ShortColumn SingleCholesky::Impl::kept_column(int node) const {
+    const Supernode& s = tree.nodes[at(node)];
+    return {kept.data() + kept_start[at(node)], inverse_diagonal.data() + 3 * s.first, 3 * s.rows, 3 * s.width};
+}
+
+/// Solves for a supernode's columns; what they take off rows above the piece (null: s is above itself) is kept there.
+void SingleCholesky::Impl::down(int node, float* own, Piece* piece) {
+    const Supernode& s = tree.nodes[at(node)];
+    for (int c = 0; c < s.width; ++c) put_row(work[at(s.first + c)], own + 3 * c);
+    std::fill(own + 3 * s.width, own + ShortColumn::stride(3 * s.rows), 0.0f);
+    solve_down(kept_column(node), own);
+    for (int c = 0; c < s.width; ++c) work[at(s.first + c)] = take_row(own + 3 * c);
+    const int* row = tree.rows.data() + s.row_start;
+    const int end = piece ? piece->end : static_cast<int>(tree.order.size());
+    int r = s.width;
+    for (; r < s.rows && row[r] < end; ++r) work[at(row[r])] += take_row(own + 3 * r);
+    for (; r < s.rows; ++r) piece->above[at(above_place[at(row[r])])] += take_row(own + 3 * r);
+}
+
+void SingleCholesky::Impl::up(int node, float* own) {
+    const Supernode& s = tree.nodes[at(node)];
+    const int* row = tree.rows.data() + s.row_start;
+    for (int r = 0; r < s.rows; ++r) put_row(work[at(row[r])], own + 3 * r);
+    std::fill(own + 3 * s.rows, own + ShortColumn::stride(3 * s.rows), 0.0f);
+    solve_up(kept_column(node), own);
+    for (int c = 0; c < s.width; ++c) work[at(s.first + c)] = take_row(own + 3 * c);
 }
 
 SingleCholesky::SingleCholesky(const BlockPattern& pattern)
@@ -323,30 +421,53 @@ SingleCholesky::SingleCholesky(const BlockPattern& pattern)
 
 SingleCholesky::~SingleCholesky() = default;
 
-void SingleCholesky::release() { std::vector<float>().swap(impl_->values); }
+void SingleCholesky::release() {
+    impl_->values.release();
+    impl_->kept.release();
+}
 
-std::size_t SingleCholesky::bytes() const { return impl_->values.capacity() * sizeof(float); }
+bool SingleCholesky::surely_indefinite() const { return impl_->surely_indefinite; }
 
-double SingleCholesky::factor_operations() const { return impl_->operations; }
+std::size_t SingleCholesky::bytes() const {
+    return impl_->values.capacity() * sizeof(float) + impl_->kept.capacity() * sizeof(Short);
+}
+
+double SingleCholesky::factor_operations() const { return impl_->tree.operations; }
 
 bool SingleCholesky::factorize(const BlockView& a) {
     Impl& f = *impl_;
-    for (std::size_t i = 0; i < f.unknowns; ++i) {
+    f.surely_indefinite = false;
+    for (std::size_t i = 0; i < f.scale.size(); ++i) {
         const double d = a.block(at(a.pattern->row_start[i / 3]))[4 * (i % 3)];
-        if (!(d > 0) || !std::isfinite(d)) return false;
+        if (!(d > 0) || !std::isfinite(d)) {
+            f.surely_indefinite = d <= 0;
+            return false;
+        }
         f.scale[i] = static_cast<float>(1 / std::sqrt(d));
     }
     if (!a.finite()) return false;
-    f.values.resize(f.value_count);
-    std::atomic<bool> good = true;
+    f.values.resize(f.tree.value_count), f.kept.resize(f.kept_start.back());
     parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
         const OneOpenMpThread guard;
-        for (int k = f.pieces[p].first; k < f.pieces[p].second && good; ++k)
-            if (!f.make(k, a, false)) good = false;
+        const FlushDenormals flush;
+        Piece& piece = f.pieces[p];
+        piece.pivot = 1;
+        // What other pieces find does not count: what is found must not depend on which comes first.
+        for (int k = piece.first; k < piece.last && piece.pivot > 0; ++k) piece.pivot = f.make(k, a, false);
     });
+    bool good = true;
+    for (const Piece& piece : f.pieces) {
+        good = good && piece.pivot > 0;
+        f.surely_indefinite = f.surely_indefinite || piece.pivot < -rounding;
+    }
     const OneOpenMpThread guard;
-    for (const int k : f.above)
-        if (good && !f.make(k, a, true)) good = false;
+    const FlushDenormals flush;
+    for (std::size_t k = 0; k < f.above.size() && good; ++k) {
+        const float pivot = f.make(f.above[k], a, true);
+        good = pivot > 0;
+        f.surely_indefinite = pivot < -rounding;
+    }
+    if (f.tree.value_count * sizeof(float) > large) f.values.release();
     return good;
 }
 
@@ -354,38 +475,39 @@ void SingleCholesky::solve(const double* b, double* x) {
     Impl& f = *impl_;
     // To the size of 1, so that nothing leaves the range of single precision.
     double largest = 0;
-    for (std::size_t i = 0; i < f.unknowns; ++i) largest = std::max(largest, std::abs(b[i]) * f.scale[i]);
+    for (std::size_t i = 0; i < f.scale.size(); ++i) largest = std::max(largest, std::abs(b[i]) * f.scale[i]);
     const double unit = largest > 0 && std::isfinite(largest) ? largest : 1;
-    for (std::size_t k = 0; k < f.unknowns; ++k) {
-        const std::size_t i = at(f.order[k]);
-        f.work[k] = static_cast<float>(b[i] * f.scale[i] / unit);
+    for (std::size_t k = 0; k < f.work.size(); ++k) {
+        const std::size_t i = 3 * at(f.tree.order[k]);
+        Float4 row{};
+        for (std::size_t c = 0; c < 3; ++c) row[c] = static_cast<float>(b[i + c] * f.scale[i + c] / unit);
+        f.work[k] = row;
     }
-    float *y = f.work.data(), *below = f.below.data();
-    const float one = 1, zero = 0, minus = -1;
-    const int step = 1;
-    for (const Supernode& s : f.nodes) {
-        const float* block = f.values.data() + s.value_start;
-        strsv_("L", "N", "N", &s.width, block, &s.rows, y + s.first, &step);
-        const int count = s.rows - s.width;
-        if (count == 0) continue;
-        sgemv_("N", &count, &s.width, &one, block + s.width, &s.rows, y + s.first, &step, &zero, below, &step);
-        const int* row = f.rows.data() + s.row_start + at(s.width);
-        for (int r = 0; r < count; ++r) y[row[r]] -= below[r];
+    const FlushDenormals flush;
+    const std::vector<Supernode>& nodes = f.tree.nodes;
+    parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
+        const FlushDenormals flush;
+        Piece& piece = f.pieces[p];
+        std::ranges::fill(piece.above, Float4{});
+        for (int k = piece.first; k < piece.last; ++k) f.down(k, piece.x.data(), &piece);
+    });
+    for (const Piece& piece : f.pieces) {
+        const Supernode& root = nodes[at(piece.last - 1)]; // no other has rows that it has not
+        for (int r = root.width; r < root.rows; ++r) {
+            const int row = f.tree.rows[root.row_start + at(r)];
+            f.work[at(row)] += piece.above[at(f.above_place[at(row)])];
+        }
     }
-    for (std::size_t k = f.nodes.size(); k-- > 0;) {
-        const Supernode& s = f.nodes[k];
-        const float* block = f.values.data() + s.value_start;
-        const int count = s.rows - s.width;
-        const int* row = f.rows.data() + s.row_start + at(s.width);
-        for (int r = 0; r < count; ++r) below[r] = y[row[r]];
-        if (count > 0)
-            sgemv_("T", &count, &s.width, &minus, block + s.width, &s.rows, below, &step, &one, y + s.first, &step);
-        strsv_("L", "T", "N", &s.width, block, &s.rows, y + s.first, &step);
-    }
-    for (std::size_t k = 0; k < f.unknowns; ++k) {
-        const std::size_t i = at(f.order[k]);
-        x[i] = static_cast<double>(y[k]) * f.scale[i] * unit;
-    }
+    for (const int k : f.above) f.down(k, f.x.data(), nullptr);
+    for (std::size_t k = f.above.size(); k-- > 0;) f.up(f.above[k], f.x.data());
+    parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
+        const FlushDenormals flush;
+        Piece& piece = f.pieces[p];
+        for (int k = piece.last; k-- > piece.first;) f.up(k, piece.x.data());
+    });
+    for (std::size_t k = 0; k < f.work.size(); ++k)
+        for (std::size_t c = 0, i = 3 * at(f.tree.order[k]); c < 3; ++c)
+            x[i + c] = static_cast<double>(f.work[k][c]) * f.scale[i + c] * unit;
 }
 
 } // namespace sinew::solver

@@ -33,6 +33,8 @@ class SparseFactor {
     virtual ~SparseFactor() = default;
     /// False if the matrix is not positive definite (or not finite).
     virtual bool factorize(const BlockView& a) = 0;
+    /// Of a matrix that factorize refused: whether it is not positive definite by more than rounding can make it seem.
+    virtual bool surely_indefinite() const = 0;
     /// Solves A x = b with the last factor; 3 numbers a row.
     virtual void solve(const double* b, double* x) = 0;
     /// Gives the numbers' memory back and keeps the analysis; the next factorize takes it again.

@@ -15,7 +15,8 @@
 using namespace sinew::solver;
 using namespace sinew::test;
 
-TEST_CASE("in single precision a grid's solution is the wave divided by its eigenvalue, to five digits", "[linear]") {
+TEST_CASE("what solves keep of a factor gives a grid's solution, the wave divided by its eigenvalue, to three digits",
+          "[linear]") {
     const GridMatrix grid(12);
     const Eigen::Vector3d v(0.3, 1, -0.7);
     const std::vector<double> b = grid.wave(2, 5, 1, grid.k * v),
@@ -25,7 +26,7 @@ TEST_CASE("in single precision a grid's solution is the wave divided by its eige
     REQUIRE(factor.factorize(grid.a));
     std::vector<double> x(b.size());
     factor.solve(b.data(), x.data());
-    CHECK((as_vector(x) - as_vector(expected)).norm() < 1e-5 * as_vector(expected).norm());
+    CHECK((as_vector(x) - as_vector(expected)).norm() < 5e-4 * as_vector(expected).norm());
     // Right sides of any size.
     std::vector<double> small(b), y(b.size());
     for (double& s : small) s *= 1e-60;
@@ -50,7 +51,7 @@ TEST_CASE("large matrices go through tiles and subtrees, with the same bits on o
     CHECK(one == two);
     std::vector<double> back(b.size());
     multiply(grid.a, one.data(), back.data());
-    CHECK((as_vector(back) - as_vector(b)).norm() < 1e-4 * as_vector(b).norm());
+    CHECK((as_vector(back) - as_vector(b)).norm() < 1.5e-3 * as_vector(b).norm());
 }
 
 TEST_CASE("stiff unknowns do not spoil a factor in single precision, and it preconditions in an iteration or two",
@@ -67,7 +68,7 @@ TEST_CASE("stiff unknowns do not spoil a factor in single precision, and it prec
     std::vector<double> x(b.size()), expected(b.size());
     exact.solve(b.data(), expected.data());
     single.solve(b.data(), x.data());
-    CHECK((as_vector(x) - as_vector(expected)).norm() < 1e-5 * as_vector(expected).norm());
+    CHECK((as_vector(x) - as_vector(expected)).norm() < 5e-4 * as_vector(expected).norm());
     ConjugateGradients iterations(grid.pattern);
     iterations.set(grid.a);
     const auto result =
@@ -88,15 +89,37 @@ TEST_CASE("a factor in single precision sees what is not positive definite, and 
     BlockMatrix bad = grid.a;
     bad.block(std::size_t(grid.pattern.row_start[100]))[4] = -1;
     CHECK_FALSE(factor.factorize(bad));
+    CHECK(factor.surely_indefinite());
     bad = grid.a;
     bad.block(std::size_t(grid.pattern.row_start[100]))[8] *= 1e-3; // positive, and yet less than its neighbours allow
     CHECK_FALSE(factor.factorize(bad));
+    CHECK(factor.surely_indefinite());
     bad = grid.a;
     bad.block(std::size_t(grid.pattern.row_start[100]) + 1)[1] = std::numeric_limits<double>::quiet_NaN();
     CHECK_FALSE(factor.factorize(bad));
+    CHECK_FALSE(factor.surely_indefinite()); // nothing is known of it
     REQUIRE(factor.factorize(grid.a));
     factor.solve(b.data(), again.data());
     CHECK(again == x);
+}
+
+TEST_CASE("what is indefinite by less than rounding is refused as unclear, and by more as indefinite, on any threads",
+          "[linear]") {
+    // A grid less its own least eigenvalue is singular; a little more or less of it decides.
+    const GridMatrix grid(18);
+    const double least = grid.eigenvalue(1, 1, 1);
+    for (const double share : {1 + 1e-7, 3.0}) {
+        BlockMatrix a = grid.a;
+        for (std::size_t i = 0; i < std::size_t(grid.pattern.rows); ++i)
+            for (int c = 0; c < 9; ++c)
+                a.block(std::size_t(grid.pattern.row_start[i]))[c] -= share * least * grid.k(c / 3, c % 3);
+        for (const std::size_t threads : {1, 2}) {
+            const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+            ComponentFactors factors(grid.pattern, Factoring::single);
+            CHECK_FALSE(factors.factorize(a));
+            CHECK(factors.surely_indefinite() == (share > 2));
+        }
+    }
 }
 
 TEST_CASE("a factor that gave its memory back takes it again, with the same bits", "[linear]") {
@@ -129,7 +152,8 @@ TEST_CASE("a factor's memory is counted before it is made, and a cycle's cost gr
     SingleCholesky factor(grid.pattern);
     REQUIRE(factor.factorize(grid.a));
     const double counted = linear_costs(grid.pattern).factor_bytes;
-    CHECK(counted == Approx(4 * 45 * std::pow(16, 4))); // 45 entries a row to the power of 4/3
+    // 45 entries a row to the power of 4/3, four bytes each while the factor is made and two for solves.
+    CHECK(counted == Approx(6 * 45 * std::pow(16, 4)));
     // Meshes of tets, which that number is of, fill in more than a grid does.
     CHECK(static_cast<double>(factor.bytes()) < 1.5 * counted);
     CHECK(static_cast<double>(factor.bytes()) > 0.4 * counted);
