@@ -197,6 +197,19 @@ std::string name_hint(std::string_view word, std::span<const std::string> candid
     return std::string(known) + ": " + listed(candidates);
 }
 
+std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input) {
+    const std::vector<std::string> names = input_names(type);
+    if (const std::string near = name_hint(input, names, {}); !near.empty()) return near;
+    if (input == "comment") return "write it beside \"type\" and \"inputs\", or as // …";
+    constexpr std::size_t few = 3; // what half of all types have tells nothing
+    std::vector<std::string> owners;
+    for (const std::string& name : graph.registry().names())
+        if (graph.registry().find(name)->find_input(input)) owners.push_back(name);
+    if (!owners.empty() && owners.size() <= few) return listed(owners) + (owners.size() == 1 ? " has it" : " have it");
+    const std::string known = name_hint(input, names, "inputs");
+    return known.empty() ? "`sinew nodes " + std::string(type.name) + "` lists its inputs" : known;
+}
+
 std::vector<Problem> check_binding(const Graph& graph, std::string_view node, const NodeType& type,
                                    const AttributeInfo& input, const Binding& binding) {
     return Checker(graph, node, type, input).run(binding);

@@ -35,6 +35,9 @@ std::string meaning_of(const AttributeInfo& input);
 /// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
 
+/// The same for an input that a type does not have: near ones, whose it may be, what there is.
+std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input);
+
 std::vector<std::string> input_names(const NodeType& type);
 std::vector<std::string> output_names(const NodeType& type);
 

@@ -147,9 +147,7 @@ class Edit::Draft {
             return nullptr;
         }
         const AttributeInfo* info = n->type->find_input(at.attribute);
-        if (!info)
-            problem("DG011", at, "no such input on " + n->type_name,
-                    name_hint(at.attribute, input_names(*n->type), "inputs"));
+        if (!info) problem("DG011", at, "no such input on " + n->type_name, input_hint(graph_, *n->type, at.attribute));
         return info;
     }
 
@@ -343,7 +341,7 @@ class Edit::Draft {
         for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text);
         if (!doc.problems.empty()) return;
         std::vector<Problem> found;
-        auto binding = read_binding(*info, doc.root, folder_of(graph_.file()), graph_.files(), found);
+        auto binding = read_binding(graph_, *info, doc.root, folder_of(graph_.file()), found);
         for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
         if (binding) bind(op.plug, std::move(*binding));
     }

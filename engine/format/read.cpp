@@ -7,6 +7,8 @@
 #include "engine/format/key_meant.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
+#include "engine/format/typed_text.h"
+#include "engine/format/value_meant.h"
 #include "engine/include.h"
 #include "engine/origin.h"
 #include "engine/text.h"
@@ -187,8 +189,11 @@ class GraphReader {
     }
 
     void wrong_kind(const Json& json, const std::string& pointer, std::string_view node, std::string_view expected) {
+        const auto* text = json.as<std::string>();
+        const auto typed = text && expected.ends_with("number") ? parse_quantity(*text) : std::nullopt;
         problem("DG008", json.begin, pointer, node, {},
-                "expected " + std::string(expected) + ", found " + std::string(json.kind()));
+                "expected " + std::string(expected) + ", found " + std::string(json.kind()),
+                typed && typed->unit.empty() ? "write " + number_text(typed->number) + " without quotes" : "");
     }
 
     void timing(const Json& json) {
@@ -471,7 +476,7 @@ class GraphReader {
         const AttributeInfo* info = old->type->find_input(plug.attribute);
         if (!info) {
             problem("DG011", m.key_begin, pointer, plug.node, plug.attribute, "no such input on " + old->type_name,
-                    name_hint(plug.attribute, input_names(*old->type), "inputs"));
+                    input_hint(graph_, *old->type, plug.attribute));
             return;
         }
         anchors_.push_back({m.key_begin, m.value.end, std::string::npos, plug.node, plug.attribute});
@@ -504,7 +509,9 @@ class GraphReader {
     Binding checked(const Node& n, const Plug& at, const AttributeInfo& info, const std::string& pointer,
                     const Json& value) {
         std::vector<Problem> found;
-        auto binding = read_binding(info, value, folder_, graph_.files_, found);
+        auto binding = read_binding(graph_, info, value, folder_, found);
+        if (!binding && found.front().diagnostic.hint.empty())
+            found.front().diagnostic.hint = wires_hint(*n.type, info, value);
         if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
         report(std::move(found), at, pointer, value);
         return binding ? std::move(*binding) : Binding(Value());
@@ -527,7 +534,7 @@ class GraphReader {
             const AttributeInfo* info = n->type->find_input(input.key);
             if (!info) {
                 problem("DG011", input.key_begin, p.pointer + "/inputs" + pointer_token(input.key), p.name, input.key,
-                        "no such input on " + n->type_name, name_hint(input.key, input_names(*n->type), "inputs"));
+                        "no such input on " + n->type_name, input_hint(graph_, *n->type, input.key));
                 continue;
             }
             n->input_order.push_back(input.key);
