@@ -475,9 +475,7 @@ class Edit::Draft {
     }
 
     void timing(const Op& op) {
-        if (!(op.time.fps > 0) || !std::isfinite(op.time.fps))
-            problem("DG009", {}, number_text(op.time.fps) + " frames a second do not exist");
-        if (op.time.end < op.time.start) problem("DG009", {}, "the end comes before the start");
+        for (const TimingFault& f : timing_faults(op.time)) problem("DG009", {}, f.message, f.hint);
         undo({.kind = Op::Kind::timing,
               .plug = {},
               .text = {},

@@ -209,10 +209,8 @@ class GraphReader {
             const std::string pointer = std::string("/timing/") + key;
             if (!i && !d)
                 wrong_kind(*j, pointer, {}, whole ? "a whole number" : "a number");
-            else if (whole ? v != std::floor(v) || std::abs(v) > 1e9 : !(v > 0))
-                problem("DG009", j->begin, pointer, {}, {},
-                        number_text(v) + (whole ? " is not a whole frame" : " frames a second do not exist"),
-                        whole ? "" : "fps is above 0");
+            else if (const std::string fault = whole ? frame_fault(v) : ""; !fault.empty())
+                problem("DG009", j->begin, pointer, {}, {}, fault);
             else
                 return v;
             return fallback;
@@ -221,9 +219,11 @@ class GraphReader {
         t.fps = number("fps", false, 24);
         t.start = static_cast<int>(number("start", true, 1));
         t.end = static_cast<int>(number("end", true, t.start));
-        if (t.end < t.start)
-            problem("DG009", json.find("end") ? json.find("end")->begin : json.begin, "/timing/end", {}, {},
-                    "the end " + std::to_string(t.end) + " comes before the start " + std::to_string(t.start));
+        for (const TimingFault& f : timing_faults(t)) {
+            const Json* at = json.find(f.key);
+            problem("DG009", at ? at->begin : json.begin, "/timing" + (at ? "/" + std::string(f.key) : ""), {}, {},
+                    f.message, f.hint);
+        }
         graph_.timing_ = t;
     }
 
