@@ -195,6 +195,11 @@ TEST_CASE("one and two threads give the same bits, and so does a run of the last
     REQUIRE(one.size() == 6);
     CHECK(one == two);
     CHECK(std::set<std::string>(one.begin(), one.end()).size() == 6);
+    // More than there are cores: asked for, so had, and without a word of the library's.
+    const std::string cores = std::to_string(2 * std::max(1u, std::thread::hardware_concurrency()));
+    const Said many = run_program({"run", graph, "--json", "--no-cache", "--threads", cores});
+    CHECK(digests(many) == one);
+    CHECK(many.err.empty());
     const Said last = run_program({"run", graph, "--json", "--frames", "6"});
     CHECK(digests(last) == std::vector<std::string>{one.back()});
     CHECK(last.lines().back().at("frames_simulated") == 6);

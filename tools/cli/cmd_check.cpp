@@ -56,7 +56,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     WarningCollector warnings(open.graph, open.graph->timing().start, json, in.err);
     engine::StorePolicy policy = store_policy(in.arguments, *open.graph);
     policy.keeps_frames = false; // it looks at the start frame alone, and leaves nothing behind
-    engine::Evaluator evaluator(policy, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(policy, in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     const auto failures = engine::remember_failures();
     if (!fast)
         for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop, failures))

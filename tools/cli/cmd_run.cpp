@@ -103,7 +103,8 @@ class Run {
         , notes_(std::move(notes))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
-        , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
+        , evaluator_(store_policy(in.arguments, *plan_.graph),
+                     in.arguments.whole_number("--threads", 0, 1, most_threads), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
                   scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph),
                   plan_.graph->files()) {

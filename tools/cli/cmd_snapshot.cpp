@@ -95,8 +95,8 @@ Album album_of_graph(const Invocation& in) {
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
     WarningCollector warnings(open.graph, *std::max_element(frames.begin(), frames.end()), false, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
-                                &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
+                                in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     viewer::Evaluation e;
     e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
     e.shown = {plug};

@@ -81,8 +81,8 @@ viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, boo
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
     Progress progress(style, open.graph, static_cast<int>(e.frames.size()), in.out, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
-                                &progress);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
+                                in.arguments.whole_number("--threads", 0, 1, most_threads), &progress);
     const auto needed = upstream_of(*open.graph, shown);
     if (auto problems = find_problems(open.graph, evaluator, needed, in.stop); has_error(problems))
         throw engine::Failure(std::move(problems));
