@@ -401,6 +401,30 @@ TEST_CASE("a report or picture that cannot be written is found before anything i
     CHECK(fs::exists(folder / "new/deep/r.json"));
 }
 
+TEST_CASE("a disk without room is found before anything is simulated", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    // A limit of file sizes refuses the first byte, as a full disk does; what is said goes through a pipe.
+    const auto said_of = [&](const std::string& words) {
+        const std::string said = (folder / "said").string();
+        const std::string line = "(trap '' XFSZ; ulimit -f 0; " SINEW_PROGRAM " " + words +
+                                 " --no-cache; echo code $?) 2>&1 | cat >'" + said + "'";
+        CHECK(std::system(line.c_str()) == 0);
+        return read_text(said);
+    };
+    for (const std::string& words : {"run " + graph + " --report " + (folder / "r.json").string(),
+                                     "run " + graph + " --out " + (folder / "out").string(),
+                                     "view " + graph + " --output " + (folder / "v.html").string(),
+                                     "snapshot " + graph + " --output " + (folder / "s.png").string()}) {
+        CAPTURE(words);
+        const std::string said = said_of(words);
+        CHECK(said.find("error [IO405] cannot write ") != std::string::npos);
+        CHECK(said.find(": File too large\n") != std::string::npos);
+        CHECK(said.find("frame ") == std::string::npos);
+        CHECK(said.ends_with("code 1\n"));
+    }
+}
+
 TEST_CASE("frames that have not converged are counted, and --strict makes them a failure", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());
