@@ -101,6 +101,39 @@ TEST_CASE("what is wrong in --set is told there and not at the file's value", "[
     }
 }
 
+TEST_CASE("numbers out of all reason are refused at the input that holds them", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = write_graph(folder, small_graph());
+    for (const std::string& setting :
+         {"solver.scale=1e-155", "solver.scale=1e155", "solver.framesPerSecond=1e-9", "solver.framesPerSecond=1e9",
+          "plateMesh.width=1e61", "plateMesh.height=1e300"}) {
+        CAPTURE(setting);
+        const Said said = run_program({"run", file, "--no-cache", "--set", setting});
+        CHECK(said.code == 1);
+        const std::string input = setting.substr(0, setting.find('='));
+        CHECK(has(said.err, "--set " + setting + ": error [DG013] " + input + ": "));
+    }
+    CHECK(run_program({"check", file, "--set", "solver.scale=1e-3", "--set", "solver.framesPerSecond=1e6"}).code == 0);
+}
+
+TEST_CASE("a scene of too many frames is refused before it takes memory", "[tools]") {
+    const TemporaryFolder folder;
+    nlohmann::json graph = small_graph();
+    graph["timing"]["end"] = 999'999'999;
+    const std::string file = write_graph(folder, graph);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"check", file},
+                                                  {"run", file},
+                                                  {"explain", file, "solver.outMeshes"},
+                                                  {"view", file, "-o", (folder / "v.html").string()},
+                                                  {"snapshot", file, "-o", (folder / "s.png").string()}}) {
+        CAPTURE(words.front());
+        const Said said = run_program(words);
+        CHECK(said.code == 1);
+        CHECK(has(said.err, "error [DG009] "));
+        CHECK(has(said.err, "; a million are possible"));
+    }
+}
+
 TEST_CASE("words and vectors that are written as something else are told how they are written", "[tools]") {
     const TemporaryFolder folder;
     const auto said_of = [&](const std::string& nodes) {
