@@ -6,6 +6,7 @@
 #include "tools/cli/departure.h"
 #include "tools/cli/doubts.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -140,9 +141,7 @@ class Run {
             sort_by_place(problems);
             if (has_error(problems)) throw engine::Failure(std::move(problems));
             for (const engine::Diagnostic& d : problems) progress_.warning(d);
-            for (const engine::Diagnostic& d :
-                 find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures))
-                progress_.warning(d);
+            for (const engine::Diagnostic& d : doubts(failures)) progress_.warning(d);
             warn_of_timing();
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
@@ -175,6 +174,13 @@ class Run {
         return {report_.graph,       plan_.frames.front(),
                 plan_.frames.back(), static_cast<int>(plan_.frames.size()),
                 report_.error,       false};
+    }
+
+    bool is_quiet() const { return json_ || in_.arguments.has("--quiet"); }
+
+    std::vector<engine::Diagnostic> doubts(const std::shared_ptr<engine::Failures>& failures) {
+        const LongTask task(in_.err, "looking for what is hardly meant", is_quiet());
+        return find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures);
     }
 
     /// A graph of a single frame says nothing of how long it is.
@@ -316,6 +322,8 @@ class Run {
     }
 
     void close() {
+        progress_.clear();
+        const LongTask task(in_.err, "writing into " + plan_.out.string(), is_quiet() || plan_.out.empty());
         if (!plan_.out.empty()) output_.finish();
         if (page_scene_ && !in_.stop.stop_requested())
             page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_, plan_.graph->files());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/open_graph.h"
 
+#include "tools/cli/long_task.h"
 #include "tools/cli/machine.h"
 
 #include "engine/check.h"
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <set>
 
 namespace sinew::cli {
@@ -112,6 +114,7 @@ engine::FileAccess file_access(const Arguments& arguments) {
 OpenGraph open_graph(const Arguments& arguments) { return open_graph(arguments, arguments.operand(0).value()); }
 
 OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
+    const LongTask task(std::cerr, "reading " + file, arguments.has("--quiet"));
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, file_access(arguments));
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
@@ -132,6 +135,7 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
 }
 
 OpenGraph open_graph(const std::string& file, const engine::FileAccess& files) {
+    const LongTask task(std::cerr, "reading " + file, false);
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, files);
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }
