@@ -59,7 +59,12 @@ TEST_CASE("a file that is neither graph nor mesh is refused by its ending", "[to
     CHECK(said.code == 1);
     CHECK(has(said.err, "error [IO404]"));
     CHECK(has(said.err, "'.fbx' is not a surface format that can be read"));
-    CHECK(has(said.err, ".obj"));
+    CHECK(has(said.err, "hint: export it from the program that it is of; .obj, "));
+    const Said bare = run_program({"check", put(folder, "body", "solid")});
+    CHECK(bare.code == 1);
+    CHECK(has(
+        bare.err,
+        "body: its name has no ending, which tells how it is to be read\n  hint: give it the one that it is: .obj"));
     const Said run = run_program({"run", put(folder, "body.obj", "v 0 0 0\n")});
     CHECK(run.code == 1);
     CHECK(has(run.err, "this is no graph file"));
@@ -99,6 +104,8 @@ TEST_CASE("what is wrong in --set is told there and not at the file's value", "[
         CHECK(has(said_of(number), "hint: write a finite number, or one with its unit"));
         CHECK(has(said_of(std::string("flesh.poissonsRatio=") + nothing), "hint: write a finite number"));
     }
+    CHECK(has(said_of("flesh.youngsModulus=1e400"),
+              "error [DG027] flesh.youngsModulus: 1e400 is too large for a number"));
 }
 
 TEST_CASE("numbers out of all reason are refused at the input that holds them", "[tools]") {

@@ -37,7 +37,11 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     if (equals == std::string::npos || plug.node.empty())
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
-    edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
+    // What is no JSON is a word; a number that is too large stays one, and is told so.
+    const auto problems = engine::parse_json(json).problems;
+    const bool is_json =
+        std::all_of(problems.begin(), problems.end(), [](const engine::JsonProblem& p) { return p.code == "DG027"; });
+    edit.set_json(plug, is_json ? json : engine::json_quoted(json));
 }
 
 /// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
