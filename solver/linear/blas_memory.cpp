@@ -26,16 +26,12 @@ bool has_room() {
 
 } // namespace
 
-bool take_blas_buffers(int threads) {
-    if (!blas_memory_alloc || !blas_memory_free) return true;
+int take_blas_buffers(int threads) {
+    if (!blas_memory_alloc || !blas_memory_free) return threads;
     std::vector<void*> taken; // all at once, or one would be given again and again
-    bool all = true;
-    for (int i = 0; i < threads && all; ++i) {
-        all = has_room();
-        if (all) taken.push_back(blas_memory_alloc(1));
-    }
+    while (static_cast<int>(taken.size()) < threads && has_room()) taken.push_back(blas_memory_alloc(1));
     for (void* buffer : taken) blas_memory_free(buffer);
-    return all;
+    return static_cast<int>(taken.size());
 }
 
 } // namespace sinew::solver

@@ -5,9 +5,9 @@
 
 namespace sinew::solver {
 
-/// Takes the buffers of `threads` threads now, which they then use. False where there is no room for them: whoever
-/// called BLAS would not come back. Only a limit of the address space (`ulimit -v`) refuses memory before it is used,
-/// so that without one there is no need of this.
-bool take_blas_buffers(int threads);
+/// Takes the buffers of `threads` threads now, which they then use, and returns for how many there was room: of more,
+/// whoever calls BLAS would not come back. Only a limit of the address space (`ulimit -v`) refuses memory before it is
+/// used, so that without one there is no need of this.
+int take_blas_buffers(int threads);
 
 } // namespace sinew::solver

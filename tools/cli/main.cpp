@@ -26,7 +26,10 @@ namespace {
 using namespace sinew;
 using namespace sinew::cli;
 
-struct NoSpace {};
+/// For the factors of as many threads as the command shall run on.
+struct NoSpace {
+    int threads; ///< for which there is room
+};
 
 /// Whether memory is refused before it is used (`ulimit -v`).
 bool has_limited_space() {
@@ -49,7 +52,8 @@ void check_space(const Command& command, const Arguments& arguments) {
         std::any_of(command.flags.begin(), command.flags.end(), [](const Flag& f) { return f.name == "--threads"; });
     if (!solves || !has_limited_space()) return;
     const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-    if (!solver::take_blas_buffers(arguments.whole_number("--threads", cores, 1, most_threads))) throw NoSpace{};
+    const int wanted = arguments.whole_number("--threads", cores, 1, most_threads);
+    if (const int had = solver::take_blas_buffers(wanted); had < wanted) throw NoSpace{had};
 }
 
 ExitCode tell_bug(const std::string& name, const std::exception& e) {
@@ -83,10 +87,11 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
     } catch (const engine::Cancelled&) {
         tell_cancelled(name, json);
         return cancelled;
-    } catch (const NoSpace&) {
+    } catch (const NoSpace& e) {
         std::cerr << name
                   << ": there is not enough memory: factors need 129 MB for each thread, and the limit of the "
-                     "address space (ulimit -v) leaves no room for that. Raise it, or try --threads 1.\n";
+                     "address space (ulimit -v) leaves no room for that. Raise it"
+                  << (e.threads > 0 ? ", or take --threads " + std::to_string(e.threads) : std::string()) << ".\n";
         return graph_wrong;
     } catch (const std::bad_alloc&) {
         std::cerr << name << ": there is not enough memory for this\n";
