@@ -180,6 +180,8 @@ void AtomicFile::write(std::string_view bytes) {
         impl_->file ? impl_->file->write(bytes) : impl_->device->write(bytes);
 }
 
+void AtomicFile::flush() { impl_->flush(); }
+
 void AtomicFile::commit(bool waits) {
     impl_->flush();
     if (impl_->file) impl_->file->move_into_place(waits);

@@ -32,6 +32,8 @@ class AtomicFile {
     ~AtomicFile(); ///< without `commit` nothing is left
     AtomicFile(const AtomicFile&) = delete;
     void write(std::string_view bytes);
+    /// Hands the system what was written so far. Throws Failure IO405 where there is no room for it.
+    void flush();
     /// The file is on the disk, then in its place.
     void commit() { commit(true); }
     /// \param waits for the disk

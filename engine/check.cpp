@@ -197,6 +197,19 @@ std::string name_hint(std::string_view word, std::span<const std::string> candid
     return std::string(known) + ": " + listed(candidates);
 }
 
+std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input) {
+    const std::vector<std::string> names = input_names(type);
+    if (const std::string near = name_hint(input, names, {}); !near.empty()) return near;
+    if (input == "comment") return "write it beside \"type\" and \"inputs\", or as // …";
+    constexpr std::size_t few = 3; // what half of all types have tells nothing
+    std::vector<std::string> owners;
+    for (const std::string& name : graph.registry().names())
+        if (graph.registry().find(name)->find_input(input)) owners.push_back(name);
+    if (!owners.empty() && owners.size() <= few) return listed(owners) + (owners.size() == 1 ? " has it" : " have it");
+    const std::string known = name_hint(input, names, "inputs");
+    return known.empty() ? "`sinew nodes " + std::string(type.name) + "` lists its inputs" : known;
+}
+
 std::vector<Problem> check_binding(const Graph& graph, std::string_view node, const NodeType& type,
                                    const AttributeInfo& input, const Binding& binding) {
     return Checker(graph, node, type, input).run(binding);
@@ -278,6 +291,37 @@ std::vector<Problem> check_required(const Graph& graph, std::string_view node, c
     return out;
 }
 
+std::string frame_fault(double frame) {
+    if (frame != std::floor(frame)) return number_text(frame) + " is not a whole frame";
+    if (std::abs(frame) < 1e9) return {};
+    return "frame " + number_text(frame) + " is too far from 0; frames lie within a billion";
+}
+
+std::vector<TimingFault> timing_faults(const Timing& timing) {
+    // A step of a billion seconds or of a billionth is a typing error, and so is a film of eleven hours.
+    constexpr double least_fps = 0.001, most_fps = 1e6;
+    constexpr std::int64_t most_frames = 1'000'000;
+    std::vector<TimingFault> out;
+    if (!(timing.fps > 0))
+        out.push_back({"fps", number_text(timing.fps) + " frames a second do not exist", "fps is above 0, usually 24"});
+    else if (!(timing.fps >= least_fps && timing.fps <= most_fps))
+        out.push_back(
+            {"fps", number_text(timing.fps) + " frames a second are too " + (timing.fps < least_fps ? "few" : "many"),
+             "fps lies between 0.001 and a million, usually at 24"});
+    const std::int64_t frames = std::int64_t{timing.end} - timing.start + 1;
+    if (frames < 1)
+        out.push_back(
+            {"end", "the end " + std::to_string(timing.end) + " comes before the start " + std::to_string(timing.start),
+             "write \"start\": " + std::to_string(timing.end) + ", \"end\": " + std::to_string(timing.start) +
+                 " if they are the wrong way round"});
+    else if (frames > most_frames)
+        out.push_back({"end",
+                       std::to_string(frames) + " frames from " + std::to_string(timing.start) + " to " +
+                           std::to_string(timing.end) + "; a million are possible",
+                       "write the last frame that is wanted"});
+    return out;
+}
+
 std::vector<Diagnostic> check_timing(const Graph& graph) {
     std::vector<Diagnostic> out;
     for (const std::string& name : graph.node_names()) {
@@ -301,6 +345,13 @@ std::vector<Diagnostic> check_timing(const Graph& graph) {
             if (start && ahead > 0)
                 d.message += ": " + number_text(ahead) + " frame" + (ahead == 1 ? "" : "s") +
                              " before the graph's first are simulated too";
+            if (start && ahead < 0) {
+                const double still = std::min(-ahead, double(graph.timing().end) - graph.timing().start + 1);
+                d.message += ": " +
+                             std::string(still == 1 ? "the graph's first frame shows"
+                                                    : "the graph's first " + number_text(still) + " frames show") +
+                             " everything as modelled";
+            }
             d.hint = "leave it out to take the graph's";
             out.push_back(std::move(d));
         }

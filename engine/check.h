@@ -26,6 +26,15 @@ std::vector<Problem> check_required(const Graph& graph, std::string_view node, c
 /// connected here has one entry for. Empty where nothing with entries is connected.
 std::vector<std::string> entry_names(const Graph& graph, const Node& n, const AttributeInfo& input);
 
+/// Why a timing cannot be used: the key that it is about, and what would be right.
+struct TimingFault {
+    std::string_view key; ///< fps, start or end
+    std::string message, hint;
+};
+std::vector<TimingFault> timing_faults(const Timing& timing);
+/// Why a number is no frame, or empty.
+std::string frame_fault(double frame);
+
 /// Warns of literals that contradict the graph's timing where that is the default (DG031).
 std::vector<Diagnostic> check_timing(const Graph& graph);
 
@@ -34,6 +43,9 @@ std::string meaning_of(const AttributeInfo& input);
 
 /// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
+
+/// The same for an input that a type does not have: near ones, whose it may be, what there is.
+std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input);
 
 std::vector<std::string> input_names(const NodeType& type);
 std::vector<std::string> output_names(const NodeType& type);

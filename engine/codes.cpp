@@ -17,7 +17,9 @@ constexpr CodeInfo table[] = {
     {"DG006", "format number without a migration", "Check the number; formats start at 1."},
     {"DG007", "unknown key", "Remove the key or correct its spelling."},
     {"DG008", "a part of the document has the wrong kind", "Write the kind of value that the message names."},
-    {"DG009", "timing cannot be used", "fps is above 0; start and end are whole frames, end not before start."},
+    {"DG009", "timing cannot be used",
+     "fps lies between 0.001 and a million; start and end are whole frames, end not before start and at most a million "
+     "frames after it."},
     {"DG010", "node type that this program does not know", "Correct the type, or use a program that has it."},
     {"DG011", "no such input", "Correct the name; `sinew nodes TYPE` lists the inputs."},
     {"DG012", "value of the wrong type", "Write a value of the type that the message names."},

@@ -43,6 +43,15 @@ std::size_t distance(std::string_view a, std::string_view b) {
     return last[b.size()];
 }
 
+/// "body" and "bodies", "fiber" and "fibers", "mesh" and "meshes".
+bool is_plural(std::string_view one, std::string_view several) {
+    if (one.empty() || several.size() <= one.size() || !several.ends_with('s')) return false;
+    const std::string_view more = several.substr(one.size());
+    if (several.starts_with(one) && (more == "s" || more == "es")) return true;
+    return one.ends_with('y') && several.ends_with("ies") &&
+           several.substr(0, several.size() - 3) == one.substr(0, one.size() - 1);
+}
+
 std::string all_texts(std::span<const Diagnostic> diagnostics) {
     std::string out;
     for (const Diagnostic& d : diagnostics) out += (out.empty() ? "" : "\n") + to_text(d);
@@ -103,10 +112,15 @@ Failure::Failure(Diagnostic diagnostic)
     : Failure(std::vector<Diagnostic>{std::move(diagnostic)}) {}
 
 std::string nearest_name(std::string_view word, std::span<const std::string> candidates) {
+    if (word.empty() || word.size() > 100) return {}; // very long words are not worth the square cost below
+    // What is right but for capitals, then what is one of several or several of one.
+    const std::string small = lower_case(word);
+    for (const std::string& c : candidates)
+        if (lower_case(c) == small) return c;
+    for (const std::string& c : candidates)
+        if (is_plural(small, lower_case(c)) || is_plural(lower_case(c), small)) return c;
     // A third of the letters may be wrong: "youngModulus" finds "youngsModulus", "foo" does not find "bar".
-    // Very long words are not worth the square cost; nobody mistypes them.
     const std::size_t allowed = std::max<std::size_t>(1, word.size() / 3);
-    if (word.empty() || word.size() > 100) return {};
     std::size_t best = allowed + 1;
     std::string out;
     for (const std::string& c : candidates) {

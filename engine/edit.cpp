@@ -147,9 +147,7 @@ class Edit::Draft {
             return nullptr;
         }
         const AttributeInfo* info = n->type->find_input(at.attribute);
-        if (!info)
-            problem("DG011", at, "no such input on " + n->type_name,
-                    name_hint(at.attribute, input_names(*n->type), "inputs"));
+        if (!info) problem("DG011", at, "no such input on " + n->type_name, input_hint(graph_, *n->type, at.attribute));
         return info;
     }
 
@@ -343,7 +341,7 @@ class Edit::Draft {
         for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text);
         if (!doc.problems.empty()) return;
         std::vector<Problem> found;
-        auto binding = read_binding(*info, doc.root, folder_of(graph_.file()), graph_.files(), found);
+        auto binding = read_binding(graph_, *info, doc.root, folder_of(graph_.file()), found);
         for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
         if (binding) bind(op.plug, std::move(*binding));
     }
@@ -477,9 +475,7 @@ class Edit::Draft {
     }
 
     void timing(const Op& op) {
-        if (!(op.time.fps > 0) || !std::isfinite(op.time.fps))
-            problem("DG009", {}, number_text(op.time.fps) + " frames a second do not exist");
-        if (op.time.end < op.time.start) problem("DG009", {}, "the end comes before the start");
+        for (const TimingFault& f : timing_faults(op.time)) problem("DG009", {}, f.message, f.hint);
         undo({.kind = Op::Kind::timing,
               .plug = {},
               .text = {},

@@ -78,6 +78,13 @@ std::string pointer_token(std::string_view name) {
     return out;
 }
 
+std::string lower_case(std::string_view text) {
+    std::string out(text);
+    for (char& c : out)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return out;
+}
+
 std::string listed(std::span<const std::string> words) {
     std::string out;
     for (std::size_t i = 0; i < words.size(); ++i) {

@@ -15,6 +15,8 @@ std::string number_text(std::int64_t v);
 std::string json_quoted(std::string_view text);
 /// One reference token of an RFC 6901 pointer, escaped, with its slash.
 std::string pointer_token(std::string_view name);
+/// With small letters for A to Z.
+std::string lower_case(std::string_view text);
 /// "a, b or c".
 std::string listed(std::span<const std::string> words);
 /// Length of the UTF-8 sequence that starts at text[i], or 0 if it is malformed.

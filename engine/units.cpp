@@ -3,8 +3,10 @@
 
 #include "engine/text.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 namespace sinew::engine {
@@ -134,6 +136,28 @@ class UnitParser {
     std::size_t at_ = 0;
 };
 
+/// Written out, as people say them; several with an s.
+constexpr std::pair<std::string_view, std::string_view> long_names[] = {
+    {"percent", "%"},     {"meter", "m"},       {"metre", "m"},        {"centimeter", "cm"},  {"centimetre", "cm"},
+    {"millimeter", "mm"}, {"millimetre", "mm"}, {"inch", "in"},        {"feet", "ft"},        {"kilogram", "kg"},
+    {"gram", "g"},        {"second", "s"},      {"sec", "s"},          {"millisecond", "ms"}, {"newton", "N"},
+    {"joule", "J"},       {"pascal", "Pa"},     {"kilopascal", "kPa"}, {"megapascal", "MPa"}, {"degree", "deg"},
+    {"radian", "rad"},    {"hertz", "Hz"},      {"turns", "turn"},
+};
+
+/// The unit's name in its own letters; as it came if there is none.
+std::string name_meant(std::string_view name) {
+    for (const Named& n : named_units)
+        if (n.name == name) return std::string(name);
+    const std::string small = lower_case(name);
+    for (const Named& n : named_units)
+        if (lower_case(n.name) == small) return std::string(n.name);
+    const std::string_view one = small.ends_with('s') ? std::string_view(small).substr(0, small.size() - 1) : small;
+    for (const auto& [written, meant] : long_names)
+        if (written == small || written == one) return std::string(meant);
+    return std::string(name);
+}
+
 } // namespace
 
 std::optional<Unit> parse_unit(std::string_view text) { return UnitParser(text).whole(); }
@@ -142,6 +166,36 @@ std::optional<double> unit_factor(std::string_view from, std::string_view to) {
     const auto a = parse_unit(from), b = parse_unit(to);
     if (!a || !b || a->dimension != b->dimension) return {};
     return a->factor / b->factor;
+}
+
+std::string unit_meant(std::string_view text, std::string_view unit) {
+    if (text.size() > 64) return {};
+    constexpr std::pair<std::string_view, std::string_view> raised[] = {{"²", "^2"}, {"³", "^3"}, {"**", "^"}};
+    std::string out, name;
+    const auto take = [&] { out += name_meant(name), name.clear(); };
+    for (std::size_t i = 0; i < text.size();) {
+        const std::string_view rest = text.substr(i);
+        const auto* r = std::find_if(std::begin(raised), std::end(raised),
+                                     [&](const auto& pair) { return rest.starts_with(pair.first); });
+        const char c = text[i];
+        if (r != std::end(raised)) {
+            take(), out += r->second;
+            i += r->first.size();
+            continue;
+        }
+        ++i;
+        if (c == ' ') continue;
+        const bool is_digit = c >= '0' && c <= '9',
+                   is_sign = std::string_view("*/^()-").find(c) != std::string_view::npos;
+        if (is_digit && !name.empty()) // the 3 of m3
+            take(), out += '^';
+        if (is_digit || is_sign)
+            take(), out += c;
+        else
+            name += c;
+    }
+    take();
+    return out != text && unit_factor(out, unit) ? out : std::string();
 }
 
 std::string usual_units(std::string_view unit) {

@@ -22,6 +22,10 @@ std::optional<Unit> parse_unit(std::string_view text);
 /// dimension.
 std::optional<double> unit_factor(std::string_view from, std::string_view to);
 
+/// The unit that somebody meant who wrote `text` where `unit` fits: "kpa" is kPa, "kg/m3" is kg/m^3, "degrees" is deg.
+/// Empty if that cannot be told.
+std::string unit_meant(std::string_view text, std::string_view unit);
+
 /// A few usual units of the same dimension, for hints: "Pa, kPa or MPa". Empty if there are none.
 std::string usual_units(std::string_view unit);
 

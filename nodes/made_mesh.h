@@ -2,10 +2,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "nodes/adapters.h"
+#include "solver/mesh/coordinates.h"
 
 #include <cstdio>
 
 namespace sinew::nodes {
+
+/// Of what they make; so no vertex is farther out than meshes may be.
+inline constexpr double largest_length = solver::largest_coordinate;
 
 /// More faces than this are refused before any work: they would take gigabytes.
 inline constexpr double most_faces = 2e7;

@@ -19,19 +19,19 @@ const Input<double> coils{
 const Input<double> height{
     .name = "height",
     .def = 2,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = largest_length},
     .doc = "Rise of the tube's centre line along y, in scene units.",
 };
 const Input<double> width{
     .name = "width",
     .def = 2,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = largest_length, .open_min = true},
     .doc = "Diameter of the centre line, in scene units.",
 };
 const Input<double> radius{
     .name = "radius",
     .def = 0.25,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = largest_length, .open_min = true},
     .doc = "Radius of the tube, in scene units. Turns cross each other from about half of height / coils on.",
 };
 const Input<std::int64_t> subdivisions_axis{

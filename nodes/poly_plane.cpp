@@ -13,13 +13,13 @@ namespace {
 const Input<double> width{
     .name = "width",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = largest_length, .open_min = true},
     .doc = "Size along x, in scene units.",
 };
 const Input<double> height{
     .name = "height",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = largest_length, .open_min = true},
     .doc = "Size along z, in scene units.",
 };
 const Input<std::int64_t> subdivisions_width{

@@ -13,7 +13,7 @@ namespace {
 const Input<double> radius{
     .name = "radius",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = largest_length, .open_min = true},
     .doc = "Radius, in scene units.",
 };
 const Input<std::int64_t> subdivisions_axis{

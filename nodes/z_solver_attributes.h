@@ -51,7 +51,7 @@ inline const Input<Vec3> rotate{
 inline const Input<double> scale{
     .name = "scale",
     .def = 100,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 1e-12, .max = 1e12},
     .doc = "Scene units per metre: 100 reads the scene as centimetres, 1 as metres. Keyed, it scales the space that "
            "the simulation runs in, as translate moves it.",
 };
@@ -123,7 +123,7 @@ inline const Input<double> frames_per_second{
     .name = "framesPerSecond",
     .def = 24,
     .unit = "1/s",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0.001, .max = 1e6},
     .doc = "How many frames make a second of simulation.",
     .from_timing = FromTiming::fps,
 };

@@ -10,7 +10,15 @@ namespace sinew::engine {
 
 namespace {
 constexpr std::size_t kept_programs = 8; // snapshots whose keys and chains are remembered: undo finds them again
+
+std::unique_ptr<tbb::global_control> threads_beyond_cores(int threads) {
+    constexpr auto allowed = tbb::global_control::max_allowed_parallelism;
+    const auto wanted = static_cast<std::size_t>(std::max(threads, 0));
+    if (wanted <= tbb::global_control::active_value(allowed)) return nullptr;
+    return std::make_unique<tbb::global_control>(allowed, wanted);
 }
+
+} // namespace
 
 Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     : values(policy.value_bytes)
@@ -22,6 +30,7 @@ Core::Core(const StorePolicy& policy, int threads, Observer* watcher)
     , frames(policy.disk_folder.empty() || !policy.keeps_frames
                  ? nullptr
                  : std::make_unique<FrameStore>(policy.disk_folder, policy.disk_bytes, policy.build, policy.files))
+    , more_threads(threads_beyond_cores(threads))
     , arena(threads > 0 ? threads : tbb::task_arena::automatic)
     , observer_(watcher) {}
 

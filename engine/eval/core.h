@@ -13,6 +13,7 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <unordered_map>
 
@@ -52,6 +53,8 @@ struct Core {
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
     FileDigests files;
+    /// Where more threads are asked for than there are cores; TBB gives no more of its own accord, and warns.
+    const std::unique_ptr<tbb::global_control> more_threads;
     tbb::task_arena arena;
 
     /// The program of a snapshot with the cone of `node` ready: files digested, connections sound. Gives the

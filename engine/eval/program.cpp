@@ -200,10 +200,10 @@ void Program::find_times(Place& p) {
         if (!f.stages_input.empty() && s.info->name == f.stages_input) p.stages_slot = static_cast<int>(i);
         if (s.info->name != f.start_frame_input || s.kind != Slot::Kind::constant) continue;
         const double start = s.constant.as<double>();
-        if (start == std::floor(start) && std::abs(start) < 1e9)
+        if (const std::string fault = frame_fault(start); fault.empty())
             p.start_frame = static_cast<int>(start);
         else
-            p.problems.push_back(about(p, s.info->name, "DG107", number_text(start) + " is not a whole frame"));
+            p.problems.push_back(about(p, s.info->name, "DG107", fault));
     }
 }
 

@@ -4,6 +4,7 @@
 #include "engine/text.h"
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <unordered_set>
 
@@ -36,6 +37,9 @@ class Parser {
     }
 
     bool more() const { return at_ < text_.size(); }
+    bool is_letter(std::size_t i) const {
+        return i < text_.size() && std::isalpha(static_cast<unsigned char>(text_[i]));
+    }
 
     void space() {
         while (more()) {
@@ -85,16 +89,41 @@ class Parser {
             out.data = list(depth);
         else if (c == '"')
             out.data = text();
-        else if (c == '-' || (c >= '0' && c <= '9'))
+        else if ((c >= '0' && c <= '9') || (c == '-' && !is_letter(at_ + 1)))
             number(out);
         else if (word("true"))
             out.data = true;
         else if (word("false"))
             out.data = false;
         else if (!word("null"))
-            stop("expected a value, " + found());
+            no_value();
         out.end = at_;
         return out;
+    }
+
+    /// What other languages write.
+    [[noreturn]] void no_value() {
+        std::string said; // up to the next mark
+        for (std::size_t i = at_; i < text_.size() && said.size() < 20; ++i) {
+            const char c = text_[i];
+            if (c == ',' || c == ']' || c == '}' || c == ':' || static_cast<unsigned char>(c) <= ' ') break;
+            said += c;
+        }
+        const std::string small = lower_case(said), bare = small.substr(small.find_first_not_of("+-") == 1 ? 1 : 0);
+        const auto wrong = [&](const std::string& right) {
+            stop("expected a value, found " + json_quoted(said) + "; write " + right);
+        };
+        for (const char* constant : {"true", "false", "null"})
+            if (small == constant) wrong(constant);
+        if (small == "none" || small == "undefined") wrong("null");
+        if (bare == "nan" || bare == "inf" || bare == "infinity") wrong("a finite number");
+        if (small.starts_with('\'')) stop("expected a value, found \"'\"; write text in double quotes");
+        if (small.size() > 1 && (small[0] == '.' || small[0] == '+'))
+            wrong((small[0] == '.'         ? "0"
+                   : bare.starts_with('.') ? "0"
+                                           : "") +
+                  (small[0] == '.' ? said : said.substr(1)));
+        stop("expected a value, " + found());
     }
 
     bool word(std::string_view w) {
@@ -134,7 +163,9 @@ class Parser {
             JsonMember m;
             m.key_begin = at_;
             if (more() && text_[at_] == '}' && !out.empty()) stop("remove the comma before this }");
-            if (!more() || text_[at_] != '"') stop("expected a key in quotes, " + found());
+            if (!more() || text_[at_] != '"')
+                stop("expected a key in " + std::string(more() && text_[at_] == '\'' ? "double " : "") + "quotes, " +
+                     found());
             m.key = text();
             pointer_ += pointer_token(m.key);
             if (!seen.insert(m.key).second)
@@ -162,9 +193,11 @@ class Parser {
         const std::size_t begin = at_;
         bool whole = true, tiny = false;
         if (text_[at_] == '-') ++at_;
-        if (more() && text_[at_] == '0')
+        if (more() && text_[at_] == '0') {
             ++at_;
-        else
+            if (more() && text_[at_] >= '0' && text_[at_] <= '9')
+                stop("a number does not begin with 0 and another digit; leave the 0 out");
+        } else
             digits();
         if (more() && text_[at_] == '.') whole = false, ++at_, digits();
         if (more() && (text_[at_] == 'e' || text_[at_] == 'E')) {

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 
 namespace sinew::engine {
 
@@ -32,12 +31,6 @@ constexpr Other others[] = {
     {Level::include, "path", "file"},       {Level::include, "override", "overrides"},
 };
 
-std::string lower(std::string_view text) {
-    std::string out(text);
-    for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    return out;
-}
-
 bool is_known(std::string_view key, Level level) {
     const auto known = keys_of(level);
     return std::find(known.begin(), known.end(), key) != known.end();
@@ -62,7 +55,7 @@ std::span<const std::string> keys_of(Level level) {
 }
 
 std::string key_meant(std::string_view key, Level level) {
-    const std::string small = key.size() > 100 ? std::string() : lower(key);
+    const std::string small = key.size() > 100 ? std::string() : lower_case(key);
     for (const Other& o : others)
         if (o.level == level && o.written == small) return std::string(o.meant);
     for (const std::string& known : keys_of(level))

@@ -7,6 +7,8 @@
 #include "engine/format/key_meant.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
+#include "engine/format/typed_text.h"
+#include "engine/format/value_meant.h"
 #include "engine/include.h"
 #include "engine/origin.h"
 #include "engine/text.h"
@@ -187,8 +189,11 @@ class GraphReader {
     }
 
     void wrong_kind(const Json& json, const std::string& pointer, std::string_view node, std::string_view expected) {
+        const auto* text = json.as<std::string>();
+        const auto typed = text && expected.ends_with("number") ? parse_quantity(*text) : std::nullopt;
         problem("DG008", json.begin, pointer, node, {},
-                "expected " + std::string(expected) + ", found " + std::string(json.kind()));
+                "expected " + std::string(expected) + ", found " + std::string(json.kind()),
+                typed && typed->unit.empty() ? "write " + number_text(typed->number) + " without quotes" : "");
     }
 
     void timing(const Json& json) {
@@ -204,10 +209,8 @@ class GraphReader {
             const std::string pointer = std::string("/timing/") + key;
             if (!i && !d)
                 wrong_kind(*j, pointer, {}, whole ? "a whole number" : "a number");
-            else if (whole ? v != std::floor(v) || std::abs(v) > 1e9 : !(v > 0))
-                problem("DG009", j->begin, pointer, {}, {},
-                        number_text(v) + (whole ? " is not a whole frame" : " frames a second do not exist"),
-                        whole ? "" : "fps is above 0");
+            else if (const std::string fault = whole ? frame_fault(v) : ""; !fault.empty())
+                problem("DG009", j->begin, pointer, {}, {}, fault);
             else
                 return v;
             return fallback;
@@ -216,9 +219,11 @@ class GraphReader {
         t.fps = number("fps", false, 24);
         t.start = static_cast<int>(number("start", true, 1));
         t.end = static_cast<int>(number("end", true, t.start));
-        if (t.end < t.start)
-            problem("DG009", json.find("end") ? json.find("end")->begin : json.begin, "/timing/end", {}, {},
-                    "the end " + std::to_string(t.end) + " comes before the start " + std::to_string(t.start));
+        for (const TimingFault& f : timing_faults(t)) {
+            const Json* at = json.find(f.key);
+            problem("DG009", at ? at->begin : json.begin, "/timing" + (at ? "/" + std::string(f.key) : ""), {}, {},
+                    f.message, f.hint);
+        }
         graph_.timing_ = t;
     }
 
@@ -471,7 +476,7 @@ class GraphReader {
         const AttributeInfo* info = old->type->find_input(plug.attribute);
         if (!info) {
             problem("DG011", m.key_begin, pointer, plug.node, plug.attribute, "no such input on " + old->type_name,
-                    name_hint(plug.attribute, input_names(*old->type), "inputs"));
+                    input_hint(graph_, *old->type, plug.attribute));
             return;
         }
         anchors_.push_back({m.key_begin, m.value.end, std::string::npos, plug.node, plug.attribute});
@@ -504,7 +509,9 @@ class GraphReader {
     Binding checked(const Node& n, const Plug& at, const AttributeInfo& info, const std::string& pointer,
                     const Json& value) {
         std::vector<Problem> found;
-        auto binding = read_binding(info, value, folder_, graph_.files_, found);
+        auto binding = read_binding(graph_, info, value, folder_, found);
+        if (!binding && found.front().diagnostic.hint.empty())
+            found.front().diagnostic.hint = wires_hint(*n.type, info, value);
         if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
         report(std::move(found), at, pointer, value);
         return binding ? std::move(*binding) : Binding(Value());
@@ -527,7 +534,7 @@ class GraphReader {
             const AttributeInfo* info = n->type->find_input(input.key);
             if (!info) {
                 problem("DG011", input.key_begin, p.pointer + "/inputs" + pointer_token(input.key), p.name, input.key,
-                        "no such input on " + n->type_name, name_hint(input.key, input_names(*n->type), "inputs"));
+                        "no such input on " + n->type_name, input_hint(graph_, *n->type, input.key));
                 continue;
             }
             n->input_order.push_back(input.key);

@@ -3,6 +3,7 @@
 
 #include "engine/file_sequence.h"
 #include "engine/format/typed_text.h"
+#include "engine/format/value_meant.h"
 #include "engine/text.h"
 #include "engine/units.h"
 
@@ -26,11 +27,12 @@ double converted(double v, double factor) {
 
 class BindingReader {
   public:
-    BindingReader(const AttributeInfo& input, const std::string& folder, const FileAccess& files,
+    BindingReader(const Graph& graph, const AttributeInfo& input, const std::string& folder,
                   std::vector<Problem>& problems)
-        : input_(input)
+        : graph_(graph)
+        , input_(input)
         , folder_(folder)
-        , files_(files)
+        , files_(graph.files())
         , problems_(problems)
         , before_(problems.size()) {}
 
@@ -69,20 +71,43 @@ class BindingReader {
     }
 
     /// How the connection that somebody meant is written.
-    static std::string connection_form(const Json& json) {
+    std::string connection_form(const Json& json) const {
         const Json* from = json.find("from");
         const auto* text = (from ? *from : json).as<std::string>();
-        return "{ \"from\": " + (text && parse_plug(*text) ? json_quoted(*text) : "\"node.output\"") + " }";
+        return "{ \"from\": " + (text ? plug_form(*text) : "\"node.output\"") + " }";
+    }
+
+    /// The output that somebody meant, in quotes: a node's name stands for the only one of its that fits.
+    std::string plug_form(const std::string& text) const {
+        if (parse_plug(text)) return json_quoted(text);
+        const Node* n = graph_.find(text);
+        std::string name = text;
+        if (!n) n = graph_.find(name = nearest_name(text, graph_.node_names()));
+        if (!n || !n->type) return "\"node.output\"";
+        const AttributeInfo* fits = nullptr;
+        for (const AttributeInfo& out : n->type->outputs) {
+            if (out.type != input_.type) continue;
+            if (fits) return "\"node.output\"";
+            fits = &out;
+        }
+        return fits ? json_quoted(name + "." + std::string(fits->name)) : "\"node.output\"";
     }
 
     // Exactly one of these keys says what the object is.
     Binding from_object(const Json& json, const Json::Object& object) {
         static const std::vector<std::string> kinds = {"from", "value", "keys", "preset"};
         static const std::vector<std::string> all = {"from", "value", "unit", "keys", "interp", "preset", "comment"};
+        if (input_.kind == AttributeKind::literal && input_.def.is<Vec3>() && is_by_axis(object)) {
+            problem("DG012", "expected a list of numbers, found an object",
+                    "write " + axes_form(json, input_.def.as<Vec3>()));
+            return Value();
+        }
         std::string kind;
         for (const JsonMember& m : object) {
             if (std::find(all.begin(), all.end(), m.key) == all.end()) {
-                problem("DG007", "unknown key " + json_quoted(m.key), name_hint(m.key, all, "keys"),
+                const std::string meant = other_word(m.key);
+                problem("DG007", "unknown key " + json_quoted(m.key),
+                        meant.empty() ? name_hint(m.key, all, "keys") : "did you mean " + json_quoted(meant) + "?",
                         pointer_token(m.key));
             } else if (std::find(kinds.begin(), kinds.end(), m.key) != kinds.end()) {
                 if (!kind.empty())
@@ -126,7 +151,7 @@ class BindingReader {
         const auto plug = text ? parse_plug(*text) : std::nullopt;
         if (!plug)
             problem("DG025", (text ? json_quoted(*text) : std::string(from->kind())) + " does not name an output",
-                    "write \"node.output\"", below + "/from");
+                    "write " + (text ? plug_form(*text) : "\"node.output\""), below + "/from");
         return plug.value_or(Plug{});
     }
 
@@ -139,22 +164,24 @@ class BindingReader {
     double unit(const Json* json) {
         if (!json) return 1;
         has_unit_ = true;
-        if (const auto* text = json->as<std::string>()) return unit(*text, "/unit");
+        if (const auto* text = json->as<std::string>()) return unit(*text, "/unit", "");
         problem("DG015", "a unit is text, found " + std::string(json->kind()), {}, "/unit");
         return 1;
     }
 
-    double unit(const std::string& text, const std::string& below) {
+    /// \param number that stands before it in the same text, if it does
+    double unit(const std::string& text, const std::string& below, const std::string& number) {
+        const std::string meant = input_.unit.empty() ? "" : unit_meant(text, input_.unit);
+        const std::string hint = meant.empty() ? "usual units here: " + usual_units(input_.unit)
+                                               : "write " + json_quoted(number + (number.empty() ? "" : " ") + meant);
         if (input_.unit.empty())
             problem("DG015", "has no unit, found " + json_quoted(text), "write the plain value", below);
         else if (!parse_unit(text))
-            problem("DG015", "unknown unit " + json_quoted(text), "usual units here: " + usual_units(input_.unit),
-                    below);
+            problem("DG015", "unknown unit " + json_quoted(text), hint, below);
         else if (const auto factor = unit_factor(text, input_.unit))
             return *factor;
         else
-            problem("DG015", json_quoted(text) + " does not convert to " + json_quoted(input_.unit),
-                    "usual units here: " + usual_units(input_.unit), below);
+            problem("DG015", json_quoted(text) + " does not convert to " + json_quoted(input_.unit), hint, below);
         return 1;
     }
 
@@ -182,10 +209,20 @@ class BindingReader {
         for (const Preset& p : input_.presets)
             if (name == p.name) return p.value;
         if (!name.empty() && std::isalpha(static_cast<unsigned char>(name.front())) && !names_no_number(name))
-            problem("DG016", "unknown preset " + json_quoted(name), name_hint(name, preset_names(), "presets"), below);
+            problem("DG016", "unknown preset " + json_quoted(name), preset_hint(name), below);
         else
             problem("DG016", json_quoted(name) + " is neither a number nor a preset", number_form(), below);
         return 0;
+    }
+
+    std::string preset_hint(const std::string& name) const {
+        const std::vector<std::string> names = preset_names();
+        if (const std::string hint = name_hint(name, names, "presets"); !hint.empty()) return hint;
+        std::vector<std::string> holding; // "muscle" is a part of several
+        for (const std::string& n : names)
+            if (name.size() > 2 && lower_case(n).find(lower_case(name)) != std::string::npos)
+                holding.push_back(json_quoted(n));
+        return holding.empty() || holding.size() > 8 ? number_form() : "did you mean " + listed(holding) + "?";
     }
 
     /// "NaN", "inf": somebody's program has written it.
@@ -236,12 +273,12 @@ class BindingReader {
         else if (quantity->unit.empty())
             wrong_type(json, below, "number", without_quotes(quantity->number));
         else if (quantity->unit.starts_with(','))
-            wrong_type(json, below, "number", "write decimals behind a dot, lists in brackets");
+            wrong_type(json, below, "number", decimal_form(text));
         else if (has_unit_)
             problem("DG015", json_quoted(text) + " holds a unit, and \"unit\" stands beside it", "keep one of them",
                     below);
         else
-            return converted(quantity->number, unit(quantity->unit, below));
+            return converted(quantity->number, unit(quantity->unit, below, number_text(quantity->number)));
         return {};
     }
 
@@ -339,16 +376,6 @@ class BindingReader {
         return Value();
     }
 
-    static std::string bool_form(const Json& json) {
-        const auto* text = json.as<std::string>();
-        const auto* number = json.as<std::int64_t>();
-        if ((text && (*text == "true" || *text == "yes" || *text == "on")) || (number && *number == 1))
-            return "write true";
-        if ((text && (*text == "false" || *text == "no" || *text == "off")) || (number && *number == 0))
-            return "write false";
-        return {};
-    }
-
     Binding file(const std::string& path, const std::string& below) {
         File out;
         if (path.empty()) return Value::of<File>(out);
@@ -424,13 +451,17 @@ class BindingReader {
             const auto word = std::find(words.begin(), words.end(), text ? *text : "");
             if (word == words.end())
                 problem("DG017", "unknown interpolation " + (text ? json_quoted(*text) : std::string(interp->kind())),
-                        "use step, linear or smooth", "/interp");
+                        interpolation_form(text ? *text : ""), "/interp");
             else
                 out.interpolation = static_cast<Interpolation>(word - words.begin());
         }
         const Json& keys = *json.find("keys");
         const auto* list = keys.as<Json::List>();
-        if (!list) return wrong_type(keys, "/keys", "a list of [frame, value]"), out;
+        if (!list) return wrong_type(keys, "/keys", "a list of [frame, value]", keys_form(keys)), out;
+        if (const std::string form = keys_form(keys); !form.empty()) {
+            problem("DG017", "a key is [frame, value] or [frame, value, { \"in\": …, \"out\": … }]", form, "/keys");
+            return out;
+        }
         for (std::size_t i = 0; i < list->size(); ++i) {
             const std::string place = "/keys/" + std::to_string(i);
             const auto* pair = (*list)[i].as<Json::List>();
@@ -451,6 +482,7 @@ class BindingReader {
         return out;
     }
 
+    const Graph& graph_;
     const AttributeInfo& input_;
     const std::string& folder_;
     const FileAccess& files_;
@@ -461,9 +493,9 @@ class BindingReader {
 
 } // namespace
 
-std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json, const std::string& folder,
-                                    const FileAccess& files, std::vector<Problem>& problems) {
-    return BindingReader(input, folder, files, problems).read(json);
+std::optional<Binding> read_binding(const Graph& graph, const AttributeInfo& input, const Json& json,
+                                    const std::string& folder, std::vector<Problem>& problems) {
+    return BindingReader(graph, input, folder, problems).read(json);
 }
 
 const Json& offending_part(const Json& json, const std::string& below) {

@@ -14,9 +14,9 @@
 namespace sinew::engine {
 
 /// `folder`: what relative paths start at. Problems are appended with `below` set and no node; nothing is
-/// returned if there was one.
-std::optional<Binding> read_binding(const AttributeInfo& input, const Json& json, const std::string& folder,
-                                    const FileAccess& files, std::vector<Problem>& problems);
+/// returned if there was one. `graph`: whose nodes a connection may mean, for hints.
+std::optional<Binding> read_binding(const Graph& graph, const AttributeInfo& input, const Json& json,
+                                    const std::string& folder, std::vector<Problem>& problems);
 
 /// The part of `json` that `below` means, also when the literal is wrapped as {value, unit}.
 const Json& offending_part(const Json& json, const std::string& below);

@@ -164,7 +164,7 @@ std::string graph_schema(const Registry& registry) {
     const Tree timing = {{"type", "object"},
                          {"description", "Frames of a run; those of included graphs do not count."},
                          {"properties",
-                          {{"fps", {{"type", "number"}, {"exclusiveMinimum", 0}, {"default", 24}}},
+                          {{"fps", {{"type", "number"}, {"minimum", 0.001}, {"maximum", 1e6}, {"default", 24}}},
                            {"start", {{"type", "integer"}, {"default", 1}}},
                            {"end", {{"type", "integer"}, {"description", "The last frame; default: the first."}}}}},
                          {"additionalProperties", false}};

@@ -62,6 +62,20 @@ std::string listed(const Formats& formats) {
     return out;
 }
 
+Error unknown_ending(const std::string& path, const std::string& ending, const std::string& what,
+                     const std::string& known) {
+    if (ending.empty())
+        return Error("IO404", path + ": its name has no ending, which tells how it is to be read",
+                     "give it the one that it is: " + known);
+    // What other programs keep scenes in.
+    constexpr std::string_view scenes[] = {".gltf",  ".fbx", ".dae", ".abc", ".usd", ".usda", ".usdc", ".usdz",
+                                           ".blend", ".ma",  ".mb",  ".3ds", ".max", ".c4d",  ".hip"};
+    const bool is_scene = std::find(std::begin(scenes), std::end(scenes), ending) != std::end(scenes);
+    return Error("IO404", path + ": '" + ending + "' is not " + what + " that can be read",
+                 std::string(is_scene ? "export it from the program that it is of; " : "use ") + known +
+                     (is_scene ? " can be read" : ""));
+}
+
 /// Runs `make`; puts the file's name in front of an Error that does not name it.
 template <class Make>
 auto in_file(const std::string& file, const Make& make) {
@@ -113,8 +127,7 @@ SurfaceMesh parse_surface(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
     for (const auto& format : surface_formats)
         if (format.ending == ending) return format.read(bytes, path);
-    throw Error("IO404", path + ": '" + ending + "' is not a surface format that can be read",
-                "use " + listed(surface_formats));
+    throw unknown_ending(path, ending, "a surface format", listed(surface_formats));
 }
 
 TetMesh parse_tets(std::string_view bytes, const std::string& path) {
@@ -123,8 +136,7 @@ TetMesh parse_tets(std::string_view bytes, const std::string& path) {
         if (format.ending == ending) return format.read(bytes, path);
     if (ending == ".node" || ending == ".ele")
         throw Error("IO404", path + ": TetGen's meshes are two files", "name both the .node and the .ele file");
-    throw Error("IO404", path + ": '" + ending + "' is not a tet mesh format that can be read",
-                "use " + listed(tet_formats) + ", .node with .ele (TetGen)");
+    throw unknown_ending(path, ending, "a tet mesh format", listed(tet_formats) + ", .node with .ele (TetGen)");
 }
 
 TetMesh parse_tetgen(std::string_view node_bytes, const std::string& node_path, std::string_view ele_bytes,

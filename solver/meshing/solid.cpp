@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <set>
 
 namespace sinew::solver {
@@ -74,20 +75,29 @@ std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Tri
         const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
         const int n = std::clamp(static_cast<int>(std::ceil(20 * longest_edge / longest_side)), 1, 12);
         const Vec3 step = normal * (1e-3 / std::sqrt(twice_area) / n);
-        Solid::Sides first;
-        bool is_first = true, is_same = true;
+        // A few places often tell that there is nothing to be known. All the others are asked at once, which costs a
+        // long triangle, that all the rest of the mesh is near of, a fraction.
+        Points places;
+        const auto sides_at = [](double below, double above) -> std::optional<Solid::Sides> {
+            for (const double x : {below, above})
+                if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return {};
+            return Solid::Sides{static_cast<signed char>(std::lround(below)),
+                                static_cast<signed char>(std::lround(above))};
+        };
         for_places_on(a, u, v, longest_side, [&](const Vec3& middle) {
-            const std::array<double, 2> w{tree.winding_number(middle - step), tree.winding_number(middle + step)};
-            for (double x : w)
-                if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return is_same = false;
-            const Solid::Sides sides{static_cast<signed char>(std::lround(w[0])),
-                                     static_cast<signed char>(std::lround(w[1]))};
-            if (!is_first && !(sides == first)) return is_same = false;
-            first = sides;
-            is_first = false;
+            places.push_back(middle - step), places.push_back(middle + step);
             return true;
         });
-        if (is_same) result[i] = first;
+        const auto first = sides_at(tree.winding_number(places[0]), tree.winding_number(places[1]));
+        if (!first) return;
+        for (std::size_t from = 2, several = 4; from < places.size(); from += several, several *= 4) {
+            const auto begin = places.begin() + static_cast<std::ptrdiff_t>(from),
+                       end = places.begin() + static_cast<std::ptrdiff_t>(std::min(from + several, places.size()));
+            const std::vector<double> w = tree.winding_numbers(Points(begin, end));
+            for (std::size_t k = 0; k < w.size(); k += 2)
+                if (sides_at(w[k], w[k + 1]) != first) return;
+        }
+        result[i] = *first;
     });
     return result;
 }

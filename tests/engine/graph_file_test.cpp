@@ -142,6 +142,25 @@ TEST_CASE("timing is checked") {
     CHECK(timing("{\"start\": 9, \"end\": 3}") == "DG009@2:31");
     CHECK(timing("{\"end\": 3, \"begin\": 2}") == "DG007@2:22");
     CHECK(timing("[]") == "DG008@2:11");
+    // A step of a billion seconds, a film of eleven hours, frames that no number tells apart.
+    CHECK(timing("{\"fps\": 0.001}").empty());
+    CHECK(timing("{\"fps\": 1e6}").empty());
+    CHECK(timing("{\"fps\": 0.0009}") == "DG009@2:19");
+    CHECK(timing("{\"fps\": 1000001}") == "DG009@2:19");
+    CHECK(timing("{\"start\": -4, \"end\": 999995}").empty());
+    CHECK(timing("{\"start\": -4, \"end\": 999996}") == "DG009@2:32");
+    CHECK(timing("{\"start\": -999999999, \"end\": 999999999}") == "DG009@2:40");
+    CHECK(timing("{\"end\": 1e9}") == "DG009@2:19");
+    const auto said = [](const std::string& t) {
+        const Diagnostic d = problems_of("{\"format\": \"sinew 1\", \"nodes\": {}, \"timing\": " + t + "}").at(0);
+        return d.message + " | " + d.hint;
+    };
+    CHECK(said("{\"start\": 9, \"end\": 3}") ==
+          "the end 3 comes before the start 9 | write \"start\": 3, \"end\": 9 if they are the wrong way round");
+    CHECK(said("{\"end\": 1000001}") ==
+          "1000001 frames from 1 to 1000001; a million are possible | write the last frame that is wanted");
+    CHECK(said("{\"end\": 1e18}") == "frame 1e+18 is too far from 0; frames lie within a billion | ");
+    CHECK(said("{\"fps\": \"24\"}") == "expected a number, found text | write 24 without quotes");
 }
 
 TEST_CASE("inputs: unknown name, wrong type, limits, options") {

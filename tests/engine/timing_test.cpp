@@ -61,6 +61,13 @@ TEST_CASE("a start frame that differs from the timing's is warned about, with wh
     CHECK((early[0].code == "DG031" && early[0].severity == Severity::warning));
     CHECK((early[0].node == "sim" && early[0].attribute == "startFrame" && early[0].spot->line == 2));
     CHECK(early[0].message.find("1000 frames") != std::string::npos);
-    CHECK(loaded("\"startFrame\": 1005").notes.size() == 1);
+    const auto late = loaded("\"startFrame\": 1005").notes;
+    REQUIRE(late.size() == 1);
+    CHECK(late[0].message == "1005 differs from the graph's timing.start, 1001: the graph's first 4 frames show "
+                             "everything as modelled");
+    CHECK(loaded("\"startFrame\": 1005000")
+              .notes.at(0)
+              .message.ends_with("first 10 frames show everything as "
+                                 "modelled"));
     CHECK(check_timing(*Edit(loaded("\"startFrame\": 1").graph).reset({"sim", "startFrame"}).commit().graph).empty());
 }

@@ -1,6 +1,7 @@
 // What people type into graph files: quantities in quotes, names of presets, comments. Taken, or answered with the form
 // that is right.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/units.h"
 #include "tests/support/engine_toys.h"
 
 #include <catch2/catch.hpp>
@@ -58,7 +59,9 @@ TEST_CASE("a quantity in quotes is a number with its unit") {
     CHECK(answer("value", "\"-1 kPa\"") == "DG013 -1000 is outside [0, 1e+09] Pa | A number");
     CHECK(answer("value", "{\"value\": \"1 kPa\", \"unit\": \"Pa\"}") ==
           "DG015 \"1 kPa\" holds a unit, and \"unit\" stands beside it | keep one of them");
-    CHECK(answer("value", "\"1,5 kPa\"") ==
+    CHECK(answer("value", "\"1,5 kPa\"") == "DG012 expected number, found text | write \"1.5 kPa\"");
+    CHECK(answer("value", "\"1,5\"") == "DG012 expected number, found text | write 1.5");
+    CHECK(answer("value", "\"1,5,2\"") ==
           "DG012 expected number, found text | write decimals behind a dot, lists in brackets");
     CHECK(answer("value", "{\"keys\": [[\"1 s\", 2]]}") == "DG012 expected number, found text");
 }
@@ -91,6 +94,86 @@ TEST_CASE("a wrong form is answered with the right one") {
           "DG020 takes a list of connections, not a single one | write [ { \"from\": \"m.out\" } ]");
     CHECK(answer("{\"format\": \"sinew 1\", \"nodes\": {},}") == "DG001 remove the comma before this }");
     CHECK(answer("weights", "[1, 2,]") == "DG001 remove the comma before this ]");
+}
+
+TEST_CASE("a unit in other letters is answered with the right ones") {
+    const auto unit = [](const std::string& written) { return answer("value", "\"12 " + written + "\""); };
+    CHECK(unit("kpa") == "DG015 unknown unit \"kpa\" | write \"12 kPa\"");
+    CHECK(unit("KPA") == "DG015 unknown unit \"KPA\" | write \"12 kPa\"");
+    CHECK(unit("kilopascals") == "DG015 unknown unit \"kilopascals\" | write \"12 kPa\"");
+    CHECK(unit("N/m2") == "DG015 unknown unit \"N/m2\" | write \"12 N/m^2\"");
+    CHECK(unit("N / mm²") == "DG015 unknown unit \"N / mm²\" | write \"12 N/mm^2\"");
+    CHECK(unit("newton/m**2") == "DG015 unknown unit \"newton/m**2\" | write \"12 N/m^2\"");
+    CHECK(unit("KN") == "DG015 unknown unit \"KN\" | usual units here: Pa, kPa or MPa"); // of another dimension
+    CHECK(answer("value", "{\"value\": 12, \"unit\": \"kpa\"}") == "DG015 unknown unit \"kpa\" | write \"kPa\"");
+    CHECK(unit_meant("kg/m3", "kg/m^3") == "kg/m^3");
+    CHECK(unit_meant("g/cm³", "kg/m^3") == "g/cm^3");
+    CHECK(unit_meant("degrees", "deg") == "deg");
+    CHECK(unit_meant("kPa", "Pa").empty()); // is right
+}
+
+TEST_CASE("words and objects of other programs are answered with ours") {
+    const std::string text = "DG012 expected true or false, found text | ";
+    CHECK(answer("negate", "\"True\"") == text + "write true");
+    CHECK(answer("negate", "\"OFF\"") == text + "write false");
+    CHECK(answer("axis", R"({"x": 1, "y": 2, "z": 3})") ==
+          "DG012 expected a list of numbers, found an object | write [1, 2, 3]");
+    CHECK(answer("axis", R"({"X": 0.5})") ==
+          "DG012 expected a list of numbers, found an object | write [0.5, 1, 0]"); // y is 1 by default
+    CHECK(answer("value", R"({"keys": [[1, 0], [9, 1]], "interpolation": "linear"})") ==
+          "DG007 unknown key \"interpolation\" | did you mean \"interp\"?");
+    CHECK(answer("value", R"({"keyframes": [[1, 0], [9, 1]]})") ==
+          "DG007 unknown key \"keyframes\" | did you mean \"keys\"?");
+    CHECK(answer("value", R"({"keys": [[1, 0], [9, 1]], "interp": "Linear"})") ==
+          "DG017 unknown interpolation \"Linear\" | write \"linear\"");
+    CHECK(answer("value", R"({"keys": [[1, 0], [9, 1]], "interp": "spline"})") ==
+          "DG017 unknown interpolation \"spline\" | write \"smooth\"");
+    CHECK(answer("value", R"({"keys": {"1": 0, "9": 0.5}})") ==
+          "DG012 expected a list of [frame, value], found an object | write [[1, 0], [9, 0.5]]");
+    CHECK(answer("value", R"({"keys": [1, 0, 9, 0.5]})") ==
+          R"(DG017 a key is [frame, value] or [frame, value, { "in": …, "out": … }] | write [[1, 0], [9, 0.5]])");
+    CHECK(answer("value", "\"mus\"") == "DG016 unknown preset \"mus\" | presets: fat or muscle");
+}
+
+TEST_CASE("several of one and one of several are found") {
+    const std::vector<std::string> names{"bodies", "mesh", "fibers", "QuasiStatic"};
+    CHECK(nearest_name("body", names) == "bodies");
+    CHECK(nearest_name("meshes", names) == "mesh");
+    CHECK(nearest_name("Fiber", names) == "fibers");
+    CHECK(nearest_name("QUASISTATIC", names) == "QuasiStatic");
+    CHECK(nearest_name("colour", names).empty());
+}
+
+TEST_CASE("a node's name stands for its output in what is proposed") {
+    const auto in = [](const std::string& type, const std::string& input, const std::string& json) {
+        return answer(R"({"format": "sinew 1", "nodes": {"m": {"type": "number"}, "n": {"type": ")" + type +
+                      R"(", "inputs": {")" + input + "\": " + json + "}}}}");
+    };
+    const std::string form = "write { \"from\": \"m.out\" }";
+    CHECK(in("relay", "in", "\"m\"") == "DG026 a number can only be connected, found text | " + form);
+    CHECK(in("relay", "in", "{\"from\": \"M\"}") == "DG025 \"M\" does not name an output | write \"m.out\"");
+    CHECK(in("sum", "terms", "[\"m\"]") == "DG025 expected a connection, found text | " + form);
+    CHECK(in("relay", "in", "\"nobody\"") ==
+          "DG026 a number can only be connected, found text | write { \"from\": \"node.output\" }");
+    // An input that another type has, and one that nothing has.
+    CHECK(in("relay", "axis", "[0, 1, 0]") == "DG011 no such input on relay | number has it");
+    CHECK(in("relay", "comment", "\"mine\"") ==
+          "DG011 no such input on relay | write it beside \"type\" and \"inputs\", or as // …");
+}
+
+TEST_CASE("values that JSON does not have are answered with what it has") {
+    const auto json = [](const std::string& written) { return answer("value", written); };
+    CHECK(json("NaN") == "DG001 expected a value, found \"NaN\"; write a finite number");
+    CHECK(json("-Infinity") == "DG001 expected a value, found \"-Infinity\"; write a finite number");
+    CHECK(json("True") == "DG001 expected a value, found \"True\"; write true");
+    CHECK(json("None") == "DG001 expected a value, found \"None\"; write null");
+    CHECK(json("+20") == "DG001 expected a value, found \"+20\"; write 20");
+    CHECK(json(".5") == "DG001 expected a value, found \".5\"; write 0.5");
+    CHECK(json("+.5") == "DG001 expected a value, found \"+.5\"; write 0.5");
+    CHECK(json("020") == "DG001 a number does not begin with 0 and another digit; leave the 0 out");
+    CHECK(json("'fat'") == "DG001 expected a value, found \"'\"; write text in double quotes");
+    CHECK(json("yes") == "DG001 expected a value, found \"y\"");
+    CHECK(answer("{'format': 1}") == "DG001 expected a key in double quotes, found \"'\"");
 }
 
 TEST_CASE("a file that is no graph is told so and not what JSON lacks in it") {

@@ -84,6 +84,15 @@ TEST_CASE("whole numbers are checked", "[tools]") {
     CHECK(parse({"g"}).whole_number("--frames", 7, 1) == 7);
     for (const char* text : {"0", "1.5", "", "x", "1x", "99999999999"})
         CHECK_THROWS_AS(parse({"g", "--frames", text}).whole_number("--frames", 0, 1), UsageError);
+    const auto up_to_nine = [](const char* text) {
+        try {
+            return std::to_string(parse({"g", "--frames", text}).whole_number("--frames", 0, 1, 9));
+        } catch (const UsageError& e) {
+            return std::string(e.what());
+        }
+    };
+    CHECK(up_to_nine("9") == "9");
+    CHECK(up_to_nine("10") == "--frames needs a whole number from 1 to 9, not '10'.");
 }
 
 TEST_CASE("lists of frames have ranges, single frames and negative ones, each once", "[tools]") {

@@ -208,9 +208,9 @@ TEST_CASE("scales and matrices that make everything flat are refused with what i
     // Small is not flat; the bone is then merely small.
     CHECK(said_of(ball(), {"platePlace.scale=[1e-3, 1e-3, 1e-3]", "grip.maxDistance=100"}).find("FE332") ==
           std::string::npos);
-    CHECK(said_of(ball(), {"solver.scale=0"}, 1) ==
-          "DG013 solver.scale: 0 is outside (0, inf) | Scene units per metre: 100 reads the scene as centimetres, 1 as "
-          "metres\n");
+    CHECK(said_of(ball(), {"solver.scale=0"}, 1) == "DG013 solver.scale: 0 is outside [1e-12, 1e+12] | Scene units per "
+                                                    "metre: 100 reads the scene as centimetres, 1 as "
+                                                    "metres\n");
 }
 
 TEST_CASE("check doubts holds of whole tissues and names what to paint", "[tools]") {

@@ -1,6 +1,7 @@
 // What is said while a run goes on.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/progress.h"
 
@@ -34,19 +35,35 @@ TEST_CASE("a node that takes long is named once while it computes and quick ones
         s->progress.begin_frame(1);
         s->progress.begins("plateMesh", 1);
         s->progress.ends("plateMesh", 1);
-        s->progress.begins("solver", 1); // frames of simulations have lines of their own
         s->progress.begins("block", 1);
     }
     wait(1600);
-    for (Said* s : {&lines, &json, &quiet}) {
-        s->progress.ends("block", 1);
-        s->progress.ends("solver", 1);
-    }
+    for (Said* s : {&lines, &json, &quiet}) s->progress.ends("block", 1);
     wait(300);
     CHECK(lines.err.str() == "computing block (zTissue)\n");
     CHECK(lines.out.str().empty());
     CHECK(json.out.str() == "{\"event\":\"computing\",\"node\":\"block\",\"type\":\"zTissue\",\"frame\":1.0}\n");
     CHECK(json.err.str().empty());
+    CHECK((quiet.out.str().empty() && quiet.err.str().empty()));
+}
+
+TEST_CASE("a step of a simulation that takes long says how far it is", "[tools]") {
+    Said lines(ProgressStyle::lines), json(ProgressStyle::json), quiet(ProgressStyle::quiet);
+    for (Said* s : {&lines, &json, &quiet}) {
+        s->progress.begin_frame(7);
+        s->progress.begins("solver", 6);
+        s->progress.progress("solver", 0.9, "solving");
+        s->progress.ends("solver", 6);
+        s->progress.begins("solver", 7); // whose progress begins anew
+    }
+    wait(800);
+    for (Said* s : {&lines, &json, &quiet}) s->progress.progress("solver", 0.25, "solving");
+    wait(800);
+    for (Said* s : {&lines, &json, &quiet}) s->progress.ends("solver", 7);
+    wait(300);
+    CHECK(lines.err.str() == "computing solver (zSolver), frame 7: 25 %\n");
+    CHECK(json.out.str() ==
+          "{\"event\":\"computing\",\"node\":\"solver\",\"type\":\"zSolver\",\"frame\":7.0,\"done\":0.25}\n");
     CHECK((quiet.out.str().empty() && quiet.err.str().empty()));
 }
 
@@ -78,6 +95,30 @@ TEST_CASE("commands without a bar name what takes long, too", "[tools]") {
     warnings.stepped("solver", 2, 0.1);
     warnings.ends("block", 1);
     CHECK(err.str().starts_with("computing block (zTissue)\npre-roll: frame 2 on the way to 4, "));
+}
+
+TEST_CASE("what is no node is named once it takes long", "[tools]") {
+    std::ostringstream err, quick, quiet;
+    {
+        const LongTask slow(err, "reading a.json", false), silent(quiet, "reading a.json", true);
+        { const LongTask done(quick, "reading b.json", false); }
+        wait(1300);
+    }
+    CHECK(err.str() == "reading a.json\n");
+    CHECK((quick.str().empty() && quiet.str().empty()));
+}
+
+TEST_CASE("a graph that takes long to read is named by every command that reads one", "[tools]") {
+    const test::TemporaryFolder folder;
+    std::string text = R"({"format": "sinew 1", "nodes": {)";
+    for (int i = 0; i < 500000; ++i) text += "\"m" + std::to_string(i) + R"(": {"type": "polyCube", "inputs": {}},)";
+    const std::string file = (folder / "g.json").string();
+    test::write_text(file, text + R"("s": {"type": "polySphere"}}})");
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"check", "--fast", file}, {"fmt", "--check", file}}) {
+        CAPTURE(words.front());
+        CHECK(test::run_program(words).err.starts_with("reading " + file + "\n"));
+    }
 }
 
 TEST_CASE("costs are summed by node type", "[tools]") {

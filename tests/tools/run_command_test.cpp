@@ -195,6 +195,11 @@ TEST_CASE("one and two threads give the same bits, and so does a run of the last
     REQUIRE(one.size() == 6);
     CHECK(one == two);
     CHECK(std::set<std::string>(one.begin(), one.end()).size() == 6);
+    // More than there are cores: asked for, so had, and without a word of the library's.
+    const std::string cores = std::to_string(2 * std::max(1u, std::thread::hardware_concurrency()));
+    const Said many = run_program({"run", graph, "--json", "--no-cache", "--threads", cores});
+    CHECK(digests(many) == one);
+    CHECK(many.err.empty());
     const Said last = run_program({"run", graph, "--json", "--frames", "6"});
     CHECK(digests(last) == std::vector<std::string>{one.back()});
     CHECK(last.lines().back().at("frames_simulated") == 6);
@@ -394,6 +399,30 @@ TEST_CASE("a report or picture that cannot be written is found before anything i
     CHECK_FALSE(fs::exists(folder / "new"));
     REQUIRE(run_program({"run", graph, "--frames", "1", "--report", (folder / "new/deep/r.json").string()}).code == 0);
     CHECK(fs::exists(folder / "new/deep/r.json"));
+}
+
+TEST_CASE("a disk without room is found before anything is simulated", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, small_graph());
+    // A limit of file sizes refuses the first byte, as a full disk does; what is said goes through a pipe.
+    const auto said_of = [&](const std::string& words) {
+        const std::string said = (folder / "said").string();
+        const std::string line = "(trap '' XFSZ; ulimit -f 0; " SINEW_PROGRAM " " + words +
+                                 " --no-cache; echo code $?) 2>&1 | cat >'" + said + "'";
+        CHECK(std::system(line.c_str()) == 0);
+        return read_text(said);
+    };
+    for (const std::string& words : {"run " + graph + " --report " + (folder / "r.json").string(),
+                                     "run " + graph + " --out " + (folder / "out").string(),
+                                     "view " + graph + " --output " + (folder / "v.html").string(),
+                                     "snapshot " + graph + " --output " + (folder / "s.png").string()}) {
+        CAPTURE(words);
+        const std::string said = said_of(words);
+        CHECK(said.find("error [IO405] cannot write ") != std::string::npos);
+        CHECK(said.find(": File too large\n") != std::string::npos);
+        CHECK(said.find("frame ") == std::string::npos);
+        CHECK(said.ends_with("code 1\n"));
+    }
 }
 
 TEST_CASE("frames that have not converged are counted, and --strict makes them a failure", "[tools]") {

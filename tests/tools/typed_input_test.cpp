@@ -59,7 +59,12 @@ TEST_CASE("a file that is neither graph nor mesh is refused by its ending", "[to
     CHECK(said.code == 1);
     CHECK(has(said.err, "error [IO404]"));
     CHECK(has(said.err, "'.fbx' is not a surface format that can be read"));
-    CHECK(has(said.err, ".obj"));
+    CHECK(has(said.err, "hint: export it from the program that it is of; .obj, "));
+    const Said bare = run_program({"check", put(folder, "body", "solid")});
+    CHECK(bare.code == 1);
+    CHECK(has(
+        bare.err,
+        "body: its name has no ending, which tells how it is to be read\n  hint: give it the one that it is: .obj"));
     const Said run = run_program({"run", put(folder, "body.obj", "v 0 0 0\n")});
     CHECK(run.code == 1);
     CHECK(has(run.err, "this is no graph file"));
@@ -98,6 +103,41 @@ TEST_CASE("what is wrong in --set is told there and not at the file's value", "[
         const std::string number = std::string("flesh.youngsModulus=") + nothing;
         CHECK(has(said_of(number), "hint: write a finite number, or one with its unit"));
         CHECK(has(said_of(std::string("flesh.poissonsRatio=") + nothing), "hint: write a finite number"));
+    }
+    CHECK(has(said_of("flesh.youngsModulus=1e400"),
+              "error [DG027] flesh.youngsModulus: 1e400 is too large for a number"));
+}
+
+TEST_CASE("numbers out of all reason are refused at the input that holds them", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string file = write_graph(folder, small_graph());
+    for (const std::string& setting :
+         {"solver.scale=1e-155", "solver.scale=1e155", "solver.framesPerSecond=1e-9", "solver.framesPerSecond=1e9",
+          "plateMesh.width=1e61", "plateMesh.height=1e300"}) {
+        CAPTURE(setting);
+        const Said said = run_program({"run", file, "--no-cache", "--set", setting});
+        CHECK(said.code == 1);
+        const std::string input = setting.substr(0, setting.find('='));
+        CHECK(has(said.err, "--set " + setting + ": error [DG013] " + input + ": "));
+    }
+    CHECK(run_program({"check", file, "--set", "solver.scale=1e-3", "--set", "solver.framesPerSecond=1e6"}).code == 0);
+}
+
+TEST_CASE("a scene of too many frames is refused before it takes memory", "[tools]") {
+    const TemporaryFolder folder;
+    nlohmann::json graph = small_graph();
+    graph["timing"]["end"] = 999'999'999;
+    const std::string file = write_graph(folder, graph);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"check", file},
+                                                  {"run", file},
+                                                  {"explain", file, "solver.outMeshes"},
+                                                  {"view", file, "-o", (folder / "v.html").string()},
+                                                  {"snapshot", file, "-o", (folder / "s.png").string()}}) {
+        CAPTURE(words.front());
+        const Said said = run_program(words);
+        CHECK(said.code == 1);
+        CHECK(has(said.err, "error [DG009] "));
+        CHECK(has(said.err, "; a million are possible"));
     }
 }
 

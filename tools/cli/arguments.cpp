@@ -7,6 +7,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <climits>
 #include <cmath>
 #include <cstdio>
 #include <unordered_set>
@@ -94,13 +95,15 @@ std::vector<std::string> Arguments::values(std::string_view flag) const {
     return it == flags_.end() ? std::vector<std::string>{} : it->second;
 }
 
-int Arguments::whole_number(std::string_view flag, int otherwise, int least) const {
+int Arguments::whole_number(std::string_view flag, int otherwise, int least, int most) const {
     const auto text = value(flag);
     if (!text) return otherwise;
     const auto number = to_int(*text);
-    if (!number || *number < least)
-        throw UsageError(std::string(flag) + " needs a whole number of at least " + std::to_string(least) + ", not '" +
-                         *text + "'.");
+    if (!number || *number < least || *number > most)
+        throw UsageError(std::string(flag) + " needs a whole number " +
+                         (most < INT_MAX ? "from " + std::to_string(least) + " to " + std::to_string(most)
+                                         : "of at least " + std::to_string(least)) +
+                         ", not '" + *text + "'.");
     return *number;
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 #include "tools/cli/command.h"
 
+#include <climits>
 #include <map>
 #include <optional>
 #include <span>
@@ -27,8 +28,8 @@ class Arguments {
     /// Of a flag that was given; the last one if it was repeated.
     std::optional<std::string> value(std::string_view flag) const;
     std::vector<std::string> values(std::string_view flag) const;
-    /// Throws UsageError unless the value is a whole number of at least `least`.
-    int whole_number(std::string_view flag, int otherwise, int least) const;
+    /// Throws UsageError unless the value is a whole number from `least` to `most`.
+    int whole_number(std::string_view flag, int otherwise, int least, int most = INT_MAX) const;
     std::vector<double> numbers(std::string_view flag, std::vector<double> otherwise) const; ///< "24,40"
     std::optional<std::string> operand(std::size_t index) const;
     /// All operands from `first` on.
@@ -51,6 +52,9 @@ std::optional<double> to_number(std::string_view text);
 std::optional<double> to_bytes(std::string_view text);
 /// "23.5 GB"
 std::string rounded_bytes(double bytes);
+/// More threads than this are a typing error, and no machine is quicker with them.
+inline constexpr int most_threads = 1024;
+
 /// "1", "1-24", "1,64,128" or "1-4,8": frames in this order, without repeats. Throws UsageError.
 std::vector<int> parse_frames(std::string_view text);
 /// " Did you mean 'x'?" or "".

@@ -6,6 +6,7 @@
 #include "tools/cli/doubts.h"
 #include "tools/cli/idle_nodes.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/mesh_report.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/open_graph.h"
@@ -47,16 +48,19 @@ std::string counted(std::int64_t count, const std::string& one, const std::strin
 ExitCode check_file(const Invocation& in, const std::string& file) {
     const bool json = in.arguments.has("--json"), fast = in.arguments.has("--fast"),
                meshes = in.arguments.has("--meshes");
-    if (const auto report = report_of_file(file, file_access(in.arguments))) {
-        print_meshes({*report}, json, in.out);
-        return done;
+    {
+        const LongTask task(in.err, "looking at " + file, json);
+        if (const auto report = report_of_file(file, file_access(in.arguments))) {
+            print_meshes({*report}, json, in.out);
+            return done;
+        }
     }
     OpenGraph open = open_graph(in.arguments, file);
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings(open.graph, open.graph->timing().start, json, in.err);
     engine::StorePolicy policy = store_policy(in.arguments, *open.graph);
     policy.keeps_frames = false; // it looks at the start frame alone, and leaves nothing behind
-    engine::Evaluator evaluator(policy, in.arguments.whole_number("--threads", 0, 1), &warnings);
+    engine::Evaluator evaluator(policy, in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     const auto failures = engine::remember_failures();
     if (!fast)
         for (auto& problem : find_problems(open.graph, evaluator, open.graph->node_names(), in.stop, failures))
@@ -64,13 +68,16 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     for (auto& warning : warnings.take()) found.push_back(std::move(warning));
     std::vector<MeshReport> reports;
     if (meshes) {
+        const LongTask task(in.err, "looking at the meshes of " + file, json);
         reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
-    if (!fast && !has_error(found)) // a tissue falls, say, because what holds it is wrong
+    if (!fast && !has_error(found)) { // a tissue falls, say, because what holds it is wrong
+        const LongTask task(in.err, "looking for what is hardly meant in " + file, json);
         for (auto& doubt :
              find_doubts(open.graph, evaluator, open.graph->node_names(), Look::closely, in.stop, failures))
             found.push_back(std::move(doubt));
+    }
     if (!has_error(found))
         for (auto& doubt : find_idle_nodes(*open.graph)) found.push_back(std::move(doubt));
     if (!fast) {

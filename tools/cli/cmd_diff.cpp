@@ -3,6 +3,7 @@
 #include "engine/evaluator.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/graph_diff.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
@@ -78,6 +79,7 @@ nlohmann::ordered_json as_json(const Difference& d) {
 
 ExitCode compare(const Invocation& in) {
     const bool json = in.arguments.has("--json");
+    const Departure departure(in.stop, "sinew diff", json);
     const std::string first = *in.arguments.operand(0), second = *in.arguments.operand(1);
     // 1 is the answer "different", so a graph that is wrong is told apart from it.
     ExitCode code = done;

@@ -32,8 +32,8 @@ ExitCode evaluate(const Invocation& in) {
     const engine::Plug plug = parse_plug(*open.graph, in.arguments.operand(1).value());
     const double frame = frame_of(in.arguments, open.graph->timing().start);
     WarningCollector warnings(open.graph, frame, json, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
-                                &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
+                                in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     const engine::Value value = evaluator.pull({open.graph, plug, frame, in.stop});
     print_diagnostics(warnings.take(), json, in.out, in.err);
 

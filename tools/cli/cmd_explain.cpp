@@ -4,6 +4,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 
@@ -36,6 +37,8 @@ ExitCode explain(const Invocation& in) {
                                   static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)),
                                   in.stop};
     const engine::Evaluator evaluator(store_policy(in.arguments, *open.graph));
+    const LongTask task(
+        in.err, "looking at frames " + std::to_string(timing.start) + " to " + std::to_string(timing.end), json);
     const engine::Verdict verdict = evaluator.explain(request);
     nlohmann::ordered_json description = {{"plug", request.plug.text()},
                                           {"frame", request.frame},

@@ -7,7 +7,9 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/print.h"
 
 #include <algorithm>
@@ -47,6 +49,7 @@ std::string right_text(const std::shared_ptr<const engine::Registry>& registry, 
 
 ExitCode format(const Invocation& in) {
     const bool only_checks = in.arguments.has("--check"), json = in.arguments.has("--json");
+    const Departure departure(in.stop, "sinew fmt", json);
     const auto registry = nodes::make_registry();
     ExitCode worst = done;
     const auto tell = [&](const char* event, const char* words, const std::string& file) {
@@ -57,6 +60,7 @@ ExitCode format(const Invocation& in) {
     };
     for (const std::string& file : in.arguments.operands_from(0)) {
         if (in.stop.stop_requested()) throw engine::Cancelled();
+        const LongTask task(in.err, "reading " + file, json);
         try {
             const std::string old = right_text(registry, file), laid_out = engine::laid_out(old);
             if (laid_out == old) continue;

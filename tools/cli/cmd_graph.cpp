@@ -4,6 +4,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
@@ -51,6 +52,7 @@ void print_dot(const engine::Graph& graph, std::ostream& out) {
 }
 
 ExitCode show_graph(const Invocation& in) {
+    const Departure departure(in.stop, "sinew graph", false); // --json is the graph, not events
     const auto svg = in.arguments.value("--svg");
     if (in.arguments.has("--dot") + in.arguments.has("--json") + svg.has_value() != 1)
         throw UsageError("choose one of --dot, --svg and --json.");

@@ -43,7 +43,7 @@ ExitCode live(const Invocation& in) {
     if (const auto text = arguments.value("--frames")) options.frames = parse_frames(*text);
     std::sort(options.frames.begin(), options.frames.end());
     options.with_lattices = !arguments.has("--surfaces");
-    options.threads = arguments.whole_number("--threads", 0, 1);
+    options.threads = arguments.whole_number("--threads", 0, 1, most_threads);
     const int port = arguments.whole_number("--port", 0, 1);
     if (port > 65535) throw UsageError("--port needs a number up to 65535, not " + std::to_string(port) + ".");
     try {

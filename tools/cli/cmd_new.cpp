@@ -4,6 +4,8 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/print.h"
 #include "tools/rig/guess.h"
 #include "tools/rig/layers_text.h"
@@ -189,6 +191,8 @@ ExitCode new_layers(const Invocation& in) {
 
 ExitCode make_new(const Invocation& in) {
     const std::string kind = in.arguments.operand(0).value();
+    const Departure departure(in.stop, "sinew new", false);
+    const LongTask task(in.err, "looking at the meshes", false);
     try {
         if (kind == "rig") return new_rig(in);
         if (kind == "muscle") return new_muscle(in);

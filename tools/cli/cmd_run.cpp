@@ -6,6 +6,7 @@
 #include "tools/cli/departure.h"
 #include "tools/cli/doubts.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -103,7 +104,8 @@ class Run {
         , notes_(std::move(notes))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
-        , evaluator_(store_policy(in.arguments, *plan_.graph), in.arguments.whole_number("--threads", 0, 1), &progress_)
+        , evaluator_(store_policy(in.arguments, *plan_.graph),
+                     in.arguments.whole_number("--threads", 0, 1, most_threads), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
                   scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph),
                   plan_.graph->files()) {
@@ -139,9 +141,7 @@ class Run {
             sort_by_place(problems);
             if (has_error(problems)) throw engine::Failure(std::move(problems));
             for (const engine::Diagnostic& d : problems) progress_.warning(d);
-            for (const engine::Diagnostic& d :
-                 find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures))
-                progress_.warning(d);
+            for (const engine::Diagnostic& d : doubts(failures)) progress_.warning(d);
             warn_of_timing();
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
@@ -174,6 +174,13 @@ class Run {
         return {report_.graph,       plan_.frames.front(),
                 plan_.frames.back(), static_cast<int>(plan_.frames.size()),
                 report_.error,       false};
+    }
+
+    bool is_quiet() const { return json_ || in_.arguments.has("--quiet"); }
+
+    std::vector<engine::Diagnostic> doubts(const std::shared_ptr<engine::Failures>& failures) {
+        const LongTask task(in_.err, "looking for what is hardly meant", is_quiet());
+        return find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures);
     }
 
     /// A graph of a single frame says nothing of how long it is.
@@ -315,6 +322,8 @@ class Run {
     }
 
     void close() {
+        progress_.clear();
+        const LongTask task(in_.err, "writing into " + plan_.out.string(), is_quiet() || plan_.out.empty());
         if (!plan_.out.empty()) output_.finish();
         if (page_scene_ && !in_.stop.stop_requested())
             page_ = viewer::write_run_page(plan_.out, page_scene_->finish(), report_, plan_.graph->files());

@@ -5,6 +5,8 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/body_files.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/read_files.h"
@@ -95,8 +97,8 @@ Album album_of_graph(const Invocation& in) {
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
     WarningCollector warnings(open.graph, *std::max_element(frames.begin(), frames.end()), false, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
-                                &warnings);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
+                                in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     viewer::Evaluation e;
     e.graph = open.graph, e.evaluator = &evaluator, e.frames = sorted(frames), e.stop = in.stop;
     e.shown = {plug};
@@ -248,6 +250,7 @@ ExitCode snapshot(const Invocation& in) {
     const fs::path source = arguments.operand(0).value();
     if (fs::is_directory(source) && !drawing.overlays.empty())
         throw UsageError("--overlays is for graphs; the files in '" + source.string() + "' hold surfaces only.");
+    std::optional<Departure> departure(std::in_place, in.stop, "sinew snapshot", false);
     Album album = fs::is_directory(source) ? album_of_folder(in, source) : album_of_graph(in);
     for (const viewer::ViewNote& note : album.scene.notes)
         if (note.is_warning) in.err << "sinew snapshot: " << note.text << "\n";
@@ -257,12 +260,15 @@ ExitCode snapshot(const Invocation& in) {
     drawing.view.up = up.empty() ? album.scene.up : up[0];
     if (!movie_file) {
         const std::string file = arguments.value("--output").value_or("snapshot.png");
+        const LongTask task(in.err, "drawing " + file, false);
         write_file(file, picture_of(album, drawing), files);
         in.out << "wrote " << file << "\n";
         return done;
     }
     const double rate = fps > 0 ? fps : album.scene.fps;
+    departure.reset(); // ffmpeg must not be left behind
     try {
+        const LongTask task(in.err, "drawing " + *movie_file, false);
         write_file(*movie_file, movie_of(album, drawing, ffmpeg, rate, in.stop), files);
     } catch (const render::MovieError& e) {
         in.err << "sinew snapshot: " << e.what() << "\n";

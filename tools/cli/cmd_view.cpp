@@ -3,6 +3,8 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
+#include "tools/cli/departure.h"
+#include "tools/cli/long_task.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -59,10 +61,14 @@ fs::path page_of(const Arguments& arguments) {
     return arguments.value("--output").value_or(usual.string());
 }
 
+OpenGraph read_graph(const Invocation& in, const fs::path& file, bool settings) {
+    const Departure departure(in.stop, "sinew view", false);
+    return settings ? open_graph(in.arguments, file.string()) : open_graph(file.string(), file_access(in.arguments));
+}
+
 /// `settings`: with --set.
 viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, bool settings) {
-    const OpenGraph open =
-        settings ? open_graph(in.arguments, file.string()) : open_graph(file.string(), file_access(in.arguments));
+    const OpenGraph open = read_graph(in, file, settings);
     print_diagnostics(open.notes, false, in.out, in.err);
     const std::vector<std::string> shown = viewer::shown_nodes(*open.graph);
     if (shown.empty())
@@ -81,8 +87,8 @@ viewer::ViewScene scene_of_graph(const Invocation& in, const fs::path& file, boo
                                 : isatty(STDERR_FILENO) && isatty(STDOUT_FILENO) ? ProgressStyle::bar
                                                                                  : ProgressStyle::lines;
     Progress progress(style, open.graph, static_cast<int>(e.frames.size()), in.out, in.err);
-    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph), in.arguments.whole_number("--threads", 0, 1),
-                                &progress);
+    engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
+                                in.arguments.whole_number("--threads", 0, 1, most_threads), &progress);
     const auto needed = upstream_of(*open.graph, shown);
     if (auto problems = find_problems(open.graph, evaluator, needed, in.stop); has_error(problems))
         throw engine::Failure(std::move(problems));
@@ -101,9 +107,7 @@ void add_source(const Invocation& in, const fs::path& source, bool settings, Rea
     if (fs::is_directory(source))
         read.add_folder(source);
     else
-        read.add(*(settings ? open_graph(in.arguments, source.string())
-                            : open_graph(source.string(), file_access(in.arguments)))
-                      .graph);
+        read.add(*read_graph(in, source, settings).graph);
 }
 
 viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool settings) {
@@ -162,8 +166,15 @@ ExitCode view(const Invocation& in) {
         other = scene_of(in, *against, false);
         tell_apart(in, scene, *other);
     }
-    const viewer::Page page = viewer::write_page(scene, options, other);
-    write_file(file, page.html, files);
+    const viewer::Page page = [&] {
+        const LongTask task(in.err, "writing " + file.string(), in.arguments.has("--quiet"));
+        // Where the run was cancelled this page is what is left of it.
+        std::optional<Departure> departure;
+        if (!in.stop.stop_requested()) departure.emplace(in.stop, "sinew view", false);
+        viewer::Page out = viewer::write_page(scene, options, other);
+        write_file(file, out.html, files);
+        return out;
+    }();
     for (const viewer::ViewNote& note : page.notes)
         if (note.is_warning) in.err << "sinew view: " << note.text << "\n";
     if (!in.arguments.has("--quiet")) {

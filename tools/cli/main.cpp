@@ -1,23 +1,65 @@
 // sinew: parses the command line, runs one command, and turns what it throws into an exit code.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/blas_kernel.h"
+#include "solver/linear/blas_memory.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/interrupts.h"
 #include "tools/cli/print.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 #include <iostream>
 #include <new>
 #include <stdexcept>
+#include <string_view>
+#include <sys/resource.h>
+#include <system_error>
+#include <thread>
 #include <unistd.h>
 
 namespace {
 
 using namespace sinew;
 using namespace sinew::cli;
+
+/// For the factors of as many threads as the command shall run on.
+struct NoSpace {
+    int threads; ///< for which there is room
+};
+
+/// Whether memory is refused before it is used (`ulimit -v`).
+bool has_limited_space() {
+    rlimit space{};
+    return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
+}
+
+/// OpenBLAS starts a thread for each core when it is loaded, which wait for ever for memory that they cannot have.
+/// Nothing here needs them; that it shall not is read before `main`, so the program begins again.
+void begin_without_blas_threads(char** words) {
+    constexpr const char* name = "OPENBLAS_NUM_THREADS";
+    if (!has_limited_space() || getenv(name)) return;
+    setenv(name, "1", 1);
+    execv("/proc/self/exe", words); // goes on where that cannot be
+}
+
+/// Where space is limited, room for what the command's threads factorise with, so that none waits for ever.
+void check_space(const Command& command, const Arguments& arguments) {
+    const bool solves =
+        std::any_of(command.flags.begin(), command.flags.end(), [](const Flag& f) { return f.name == "--threads"; });
+    if (!solves || !has_limited_space()) return;
+    const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+    const int wanted = arguments.whole_number("--threads", cores, 1, most_threads);
+    if (const int had = solver::take_blas_buffers(wanted); had < wanted) throw NoSpace{had};
+}
+
+ExitCode tell_bug(const std::string& name, const std::exception& e) {
+    std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
+    return internal_error;
+}
 
 ExitCode run(const Command& command, const std::vector<std::string>& words, std::stop_token stop) {
     const std::string name = "sinew " + std::string(command.name);
@@ -29,6 +71,7 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
             return done;
         }
         json = arguments.has("--json");
+        check_space(command, arguments);
         return command.run({arguments, std::cout, std::cerr, stop});
     } catch (const UsageError& e) {
         // What is wrong comes last, where one looks.
@@ -44,15 +87,26 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
     } catch (const engine::Cancelled&) {
         tell_cancelled(name, json);
         return cancelled;
+    } catch (const NoSpace& e) {
+        std::cerr << name
+                  << ": there is not enough memory: factors need 129 MB for each thread, and the limit of the "
+                     "address space (ulimit -v) leaves no room for that. Raise it"
+                  << (e.threads > 0 ? ", or take --threads " + std::to_string(e.threads) : std::string()) << ".\n";
+        return graph_wrong;
     } catch (const std::bad_alloc&) {
         std::cerr << name << ": there is not enough memory for this\n";
         return graph_wrong;
     } catch (const std::length_error&) {
         std::cerr << name << ": a size in a file, or one that was asked for, is larger than any memory\n";
         return graph_wrong;
+    } catch (const std::system_error& e) {
+        if (e.code() != std::errc::resource_unavailable_try_again) return tell_bug(name, e);
+        std::cerr << name
+                  << ": a thread could not be started: there is not enough memory for it, or no more are allowed "
+                     "(ulimit -u, -v)\n";
+        return graph_wrong;
     } catch (const std::exception& e) {
-        std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
-        return internal_error;
+        return tell_bug(name, e);
     }
 }
 
@@ -84,6 +138,7 @@ ExitCode dispatch(std::vector<std::string> words, std::stop_token stop) {
 } // namespace
 
 int main(int count, char** words) {
+    begin_without_blas_threads(words);
     solver::choose_blas_kernel();
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/open_graph.h"
 
+#include "tools/cli/long_task.h"
 #include "tools/cli/machine.h"
 
 #include "engine/check.h"
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <set>
 
 namespace sinew::cli {
@@ -35,7 +37,11 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     if (equals == std::string::npos || plug.node.empty())
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
-    edit.set_json(plug, engine::parse_json(json).problems.empty() ? json : engine::json_quoted(json));
+    // What is no JSON is a word; a number that is too large stays one, and is told so.
+    const auto problems = engine::parse_json(json).problems;
+    const bool is_json =
+        std::all_of(problems.begin(), problems.end(), [](const engine::JsonProblem& p) { return p.code == "DG027"; });
+    edit.set_json(plug, is_json ? json : engine::json_quoted(json));
 }
 
 /// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
@@ -112,6 +118,7 @@ engine::FileAccess file_access(const Arguments& arguments) {
 OpenGraph open_graph(const Arguments& arguments) { return open_graph(arguments, arguments.operand(0).value()); }
 
 OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
+    const LongTask task(std::cerr, "reading " + file, arguments.has("--quiet"));
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, file_access(arguments));
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
@@ -132,6 +139,7 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
 }
 
 OpenGraph open_graph(const std::string& file, const engine::FileAccess& files) {
+    const LongTask task(std::cerr, "reading " + file, false);
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, files);
     return {std::move(loaded.graph), std::move(loaded.notes)};
 }

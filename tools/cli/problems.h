@@ -20,6 +20,9 @@ class WarningCollector : public engine::Observer {
     void warning(const engine::Diagnostic& d) override;
     void begins(const std::string& node, double frame) override { progress_.begins(node, frame); }
     void ends(const std::string& node, double frame) override { progress_.ends(node, frame); }
+    void progress(const std::string& node, double done, std::string_view what) override {
+        progress_.progress(node, done, what);
+    }
     void stepped(const std::string& node, double frame, double seconds) override {
         progress_.stepped(node, frame, seconds);
     }

@@ -5,11 +5,12 @@
 #include "tools/cli/print.h"
 #include "tools/embed/frame_json.h"
 
+#include "engine/text.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <ostream>
-#include <utility>
 
 namespace sinew::cli {
 
@@ -17,7 +18,8 @@ namespace {
 
 constexpr int bar_width = 24;
 constexpr auto redraw_interval = std::chrono::milliseconds(100);
-constexpr auto told_after = std::chrono::seconds(1); // what is quicker needs no word
+constexpr auto told_after = std::chrono::seconds(1);  // what is quicker needs no word
+constexpr auto told_again = std::chrono::seconds(10); // how far a step is
 
 std::string step_text(const FrameReport& f) {
     if (!f.step) return {};
@@ -119,8 +121,9 @@ void Progress::tell_preroll(int frame) {
 void Progress::begins(const std::string& node, double frame) {
     const std::lock_guard lock(mutex_);
     const engine::Node* n = graph_->find(node);
-    if (!n || !n->type || n->type->simulation) return;
-    working_.push_back({node, n->type_name, frame, Clock::now(), false});
+    if (!n || !n->type) return;
+    const auto now = Clock::now();
+    working_.push_back({node, n->type_name, frame, n->type->simulation != nullptr, now, now + told_after});
     if (working_.size() == 1) wake_.notify_all();
 }
 
@@ -155,26 +158,38 @@ void Progress::watch(const std::stop_token& stop) {
 
 void Progress::tell_working(Clock::time_point now) {
     for (Working& w : working_) {
-        if (now - w.since < told_after) continue;
-        const std::string text = "computing " + w.node + " (" + w.type + ")";
+        if (now < w.tell_at) continue;
         if (style_ == ProgressStyle::bar) {
             const double seconds = std::chrono::duration<double>(now - w.since).count();
-            if (now - last_drawn_ >= told_after) draw(text + ", " + clock_text(seconds), true);
+            if (now - last_drawn_ >= told_after)
+                draw("computing " + w.node + " (" + w.type + "), " + clock_text(seconds), true);
             return;
         }
-        if (std::exchange(w.is_told, true)) continue;
-        if (style_ == ProgressStyle::json) {
-            const nlohmann::ordered_json line = {
-                {"event", "computing"}, {"node", w.node}, {"type", w.type}, {"frame", w.frame}};
-            out_ << json_text(line) << "\n" << std::flush;
-        } else {
-            err_ << text << "\n" << std::flush;
-        }
+        w.tell_at = w.is_simulation ? now + told_again : Clock::time_point::max();
+        tell(w);
     }
+}
+
+void Progress::tell(const Working& w) {
+    if (style_ == ProgressStyle::json) {
+        nlohmann::ordered_json line = {{"event", "computing"}, {"node", w.node}, {"type", w.type}, {"frame", w.frame}};
+        if (w.is_simulation) line["done"] = w.done;
+        out_ << json_text(line) << "\n" << std::flush;
+        return;
+    }
+    err_ << "computing " << w.node << " (" << w.type << ")";
+    if (w.is_simulation) {
+        char percent[16];
+        std::snprintf(percent, sizeof percent, "%.0f %%", 100 * w.done);
+        err_ << ", frame " << engine::number_text(w.frame) << ": " << percent;
+    }
+    err_ << "\n" << std::flush;
 }
 
 void Progress::progress(const std::string& node, double done, std::string_view what) {
     const std::lock_guard lock(mutex_);
+    for (Working& w : working_)
+        if (w.node == node) w.done = done;
     char percent[16];
     std::snprintf(percent, sizeof percent, " %.0f %%", 100 * done);
     draw(node + (what.empty() ? "" : ": ") + std::string(what) + percent, false);

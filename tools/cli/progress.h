@@ -50,16 +50,18 @@ class Progress : public engine::Observer {
 
   private:
     using Clock = std::chrono::steady_clock;
-    /// A node at work; simulations are not listed, their frames speak for themselves.
+    /// A node at work.
     struct Working {
         std::string node, type;
         double frame;
-        Clock::time_point since;
-        bool is_told;
+        bool is_simulation; ///< its frames speak for themselves, but only once they are there
+        Clock::time_point since, tell_at;
+        double done = 0; ///< 0 to 1
     };
     void draw(const std::string& note, bool at_once);
     void watch(const std::stop_token& stop);
     void tell_working(Clock::time_point now);
+    void tell(const Working& w);
     void tell_preroll(int frame);
     std::string rate() const;
 

@@ -32,9 +32,12 @@ std::string why_not(std::filesystem::path folder) {
     if (folder.empty()) folder = ".";
     if (!std::filesystem::is_directory(folder, error)) return "'" + folder.string() + "' is a file";
     if (access(folder.c_str(), W_OK | X_OK) != 0) return std::strerror(errno);
-    // Permissions are not all: /proc and read-only mounts refuse root too. What is not committed leaves nothing.
+    // Permissions are not all: /proc and read-only mounts refuse root too, and a full disk gives files but no room in
+    // them. What is not committed leaves nothing.
     try {
-        const engine::AtomicFile probe(folder / ".sinew-probe");
+        engine::AtomicFile probe(folder / ".sinew-probe");
+        probe.write(std::string(4096, '\0'));
+        probe.flush();
     } catch (const engine::Failure& failure) {
         const std::string& message = failure.diagnostics().front().message;
         return message.substr(message.rfind("': ") + 3);

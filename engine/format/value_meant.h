@@ -1,0 +1,35 @@
+// What somebody meant whose value is written otherwise: the form that is right, for hints.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/format/json_text.h"
+#include "engine/node_type.h"
+
+#include <string>
+
+namespace sinew::engine {
+
+/// What a key of a value is called elsewhere, where letters alone do not tell: "units" is unit. Empty: no such word.
+std::string other_word(std::string_view key);
+
+/// { "x": 1, "y": 2, "z": 3 }, or some of them.
+bool is_by_axis(const Json::Object& object);
+/// "[1, 2, 3]" of such an object; an axis that is not there is that of `otherwise`.
+std::string axes_form(const Json& json, const Vec3& otherwise);
+
+/// "write true" where that is meant; empty where it cannot be told.
+std::string bool_form(const Json& json);
+
+/// What "12,5 kPa" is, where it is one number.
+std::string decimal_form(std::string text);
+
+/// The word for how keys are joined.
+std::string interpolation_form(const std::string& word);
+
+/// The list of pairs that is meant by { "1": 0, "10": 1 } or [1, 0, 10, 1]; empty if it is none of these.
+std::string keys_form(const Json& keys);
+
+/// "material" is a word, and "materials" what is connected: asks for the list where connections were given to a
+/// literal. Empty where nothing speaks for it.
+std::string wires_hint(const NodeType& type, const AttributeInfo& input, const Json& json);
+
+} // namespace sinew::engine
