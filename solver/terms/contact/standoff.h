@@ -43,10 +43,13 @@ struct PlaneStandoff {
     }
 };
 
-/// \param distance between the sides, or less; \param range from which on they press; \param way the farthest that a
-/// corner of one has gone since the start of the step as a corner of the other sees it, a function, for it is seldom
-/// asked for: sides that are farther apart than that have not met on the way. \param by_plane how much is left until
-/// they may have met as they are on the side of each other on which they were.
+/// How far two sides may move before they press.
+/// \param distance between them, or less.
+/// \param range from which on they press.
+/// \param by_plane what is left until they may have gone through, as they are on the side of each other on which they
+/// were.
+/// \param way a function, for it is seldom asked for: the farthest that a corner of one has gone since the start of the
+/// step as a corner of the other sees it. Sides that are farther apart than that have not met on the way.
 template <class Way>
 double standoff(double distance, double range, double by_plane, const Way& way) {
     constexpr double rounding = 1e-6; // what may_have_met lets pass, and more
