@@ -3,6 +3,7 @@
 
 #include "solver/index.h"
 #include "solver/parallel.h"
+#include "solver/simd.h"
 
 #include <algorithm>
 
@@ -49,19 +50,29 @@ BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings) 
 void multiply(const BlockMatrix& a, const double* x, double* y) {
     const BlockPattern& p = *a.pattern;
     parallel_for(at(p.rows), 512, [&](std::size_t i) {
-        double sum[3] = {0, 0, 0};
+        // Rows of blocks by four lanes, of which the last is left out. No block below the diagonal is the last one, so
+        // that nothing is read beyond the end.
+        const auto diagonal = at(p.row_start[i]);
+        Pack below(0.0), of_row[3] = {Pack(0.0), Pack(0.0), Pack(0.0)};
         for (int e = p.lower_start[i]; e < p.lower_start[i + 1]; ++e) {
             const auto [index, column] = p.lower[at(e)];
             const double* b = a.block(at(index));
             const double* v = x + 3 * at(column);
-            for (int c = 0; c < 3; ++c) sum[c] += b[c] * v[0] + b[3 + c] * v[1] + b[6 + c] * v[2];
+            below += Pack::load(b) * Pack(v[0]) + Pack::load(b + 3) * Pack(v[1]) + Pack::load(b + 6) * Pack(v[2]);
         }
-        for (int e = p.row_start[i]; e < p.row_start[i + 1]; ++e) {
-            const double* b = a.block(at(e));
-            const double* v = x + 3 * at(p.column[at(e)]);
-            for (int c = 0; c < 3; ++c) sum[c] += b[3 * c] * v[0] + b[3 * c + 1] * v[1] + b[3 * c + 2] * v[2];
+        for (auto e = diagonal + 1; e < at(p.row_start[i + 1]); ++e) {
+            const double* b = a.block(e);
+            const double* v = x + 3 * at(p.column[e]);
+            const Pack own(Pack::Vector{v[0], v[1], v[2], 0.0});
+            for (std::size_t c = 0; c < 3; ++c) of_row[c] += Pack::load(b + 3 * c) * own;
         }
-        for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = sum[c];
+        const double* b = a.block(diagonal);
+        const double* v = x + 3 * i;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Pack& above = of_row[c];
+            y[3 * i + c] = below[static_cast<int>(c)] + ((above[0] + above[1]) + above[2]) +
+                           (b[3 * c] * v[0] + b[3 * c + 1] * v[1] + b[3 * c + 2] * v[2]);
+        }
     });
     if (!a.overlay.empty()) a.overlay.add_product(x, y);
 }

@@ -35,8 +35,8 @@ constexpr double roughly_solved = 0.03;
 /// projected one; `definite` says which. Returns the slope along it.
 /// What truncated directions go by from one iteration to the next.
 struct Truncated {
-    bool fresh = true;                                        ///< a new factor is due
-    bool negative = false;                                    ///< the Hessian was not positive definite
+    bool fresh = true;     ///< a new factor is due
+    bool doubtful = false; ///< the Hessian was not positive definite, or the radius ended iterations before they knew
     double longest = std::numeric_limits<double>::infinity(); ///< that is allowed, in the norm of the factor
     double length = 0;                                        ///< of the last direction
 };
@@ -53,7 +53,7 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     assemble(false, w.hessian);
     bool good = w.linear.is_preconditioned() && !how.fresh;
     // The Hessian itself, where it may be positive definite, else its projection.
-    if (!good && !how.negative) good = w.linear.precondition(w.hessian, false, outcome);
+    if (!good && !how.doubtful) good = w.linear.precondition(w.hessian, false, outcome);
     if (!good) {
         if (!w.projected) w.projected = std::make_unique<BlockMatrix>(potential.pattern());
         assemble(true, *w.projected);
@@ -62,7 +62,9 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     how.length = how.longest;
     if (good)
         w.linear.solve_truncated(w.hessian, w.gradient, w.direction, forcing(residual, options), how.length, outcome);
-    how.fresh = outcome.worn, how.negative = !outcome.definite;
+    // As long as the radius lets directions get.
+    const bool cut = how.length >= 0.999999 * how.longest;
+    how.fresh = outcome.worn, how.doubtful = !outcome.definite || cut;
     record.linear_iterations += outcome.iterations;
     record.factorizations += outcome.factors;
     record.seconds_factor += outcome.seconds_factor;

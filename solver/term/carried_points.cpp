@@ -23,7 +23,8 @@ constexpr std::size_t most_chunks = 64;
 CarriedPoints::CarriedPoints(const Numbering& numbering, const std::vector<PointWeights>& points,
                              const std::vector<int>& carrier, const std::vector<std::pair<int, int>>& links)
     : numbering_(numbering)
-    , count_(points.size()) {
+    , count_(points.size())
+    , link_count_(links.size()) {
     std::vector<int> order(count_);
     std::iota(order.begin(), order.end(), 0);
     std::erase_if(order, [&](int p) { return points[at(p)].count == 0; });
@@ -193,7 +194,33 @@ void CarriedPoints::add_couplings(Couplings& couplings) const {
                 couplings.emplace_back(vertex_[k], numbering_.vertex_of_unknown[at(column_[c.first_column + j])]);
 }
 
+void CarriedPoints::find_link_blocks(const BlockPattern& pattern) {
+    link_block_.clear();
+    const auto is_vertex = [&](const Carrier& c) {
+        return c.vertex_count == 1 && c.point_count == 1 && weight_[c.first_weight] == 1;
+    };
+    if (carriers_.size() != count_ || !std::all_of(carriers_.begin(), carriers_.end(), is_vertex)) return;
+    for (std::size_t u = 0; u < numbering_.unknown_count(); ++u)
+        if (of_unknown_start_[u + 1] - of_unknown_start_[u] > 1) return; // two points that are the same vertex
+    link_block_.assign(link_count_, -1);
+    for (std::size_t i = 0; i < point_.size(); ++i)
+        for (std::size_t n = neighbour_start_[i]; n < neighbour_start_[i + 1]; ++n) {
+            const Neighbour& to = neighbours_[n];
+            const int row = unknown_[i], column = unknown_[at(to.point)];
+            if (row < 0 || column < row) continue;
+            link_block_[at(to.link / 2)] = 2 * pattern.find(row, column) + to.link % 2;
+        }
+}
+
+void CarriedPoints::add_link(std::size_t link, const double* block, BlockMatrix& a) const {
+    const int code = link_block_[link];
+    if (code < 0) return;
+    double* out = a.block(at(code / 2));
+    for (int d = 0; d < 9; ++d) out[d] += block[code % 2 ? 3 * (d % 3) + d / 3 : d];
+}
+
 void CarriedPoints::bind(const BlockPattern& pattern) {
+    find_link_blocks(pattern);
     std::vector<int> start, entries;
     sort_into(pattern.block_count(), start, entries, [&](const auto& visit) {
         std::size_t entry = 0;

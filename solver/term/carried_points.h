@@ -37,6 +37,10 @@ class CarriedPoints {
     void bind(const BlockPattern& pattern);
     /// `blocks`: 9 numbers a link, row-major: the second derivatives by its points i (rows) and j.
     void add_hessian(std::span<const double> blocks, BlockMatrix& a);
+    /// Whether each point is a vertex of its own, as those of a sheet are. Then, after bind, a link's second
+    /// derivatives are a block of the matrix; links may be added side by side.
+    bool are_vertices() const { return !link_block_.empty(); }
+    void add_link(std::size_t link, const double* block, BlockMatrix& a) const;
 
   private:
     struct Carrier {
@@ -56,6 +60,7 @@ class CarriedPoints {
     };
     void find_neighbours(const std::vector<std::pair<int, int>>& links);
     void find_columns();
+    void find_link_blocks(const BlockPattern& pattern);
     void add_share(const Carrier& c, std::span<const double> blocks, double* scratch);
 
     const Numbering& numbering_;
@@ -75,6 +80,10 @@ class CarriedPoints {
     std::size_t most_columns_ = 0;
     std::vector<double> entries_, scratch_;
     std::vector<int> block_, block_start_, of_block_; ///< blocks of the pattern that get something, and their entries
+    std::size_t link_count_;
+    /// Of points that are vertices, per link: twice its block of the pattern, plus one where it is transposed there; -1
+    /// where one is held.
+    std::vector<int> link_block_;
 };
 
 } // namespace sinew::solver

@@ -51,9 +51,9 @@ class Stencils {
         });
         sort_into(links_.size(), of_link_start_, of_link_, [&](const auto& visit) {
             for (std::size_t s = 0; s < stencils_.size(); ++s) {
-                int entry = first_of(s, 9 * pairs);
+                int entry = static_cast<int>(s * 9 * pairs);
                 for (std::size_t a = 0; a < N; ++a)
-                    for (std::size_t b = a; b < N; ++b, entry += 9 * lanes) {
+                    for (std::size_t b = a; b < N; ++b, entry += 9) {
                         const int i = stencils_[s][a], j = stencils_[s][b];
                         const auto link = std::lower_bound(links_.begin(), links_.end(), link_of(i, j));
                         visit(at(link - links_.begin()), 2 * entry + (i > j ? 1 : 0));
@@ -105,20 +105,29 @@ class Stencils {
         parallel_for(batch_count(), 32, [&](std::size_t b) {
             StencilBlocks<N> h;
             kernel(b, load(b), h);
-            double* out = hessians_.data() + b * lanes * 9 * pairs;
-            for (const PackMatrix& block : h)
-                for (const Pack& entry : block) entry.store(out), out += lanes;
+            // Block after block of each stencil, as they are gathered.
+            for (std::size_t lane = 0; lane < lanes; ++lane) {
+                double* out = hessians_.data() + (b * lanes + lane) * 9 * pairs;
+                for (const PackMatrix& block : h)
+                    for (const Pack& entry : block) *out++ = entry.v[lane];
+            }
         });
+        const bool by_vertices = carried_.are_vertices();
         parallel_for(links_.size(), 512, [&](std::size_t l) {
-            double* sum = by_links_.data() + 9 * l;
+            double of_vertices[9];
+            double* const sum = by_vertices ? of_vertices : by_links_.data() + 9 * l;
             std::fill_n(sum, 9, 0.0);
             for (int k = of_link_start_[l]; k < of_link_start_[l + 1]; ++k) {
                 const int code = of_link_[at(k)];
                 const double* h = hessians_.data() + code / 2;
-                for (int d = 0; d < 9; ++d) sum[d] += h[(code % 2 ? 3 * (d % 3) + d / 3 : d) * lanes];
+                if (code % 2)
+                    for (int d = 0; d < 9; ++d) sum[d] += h[3 * (d % 3) + d / 3];
+                else
+                    for (int d = 0; d < 9; ++d) sum[d] += h[d];
             }
+            if (by_vertices) carried_.add_link(l, sum, a);
         });
-        carried_.add_hessian(by_links_, a);
+        if (!by_vertices) carried_.add_hessian(by_links_, a);
     }
 
   private:

@@ -34,7 +34,7 @@ Pack squares_of(const PackVector* g, std::size_t count) {
 
 const TermType cloth_type{
     .name = "cloth",
-    .numerics = 3,
+    .numerics = 4,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         for (const Deformable& d : scene.numbering().deformables)

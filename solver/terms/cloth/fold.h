@@ -7,6 +7,8 @@
 #pragma once
 #include "solver/terms/cloth/hinge.h"
 
+#include <cmath>
+
 namespace sinew::solver {
 
 /// A batch of triangles at rest.

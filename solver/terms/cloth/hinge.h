@@ -3,8 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/term/stencils.h"
-
-#include <cmath>
+#include "solver/terms/cloth/pack_atan2.h"
 
 namespace sinew::solver {
 
@@ -22,7 +21,7 @@ class Hinge {
         over_1_ = Pack(1.0) / max(dot(n_1_, n_1_), least), over_2_ = Pack(1.0) / max(dot(n_2_, n_2_), least);
         m_1_ = over_1_ * n_1_, m_2_ = over_2_ * n_2_;
         const Pack sine = dot(cross(n_2_, n_1_), along_), cosine = dot(n_1_, n_2_);
-        for (int i = 0; i < lanes; ++i) angle_.v[i] = std::atan2(sine.v[i], cosine.v[i]);
+        angle_ = atan2(sine, cosine);
         // The gradient of the angle at corner i is a_i m_1 + b_i m_2.
         a_[0] = dot(to_2_ - edge_, along_), a_[2] = length_, a_[3] = Pack(0.0), a_[1] = -(a_[0] + a_[2]);
         b_[0] = dot(to_3_ - edge_, along_), b_[3] = length_, b_[2] = Pack(0.0), b_[1] = -(b_[0] + b_[3]);

@@ -10,6 +10,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace sinew::solver {
 
@@ -34,6 +35,16 @@ bool may_have_met(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& to
         for (std::size_t d = split; d < 4; ++d)
             if (!((way[c] - way[d]).squaredNorm() < least * least)) return true;
     return false;
+}
+
+/// The farthest that one of the first `split` corners has gone as one of the others sees it.
+double farthest_way(const std::array<Vec3, 4>& from, const std::array<Vec3, 4>& to, std::size_t split) {
+    std::array<Vec3, 4> way;
+    for (std::size_t c = 0; c < 4; ++c) way[c] = to[c] - from[c];
+    double most = 0;
+    for (std::size_t c = 0; c < split; ++c)
+        for (std::size_t d = split; d < 4; ++d) most = std::max(most, (way[c] - way[d]).squaredNorm());
+    return std::sqrt(most);
 }
 
 /// Whether the foot of a point on a triangle's plane is on the triangle, its border taken in.
@@ -82,18 +93,69 @@ ClothContact::Press ClothContact::press_of_point(int point, const Near& f, doubl
     return p;
 }
 
-void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Points& x, Scratch& s) const {
+/// Of a pair that does not press. `distance`: by its nearest places, or 0 where only its plane is known.
+double ClothContact::standoff_of(const PointFace& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
+                                 double distance) const {
+    const Vec3 u = at_x[2] - at_x[1], v = at_x[3] - at_x[1], w = at_x[0] - at_x[1];
+    const double area = normal.norm(), lever = w.norm();
+    if (distance == 0) {
+        // Not nearer than to the plane, nor than to a ball about the face.
+        const Vec3 middle = (1.0 / 3) * (u + v);
+        const double ball =
+            std::sqrt(std::max({middle.squaredNorm(), (u - middle).squaredNorm(), (v - middle).squaredNorm()}));
+        distance = std::max(std::abs(height) / area, (w - middle).norm() - ball);
+    }
+    const double range = pairs_[at(c.pair)].range;
+    // Bones stay where they are within a stage, and their planes with them.
+    const bool turns = bodies_[body_of(faces_[at(c.face)][0])].deforms();
+    const PlaneStandoff plane{c.side * height / area, turns ? lever : 0, u.norm() + v.norm(), area};
+    const double by_plane = c.side == 0 ? std::numeric_limits<double>::infinity() : plane.left();
+    return standoff(distance, range, by_plane, [&] { return farthest_way(corners_of(c, start_), at_x, 1); });
+}
+
+double ClothContact::standoff_of(const EdgePair& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
+                                 double distance) const {
+    const Vec3 u = at_x[1] - at_x[0], v = at_x[3] - at_x[2], w = at_x[2] - at_x[0];
+    const double area = normal.norm(), u_length = u.norm(), v_length = v.norm();
+    if (distance == 0)
+        distance = std::max(std::abs(height) / area, (w + 0.5 * (v - u)).norm() - 0.5 * (u_length + v_length));
+    const PlaneStandoff plane{c.side * height / area, w.norm(), u_length + v_length, area};
+    const double by_plane = c.side == 0 ? std::numeric_limits<double>::infinity() : plane.left();
+    return standoff(distance, edge_share * pairs_[at(c.pair)].range, by_plane,
+                    [&] { return farthest_way(corners_of(c, start_), at_x, 2); });
+}
+
+/// From where pairs were looked at last to now_.
+void ClothContact::watch_moves() {
+    moves_.resize(now_.size()), face_moves_.resize(faces_.size()), edge_moves_.resize(edges_.size());
+    parallel_for(now_.size(), 1024, [&](std::size_t p) { moves_[p] = (now_[p] - seen_[p]).norm(); });
+    parallel_for(faces_.size(), 2048, [&](std::size_t f) {
+        const auto [a, b, c] = faces_[f];
+        face_moves_[f] = std::max({moves_[at(a)], moves_[at(b)], moves_[at(c)]});
+    });
+    parallel_for(edges_.size(), 2048,
+                 [&](std::size_t e) { edge_moves_[e] = std::max(moves_[at(edges_[e][0])], moves_[at(edges_[e][1])]); });
+    seen_ = now_;
+}
+
+void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Points& x, Scratch& s) {
     s.near.clear();
     bool any_through = false;
     const int point = point_faces_[first].point;
+    const bool at_start = &x == &start_;
+    const double own_move = at_start ? 0 : moves_[at(point)];
     for (std::size_t i = first; i < end; ++i) {
-        const PointFace& c = point_faces_[i];
+        PointFace& c = point_faces_[i];
+        if (!at_start && c.standoff.outlasts(own_move + face_moves_[at(c.face)])) continue;
         const ContactPair& pair = pairs_[at(c.pair)];
         const std::array<Vec3, 4> at_x = corners_of(c, x);
         const Vec3 n = (at_x[2] - at_x[1]).cross(at_x[3] - at_x[1]);
         const double height = n.dot(at_x[0] - at_x[1]);
-        const bool turned = c.side * height < 0 && &x != &start_;
-        if (!turned && height * height >= pair.range * pair.range * n.squaredNorm()) continue;
+        const bool turned = c.side * height < 0 && !at_start;
+        if (!turned && height * height >= pair.range * pair.range * n.squaredNorm()) {
+            if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, 0));
+            continue;
+        }
         const TrianglePoint there = closest_on_triangle(at_x[0], {at_x[1], at_x[2], at_x[3]}, faces_[at(c.face)]);
         const Vec3 away = at_x[0] - there.point;
         const double distance = away.norm();
@@ -102,7 +164,11 @@ void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Po
             const std::array<Vec3, 4> from = corners_of(c, start_);
             through = may_have_met(from, at_x, 1, distance) && crosses_face(from, at_x);
         }
-        if (!through && distance >= pair.range) continue;
+        if (!through && distance >= pair.range) {
+            if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
+            continue;
+        }
+        c.standoff.forget();
         s.near.push_back({c.face, c.pair, c.side, through, there.barycentric, away, distance});
         any_through = any_through || through;
     }
@@ -201,14 +267,19 @@ void ClothContact::count_once(int point, const Points& x, Scratch& s) const {
         }
 }
 
-void ClothContact::press_of_edges(const EdgePair& c, const Points& x, std::vector<Press>& out) const {
+void ClothContact::press_of_edges(EdgePair& c, const Points& x, std::vector<Press>& out) const {
+    const bool at_start = &x == &start_;
+    if (!at_start && c.standoff.outlasts(edge_moves_[at(c.one)] + edge_moves_[at(c.other)])) return;
     const std::array<Vec3, 4> at_x = corners_of(c, x);
     const Vec3 one = at_x[1] - at_x[0], other = at_x[3] - at_x[2], n = one.cross(other);
     const double height = n.dot(at_x[2] - at_x[0]), range = edge_share * pairs_[at(c.pair)].range;
-    const bool turned = c.side * height < 0 && &x != &start_;
+    const bool turned = c.side * height < 0 && !at_start;
     constexpr double parallel = 1e-12; // squared sine: no plane between them says how far apart they are
     const bool askew = n.squaredNorm() > parallel * one.squaredNorm() * other.squaredNorm();
-    if (!turned && askew && height * height >= range * range * n.squaredNorm()) return;
+    if (!turned && askew && height * height >= range * range * n.squaredNorm()) {
+        if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, 0));
+        return;
+    }
     const SegmentPair there = closest_of_segments(at_x[0], at_x[1], at_x[2], at_x[3]);
     const double distance = there.away.norm();
     bool through = false;
@@ -216,7 +287,11 @@ void ClothContact::press_of_edges(const EdgePair& c, const Points& x, std::vecto
         const std::array<Vec3, 4> from = corners_of(c, start_);
         through = may_have_met(from, at_x, 2, distance) && crosses_edge(from, at_x);
     }
-    if (!through && distance >= range) return;
+    if (!through && distance >= range) {
+        if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
+        return;
+    }
+    c.standoff.forget();
     Press p;
     const auto &e = edges_[at(c.one)], &f = edges_[at(c.other)];
     p.corners = {e[0], e[1], f[0], f[1]};
@@ -228,7 +303,7 @@ void ClothContact::press_of_edges(const EdgePair& c, const Points& x, std::vecto
     out.push_back(p);
 }
 
-void ClothContact::find_presses(const Points& x, std::vector<Press>& out) const {
+void ClothContact::find_presses(const Points& x, std::vector<Press>& out) {
     const std::size_t points = point_starts_.empty() ? 0 : point_starts_.size() - 1;
     const std::size_t of_points = (points + piece - 1) / piece, of_edges = (edge_pairs_.size() + piece - 1) / piece;
     if (scratch_.size() < of_points + of_edges) scratch_.resize(of_points + of_edges);
@@ -248,12 +323,13 @@ void ClothContact::find_presses(const Points& x, std::vector<Press>& out) const 
         out.insert(out.end(), scratch_[k].presses.begin(), scratch_[k].presses.end());
 }
 
-void ClothContact::find_presses(const std::vector<Points>& places, std::vector<Press>& out) const {
+void ClothContact::find_presses(const std::vector<Points>& places, std::vector<Press>& out) {
     gather(places, now_);
+    watch_moves();
     find_presses(now_, out);
 }
 
-void ClothContact::find_presses_at_start(std::vector<Press>& out) const { find_presses(start_, out); }
+void ClothContact::find_presses_at_start(std::vector<Press>& out) { find_presses(start_, out); }
 
 /// With the gap's own second derivatives g'': rise n n^T - force g''.
 PointTriangleBlocks ClothContact::hessian(const Press& p, const std::vector<Points>& places, bool project) const {

@@ -19,6 +19,7 @@
 #include "solver/term/point_triangle_element.h"
 #include "solver/term/term.h"
 #include "solver/terms/contact/collision_bodies.h"
+#include "solver/terms/contact/standoff.h"
 
 #include <algorithm>
 #include <compare>
@@ -74,9 +75,9 @@ class ClothContact {
     /// Whether all points are within the margin of where they were looked for.
     bool covers(const std::vector<Points>& places) const;
     /// What presses where the points are now, in fixed order.
-    void find_presses(const std::vector<Points>& places, std::vector<Press>& out) const;
+    void find_presses(const std::vector<Points>& places, std::vector<Press>& out);
     /// What presses at the start of the step.
-    void find_presses_at_start(std::vector<Press>& out) const;
+    void find_presses_at_start(std::vector<Press>& out);
 
     std::span<const RideTerm> ride(int corner) const;
     int body_of(int corner) const { return members_[at(member_of_[at(corner)])].body; } ///< of contact
@@ -101,9 +102,11 @@ class ClothContact {
     struct PointFace {
         int point, face, pair;
         int side; ///< of the face's plane at the start: 1, -1, or 0 in it
+        Standoff standoff{};
     };
     struct EdgePair {
         int one, other, pair, side;
+        Standoff standoff{};
     };
     /// A face that a point is near to.
     struct Near {
@@ -145,12 +148,17 @@ class ClothContact {
     void gather(const std::vector<Points>& places, Points& out) const;
     void find_point_faces(double reach);
     void find_edge_pairs(double reach);
-    void presses_of_point(std::size_t first, std::size_t end, const Points& x, Scratch& s) const;
+    void watch_moves();
+    double standoff_of(const PointFace& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
+                       double distance) const;
+    double standoff_of(const EdgePair& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
+                       double distance) const;
+    void presses_of_point(std::size_t first, std::size_t end, const Points& x, Scratch& s);
     Press press_of_point(int point, const Near& face, double count, const Vec3& place, const Vec3& away,
                          double distance) const;
     void count_once(int point, const Points& x, Scratch& s) const;
-    void press_of_edges(const EdgePair& c, const Points& x, std::vector<Press>& out) const;
-    void find_presses(const Points& x, std::vector<Press>& out) const;
+    void press_of_edges(EdgePair& c, const Points& x, std::vector<Press>& out) const;
+    void find_presses(const Points& x, std::vector<Press>& out);
 
     const CollisionBodies& bodies_;
     std::vector<Member> members_; ///< all bodies, where there is thick cloth
@@ -161,6 +169,7 @@ class ClothContact {
     std::vector<double> edge_areas_; ///< a third of the faces beside each [m^2]
     Points modelled_;
     Bvh face_tree_, edge_tree_;
+    std::vector<int> last_edges_; ///< per node of the edges' tree: the highest number in it
     double mean_edge_ = 0, margin_ = 0;
 
     // Of the step:
@@ -175,10 +184,18 @@ class ClothContact {
     std::vector<std::size_t> point_starts_; ///< places of the first of each point that has any; one more
     std::vector<EdgePair> edge_pairs_;
     mutable Points now_;
-    mutable std::vector<Scratch> scratch_;
+    Points seen_;                                         ///< where standoffs were brought up to date
+    std::vector<double> moves_, face_moves_, edge_moves_; ///< per point, face and edge, from there to now [m]
+    std::vector<Scratch> scratch_;
     std::vector<std::vector<PointFace>> face_parts_;
     std::vector<std::vector<EdgePair>> edge_parts_;
     std::vector<BvhNode> boxes_, ways_;
+    /// A ball about a face or an edge, and one about the ways of its corners.
+    struct Ball {
+        Vec3 middle, way;
+        double radius, spread;
+    };
+    std::vector<Ball> balls_;
 };
 
 } // namespace sinew::solver

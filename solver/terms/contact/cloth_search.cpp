@@ -19,6 +19,8 @@ namespace {
 constexpr double resting_share = 0.25;
 /// Points or edges that are one piece of work.
 constexpr std::size_t piece = 64;
+/// What balls do not meet within is surely too far away, whatever rounding does.
+constexpr double more = 1 + 1e-9;
 
 double triple(const Vec3& a, const Vec3& b, const Vec3& c) { return a.cross(b).dot(c); }
 int sign_of(double v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
@@ -28,15 +30,17 @@ double nearer(const Vec3& least, const Vec3& most, const BvhNode& ways) {
     return (most - ways.min).cwiseMax(ways.max - least).cwiseMax(0.0).norm();
 }
 
-/// Calls visit(item) for those of a tree that something in a box may meet.
-template <class Visit>
+/// Calls visit(item) for those of a tree that something in a box may meet, but for nodes that are left out.
+template <class LeaveOut, class Visit>
 void visit_near(const Bvh& tree, const std::vector<BvhNode>& boxes, const std::vector<BvhNode>& ways, const Vec3& low,
-                const Vec3& high, const Vec3& least_way, const Vec3& most_way, double reach, const Visit& visit) {
+                const Vec3& high, const Vec3& least_way, const Vec3& most_way, double reach, const LeaveOut& leave_out,
+                const Visit& visit) {
     int stack[128]; // the tree of 2^31 items is 30 levels deep
     int depth = 0;
     if (!boxes.empty()) stack[depth++] = 0;
     while (depth > 0) {
         const int n = stack[--depth];
+        if (leave_out(n)) continue;
         const BvhNode& node = boxes[at(n)];
         const double apart2 = (node.min - high).cwiseMax(low - node.max).cwiseMax(0.0).squaredNorm();
         const double far = reach + nearer(least_way, most_way, ways[at(n)]);
@@ -57,6 +61,14 @@ void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, s
     });
     out.clear();
     for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
+}
+
+/// Of a face's or an edge's corners.
+template <std::size_t n>
+double radius_about(const Vec3& middle, const std::array<Vec3, n>& corners) {
+    double most = 0;
+    for (const Vec3& c : corners) most = std::max(most, (c - middle).squaredNorm());
+    return std::sqrt(most);
 }
 
 void grow(BvhNode& node, const Vec3& p) { node.min = node.min.cwiseMin(p), node.max = node.max.cwiseMax(p); }
@@ -105,6 +117,13 @@ ClothContact::ClothContact(const Scene&, const CollisionBodies& bodies)
         edge_areas_.back() += area;
     }
     edge_tree_ = build_bvh(low, high);
+    last_edges_.resize(edge_tree_.nodes.size());
+    for (std::size_t n = edge_tree_.nodes.size(); n-- > 0;) {
+        const BvhNode& node = edge_tree_.nodes[n];
+        int& last = last_edges_[n] = -1;
+        if (node.count == 0) last = std::max(last_edges_[n + 1], last_edges_[at(node.first)]);
+        for (int i = node.first; i < node.first + node.count; ++i) last = std::max(last, edge_tree_.order[at(i)]);
+    }
 }
 
 void ClothContact::gather(const std::vector<Points>& places, Points& out) const {
@@ -123,6 +142,7 @@ void ClothContact::begin(const std::vector<ContactPair>& pairs,
         pair_of_members_[a * members_.size() + b] = pair_of_members_[b * members_.size() + a] = static_cast<int>(p);
     }
     gather(places, start_);
+    seen_ = start_;
     margin_ = resting_share * mean_edge_;
 }
 
@@ -164,12 +184,27 @@ void ClothContact::find_point_faces(double reach) {
     refit(face_tree_, ways_, [&](int f, BvhNode& node) {
         for (const int v : faces_[at(f)]) grow(node, later_[at(v)] - start_[at(v)]);
     });
+    balls_.resize(faces_.size());
+    parallel_for(faces_.size(), 512, [&](std::size_t f) {
+        std::array<Vec3, 3> at_start, ways;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const std::size_t v = at(faces_[f][c]);
+            at_start[c] = start_[v], ways[c] = later_[v] - start_[v];
+        }
+        Ball& b = balls_[f];
+        b.middle = (at_start[0] + at_start[1] + at_start[2]) / 3, b.way = (ways[0] + ways[1] + ways[2]) / 3;
+        b.radius = radius_about(b.middle, at_start), b.spread = radius_about(b.way, ways);
+    });
     inside_.assign(modelled_.size(), 0);
     gather_in_order(modelled_.size(), face_parts_, point_faces_, [&](std::size_t p, std::vector<PointFace>& out) {
         const Vec3 &here = start_[p], way = later_[p] - here;
         const std::size_t first = out.size();
         const int point = static_cast<int>(p);
-        visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, [&](int f) {
+        const auto none = [](int) { return false; };
+        visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, none, [&](int f) {
+            const Ball& ball = balls_[at(f)];
+            const double most = reach + (way - ball.way).norm() + ball.spread + ball.radius;
+            if ((here - ball.middle).squaredNorm() > more * most * most) return;
             const Triangle& t = faces_[at(f)];
             const int pair = pair_of(point, t[0]);
             if (pair < 0 || has_vertex(t, point)) return;
@@ -236,14 +271,25 @@ void ClothContact::find_edge_pairs(double reach) {
     refit(edge_tree_, ways_, [&](int e, BvhNode& node) {
         for (const int v : edges_[at(e)]) grow(node, way_of(v));
     });
+    balls_.resize(edges_.size());
+    parallel_for(edges_.size(), 512, [&](std::size_t e) {
+        const auto [a, b] = edges_[e];
+        const Vec3 &p = start_[at(a)], &q = start_[at(b)], one = way_of(a), two = way_of(b);
+        balls_[e] = {0.5 * (p + q), 0.5 * (one + two), 0.5 * (p - q).norm(), 0.5 * (one - two).norm()};
+    });
     gather_in_order(edges_.size(), edge_parts_, edge_pairs_, [&](std::size_t e, std::vector<EdgePair>& out) {
         const auto [a, b] = edges_[e];
         const Vec3 &p = start_[at(a)], &q = start_[at(b)], one = way_of(a), two = way_of(b);
         const std::size_t first = out.size();
         visit_near(
             edge_tree_, boxes_, ways_, p.cwiseMin(q), p.cwiseMax(q), one.cwiseMin(two), one.cwiseMax(two), reach,
+            [&](int node) { return last_edges_[at(node)] <= static_cast<int>(e); },
             [&](int other) {
                 if (other <= static_cast<int>(e)) return;
+                const Ball &own = balls_[e], &ball = balls_[at(other)];
+                const double most =
+                    reach + (own.way - ball.way).norm() + own.spread + ball.spread + own.radius + ball.radius;
+                if ((own.middle - ball.middle).squaredNorm() > more * most * most) return;
                 const auto [c, d] = edges_[at(other)];
                 const int pair = pair_of(a, c);
                 if (pair < 0 || a == c || a == d || b == c || b == d) return;

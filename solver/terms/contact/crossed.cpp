@@ -44,11 +44,17 @@ void visit_roots(const Way& e, const Way& f, const Way& g, const Visit& visit) {
         double low = ends[i], high = ends[i + 1];
         const double at_low = value(low), at_high = value(high);
         if (!(at_low * at_high < 0)) continue;
-        for (int step = 0; step < 60 && high - low > 1e-15; ++step) {
-            const double middle = 0.5 * (low + high);
-            ((value(middle) < 0) == (at_low < 0) ? low : high) = middle;
+        // Newton's method between bounds, from where the chord says.
+        constexpr double near = 1e-15;
+        double t = low + at_low / (at_low - at_high) * (high - low);
+        for (int step = 0; step < 60 && high - low > near; ++step) {
+            const double here = value(t), slope = (3 * c3 * t + 2 * c2) * t + c1;
+            if (std::abs(here) <= near * std::abs(slope)) break;
+            ((here < 0) == (at_low < 0) ? low : high) = t;
+            const double next = t - here / slope;
+            t = next > low && next < high ? next : 0.5 * (low + high);
         }
-        visit(0.5 * (low + high));
+        visit(t);
     }
 }
 

@@ -139,6 +139,27 @@ TEST_CASE("cloth: energies of even stretch, shear and their mixture are the clos
         }
 }
 
+TEST_CASE("cloth: angles of packs are those of the C library") {
+    for (int i = -4000; i <= 4000; i += lanes) {
+        Pack x, y;
+        for (int l = 0; l < lanes; ++l) {
+            const double angle = M_PI * (i + l) / 4000, length = std::exp2((i + l) % 37);
+            x.v[l] = length * std::cos(angle), y.v[l] = length * std::sin(angle);
+        }
+        const Pack got = atan2(y, x);
+        for (int l = 0; l < lanes; ++l) {
+            const double right = std::atan2(y[l], x[l]);
+            INFO(y[l] << " " << x[l]);
+            CHECK(std::abs(got[l] - right) <= 5e-16 * std::abs(right));
+        }
+    }
+    const Pack edges = atan2(Pack(Pack::Vector{0, 0, 2, -2}), Pack(Pack::Vector{0, -3, 0, 0}));
+    CHECK(edges[0] == 0);
+    CHECK(edges[1] == M_PI);
+    CHECK(edges[2] == M_PI / 2);
+    CHECK(edges[3] == -M_PI / 2);
+}
+
 TEST_CASE("cloth: a picture frame's moment is that of the closed form") {
     const double s = 120, length = 0.25;
     for (const Weave weave : weaves) {
