@@ -10,24 +10,35 @@ namespace sinew::solver {
 
 void PointTriangleElement::set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
                                const Numbering& numbering, const BlockPattern& pattern) {
+    set_nodes(ride, point, target, triangle, numbering);
+    if (!has_entries_) find_entries(pattern);
+}
+
+void PointTriangleElement::set_nodes(std::span<const RideTerm> ride, int point, const CarriedSurface& target,
+                                     int triangle, const Numbering& numbering) {
     if (point == point_ && triangle == triangle_) return;
     const Triangle& t = target.triangles()[at(triangle)];
-    set({ride, target.free_ride(t[0]), target.free_ride(t[1]), target.free_ride(t[2])}, 1, numbering, pattern);
-    point_ = point, triangle_ = triangle;
+    take_nodes({ride, target.free_ride(t[0]), target.free_ride(t[1]), target.free_ride(t[2])}, numbering);
+    point_ = point, triangle_ = triangle, split_ = 1;
 }
 
 void PointTriangleElement::set(const std::array<std::span<const RideTerm>, 4>& rides, int split,
                                const Numbering& numbering, const BlockPattern& pattern) {
     point_ = triangle_ = -1, split_ = split;
-    nodes_.clear();
-    for (int c = 0; c < 4; ++c)
-        for (const RideTerm& t : rides[at(c)])
-            nodes_.push_back({c, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
+    take_nodes(rides, numbering);
     find_entries(pattern);
 }
 
+void PointTriangleElement::take_nodes(const std::array<std::span<const RideTerm>, 4>& rides,
+                                      const Numbering& numbering) {
+    nodes_.clear(), has_entries_ = false;
+    for (int c = 0; c < 4; ++c)
+        for (const RideTerm& t : rides[at(c)])
+            nodes_.push_back({c, t.vertex, numbering.unknown[at(t.vertex)], t.weight});
+}
+
 void PointTriangleElement::find_entries(const BlockPattern& pattern) {
-    entries_.clear(), free_.clear();
+    entries_.clear(), free_.clear(), has_entries_ = true;
     const auto coupled_among = [&](int first_corner, int last_corner) {
         for (const Node& row : nodes_)
             for (const Node& column : nodes_) {

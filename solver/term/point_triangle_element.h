@@ -17,12 +17,15 @@ class PointTriangleElement {
     /// point's number tells.
     void set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
              const Numbering& numbering, const BlockPattern& pattern);
+    /// The same as far as add_gradient needs it: where entries of the pattern are is not looked for.
+    void set_nodes(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
+                   const Numbering& numbering);
     /// Makes it stand for four corners that ride as given, of which the first `split` are one side, a point (1) or an
     /// edge (2), and the others the other.
     void set(const std::array<std::span<const RideTerm>, 4>& rides, int split, const Numbering& numbering,
              const BlockPattern& pattern);
     /// Forgets which entries of the pattern it writes to.
-    void forget() { point_ = triangle_ = -1; }
+    void forget() { point_ = triangle_ = -1, has_entries_ = false; }
 
     /// Adds L_c g to each vertex that carries corner c: a gradient of 3 numbers a vertex.
     void add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const;
@@ -45,6 +48,7 @@ class PointTriangleElement {
         int block;       ///< of the pattern
         int row, column; ///< nodes
     };
+    void take_nodes(const std::array<std::span<const RideTerm>, 4>& rides, const Numbering& numbering);
     void find_entries(const BlockPattern& pattern);
     int point_ = -1, triangle_ = -1, split_ = 1;
     std::vector<Node> nodes_;
@@ -52,6 +56,7 @@ class PointTriangleElement {
     std::array<int, 4> group_{}; ///< per corner: those of one group are coupled in the pattern
     std::vector<Overlay::Carrier> free_;
     bool coupled_ = true;
+    bool has_entries_ = false; ///< whether they are those of the nodes
 };
 
 } // namespace sinew::solver

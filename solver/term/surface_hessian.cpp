@@ -83,13 +83,9 @@ void SurfaceHessian::add(int triangle, const PointTriangleBlocks& blocks, double
 void SurfaceHessian::add_to(BlockMatrix& a) const {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
         if (!used_[p]) continue;
-        const Mat3& sum = sums_[p];
-        for (std::size_t e = first_entry_[p]; e < first_entry_[p + 1]; ++e) {
-            double* to = a.block(at(entries_[e].block));
-            const double weight = entries_[e].weight;
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) to[3 * r + c] += weight * (entries_[e].transposed ? sum(c, r) : sum(r, c));
-        }
+        const Mat3 by_rows = sums_[p].transpose(); // as the matrix keeps its blocks
+        for (std::size_t e = first_entry_[p]; e < first_entry_[p + 1]; ++e)
+            add_scaled(entries_[e].weight, entries_[e].transposed ? sums_[p] : by_rows, a.block(at(entries_[e].block)));
     }
 }
 

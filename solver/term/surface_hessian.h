@@ -12,6 +12,10 @@
 
 namespace sinew::solver {
 
+/// Adds a factor times the nine numbers of a block as they lie in memory: the matrix keeps its blocks by rows, Mat3
+/// by columns.
+inline void add_scaled(double factor, const Mat3& block, double* to) { Eigen::Map<Mat3>(to) += factor * block; }
+
 class SurfaceHessian {
   public:
     /// Of a surface that deforms, which outlives it.

@@ -353,15 +353,15 @@ double Contacts::energy(const Positions& x, bool with_forces) {
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (forces_[i].by_point.isZero(0)) continue;
         const Touch& t = touches_[i];
-        elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], now_[i].triangle,
-                         scene_.numbering(), *pattern_);
+        elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], now_[i].triangle,
+                               scene_.numbering());
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
     }
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
-                                scene_.numbering(), *pattern_);
+        tether_elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+                                      scene_.numbering());
         tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
     add_cloth_forces();

@@ -282,12 +282,9 @@ void Slides::find_ties(std::size_t i, int triangle) {
 /// Blocks of a point and a triangle times a factor, to where they belong.
 void Slides::add_blocks(std::size_t i, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a) {
     const Slide& s = slides_[i];
-    for (std::size_t e = first_entry_[i]; e < first_entry_[i + 1]; ++e) {
-        double* to = a.block(at(entries_[e].block));
-        const double weight = factor * entries_[e].weight;
-        for (int r = 0; r < 3; ++r)
-            for (int c = 0; c < 3; ++c) to[3 * r + c] += weight * blocks[0](r, c);
-    }
+    const Mat3 own = blocks[0].transpose();
+    for (std::size_t e = first_entry_[i]; e < first_entry_[i + 1]; ++e)
+        add_scaled(factor * entries_[e].weight, own, a.block(at(entries_[e].block)));
     SlidingTarget& target = *targets_[s.target];
     const CarriedSurface& surface = target.surface();
     if (!surface.deforms()) return;
@@ -295,13 +292,10 @@ void Slides::add_blocks(std::size_t i, int triangle, const PointTriangleBlocks& 
     if (s.terms == 0) return;
     find_ties(i, triangle);
     if (ties_[i].all) {
-        for (const Tie& t : ties_[i].ties) {
-            const Mat3& block = blocks[at(t.corner + 1)];
-            double* to = a.block(at(t.block));
-            const double weight = factor * t.weight;
-            for (int r = 0; r < 3; ++r)
-                for (int c = 0; c < 3; ++c) to[3 * r + c] += weight * (t.turned ? block(c, r) : block(r, c));
-        }
+        const std::array<Mat3, 3> by_rows{blocks[1].transpose(), blocks[2].transpose(), blocks[3].transpose()};
+        for (const Tie& t : ties_[i].ties)
+            add_scaled(factor * t.weight, t.turned ? blocks[at(t.corner + 1)] : by_rows[at(t.corner)],
+                       a.block(at(t.block)));
         return;
     }
     carriers_.clear();
@@ -339,8 +333,10 @@ void Slides::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         add_square(b.place, b.normal * b.normal.transpose(), blocks);
         add_blocks(i, b.triangle, blocks, pulls_[at(slides_[i].attachment)].viscous * slides_[i].area_weight, a);
     }
-    for (const auto& target : targets_)
-        if (target && target->surface().deforms()) target->hessian().add_to(a);
+    // Each goes to blocks of its own body.
+    parallel_for(targets_.size(), 1, [&](std::size_t t) {
+        if (targets_[t] && targets_[t]->surface().deforms()) targets_[t]->hessian().add_to(a);
+    });
 }
 
 void Slides::add_squared_stiffnesses(std::span<double> squares) const {
