@@ -80,6 +80,7 @@ const TermType contact_type{
     .memory_version = 1,
     .has_memory = true,
     .waits = true,
+    .bends = true,
 };
 
 Contacts::Contacts(const Scene& scene)
