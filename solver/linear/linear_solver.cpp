@@ -26,6 +26,8 @@ constexpr double overlay_solves = 30;
 /// What a step is taken to need before it has begun: iterations with multigrid in a Newton iteration, with rows that
 /// springs hold, and Newton iterations.
 constexpr double usual_cycles = 6, usual_held_cycles = 12, usual_iterations = 4;
+/// What an iteration with an overlay costs, which is smoothed before and after the factor, in solves with the factor.
+constexpr double overlay_iteration = 3;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
 /// take as many.
 constexpr double worn_out = 0.5;
@@ -155,7 +157,8 @@ void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vecto
                                           double tolerance, bool projected, Outcome& outcome) {
     const bool has_overlay = !a.overlay.empty();
     const double loose = std::max(tolerance, kept_factor_tolerance);
-    const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / costs_.factor_solve, 3.0, 30.0));
+    const double iteration = costs_.factor_solve * (has_overlay ? overlay_iteration : 1);
+    const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / iteration, 3.0, 30.0));
     if (kept_ != Kept::none) {
         const int allowed = has_overlay ? fresh_iterations_ + most : most;
         const ConjugateGradients::Result r = iterate_with_factor(a, b, x, loose, allowed, outcome);

@@ -33,8 +33,8 @@ constexpr double roughly_solved = 0.03;
 
 /// What truncated directions go by from one iteration to the next.
 struct Truncated {
-    bool fresh = true;     ///< a new factor is due
-    bool doubtful = false; ///< the Hessian was not positive definite, or the radius ended iterations before they knew
+    bool fresh = true;                                        ///< a new factor is due
+    bool negative = false;                                    ///< the Hessian was not positive definite
     double longest = std::numeric_limits<double>::infinity(); ///< that is allowed, in the norm of the factor
     double length = 0;                                        ///< of the last direction
 };
@@ -51,7 +51,7 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     assemble(false, w.hessian);
     bool good = w.linear.is_preconditioned() && !how.fresh;
     // The Hessian itself, where it may be positive definite, else its projection.
-    if (!good && !how.doubtful) good = w.linear.precondition(w.hessian, false, outcome);
+    if (!good && !how.negative) good = w.linear.precondition(w.hessian, false, outcome);
     if (!good) {
         if (!w.projected) w.projected = std::make_unique<BlockMatrix>(potential.pattern());
         assemble(true, *w.projected);
@@ -60,9 +60,7 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     how.length = how.longest;
     if (good)
         w.linear.solve_truncated(w.hessian, w.gradient, w.direction, forcing(residual, options), how.length, outcome);
-    // As long as the radius lets directions get.
-    const bool cut = how.length >= 0.999999 * how.longest;
-    how.fresh = outcome.worn, how.doubtful = !outcome.definite || cut;
+    how.fresh = outcome.worn, how.negative = !outcome.definite;
     record.linear_iterations += outcome.iterations;
     record.factorizations += outcome.factors;
     record.seconds_factor += outcome.seconds_factor;
