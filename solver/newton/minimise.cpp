@@ -31,6 +31,8 @@ double forcing(double residual, const NewtonOptions& options) {
 /// At a residual below this what presses presses about as hard as it will at the end of the stage.
 constexpr double roughly_solved = 0.03;
 
+/// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
+/// projected one; `definite` says which. Returns the slope along it.
 /// What truncated directions go by from one iteration to the next.
 struct Truncated {
     bool fresh = true;                                        ///< a new factor is due
@@ -71,27 +73,14 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     return dot(w.gradient, w.direction);
 }
 
-/// Below this residual the exact Hessian is tried again in a stage in which it was not positive definite: there it
-/// makes the last iterations converge as Newton's do.
-constexpr double near_solution = 1e-2;
-
-/// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else without what
-/// bends where surfaces turn below what presses, else with the projected one; `definite` says whether it was exact.
-/// Returns the slope along it.
 double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
                       int iteration, const std::vector<double>& x, LinearMemory& memory, bool& definite,
                       StepRecord& record) {
-    // Sheets have directions of their own, which go along what bends.
-    const bool bends = potential.bends() && !w.linear.takes_sheets(options.method);
-    for (const Clamp clamp : {Clamp::none, Clamp::bending, Clamp::all}) {
-        if (clamp == Clamp::none && bends && w.bent && residual >= near_solution) continue;
-        if (clamp == Clamp::bending && !bends) continue;
-        const bool project = clamp == Clamp::all;
-        definite = clamp == Clamp::none;
-        if (!definite) w.bent = true;
+    for (const bool project : {false, true}) {
+        definite = !project;
         {
             const Stopwatch timer(record.seconds_assembly);
-            potential.assemble(x, clamp, w.hessian);
+            potential.assemble(x, project, w.hessian);
         }
         w.linear.set_kinked(potential.contacts_press());
         const LinearSolver::Outcome outcome = w.linear.solve(options.method, w.hessian, w.gradient, w.direction,
@@ -468,7 +457,7 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
-    w.renewed = w.bent = false;
+    w.renewed = false;
     potential.add_up_springs(w.springs, w.elastic);
     w.linear.begin_step(w.springs, w.elastic);
     double r = 0;

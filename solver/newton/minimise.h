@@ -34,7 +34,6 @@ struct NewtonWorkspace {
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;
-    bool bent = false;         ///< whether the exact Hessian has been found not positive definite in the stage
     bool renewed = false;      ///< whether terms have been asked to renew what they took from the step before
     double worst_residual = 0; ///< of all calls since it was last set to 0
     int worst_deformable = -1; ///< whose that is

@@ -283,19 +283,10 @@ void Potential::work(const std::vector<double>& force, const std::vector<double>
     }
 }
 
-bool Potential::bends() const {
-    for (std::size_t t = 0; t < terms_.size(); ++t)
-        if (types_[t]->bends && energies_[t] != 0) return true;
-    return false;
-}
-
-void Potential::assemble(const Positions& x, Clamp clamp, BlockMatrix& a) {
+void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
-    for_each_present([&](std::size_t t) {
-        const bool project = clamp == Clamp::all || (clamp == Clamp::bending && types_[t]->bends);
-        terms_[t]->add_hessian(x, project, a);
-    });
+    for_each_present([&](std::size_t t) { terms_[t]->add_hessian(x, project, a); });
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);

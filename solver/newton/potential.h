@@ -25,13 +25,6 @@ struct Balance {
     bool reached = false; ///< every body's is within the tolerance, or as small as rounding lets it be
 };
 
-/// Whose elements' negative eigenvalues are clamped at zero.
-enum class Clamp {
-    none,
-    bending, ///< of terms that press on surfaces that turn (TermType::bends)
-    all,
-};
-
 class Potential {
   public:
     explicit Potential(const Scene& scene);
@@ -90,13 +83,8 @@ class Potential {
     double evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each body by its own: a stiff one does not excuse a soft one.
     Balance balance(const Positions& x, const std::vector<BodyForces>& forces, double tolerance);
-    /// Hessian at x.
-    void assemble(const Positions& x, Clamp clamp, BlockMatrix& a);
-    void assemble(const Positions& x, bool project, BlockMatrix& a) {
-        assemble(x, project ? Clamp::all : Clamp::none, a);
-    }
-    /// After evaluate: whether a term is at work whose Hessian Clamp::bending changes.
-    bool bends() const;
+    /// Hessian at x; `project` clamps each element's eigenvalues at zero.
+    void assemble(const Positions& x, bool project, BlockMatrix& a);
     /// The longest share of a direction (3 an unknown) that a move from x may take.
     double longest_move(const Positions& x, const std::vector<double>& direction) const;
     /// How far the value may be off by rounding alone [J].

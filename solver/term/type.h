@@ -45,8 +45,6 @@ struct TermType {
     /// Whether a solve may begin without it, where bones have moved and flesh has yet to follow: what is found between
     /// them there was never so.
     bool waits = false;
-    /// Whether its Hessian has negative eigenvalues of its own where surfaces turn under what presses on them.
-    bool bends = false;
 };
 
 } // namespace sinew::solver

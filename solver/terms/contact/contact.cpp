@@ -66,7 +66,7 @@ void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermM
 
 const TermType contact_type{
     .name = "contact",
-    .numerics = 6,
+    .numerics = 5,
     .values = value_names,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
@@ -80,7 +80,6 @@ const TermType contact_type{
     .memory_version = 1,
     .has_memory = true,
     .waits = true,
-    .bends = true,
 };
 
 Contacts::Contacts(const Scene& scene)

@@ -57,14 +57,12 @@ bool all_bones(const Scene& scene) {
 
 const TermType sliding_type{
     .name = "sliding",
-    .numerics = 2,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
         return all_bones(scene) ? nullptr : std::make_unique<Slides>(scene);
     },
     .memory_version = 2,
     .has_memory = true,
-    .bends = true,
 };
 
 Changes Slides::take(const StepInputs& inputs, const State& before) {
