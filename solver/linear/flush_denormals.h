@@ -1,5 +1,5 @@
-// Numbers below 1e-38 do not matter to a preconditioner, and processors take a hundred times as long over them: what
-// fills in far from the entries of a matrix fades away to them, and they made three quarters of a factor's time.
+// Numbers below 1e-38 do not matter to a preconditioner, and processors take far longer over them: what fills in far
+// from the entries of a matrix fades away to them.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #if defined(__SSE2__)

@@ -22,9 +22,8 @@ constexpr double flop_rate = 115e9;
 constexpr double cached = 60e9, streamed = 27e9, cache = 8e6;
 /// Seconds to take an entry of the matrix into the factor.
 constexpr double entry = 20 / 14e9;
-/// Bytes of an entry of the factor: of the one that solves read, and of the one that it is made in, which large factors
-/// give back (single_cholesky.h).
-constexpr double kept_bytes = 2, working_bytes = 4, given_back = 64 << 20;
+/// Bytes of an entry of the factor: of the one that solves read, and of the one that it is made in.
+constexpr double kept_bytes = 2, working_bytes = 4;
 /// Blocks of all grids for one of the matrix: 0.8 in a box, 0.9 to 1.3 in muscles, which are few tets thick.
 constexpr double grid_blocks = 0.9;
 /// What an iteration costs however small the matrix is.
@@ -49,8 +48,7 @@ LinearCosts linear_costs(const BlockPattern& pattern) {
         out.factor += flops * rows * rows / flop_rate;
         nonzeros += entries * std::pow(rows, 4.0 / 3);
     }
-    out.factor_bytes = kept_bytes * nonzeros;
-    if (working_bytes * nonzeros <= given_back) out.factor_bytes += working_bytes * nonzeros;
+    out.factor_bytes = (kept_bytes + working_bytes) * nonzeros;
     out.factor += 9 * blocks * entry;
     const double product = seconds(48 * blocks, 48 * blocks);
     out.factor_solve = call + seconds(2 * kept_bytes * nonzeros, kept_bytes * nonzeros) + product;

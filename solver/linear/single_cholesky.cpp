@@ -6,6 +6,7 @@
 #include "solver/linear/cholmod_threads.h"
 #include "solver/linear/flush_denormals.h"
 #include "solver/linear/large_array.h"
+#include "solver/linear/row_blocks.h"
 #include "solver/linear/supernodes.h"
 #include "solver/parallel.h"
 
@@ -39,8 +40,7 @@ constexpr int most_own_width = 96, most_own_columns = 48;
 /// Columns (of numbers) that are factorised between two updates of the rest of a large supernode.
 constexpr int panel = 96;
 
-/// A factor of more bytes than this gives its working memory back once it is made. To take it again costs a factor of
-/// that size a twentieth of its time; smaller ones more.
+/// A factor of more bytes than this gives its working memory back once it is made; smaller ones keep it for the next.
 constexpr std::size_t large = std::size_t{64} << 20;
 /// What rounding may do to a pivot of a matrix of unit diagonal: it is 1 less squares that sum to at most that, of
 /// which there are up to some ten thousand.
@@ -55,12 +55,10 @@ struct Update {
     int source, from, to;
 };
 
-/// Three numbers and a zero: a row of the right side, that goes from and to memory as a whole.
-typedef float Float4 __attribute__((vector_size(16)));
-
 /// Numbers that the rows of a supernode and a row of four after them take.
 int room(int rows) { return ShortColumn::stride(3 * rows) + 4; }
-/// Rows one after another, three numbers each; the fourth goes where the next row will come.
+/// Rows of the right side are three numbers and a zero, which go from and to memory as a whole. Here they stand one
+/// after another, three numbers each; the fourth goes where the next row will come.
 void put_row(Float4 row, float* p) { std::memcpy(p, &row, sizeof row); }
 Float4 take_row(const float* p) {
     typedef std::int32_t Mask __attribute__((vector_size(16)));
