@@ -4,6 +4,7 @@
 #include "solver/index.h"
 #include "solver/parallel.h"
 #include "solver/simd.h"
+#include "solver/sort_into.h"
 
 #include <algorithm>
 
@@ -16,34 +17,37 @@ int BlockPattern::find(int i, int j) const {
     return it != last && *it == j ? static_cast<int>(it - column.begin()) : -1;
 }
 
-BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings) {
-    for (auto& [i, j] : couplings)
-        if (i > j) std::swap(i, j);
-    couplings.reserve(couplings.size() + at(rows));
-    for (int i = 0; i < rows; ++i) couplings.emplace_back(i, i);
-    std::sort(couplings.begin(), couplings.end());
-    couplings.erase(std::unique(couplings.begin(), couplings.end()), couplings.end());
+BlockPattern make_pattern(int rows, const std::vector<std::pair<int, int>>& couplings) {
+    std::vector<int> start, columns;
+    sort_into(at(rows), start, columns, [&](const auto& visit) {
+        for (int i = 0; i < rows; ++i) visit(at(i), i);
+        for (const auto& [i, j] : couplings) visit(at(std::min(i, j)), std::max(i, j));
+    });
+    std::vector<int> count(at(rows));
+    parallel_for(at(rows), 64, [&](std::size_t i) {
+        const auto first = columns.begin() + start[i], end = columns.begin() + start[i + 1];
+        std::sort(first, end);
+        count[i] = static_cast<int>(std::unique(first, end) - first);
+    });
 
     BlockPattern p;
     p.rows = rows;
     p.row_start.assign(at(rows) + 1, 0);
-    p.lower_start.assign(at(rows) + 1, 0);
-    p.column.reserve(couplings.size());
-    for (const auto& [i, j] : couplings) {
-        ++p.row_start[at(i) + 1];
-        if (j > i) ++p.lower_start[at(j) + 1];
-        p.column.push_back(j);
-    }
+    for (std::size_t i = 0; i < at(rows); ++i) p.row_start[i + 1] = p.row_start[i] + count[i];
+    p.column.reserve(at(p.row_start.back()));
     for (std::size_t i = 0; i < at(rows); ++i) {
-        p.row_start[i + 1] += p.row_start[i];
-        p.lower_start[i + 1] += p.lower_start[i];
+        const auto first = columns.begin() + start[i];
+        p.column.insert(p.column.end(), first, first + count[i]);
     }
+    p.lower_start.assign(at(rows) + 1, 0);
+    for (std::size_t i = 0; i < at(rows); ++i)
+        for (int b = p.row_start[i] + 1; b < p.row_start[i + 1]; ++b) ++p.lower_start[at(p.column[at(b)]) + 1];
+    for (std::size_t i = 0; i < at(rows); ++i) p.lower_start[i + 1] += p.lower_start[i];
     p.lower.resize(at(p.lower_start.back()));
     std::vector<int> next(p.lower_start.begin(), p.lower_start.end() - 1);
-    for (std::size_t b = 0; b < couplings.size(); ++b) {
-        const auto [i, j] = couplings[b];
-        if (j > i) p.lower[at(next[at(j)]++)] = {static_cast<int>(b), i};
-    }
+    for (std::size_t i = 0; i < at(rows); ++i)
+        for (int b = p.row_start[i] + 1; b < p.row_start[i + 1]; ++b)
+            p.lower[at(next[at(p.column[at(b)])]++)] = {b, static_cast<int>(i)};
     return p;
 }
 

@@ -22,7 +22,7 @@ struct BlockPattern {
 };
 
 /// From couplings (i, j) in any order, duplicates allowed.
-BlockPattern make_pattern(int rows, std::vector<std::pair<int, int>> couplings);
+BlockPattern make_pattern(int rows, const std::vector<std::pair<int, int>>& couplings);
 
 /// Component of every row, by its lowest row.
 std::vector<int> components(const BlockPattern& pattern);

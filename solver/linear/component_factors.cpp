@@ -35,7 +35,7 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
                 couplings.emplace_back(local[at(i)], local[at(pattern.column[at(e)])]);
                 part->source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
             }
-        part->pattern = make_pattern(static_cast<int>(part->rows.size()), std::move(couplings));
+        part->pattern = make_pattern(static_cast<int>(part->rows.size()), couplings);
         std::vector<int>().swap(part->pattern.lower_start);
         std::vector<std::pair<int, int>>().swap(part->pattern.lower);
         if (factoring == Factoring::single)

@@ -32,7 +32,7 @@ HeldPart part_of(const BlockPattern& pattern, const HeldRows& held) {
             couplings.emplace_back(local[at(i)], j);
             out.source.push_back(e); // rows and columns come sorted, as make_pattern keeps them
         }
-    out.pattern = make_pattern(static_cast<int>(out.rows.size()), std::move(couplings));
+    out.pattern = make_pattern(static_cast<int>(out.rows.size()), couplings);
     return out;
 }
 

@@ -55,7 +55,7 @@ bool Potential::take(const State& before, const StepInputs& inputs) {
             if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
         }
         pattern_ =
-            std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), std::move(couplings)));
+            std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), couplings));
         for (const auto& term : terms_) term->bind(*pattern_);
     }
     if (is_new || all.masses) {

@@ -7,61 +7,110 @@
 
 #include <algorithm>
 #include <cmath>
-#include <compare>
-#include <numeric>
+#include <cstdint>
+#include <tbb/enumerable_thread_specific.h>
 #include <tuple>
+#include <unordered_map>
 
 namespace sinew::solver {
 
 namespace {
 
-std::strong_ordering compare(const CoupledSpring& s, const CoupledSpring& t) {
-    if (s.attachment != t.attachment) return s.attachment <=> t.attachment;
-    return std::lexicographical_compare_three_way(
-        s.terms.begin(), s.terms.end(), t.terms.begin(), t.terms.end(),
-        [](const SpringTerm& v, const SpringTerm& w) { return v.vertex <=> w.vertex; });
+/// Whether two springs have the same attachment and vertices, and so the same blocks.
+bool alike(const CoupledSpring& s, const CoupledSpring& t) {
+    return s.attachment == t.attachment &&
+           std::equal(s.terms.begin(), s.terms.end(), t.terms.begin(), t.terms.end(),
+                      [](const SpringTerm& v, const SpringTerm& w) { return v.vertex == w.vertex; });
 }
 
-/// A spring and its place in the list of springs.
-struct Placed {
-    const CoupledSpring* spring;
-    std::size_t place;
-    friend bool operator<(const Placed& a, const Placed& b) {
-        const std::strong_ordering order = compare(*a.spring, *b.spring);
-        return order != 0 ? order < 0 : a.place < b.place;
+struct Hash {
+    std::size_t operator()(const CoupledSpring* s) const {
+        std::uint64_t h = static_cast<std::uint64_t>(s->attachment);
+        for (const SpringTerm& t : s->terms) {
+            h = (h ^ static_cast<std::uint64_t>(t.vertex)) * 0x9e3779b97f4a7c15U;
+            h ^= h >> 32;
+        }
+        return h;
     }
 };
 
-/// Springs with the same attachment and vertices, which have the same blocks: places in the list of springs.
-std::vector<std::vector<std::size_t>> groups_of(const std::vector<CoupledSpring>& springs) {
-    std::vector<Placed> order;
-    for (std::size_t s = 0; s < springs.size(); ++s) order.push_back({&springs[s], s});
-    parallel_sort(order.begin(), order.end());
-    std::vector<std::vector<std::size_t>> groups;
-    for (const Placed& p : order) {
-        if (groups.empty() || compare(springs[groups.back().front()], *p.spring) != 0) groups.emplace_back();
-        groups.back().push_back(p.place);
-    }
-    return groups;
-}
+struct Alike {
+    bool operator()(const CoupledSpring* s, const CoupledSpring* t) const { return alike(*s, *t); }
+};
 
-/// By rows, and in each by `before`, what is equal as it came; `start`: of each row, and one past the end.
-template <class Value, class Before>
-std::vector<Value> sorted_rows(std::size_t rows, const std::vector<int>& row_of, const std::vector<Value>& values,
-                               std::vector<int>& start, const Before& before) {
-    std::vector<int> order;
-    sort_into(rows, start, order, [&](const auto& visit) {
-        for (std::size_t k = 0; k < values.size(); ++k) visit(at(row_of[k]), static_cast<int>(k));
-    });
-    std::vector<Value> out(values.size());
-    parallel_for(rows, 16, [&](std::size_t row) {
-        const auto first = out.begin() + start[row], end = out.begin() + start[row + 1];
-        std::transform(order.begin() + start[row], order.begin() + start[row + 1], first,
-                       [&](int k) { return values[at(k)]; });
-        std::stable_sort(first, end, before);
+/// Springs that are alike, by groups that come in the order of their first springs: places in the list of springs.
+struct Groups {
+    std::vector<int> start, spring;
+    std::span<const int> of(std::size_t group) const {
+        return std::span(spring).subspan(at(start[group]), at(start[group + 1] - start[group]));
+    }
+};
+
+Groups groups_of(const std::vector<CoupledSpring>& springs) {
+    std::unordered_map<const CoupledSpring*, int, Hash, Alike> known;
+    std::vector<int> group(springs.size());
+    for (std::size_t s = 0; s < springs.size(); ++s)
+        group[s] = known.try_emplace(&springs[s], static_cast<int>(known.size())).first->second;
+    Groups out;
+    sort_into(known.size(), out.start, out.spring, [&](const auto& visit) {
+        for (std::size_t s = 0; s < springs.size(); ++s) visit(at(group[s]), static_cast<int>(s));
     });
     return out;
 }
+
+/// What one attachment's springs make between a node and another.
+struct Product {
+    int column, attachment;
+    double product;
+};
+
+/// The products of one node after the other, by a thread that keeps its working memory.
+class RowProducts {
+  public:
+    explicit RowProducts(std::size_t nodes)
+        : place_(nodes, -1) {}
+
+    /// Begins with another node.
+    void begin() {
+        for (const Product& p : products_) place_[at(p.column)] = -1;
+        products_.clear();
+    }
+
+    /// Adds what springs that are alike make between their term `own` and all; attachments must not fall.
+    void add(const std::vector<CoupledSpring>& springs, std::span<const int> group, std::size_t own,
+             const std::vector<int>& node_of) {
+        const CoupledSpring& first = springs[at(group.front())];
+        sum_.assign(first.terms.size(), 0);
+        for (const int s : group) {
+            const std::span<const SpringTerm> terms = springs[at(s)].terms;
+            const double weight = springs[at(s)].area_weight * terms[own].coefficient;
+            for (std::size_t j = 0; j < terms.size(); ++j) sum_[j] += weight * terms[j].coefficient;
+        }
+        for (std::size_t j = 0; j < first.terms.size(); ++j) {
+            const int column = node_of[at(first.terms[j].vertex)];
+            int& place = place_[at(column)];
+            if (place < 0 || products_[at(place)].attachment != first.attachment) {
+                place = static_cast<int>(products_.size());
+                products_.push_back({column, first.attachment, 0});
+            }
+            products_[at(place)].product += sum_[j];
+        }
+    }
+
+    /// By columns, and in each by attachments.
+    std::vector<Product> sorted() const {
+        std::vector<Product> out = products_;
+        std::sort(out.begin(), out.end(), [](const Product& a, const Product& b) {
+            return std::tie(a.column, a.attachment) < std::tie(b.column, b.attachment);
+        });
+        return out;
+    }
+
+  private:
+    std::vector<int> place_; ///< by columns: of the last product, or -1
+    std::vector<Product> products_;
+    std::vector<double> sum_;
+};
 
 } // namespace
 
@@ -78,72 +127,60 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
         nodes_.push_back({vertex, body});
     }
 
-    struct Product {
-        int column, attachment;
-        double product;
-    };
-    std::vector<int> row_of;
-    std::vector<Product> unsorted;
-    for (const std::vector<std::size_t>& group : groups_of(springs)) {
-        const CoupledSpring& first = springs[group.front()];
-        for (std::size_t i = 0; i < first.terms.size(); ++i)
-            for (std::size_t j = 0; j < first.terms.size(); ++j) {
-                double sum = 0;
-                for (const std::size_t s : group)
-                    sum += springs[s].area_weight * springs[s].terms[i].coefficient * springs[s].terms[j].coefficient;
-                row_of.push_back(node_of[at(first.terms[i].vertex)]);
-                unsorted.push_back({node_of[at(first.terms[j].vertex)], first.attachment, sum});
-            }
-    }
-    std::vector<int> start;
-    const std::vector<Product> products =
-        sorted_rows(nodes_.size(), row_of, unsorted, start, [](const Product& a, const Product& b) {
-            return std::tie(a.column, a.attachment) < std::tie(b.column, b.attachment);
-        });
-    for (std::size_t row = 0; row < nodes_.size(); ++row) {
+    const Groups groups = groups_of(springs);
+    // Where a node stands: group and term, by rising groups and so by rising attachments.
+    std::vector<int> place_start, place;
+    std::vector<std::pair<int, int>> places;
+    for (std::size_t g = 0; g + 1 < groups.start.size(); ++g)
+        for (std::size_t i = 0; i < springs[at(groups.of(g).front())].terms.size(); ++i)
+            places.emplace_back(static_cast<int>(g), static_cast<int>(i));
+    sort_into(nodes_.size(), place_start, place, [&](const auto& visit) {
+        for (std::size_t p = 0; p < places.size(); ++p) {
+            const CoupledSpring& first = springs[at(groups.of(at(places[p].first)).front())];
+            visit(at(node_of[at(first.terms[at(places[p].second)].vertex)]), static_cast<int>(p));
+        }
+    });
+    std::vector<std::vector<Product>> rows(nodes_.size());
+    std::vector<std::vector<Load>> row_loads(nodes_.size());
+    tbb::enumerable_thread_specific<RowProducts> makers(nodes_.size());
+    parallel_for(nodes_.size(), 16, [&](std::size_t node) {
+        RowProducts& maker = makers.local();
+        maker.begin();
+        for (int k = place_start[node]; k < place_start[node + 1]; ++k) {
+            const auto [g, i] = places[at(place[at(k)])];
+            const std::span<const int> group = groups.of(at(g));
+            maker.add(springs, group, at(i), node_of);
+            const int attachment = springs[at(group.front())].attachment;
+            std::vector<Load>& loads = row_loads[node];
+            if (loads.empty() || loads.back().attachment != attachment) loads.push_back({attachment, 0});
+            for (const int s : group)
+                loads.back().area += springs[at(s)].area_weight * std::abs(springs[at(s)].terms[at(i)].coefficient);
+        }
+        rows[node] = maker.sorted();
+    });
+
+    std::size_t shares = 0;
+    for (const std::vector<Product>& row : rows) shares += row.size();
+    shares_.reserve(shares);
+    for (std::size_t node = 0; node < nodes_.size(); ++node) {
         row_start_.push_back(column_.size());
         int column = -1;
-        for (int k = start[row]; k < start[row + 1]; ++k) {
-            const Product& p = products[at(k)];
-            const bool is_new = p.column != column;
-            if (is_new) {
+        for (const Product& p : rows[node]) {
+            if (p.column != column) {
                 column = p.column;
                 column_.push_back(column);
                 first_share_.push_back(static_cast<int>(shares_.size()));
             }
-            if (is_new || shares_.back().attachment != p.attachment)
-                shares_.push_back({p.attachment, p.product});
-            else
-                shares_.back().product += p.product;
+            shares_.push_back({p.attachment, p.product});
         }
+        first_load_.push_back(loads_.size());
+        loads_.insert(loads_.end(), row_loads[node].begin(), row_loads[node].end());
     }
     row_start_.push_back(column_.size());
     first_share_.push_back(static_cast<int>(shares_.size()));
-    for (auto* list : {&column_, &first_share_}) list->shrink_to_fit();
-    shares_.shrink_to_fit();
-    values_.resize(column_.size());
-    make_loads(springs, node_of);
-}
-
-void SpringCoupling::make_loads(const std::vector<CoupledSpring>& springs, const std::vector<int>& node_of) {
-    std::vector<int> row_of, start;
-    std::vector<Load> unsorted;
-    for (const CoupledSpring& s : springs)
-        for (const SpringTerm& term : s.terms) {
-            row_of.push_back(node_of[at(term.vertex)]);
-            unsorted.push_back({s.attachment, s.area_weight * std::abs(term.coefficient)});
-        }
-    const std::vector<Load> all = sorted_rows(nodes_.size(), row_of, unsorted, start,
-                                              [](const Load& a, const Load& b) { return a.attachment < b.attachment; });
-    for (std::size_t node = 0; node < nodes_.size(); ++node) {
-        first_load_.push_back(loads_.size());
-        for (int k = start[node]; k < start[node + 1]; ++k)
-            if (const Load& load = all[at(k)]; k == start[node] || loads_.back().attachment != load.attachment)
-                loads_.push_back(load);
-            else
-                loads_.back().area += load.area;
-    }
     first_load_.push_back(loads_.size());
+    for (auto* list : {&column_, &first_share_}) list->shrink_to_fit();
+    values_.resize(column_.size());
     square_stiffness_.resize(nodes_.size());
 }
 

@@ -70,7 +70,6 @@ class SpringCoupling {
             sum += values[e] * moves[static_cast<std::size_t>(column_[e])];
         return sum;
     }
-    void make_loads(const std::vector<CoupledSpring>& springs, const std::vector<int>& node_of);
 
     std::vector<Node> nodes_;
     std::vector<std::size_t> row_start_; ///< per node and one past the end: of its entries
