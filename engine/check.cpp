@@ -113,6 +113,7 @@ class Checker {
             if (!tangent->empty() && tangent->size() != width)
                 problem("DG017", "a tangent is as wide as the value", {}, place + "/2");
         for (double v : k.value) {
+            if (!std::isfinite(v)) return problem("DG027", "not a finite number", {}, place + "/1"); // once a key
             if (whole && v != std::floor(v))
                 problem("DG012", number_text(v) + " is not a whole number", {}, place + "/1");
             else if (!input_.options.empty() && !(v >= 0 && v < static_cast<double>(input_.options.size())))

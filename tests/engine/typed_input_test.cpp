@@ -132,6 +132,11 @@ TEST_CASE("words and objects of other programs are answered with ours") {
           "DG012 expected a list of [frame, value], found an object | write [[1, 0], [9, 0.5]]");
     CHECK(answer("value", R"({"keys": [1, 0, 9, 0.5]})") ==
           R"(DG017 a key is [frame, value] or [frame, value, { "in": …, "out": … }] | write [[1, 0], [9, 0.5]])");
+    CHECK(answer("value", "[[1, 0], [9, 0.5]]") ==
+          "DG012 expected number, found a list | write { \"keys\": [[1, 0], [9, 0.5]] }");
+    CHECK(answer("axis", "[[1, [0, 1, 0]], [9, [1, 0, 0]]]") ==
+          "DG012 expected vector, found a list | write { \"keys\": [[frame, value], …] }");
+    CHECK(answer("value", R"({"keys": [["9", 2]]})") == "DG012 expected number, found text | write 9 without quotes");
     CHECK(answer("value", "\"mus\"") == "DG016 unknown preset \"mus\" | presets: fat or muscle");
 }
 
