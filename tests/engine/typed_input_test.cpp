@@ -140,6 +140,26 @@ TEST_CASE("words and objects of other programs are answered with ours") {
     CHECK(answer("value", "\"mus\"") == "DG016 unknown preset \"mus\" | presets: fat or muscle");
 }
 
+TEST_CASE("an input that is missing is answered with what there is to connect it to") {
+    const auto with = [](const std::string& nodes) {
+        std::string text = R"({"format": "sinew 1", "nodes": {)";
+        return answer(text.append(nodes).append("}}"));
+    };
+    const std::string a = R"("a": {"type": "number"}, )", b = R"("b": {"type": "number"}, )";
+    CHECK(with(R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"node.output\" }");
+    CHECK(with(a + R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"a.out\" }");
+    CHECK(with(a + b + R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"node.output\" } with \"a.out\" or \"b.out\"");
+    CHECK(with(a + b + R"("s": {"type": "sum"})") ==
+          "DG019 sum needs this number | connect it: [ { \"from\": \"a.out\" }, { \"from\": \"b.out\" } ]");
+    CHECK(with(a + R"("s": {"type": "sum", "inputs": {"terms": []}})") ==
+          "DG021 has 0 connections and needs at least 1 | connect it: [ { \"from\": \"a.out\" } ]");
+    CHECK(with(R"("f": {"type": "fileSize"})") ==
+          "DG019 fileSize needs this file | write the path of a file, relative to the graph's folder");
+}
+
 TEST_CASE("several of one and one of several are found") {
     const std::vector<std::string> names{"bodies", "mesh", "fibers", "QuasiStatic"};
     CHECK(nearest_name("body", names) == "bodies");
