@@ -113,6 +113,7 @@ class Checker {
             if (!tangent->empty() && tangent->size() != width)
                 problem("DG017", "a tangent is as wide as the value", {}, place + "/2");
         for (double v : k.value) {
+            if (!std::isfinite(v)) return problem("DG027", "not a finite number", {}, place + "/1"); // once a key
             if (whole && v != std::floor(v))
                 problem("DG012", number_text(v) + " is not a whole number", {}, place + "/1");
             else if (!input_.options.empty() && !(v >= 0 && v < static_cast<double>(input_.options.size())))
@@ -259,7 +260,39 @@ void check_entry(const Graph& graph, std::string_view node, const Node& n, const
 
 } // namespace
 
-std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n) {
+namespace {
+
+/// How an input is written that is missing, with what there is in the graph to connect it to.
+std::string missing_form(const Graph& graph, std::string_view node, const AttributeInfo& a,
+                         std::span<const std::string> names) {
+    constexpr std::size_t most_named = 6, most_asked = 1000; // nodes, as this is said of each input that is missing
+    if (a.def.is<File>()) return "write the path of a file, relative to the graph's folder";
+    const bool list = a.kind == AttributeKind::wire_list;
+    std::vector<std::string> fitting;
+    for (std::size_t i = 0; i < std::min(names.size(), most_asked) && fitting.size() <= most_named; ++i) {
+        const Node* n = graph.find(names[i]);
+        if (!n || !n->type || names[i] == node) continue;
+        for (const AttributeInfo& out : n->type->outputs)
+            if (out.type == a.type) fitting.push_back(json_quoted(names[i] + "." + std::string(out.name)));
+    }
+    const bool are_named = !fitting.empty() && fitting.size() <= most_named;
+    if (a.kind == AttributeKind::literal && !are_named) return "give it a value";
+    std::string form;
+    const auto add = [&](const std::string& plug) {
+        form.append(form.empty() ? "{ \"from\": " : ", { \"from\": ").append(plug).append(" }");
+    };
+    if (are_named && (list || fitting.size() == 1))
+        for (const std::string& one : fitting) add(one);
+    else
+        add("\"node.output\"");
+    if (list) form = "[ " + form + " ]";
+    return "connect it: " + form + (!list && are_named && fitting.size() > 1 ? " with " + listed(fitting) : "");
+}
+
+} // namespace
+
+std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n,
+                                    std::span<const std::string> names) {
     std::vector<Problem> out;
     for (const AttributeInfo& a : n.type->inputs) {
         if (!a.names_entry_of.empty()) check_entry(graph, node, n, a, out);
@@ -281,11 +314,11 @@ std::vector<Problem> check_required(const Graph& graph, std::string_view node, c
                                    std::to_string(a.min_count);
         } else {
             p.diagnostic.code = "DG019";
-            p.diagnostic.message = std::string(n.type->name) + " needs this " + std::string(a.type_name);
-            p.diagnostic.hint = a.kind == AttributeKind::literal ? "give it a value"
-                                : list                           ? "connect it: [ { \"from\": \"node.output\" } ]"
-                                                                 : "connect it: { \"from\": \"node.output\" }";
+            const bool several = a.type_name == "numbers";
+            p.diagnostic.message =
+                std::string(n.type->name) + " needs " + (several ? "these " : "this ") + std::string(a.type_name);
         }
+        p.diagnostic.hint = missing_form(graph, node, a, names);
         out.push_back(std::move(p));
     }
     return out;

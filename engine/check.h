@@ -20,7 +20,8 @@ std::vector<Problem> check_binding(const Graph& graph, std::string_view node, co
                                    const AttributeInfo& input, const Binding& binding);
 
 /// Required inputs that are not there, lists with too few connections, names of entries that are not there.
-std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n);
+std::vector<Problem> check_required(const Graph& graph, std::string_view node, const Node& n,
+                                    std::span<const std::string> names = {});
 
 /// The names that an input with names_entry_of can hold, by place: the nodes connected to the list that what is
 /// connected here has one entry for. Empty where nothing with entries is connected.

@@ -346,6 +346,12 @@ class Edit::Draft {
         if (binding) bind(op.plug, std::move(*binding));
     }
 
+    void connected(const Plug& at, const Binding& binding) {
+        const Plug* from = std::get_if<Plug>(&binding);
+        const std::string sender = from ? ", or send to an input of \"" + from->node + "\", which it follows" : "";
+        problem("DG042", at, "a connected input cannot be keyed", "give it a plain value first" + sender);
+    }
+
     void key(const Op& op) {
         const AttributeInfo* info = input(op.plug);
         if (!info) return;
@@ -357,7 +363,7 @@ class Edit::Draft {
             if (const Curve* c = std::get_if<Curve>(&bound->second))
                 curve = *c;
             else if (!std::holds_alternative<Value>(bound->second))
-                return problem("DG042", op.plug, "a connected input cannot be keyed", "disconnect it first");
+                return connected(op.plug, bound->second);
         }
         const auto at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame,
                                          [](const Key& k, double f) { return k.frame < f; });
@@ -392,10 +398,19 @@ class Edit::Draft {
             bind(op.plug, Curve{});
             return;
         }
-        const auto value = key_value(*info, op.at_frame);
+        Value given = op.at_frame;
+        if (given.is<std::string>() && !info->def.is<std::string>()) { // "12 kPa": read as in a file
+            std::vector<Problem> found;
+            const Json text = parse_json(json_quoted(given.as<std::string>())).root;
+            const auto binding = read_binding(graph_, *info, text, folder_of(graph_.file()), found);
+            for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
+            if (!binding) return;
+            given = std::get<Value>(*binding);
+        }
+        const auto value = key_value(*info, given);
         const KeyNumbers sent = value ? KeyNumbers(*value) : KeyNumbers();
         if (!value) {
-            for (Problem& p : check_binding(graph_, op.plug.node, *graph_.find(op.plug.node)->type, *info, op.at_frame))
+            for (Problem& p : check_binding(graph_, op.plug.node, *graph_.find(op.plug.node)->type, *info, given))
                 problem(p.diagnostic.code, op.plug, p.diagnostic.message, p.diagnostic.hint);
             return;
         }
@@ -410,7 +425,7 @@ class Edit::Draft {
             else if (const Value* v = std::get_if<Value>(&bound->second))
                 before = *v;
             else
-                return problem("DG042", op.plug, "a connected input cannot be keyed", "disconnect it first");
+                return connected(op.plug, bound->second);
         }
         if (curve.interpolation == Interpolation::smooth)
             return problem("DG043", op.plug, "a frame of a smooth curve cannot be set alone",

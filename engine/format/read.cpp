@@ -493,7 +493,7 @@ class GraphReader {
         for (const std::string& name : graph_.order_) {
             const Node& n = *graph_.find(name);
             if (!is_included(name) || !n.type) continue;
-            for (Problem& f : check_required(graph_, name, n)) {
+            for (Problem& f : check_required(graph_, name, n, graph_.order_)) {
                 Diagnostic& d = f.diagnostic;
                 d.spot = graph_.spot(name, d.attribute);
                 if (!d.spot) d.spot = graph_.spot(name);
@@ -545,7 +545,7 @@ class GraphReader {
     }
 
     void required(const Pending& p) {
-        for (Problem& f : check_required(graph_, p.name, *graph_.find(p.name))) {
+        for (Problem& f : check_required(graph_, p.name, *graph_.find(p.name), graph_.order_)) {
             const auto& d = f.diagnostic;
             const Json* input = p.inputs ? p.inputs->find(d.attribute) : nullptr;
             problem(d.code, input ? input->begin : p.at,

@@ -284,8 +284,10 @@ class BindingReader {
 
     /// A number without a unit: frames.
     std::optional<double> plain_number(const Json& json, const std::string& below) {
-        if (!json.as<std::string>()) return number(json, below, 1);
-        wrong_type(json, below, "number");
+        const auto* text = json.as<std::string>();
+        if (!text) return number(json, below, 1);
+        const auto typed = parse_quantity(*text);
+        wrong_type(json, below, "number", typed && typed->unit.empty() ? without_quotes(typed->number) : "");
         return {};
     }
 
@@ -351,6 +353,10 @@ class BindingReader {
 
     Binding literal(const Json& json, const std::string& below, double factor) {
         const Value& kind = input_.def;
+        if (const std::string form = input_.keyable ? pairs_form(json) : ""; !form.empty()) {
+            wrong_type(json, below, "", "write { \"keys\": " + form + " }");
+            return Value();
+        }
         if (kind.is<double>()) return Value::of<double>(number(json, below, factor).value_or(0));
         if (kind.is<std::int64_t>()) return Value::of<std::int64_t>(integer(json, below).value_or(0));
         if (kind.is<Vec3>()) return fixed<3>(json, below, factor);

@@ -95,6 +95,20 @@ std::string keys_form(const Json& keys) {
     return out.empty() ? out : out + (pairs.size() > most ? ", …]" : "]");
 }
 
+std::string pairs_form(const Json& json) {
+    const auto* list = json.as<Json::List>();
+    if (!list || list->empty()) return {};
+    std::string out;
+    for (const Json& one : *list) {
+        const auto* pair = one.as<Json::List>();
+        if (!pair || pair->size() != 2 || !number_of(pair->front())) return {};
+        const auto value = number_of(pair->back());
+        if (!value || list->size() > 8) return "[[frame, value], …]";
+        out += (out.empty() ? "[" : ", ") + list_text(NumberList{*number_of(pair->front()), *value});
+    }
+    return out + "]";
+}
+
 std::string wires_hint(const NodeType& type, const AttributeInfo& input, const Json& json) {
     const auto* list = json.as<Json::List>();
     const auto is_connection = [](const Json& one) { return one.find("from") != nullptr; };

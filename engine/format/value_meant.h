@@ -28,6 +28,9 @@ std::string interpolation_form(const std::string& word);
 /// The list of pairs that is meant by { "1": 0, "10": 1 } or [1, 0, 10, 1]; empty if it is none of these.
 std::string keys_form(const Json& keys);
 
+/// The keys that are meant by [[1, 0], [10, 1]] without "keys"; empty if it holds no pairs of frame and value.
+std::string pairs_form(const Json& json);
+
 /// "material" is a word, and "materials" what is connected: asks for the list where connections were given to a
 /// literal. Empty where nothing speaks for it.
 std::string wires_hint(const NodeType& type, const AttributeInfo& input, const Json& json);

@@ -49,6 +49,22 @@ TEST_CASE("a host builds against an installed Sinew and runs", "[embed]") {
     CHECK(run(folder, "'" + build + "/host' '" + (folder / "cube.json").string() + "' block") == "8\n");
 }
 
+TEST_CASE("the C++ program of the README builds against an installed Sinew and runs", "[embed]") {
+    const TemporaryFolder folder;
+    const std::string prefix = install(folder), source = SINEW_SOURCE_DIR, build = (folder / "b").string();
+    const std::string page = read_text(source + "/README.md"), fence = "```cpp\n";
+    const std::size_t begin = page.find(fence);
+    REQUIRE(begin != std::string::npos);
+    write_text(folder / "host.cpp",
+               page.substr(begin + fence.size(), page.find("```", begin + 1) - begin - fence.size()));
+    run(folder, "cmake -S '" + source + "/tests/support/installed_host' -B '" + build + "' -DCMAKE_PREFIX_PATH='" +
+                    prefix + "' -DHOST_LIBRARY=sinew::embed -DHOST_SOURCE='" + (folder / "host.cpp").string() +
+                    "' && cmake --build '" + build + "'");
+    CHECK(run(folder, "cd '" + source + "' && '" + build + "/host'") == "274 points\n");
+    // How to install it stands beside it.
+    CHECK(page.find("cmake --install build/release --prefix DIR") != std::string::npos);
+}
+
 TEST_CASE("a host in C builds against an installed libsinew with pkg-config alone", "[embed]") {
     const TemporaryFolder folder;
     const std::string prefix = install(folder), source = SINEW_SOURCE_DIR;

@@ -213,6 +213,11 @@ TEST_CASE("numbers and texts become what the attribute takes, or are refused wit
     CHECK(code([&] { set(s, "solver", "substeps", std::vector<double>{1.5}); }) == "DG012");
     CHECK(code([&] { set(s, "hung", "material", std::string("Rubber")); }) == "DG014");
     CHECK(literal("hung", "material").as<std::string>() == "NeoHookean");
+    // Texts for numbers frame by frame, too.
+    const Setting quantity{{"flesh", "youngsModulus"}, std::string("12 kPa")};
+    s.set_at(2, {&quantity, 1});
+    const auto sent = std::get<engine::Curve>(s.graph()->find("flesh")->inputs.find("youngsModulus")->second);
+    CHECK(sent.keys.back().value == engine::KeyNumbers{12000});
 }
 
 TEST_CASE("what to evaluate must be clear", "[embed]") {

@@ -134,6 +134,49 @@ TEST_CASE("numbers, words, switches and whole numbers can be sent too, and each 
           "DG042");
 }
 
+TEST_CASE("a text sent for a number is read as in a file: a quantity, a preset, or the form that is right") {
+    const auto g = graph(registry(), R"("n": {"type": "number", "inputs": {"value": 3}})");
+    const auto sent = [&](const std::string& text) {
+        const auto done = Edit(g).set_input({"n", "value"}, 5, Value::of<std::string>(text)).commit().graph;
+        Evaluator e({}, 1);
+        return std::vector<double>{number(e, done, {"n", "out"}, 4), number(e, done, {"n", "out"}, 5)};
+    };
+    CHECK(sent("12 kPa") == std::vector<double>{3, 12000});
+    CHECK(sent("fat") == std::vector<double>{3, 500});
+    const auto hint = [&](const std::string& text) -> std::string {
+        try {
+            sent(text);
+        } catch (const Failure& f) {
+            return f.diagnostics().size() == 1 ? f.diagnostics().front().code + " " + f.diagnostics().front().hint : "";
+        }
+        return "taken";
+    };
+    CHECK(hint("12 kpa") == "DG015 write \"12 kPa\"");
+    CHECK(hint("12") == "DG012 write 12 without quotes");
+    CHECK(hint("fatt") == "DG016 did you mean \"fat\"?");
+}
+
+TEST_CASE("what is wrong with a matrix that is sent is told once, and where else to send") {
+    const auto g = graph(registry(), R"("p": {"type": "place"}, "q": {"type": "place"},
+        "n": {"type": "number"}, "r": {"type": "number", "inputs": {"value": {"from": "n.out"}}})");
+    const auto problems = [](const Edit& e) -> std::vector<Diagnostic> {
+        try {
+            e.commit();
+        } catch (const Failure& f) {
+            return {f.diagnostics().begin(), f.diagnostics().end()};
+        }
+        return {};
+    };
+    Matrix4 broken;
+    broken.fill(std::nan(""));
+    const auto told = problems(Edit(g).set_input({"p", "matrix"}, 5, Value::of<Matrix4>(broken)));
+    REQUIRE(told.size() == 1);
+    CHECK(told[0].code == "DG027");
+    const auto connected = problems(Edit(g).set_input({"r", "value"}, 5, Value::of<double>(1)));
+    REQUIRE(connected.size() == 1);
+    CHECK(connected[0].hint == "give it a plain value first, or send to an input of \"n\", which it follows");
+}
+
 TEST_CASE("an animated curve is not cut where its earlier frames would change") {
     const auto with = [](const char* keys) {
         return graph(registry(), std::string(R"("n": {"type": "number", "inputs": {"value": )") + keys + "}}");

@@ -132,7 +132,32 @@ TEST_CASE("words and objects of other programs are answered with ours") {
           "DG012 expected a list of [frame, value], found an object | write [[1, 0], [9, 0.5]]");
     CHECK(answer("value", R"({"keys": [1, 0, 9, 0.5]})") ==
           R"(DG017 a key is [frame, value] or [frame, value, { "in": …, "out": … }] | write [[1, 0], [9, 0.5]])");
+    CHECK(answer("value", "[[1, 0], [9, 0.5]]") ==
+          "DG012 expected number, found a list | write { \"keys\": [[1, 0], [9, 0.5]] }");
+    CHECK(answer("axis", "[[1, [0, 1, 0]], [9, [1, 0, 0]]]") ==
+          "DG012 expected vector, found a list | write { \"keys\": [[frame, value], …] }");
+    CHECK(answer("value", R"({"keys": [["9", 2]]})") == "DG012 expected number, found text | write 9 without quotes");
     CHECK(answer("value", "\"mus\"") == "DG016 unknown preset \"mus\" | presets: fat or muscle");
+}
+
+TEST_CASE("an input that is missing is answered with what there is to connect it to") {
+    const auto with = [](const std::string& nodes) {
+        std::string text = R"({"format": "sinew 1", "nodes": {)";
+        return answer(text.append(nodes).append("}}"));
+    };
+    const std::string a = R"("a": {"type": "number"}, )", b = R"("b": {"type": "number"}, )";
+    CHECK(with(R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"node.output\" }");
+    CHECK(with(a + R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"a.out\" }");
+    CHECK(with(a + b + R"("r": {"type": "relay"})") ==
+          "DG019 relay needs this number | connect it: { \"from\": \"node.output\" } with \"a.out\" or \"b.out\"");
+    CHECK(with(a + b + R"("s": {"type": "sum"})") ==
+          "DG019 sum needs this number | connect it: [ { \"from\": \"a.out\" }, { \"from\": \"b.out\" } ]");
+    CHECK(with(a + R"("s": {"type": "sum", "inputs": {"terms": []}})") ==
+          "DG021 has 0 connections and needs at least 1 | connect it: [ { \"from\": \"a.out\" } ]");
+    CHECK(with(R"("f": {"type": "fileSize"})") ==
+          "DG019 fileSize needs this file | write the path of a file, relative to the graph's folder");
 }
 
 TEST_CASE("several of one and one of several are found") {

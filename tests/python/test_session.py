@@ -28,7 +28,7 @@ class Frames(unittest.TestCase):
         self.assertEqual(frame.plug, "solver.outMeshes")
         self.assertIn("hung", frame)
         self.assertNotIn("ball", frame)
-        with self.assertRaises(KeyError):
+        with self.assertRaisesRegex(KeyError, "there is no mesh 'ball'; meshes: hung or plate"):
             frame["ball"]
         with self.assertRaises(IndexError):
             frame[2]
@@ -151,6 +151,10 @@ class Sending(unittest.TestCase):
         self.assertRaises(TypeError, session.set, "flesh.youngsModulus", None)
         self.assertRaises(TypeError, session.set, "flesh.youngsModulus", object())
         self.assertRaises(sinew.UsageError, session.set, "youngsModulus", 1)
+        self.assertRaises(sinew.UsageError, session.set_input, 2, "flesh.youngsModulus", 1)  # the frame comes second
+        session.set_input("flesh.youngsModulus", 2, "30 kPa")
+        with self.assertRaisesRegex(sinew.GraphError, 'write "30 kPa"'):
+            session.set_input("flesh.youngsModulus", 2, "30 kpa")
         self.assertRaises(sinew.UsageError, session.set, "solver.gravity", [1, 2])
 
     def test_a_cache_is_found_by_the_next_session(self):

@@ -1,5 +1,6 @@
 // The compiled part of the Python module; tools/python/sinew is the part in Python around it.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/check.h"
 #include "engine/format/graph_file.h"
 #include "nodes/register_all.h"
 #include "tools/python/arrays.h"
@@ -78,7 +79,7 @@ std::size_t place_of(const embed::Frame& f, const py::object& which) {
     if (py::isinstance<py::str>(which)) {
         const auto name = which.cast<std::string>();
         if (const auto found = f.find(name)) return *found;
-        throw py::key_error(name);
+        throw py::key_error("there is no mesh '" + name + "'; " + engine::name_hint(name, f.names, "meshes"));
     }
     const auto count = static_cast<py::ssize_t>(f.meshes.size());
     auto i = which.cast<py::ssize_t>();

@@ -33,6 +33,8 @@ class Timing(NamedTuple):
 
 
 def _split(plug: str) -> Tuple[str, str]:
+    if not isinstance(plug, str):
+        raise UsageError(f"{plug!r} names no input: write \"node.attribute\", and the frame behind it")
     node, dot, attribute = plug.rpartition(".")
     if not dot or not node or not attribute:
         raise UsageError(f'"{plug}" names no input: write node.attribute')
