@@ -54,8 +54,7 @@ bool Potential::take(const State& before, const StepInputs& inputs) {
             const int j = numbering_.unknown[static_cast<std::size_t>(w)];
             if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
         }
-        pattern_ =
-            std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), couplings));
+        pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), couplings));
         for (const auto& term : terms_) term->bind(*pattern_);
     }
     if (is_new || all.masses) {
