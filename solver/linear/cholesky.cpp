@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <new>
 #include <optional>
 
 namespace sinew::solver {
@@ -61,6 +62,7 @@ bool Cholesky::factorize(const BlockView& a) {
     std::optional<OneOpenMpThread> guard;
     if (!impl_->own_threads) guard.emplace();
     const int ok = cholmod_factorize(impl_->analysis.matrix, impl_->analysis.factor, &impl_->analysis.common);
+    if (impl_->analysis.common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     return ok && impl_->analysis.common.status == CHOLMOD_OK &&
            impl_->analysis.factor->minor == impl_->analysis.factor->n;
 }
@@ -78,8 +80,9 @@ double Cholesky::factor_operations() const { return impl_->analysis.operations; 
 
 void Cholesky::solve(const double* b, double* x) {
     std::memcpy(impl_->right->x, b, impl_->right->nrow * sizeof(double));
-    cholmod_solve2(CHOLMOD_A, impl_->analysis.factor, impl_->right, nullptr, &impl_->solution, nullptr, &impl_->work_y,
-                   &impl_->work_e, &impl_->analysis.common);
+    if (!cholmod_solve2(CHOLMOD_A, impl_->analysis.factor, impl_->right, nullptr, &impl_->solution, nullptr,
+                        &impl_->work_y, &impl_->work_e, &impl_->analysis.common))
+        throw std::bad_alloc();
     std::memcpy(x, impl_->solution->x, impl_->right->nrow * sizeof(double));
 }
 

@@ -6,6 +6,7 @@
 
 #include <cholmod.h>
 #include <cmath>
+#include <new>
 #include <string>
 
 namespace sinew::solver {
@@ -77,6 +78,7 @@ bool ScalarCholesky::factorize(const Eigen::SparseMatrix<double>& a) {
     const OneOpenMpThread guard;
     cholmod_sparse seen = view(a);
     const int ok = cholmod_factorize(&seen, impl_->factor, &impl_->common);
+    if (impl_->common.status == CHOLMOD_OUT_OF_MEMORY) throw std::bad_alloc();
     return ok && impl_->common.status == CHOLMOD_OK && impl_->factor->minor == impl_->factor->n;
 }
 

@@ -15,7 +15,7 @@ class ScalarCholesky {
     explicit ScalarCholesky(const Eigen::SparseMatrix<double>& pattern);
     ~ScalarCholesky();
     /// Numeric factorisation of a matrix with the analysed pattern; the same bits on every run. False if it is not
-    /// positive definite (or not finite): then there is no factor.
+    /// positive definite (or not finite): then there is no factor. Throws std::bad_alloc.
     bool factorize(const Eigen::SparseMatrix<double>& a);
     /// Solves A x = b with the last factor. Not for several threads at once. Throws Error FE305 (memory).
     Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
