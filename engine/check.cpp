@@ -258,10 +258,6 @@ void check_entry(const Graph& graph, std::string_view node, const Node& n, const
     out.push_back(std::move(p));
 }
 
-} // namespace
-
-namespace {
-
 /// How an input is written that is missing, with what there is in the graph to connect it to.
 std::string missing_form(const Graph& graph, std::string_view node, const AttributeInfo& a,
                          std::span<const std::string> names) {
