@@ -49,11 +49,17 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
                      [](const auto& a, const auto& b) { return a->rows.size() > b->rows.size(); });
 }
 
-bool ComponentFactors::factorize(const BlockMatrix& a) {
+bool ComponentFactors::rests(const Part& part, std::span<const char> resting) {
+    return !resting.empty() && std::ranges::all_of(part.rows, [&](int row) { return resting[at(row)] != 0; });
+}
+
+bool ComponentFactors::factorize(const BlockMatrix& a, std::span<const char> resting) {
     std::atomic<bool> good = true, indefinite = false;
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
-        if (part.factor->factorize({part.pattern, a, part.source})) return;
+        if (rests(part, resting)) return;
+        part.made = part.factor->factorize({part.pattern, a, part.source});
+        if (part.made) return;
         good = false;
         if (part.factor->surely_indefinite()) indefinite = true;
     });
@@ -66,12 +72,20 @@ void ComponentFactors::release_if_large() {
     std::size_t bytes = 0;
     for (const auto& part : parts_) bytes += part->factor->bytes();
     if (bytes < large) return; // to take it again would cost more than it is worth
-    for (const auto& part : parts_) part->factor->release();
+    for (const auto& part : parts_) part->factor->release(), part->made = false;
 }
 
-void ComponentFactors::solve(const double* in, double* out) {
+bool ComponentFactors::is_made(std::span<const char> resting) const {
+    return std::ranges::all_of(parts_, [&](const auto& part) { return part->made || rests(*part, resting); });
+}
+
+void ComponentFactors::solve(const double* in, double* out, std::span<const char> resting) {
     parallel_for(parts_.size(), 1, [&](std::size_t k) {
         Part& part = *parts_[k];
+        if (rests(part, resting)) {
+            for (const int row : part.rows) std::copy_n(in + 3 * row, 3, out + 3 * row);
+            return;
+        }
         for (std::size_t i = 0; i < part.rows.size(); ++i)
             std::copy_n(in + 3 * part.rows[i], 3, part.in.data() + 3 * i);
         part.factor->solve(part.in.data(), part.out.data());

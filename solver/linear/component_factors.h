@@ -5,6 +5,7 @@
 #include "solver/linear/sparse_factor.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace sinew::solver {
@@ -18,14 +19,17 @@ class ComponentFactors {
     /// One symbolic analysis per component.
     explicit ComponentFactors(const BlockPattern& pattern, Factoring factoring = Factoring::by_component);
     std::size_t count() const { return parts_.size(); }
-    /// False if a component is not positive definite.
-    bool factorize(const BlockMatrix& a);
+    /// False if a component is not positive definite. Components whose rows all have a flag in `resting` (empty: none
+    /// has) keep the factor they have, if any.
+    bool factorize(const BlockMatrix& a, std::span<const char> resting = {});
+    /// Whether all components have one but those that rest.
+    bool is_made(std::span<const char> resting) const;
     /// Of a matrix that factorize refused: whether a component is not positive definite by more than rounding.
     bool surely_indefinite() const { return surely_indefinite_; }
     /// Gives the memory of large factors back; the next factorize takes it again.
     void release_if_large();
-    /// out = A^-1 in, 3 numbers a row.
-    void solve(const double* in, double* out);
+    /// out = A^-1 in, 3 numbers a row; in components that rest out = in.
+    void solve(const double* in, double* out, std::span<const char> resting = {});
 
   private:
     struct Part {
@@ -33,8 +37,10 @@ class ComponentFactors {
         BlockPattern pattern;    ///< without the lists that products with it would read
         std::vector<int> source; ///< per block of the part: the block of the whole
         std::unique_ptr<SparseFactor> factor;
+        bool made = false; ///< the factor is one of a positive definite matrix
         std::vector<double> in, out;
     };
+    static bool rests(const Part& part, std::span<const char> resting);
     bool surely_indefinite_ = false;
     std::vector<std::unique_ptr<Part>> parts_; ///< the largest first, so that threads end together
 };

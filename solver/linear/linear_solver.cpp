@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/linear_solver.h"
 
+#include "solver/index.h"
 #include "solver/stopwatch.h"
 
 #include <algorithm>
@@ -75,6 +76,14 @@ void LinearSolver::begin_step(std::span<const double> springs, std::span<const d
     multigrid_.reset(), held_block_.reset();
 }
 
+void LinearSolver::rest(std::span<const char> bodies) {
+    resting_.clear();
+    for (std::size_t i = 0; i < places_.body.size() && !bodies.empty(); ++i)
+        resting_.push_back(bodies[at(places_.body[i])]);
+    const bool made = kept_ == Kept::none || (kept_ == Kept::single ? single_ : factors_)->is_made(resting_);
+    if (!made) kept_ = Kept::none;
+}
+
 void LinearSolver::make_multigrid() {
     UnknownPlaces places = places_;
     if (!held_.rows.empty()) {
@@ -95,7 +104,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
             ++symbolic_analyses_;
         }
         if (single_) single_->release_if_large();
-        outcome.definite = factors_->factorize(a);
+        outcome.definite = factors_->factorize(a, resting_);
         ++outcome.factors;
         kept_ = outcome.definite ? Kept::full : Kept::none;
     }
@@ -107,7 +116,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
         outcome.definite = true;
     }
     const Stopwatch timer(outcome.seconds_solve);
-    factors_->solve(b.data(), x.data());
+    factors_->solve(b.data(), x.data(), resting_);
 }
 
 bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
@@ -117,7 +126,7 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
         ++symbolic_analyses_;
     }
     if (factors_) factors_->release_if_large();
-    const bool good = single_->factorize(a);
+    const bool good = single_->factorize(a, resting_);
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
     return good;
@@ -143,7 +152,7 @@ ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& 
     const Stopwatch timer(outcome.seconds_solve);
     ComponentFactors& factors = kept_ == Kept::single ? *single_ : *factors_;
     const ConjugateGradients::Preconditioner factor = [&](const std::vector<double>& in, std::vector<double>& out) {
-        factors.solve(in.data(), out.data());
+        factors.solve(in.data(), out.data(), resting_);
     };
     if (!iterative_) iterative_ = std::make_unique<ConjugateGradients>(pattern_);
     iterative_->set(a);
@@ -194,7 +203,7 @@ bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcom
         ++symbolic_analyses_;
     }
     if (single_) single_->release_if_large();
-    const bool good = factors_->factorize(a);
+    const bool good = factors_->factorize(a, resting_);
     ++outcome.factors;
     kept_ = good ? Kept::full : Kept::none;
     return good;

@@ -40,6 +40,9 @@ class LinearSolver {
     void begin_frame() { kept_ = Kept::none; }
     /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
     void begin_step(std::span<const double> springs, std::span<const double> elastic);
+    /// Flags of the bodies whose rows are those of the identity from here on, and zero in b: no factor is made for
+    /// them. Bodies that the pattern couples have the same flag. An empty list: none.
+    void rest(std::span<const char> bodies);
     /// Whether what the coming matrices are Hessians of has kinks, as where contacts come and go: then it is those that
     /// hold Newton's method up, not inexact directions.
     void set_kinked(bool kinked) { kinked_ = kinked; }
@@ -98,7 +101,8 @@ class LinearSolver {
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
-    int fresh_iterations_ = 0; ///< that an overlay cost when the kept factor was new
+    int fresh_iterations_ = 0;  ///< that an overlay cost when the kept factor was new
+    std::vector<char> resting_; ///< per row; empty: none does
     bool kinked_ = false;
     bool indefinite_ = false; ///< the last factor of an exact Hessian in this step found it so
     double spent_ = 0;        ///< on multigrid in this step, as costs_ count

@@ -253,6 +253,52 @@ void keep_in_valley(Potential& potential, NewtonWorkspace& w, const NewtonOption
     t = best;
 }
 
+/// Islands that are in balance rest while the others go on: neither their tets nor their part of the matrix is looked
+/// at again. None rests after this has lived.
+class Rest {
+  public:
+    Rest(Potential& potential, NewtonWorkspace& w)
+        : potential_(potential)
+        , w_(w) {}
+    ~Rest() { wake(); }
+    Rest(const Rest&) = delete;
+    Rest& operator=(const Rest&) = delete;
+    /// `balance`: where forces were evaluated last. Without `more` nothing comes to rest that did not before. True:
+    /// some island has woken up, and its gradient is to be evaluated.
+    bool choose(const Balance& balance, bool more) {
+        if (w_.islands.count() < 2) return false;
+        // What touches or slides ties islands together, and not through the pattern.
+        if (!w_.hessian.overlay.empty() || potential_.contacts_press()) return wake();
+        w_.resting = balance.reached_by;
+        for (std::size_t d = 0; d < w_.resting.size() && !more; ++d)
+            if (!potential_.rests(d)) w_.resting[d] = 0;
+        if (!w_.islands.keep_whole(w_.resting)) return wake();
+        bool woken = false;
+        for (std::size_t d = 0; d < w_.resting.size(); ++d) woken = woken || (potential_.rests(d) && !w_.resting[d]);
+        if (w_.resting != potential_.resting()) tell(w_.resting);
+        return woken;
+    }
+    bool any() const { return !potential_.resting().empty(); }
+
+  private:
+    bool wake() {
+        const bool any = this->any();
+        if (any) tell({});
+        return any;
+    }
+    void tell(const std::vector<char>& deformables) {
+        potential_.rest(deformables);
+        w_.linear.rest(deformables);
+        for (std::size_t d = 0; d < deformables.size(); ++d) {
+            const Deformable& body = potential_.numbering().deformables[d];
+            const auto first = w_.gradient.begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
+            if (deformables[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
+        }
+    }
+    Potential& potential_;
+    NewtonWorkspace& w_;
+};
+
 /// Newton's method from x, where the potential's value is `value` and gradient and forces are in the workspace.
 /// `may_stall` returns at the first line search that falls below stalled_step. `definite`: a step was taken, and the
 /// exact Hessian was positive definite at the last one.
@@ -261,8 +307,9 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             StepRecord& record, double& r) {
     definite = false;
     bool converged = false;
+    Balance balance;
     const auto judge = [&] {
-        const Balance balance = potential.balance(x, w.forces, options.tolerance);
+        balance = potential.balance(x, w.forces, options.tolerance);
         r = balance.residual;
         converged = balance.reached;
     };
@@ -286,6 +333,8 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     };
     bool stuck = false;
     double one_ago = std::numeric_limits<double>::infinity(), two_ago = one_ago; // residuals before the last steps
+    Rest rest(potential, w);
+    bool unseen = false; // an island rests whose Hessian nobody looked at
     Truncated how;
     FadingMean mean; // of sheets
     const bool sheets = w.linear.takes_sheets(options.method);
@@ -301,6 +350,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (look_anew(stuck)) mean.forget();
         if (renew()) mean.forget();
         if (converged) break;
+        if (!sheets) {
+            if (rest.choose(balance, definite || iteration == 0)) value = evaluate(potential, w, x, record);
+            unseen = unseen || (iteration == 0 && rest.any());
+        }
         const double change = potential.begin_iteration(x);
         value += change, mean.raise(change);
         double slope = 0;
@@ -352,6 +405,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             converged = on_floor(potential, w, options, x);
         }
     }
+    definite = definite && !unseen;
     return End::converged;
 }
 

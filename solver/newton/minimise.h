@@ -8,6 +8,7 @@
 #pragma once
 #include "solver/linear/linear_solver.h"
 #include "solver/newton/arcs.h"
+#include "solver/newton/islands.h"
 #include "solver/newton/potential.h"
 #include "solver/newton/rounding_floor.h"
 #include "solver/step.h"
@@ -34,12 +35,15 @@ struct NewtonWorkspace {
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;
+    Islands islands;
+    std::vector<char> resting; ///< flags of deformables
     bool renewed = false;      ///< whether terms have been asked to renew what they took from the step before
     double worst_residual = 0; ///< of all calls since it was last set to 0
     int worst_deformable = -1; ///< whose that is
     explicit NewtonWorkspace(const Potential& potential)
         : hessian(potential.pattern())
-        , linear(potential.pattern(), potential.places()) {}
+        , linear(potential.pattern(), potential.places())
+        , islands(potential.numbering(), potential.pattern()) {}
 };
 
 /// Moves x (3 a vertex) to the minimum, starting from x, from where holds take their bodies or from free flight,

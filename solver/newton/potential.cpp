@@ -236,7 +236,33 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
         if (frozen_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
     }
     if (forces) set_forces(x, *gradient, *forces);
+    for (std::size_t d = 0; d < resting_.size(); ++d) {
+        const Deformable& body = numbering_.deformables[d];
+        const auto first = gradient->begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
+        if (resting_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
+    }
     return total;
+}
+
+void Potential::rest(const std::vector<char>& deformables) {
+    resting_ = deformables;
+    for (const auto& term : terms_) term->rest(resting_);
+}
+
+/// An island's rows have no columns of others.
+void Potential::rest_rows(BlockMatrix& a) const {
+    for (std::size_t d = 0; d < resting_.size(); ++d) {
+        if (!resting_[d]) continue;
+        const Deformable& body = numbering_.deformables[d];
+        parallel_for(body.unknown_count, 512, [&](std::size_t k) {
+            const std::size_t i = body.first_unknown + k;
+            const auto first = static_cast<std::size_t>(a.pattern->row_start[i]),
+                       end = static_cast<std::size_t>(a.pattern->row_start[i + 1]);
+            std::fill_n(a.block(first), 9 * (end - first), 0.0);
+            double* diagonal = a.block(first);
+            diagonal[0] = diagonal[4] = diagonal[8] = 1;
+        });
+    }
 }
 
 void Potential::set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
@@ -259,13 +285,15 @@ Balance Potential::balance(const Positions& x, const std::vector<BodyForces>& fo
     for (const double c : x) largest = std::max(largest, std::abs(c));
     of_body_.assign(forces.size(), 0.0);
     for (const auto& term : terms_) term->add_squared_stiffnesses(of_body_);
-    Balance out{0, true};
+    Balance out{0, true, std::vector<char>(forces.size(), 0)};
     for (std::size_t d = 0; d < forces.size(); ++d) {
         const double residual = forces[d].sum / forces[d].at_work;
         // What rounding of positions does to the forces [N]: no gradient can be made smaller. It excuses a small
         // residual, never one of the size of the forces themselves.
         const double rounding = 2.3e-16 * largest * std::sqrt(of_body_[d]);
-        out.reached = out.reached && (residual <= tolerance || (residual <= 1e-3 && forces[d].sum <= rounding));
+        const bool reached = residual <= tolerance || (residual <= 1e-3 && forces[d].sum <= rounding);
+        out.reached_by[d] = reached;
+        out.reached = out.reached && reached;
         // Written so that a residual that is no number is kept.
         if (!(residual <= out.residual)) out.residual = residual;
     }
@@ -289,6 +317,7 @@ void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);
+    if (!resting_.empty()) rest_rows(a);
 }
 
 double Potential::longest_move(const Positions& x, const std::vector<double>& direction) const {

@@ -21,8 +21,9 @@ struct BodyForces {
 
 /// How far from equilibrium a position is.
 struct Balance {
-    double residual = 0;  ///< the worst body's sum / at_work
-    bool reached = false; ///< every body's is within the tolerance, or as small as rounding lets it be
+    double residual = 0;          ///< the worst body's sum / at_work
+    bool reached = false;         ///< every body's is within the tolerance, or as small as rounding lets it be
+    std::vector<char> reached_by; ///< likewise each deformable's
 };
 
 class Potential {
@@ -85,6 +86,12 @@ class Potential {
     Balance balance(const Positions& x, const std::vector<BodyForces>& forces, double tolerance);
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.
     void assemble(const Positions& x, bool project, BlockMatrix& a);
+    /// From here on deformables with a flag, of whole islands (newton/islands.h), stay where they were evaluated last:
+    /// what they are made of is not asked again, their gradient is zero and their rows of the Hessian are the
+    /// identity's. Forces are judged as before. An empty list: none stays.
+    void rest(const std::vector<char>& deformables);
+    bool rests(std::size_t deformable) const { return !resting_.empty() && resting_[deformable] != 0; }
+    const std::vector<char>& resting() const { return resting_; } ///< flags of deformables; empty: none
     /// The longest share of a direction (3 an unknown) that a move from x may take.
     double longest_move(const Positions& x, const std::vector<double>& direction) const;
     /// How far the value may be off by rounding alone [J].
@@ -119,6 +126,7 @@ class Potential {
     void for_each_present(const Visit& visit) const;
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
     void freeze_rows(BlockMatrix& a) const;
+    void rest_rows(BlockMatrix& a) const;
 
     const Scene& scene_;
     const Numbering& numbering_;
@@ -128,6 +136,7 @@ class Potential {
     AffineMomentum affine_momentum_;
     std::vector<char> frozen_;          ///< flags of deformables that the step leaves where they are; empty: none
     std::vector<char> frozen_unknowns_; ///< likewise of their unknowns
+    std::vector<char> resting_;         ///< see rest
     std::optional<Stage> stage_;
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing

@@ -106,6 +106,11 @@ class Term {
     virtual void add_quality(const Positions* /*x: of the last evaluation, looks closer; null: as evaluated*/,
                              ShapeQuality&) const {}
 
+    /// From here on deformables with a flag stay where they were when forces were evaluated last, none after an empty
+    /// list: what the term found of them there alone holds and need not be found again, and nothing reads their rows of
+    /// the Hessian.
+    virtual void rest(std::span<const char> /*deformables*/) {}
+
     /// Whether add_hessian writes every block of the pattern, over whatever stood there: the first term of the list
     /// may.
     virtual bool writes_all_blocks() const { return false; }

@@ -54,8 +54,9 @@ void Elastic::bind(const BlockPattern& pattern) {
     std::vector<int> place(pattern.block_count(), -1); // of each block among those of the chunk
     for (HessianChunk& chunk : chunks_) {
         std::vector<int> blocks, block_of, codes;
-        for (const HessianChunk::Part& part : chunk.parts) {
+        for (HessianChunk::Part& part : chunk.parts) {
             const TissueBatches& batches = system_.tissues[part.tissue];
+            part.first_block = blocks.size();
             const std::size_t end = std::min(part.end * lanes, batches.tet_count);
             for (std::size_t slot = part.first * lanes; slot < end; ++slot) {
                 const std::size_t lane = slot % lanes;
@@ -72,6 +73,7 @@ void Elastic::bind(const BlockPattern& pattern) {
                         codes.push_back(static_cast<int>(2 * at) + (i > j ? 1 : 0));
                     }
             }
+            part.end_block = blocks.size();
         }
         sort_into(blocks.size(), chunk.start, chunk.contributions, [&](const auto& visit) {
             for (std::size_t c = 0; c < codes.size(); ++c) visit(static_cast<std::size_t>(block_of[c]), codes[c]);
@@ -85,15 +87,15 @@ void Elastic::bind(const BlockPattern& pattern) {
 }
 
 void Elastic::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
-    for (const auto& patches : patches_) {
-        if (!patches) continue;
-        patches->set_pressures(x);
-        patches->set_slopes(x, gradients_);
+    for (std::size_t t = 0; t < patches_.size(); ++t) {
+        if (!patches_[t] || resting_[t]) continue;
+        patches_[t]->set_pressures(x);
+        patches_[t]->set_slopes(x, gradients_); // so the forces there are gone until they are evaluated anew
     }
     parallel_for(pattern_->block_count(), 4096, [&](std::size_t index) { std::fill_n(a.block(index), 9, 0.0); });
-    for (const HessianChunk& chunk : chunks_) {
-        for (const HessianChunk::Part& part : chunk.parts) set_entries(chunk, part, x, project);
-        parallel_for(chunk.blocks.size(), 512, [&](std::size_t k) {
+    const auto add_blocks = [&](const HessianChunk& chunk, std::size_t first, std::size_t end) {
+        parallel_for(end - first, 512, [&](std::size_t n) {
+            const std::size_t k = first + n;
             double* block = a.block(static_cast<std::size_t>(chunk.blocks[k]));
             double sum[9];
             std::copy_n(block, 9, sum);
@@ -108,9 +110,22 @@ void Elastic::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             }
             std::copy_n(sum, 9, block);
         });
+    };
+    for (const HessianChunk& chunk : chunks_) {
+        for (const HessianChunk::Part& part : chunk.parts)
+            if (!resting_[part.tissue]) set_entries(chunk, part, x, project);
+        // The parts that follow each other in one loop.
+        for (std::size_t p = 0; p < chunk.parts.size();) {
+            std::size_t next = p + 1;
+            if (!resting_[chunk.parts[p].tissue]) {
+                while (next < chunk.parts.size() && !resting_[chunk.parts[next].tissue]) ++next;
+                add_blocks(chunk, chunk.parts[p].first_block, chunk.parts[next - 1].end_block);
+            }
+            p = next;
+        }
     }
-    for (const auto& patches : patches_)
-        if (patches) patches->add_hessian(a);
+    for (std::size_t t = 0; t < patches_.size(); ++t)
+        if (patches_[t] && !resting_[t]) patches_[t]->add_hessian(a);
 }
 
 void Elastic::set_entries(const HessianChunk& chunk, const HessianChunk::Part& part, const Positions& x, bool project) {

@@ -35,6 +35,8 @@ Elastic::Elastic(const Scene& scene)
     const std::size_t n = system_.tissues.size();
     inputs_.resize(n), shapes_.resize(n), wanted_shapes_.resize(n);
     has_means_.assign(n, 0);
+    resting_.assign(n, 0);
+    patch_energy_.assign(n, 0.0);
     fibers_.resize(n);
     active_count_.assign(n, 0);
     force_floor_.assign(n, 0.0);
@@ -196,7 +198,9 @@ double Elastic::energy(const Positions& x, bool) {
     double energy = 0;
     for (std::size_t t = 0; t < system_.tissues.size(); ++t) {
         const TissueBatches& batches = system_.tissues[t];
-        if (patches_[t]) energy += patches_[t]->set_pressures(x);
+        if (patches_[t] && !resting_[t]) patch_energy_[t] = patches_[t]->set_pressures(x);
+        if (patches_[t]) energy += patch_energy_[t];
+        if (resting_[t]) continue;
         parallel_for(batches.batch_count, batch_grain, [&](std::size_t i) {
             PointInputs in = point_inputs(t, i);
             const std::size_t e = batches.first_batch + i;
@@ -215,6 +219,11 @@ double Elastic::energy(const Positions& x, bool) {
                const double* w = summaries_[e].energy;
                return (w[0] + w[1]) + (w[2] + w[3]);
            });
+}
+
+void Elastic::rest(std::span<const char> deformables) {
+    for (std::size_t t = 0; t < resting_.size(); ++t)
+        resting_[t] = !deformables.empty() && deformables[system_.tissues[t].deformable];
 }
 
 void Elastic::add_gradient(std::span<double> gradient) const {

@@ -39,6 +39,7 @@ class Elastic final : public Term {
     bool writes_all_blocks() const override { return true; }
     void raise_forces_at_work(const Positions& x, std::span<double> largest) const override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
+    void rest(std::span<const char> deformables) override;
     double energy_scale() const override { return (1 + damping_share_) * elastic_scale_; }
     void add_vertex_stiffness(std::span<double> stiffness) const override;
     void add_quality(const Positions* x, ShapeQuality& quality) const override;
@@ -86,6 +87,8 @@ class Elastic final : public Term {
     std::vector<std::unique_ptr<ConservedVolume>> patches_; ///< per tissue; null where none are used
     std::vector<std::unique_ptr<ChangedRest>> changed_;     ///< per tissue; null where the rest shape is the model's
     std::vector<double> tet_mass_;                          ///< per slot of all batches [kg]
+    std::vector<double> patch_energy_;                      ///< per tissue [J]
+    std::vector<char> resting_; ///< per tissue: gradients_ and summaries_ are those of where it stays
     double damping_share_ = 0, velocity_factor_ = 0;
     std::vector<double> reference_strains_; ///< of every point; empty without damping
     int volume_levels_ = 0;

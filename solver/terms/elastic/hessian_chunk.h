@@ -14,7 +14,8 @@ inline constexpr std::size_t chunk_entries = std::size_t{1} << 19;
 /// block of the matrix adds up in that order, whatever their size is.
 struct HessianChunk {
     struct Part {
-        std::size_t tissue, first, end; ///< batches of it
+        std::size_t tissue, first, end;             ///< batches of it
+        std::size_t first_block = 0, end_block = 0; ///< its among `blocks`: tissues have no vertex in common
     };
     std::vector<Part> parts;
     std::size_t first_entry = 0; ///< place of its first number among those of all elements

@@ -164,3 +164,42 @@ TEST_CASE("a factor's memory is counted before it is made, and a cycle's cost gr
         CHECK(next / here == Approx(std::pow((n + 1.0) / n, 3)).epsilon(0.08));
     }
 }
+
+TEST_CASE("a component that rests keeps its factor, and one that never had any is not taken for made", "[linear]") {
+    // Two chains of blocks that nothing couples: rows 0 to 2 and 3 to 5.
+    const BlockPattern pattern = make_pattern(6, {{0, 1}, {1, 2}, {3, 4}, {4, 5}});
+    BlockMatrix a(pattern), other(pattern);
+    for (int i = 0; i < 6; ++i)
+        for (int e = pattern.row_start[std::size_t(i)]; e < pattern.row_start[std::size_t(i) + 1]; ++e)
+            for (int c = 0; c < 3; ++c) {
+                const bool diagonal = pattern.column[std::size_t(e)] == i;
+                a.block(std::size_t(e))[4 * c] = diagonal ? 4 : -1;
+                other.block(std::size_t(e))[4 * c] = diagonal ? 10 : -1;
+            }
+    const std::vector<double> b = random_numbers(18, 3);
+    std::vector<char> first(6, 0);
+    std::fill_n(first.begin(), 3, char{1});
+    for (const Factoring how : {Factoring::by_component, Factoring::single}) {
+        ComponentFactors factors(pattern, how), of_a(pattern, how), of_other(pattern, how);
+        REQUIRE((of_a.factorize(a) && of_other.factorize(other)));
+        std::vector<double> by_a(18), by_other(18), x(18);
+        of_a.solve(b.data(), by_a.data());
+        of_other.solve(b.data(), by_other.data());
+
+        REQUIRE(factors.factorize(other, first));
+        CHECK(factors.is_made(first));
+        CHECK_FALSE(factors.is_made({}));
+        factors.solve(b.data(), x.data(), first);
+        for (std::size_t i = 0; i < 18; ++i) CHECK(x[i] == (i < 9 ? b[i] : by_other[i]));
+
+        REQUIRE(factors.factorize(a));
+        CHECK(factors.is_made({}));
+        REQUIRE(factors.factorize(other, first)); // the first three rows keep the factor of a
+        factors.solve(b.data(), x.data());
+        for (std::size_t i = 0; i < 18; ++i) CHECK(x[i] == (i < 9 ? by_a[i] : by_other[i]));
+    }
+    // The whole at once rests only as a whole.
+    ComponentFactors plain(pattern, Factoring::plain);
+    REQUIRE(plain.factorize(a, first));
+    CHECK(plain.is_made({}));
+}

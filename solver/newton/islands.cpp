@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/newton/islands.h"
+
+#include "solver/index.h"
+
+#include <algorithm>
+
+namespace sinew::solver {
+
+Islands::Islands(const Numbering& numbering, const BlockPattern& pattern) {
+    const std::size_t n = numbering.deformables.size();
+    std::vector<std::size_t> deformable(at(pattern.rows));
+    for (std::size_t d = 0; d < n; ++d) {
+        const Deformable& body = numbering.deformables[d];
+        std::fill_n(deformable.begin() + static_cast<std::ptrdiff_t>(body.first_unknown), body.unknown_count, d);
+    }
+    std::vector<std::size_t> leader(n);
+    for (std::size_t d = 0; d < n; ++d) leader[d] = d;
+    const auto lead = [&](std::size_t d) {
+        while (leader[d] != d) d = leader[d] = leader[leader[d]];
+        return d;
+    };
+    for (std::size_t i = 0; i < deformable.size(); ++i)
+        for (int e = pattern.row_start[i]; e < pattern.row_start[i + 1]; ++e) {
+            const std::size_t a = deformable[i], b = deformable[at(pattern.column[at(e)])];
+            if (a != b) leader[std::max(lead(a), lead(b))] = std::min(lead(a), lead(b));
+        }
+    island_.resize(n);
+    for (std::size_t d = 0; d < n; ++d) island_[d] = lead(d) == d ? count_++ : island_[lead(d)];
+}
+
+bool Islands::keep_whole(std::vector<char>& deformables) const {
+    std::vector<char> whole(count_, 1);
+    for (std::size_t d = 0; d < island_.size(); ++d)
+        if (!deformables[d]) whole[island_[d]] = 0;
+    bool any = false;
+    for (std::size_t d = 0; d < island_.size(); ++d) {
+        deformables[d] = whole[island_[d]];
+        any = any || deformables[d];
+    }
+    return any;
+}
+
+} // namespace sinew::solver
