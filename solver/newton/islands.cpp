@@ -29,13 +29,13 @@ Islands::Islands(const Numbering& numbering, const BlockPattern& pattern) {
     for (std::size_t d = 0; d < n; ++d) island_[d] = lead(d) == d ? count_++ : island_[lead(d)];
 }
 
-bool Islands::keep_whole(std::vector<char>& deformables) const {
-    std::vector<char> whole(count_, 1);
+bool Islands::keep_whole(std::vector<char>& deformables) {
+    whole_.assign(count_, 1);
     for (std::size_t d = 0; d < island_.size(); ++d)
-        if (!deformables[d]) whole[island_[d]] = 0;
+        if (!deformables[d]) whole_[island_[d]] = 0;
     bool any = false;
     for (std::size_t d = 0; d < island_.size(); ++d) {
-        deformables[d] = whole[island_[d]];
+        deformables[d] = whole_[island_[d]];
         any = any || deformables[d];
     }
     return any;

@@ -14,11 +14,12 @@ class Islands {
     Islands(const Numbering& numbering, const BlockPattern& pattern);
     std::size_t count() const { return count_; }
     /// Clears the flags of deformables whose islands have one without; true: some are left.
-    bool keep_whole(std::vector<char>& deformables) const;
+    bool keep_whole(std::vector<char>& deformables);
 
   private:
     std::vector<std::size_t> island_; ///< per deformable
     std::size_t count_ = 0;
+    std::vector<char> whole_; ///< scratch, per island
 };
 
 } // namespace sinew::solver

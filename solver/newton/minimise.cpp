@@ -263,13 +263,13 @@ class Rest {
     ~Rest() { wake(); }
     Rest(const Rest&) = delete;
     Rest& operator=(const Rest&) = delete;
-    /// `balance`: where forces were evaluated last. Without `more` nothing comes to rest that did not before. True:
-    /// some island has woken up, and its gradient is to be evaluated.
-    bool choose(const Balance& balance, bool more) {
+    /// After Potential::balance where forces were evaluated last. Without `more` nothing comes to rest that did not
+    /// before. True: some island has woken up, and its gradient is to be evaluated.
+    bool choose(bool more) {
         if (w_.islands.count() < 2) return false;
         // What touches or slides ties islands together, and not through the pattern.
         if (!w_.hessian.overlay.empty() || potential_.contacts_press()) return wake();
-        w_.resting = balance.reached_by;
+        w_.resting = potential_.in_balance();
         for (std::size_t d = 0; d < w_.resting.size() && !more; ++d)
             if (!potential_.rests(d)) w_.resting[d] = 0;
         if (!w_.islands.keep_whole(w_.resting)) return wake();
@@ -307,9 +307,8 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             StepRecord& record, double& r) {
     definite = false;
     bool converged = false;
-    Balance balance;
     const auto judge = [&] {
-        balance = potential.balance(x, w.forces, options.tolerance);
+        const Balance balance = potential.balance(x, w.forces, options.tolerance);
         r = balance.residual;
         converged = balance.reached;
     };
@@ -351,7 +350,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (renew()) mean.forget();
         if (converged) break;
         if (!sheets) {
-            if (rest.choose(balance, definite || iteration == 0)) value = evaluate(potential, w, x, record);
+            if (rest.choose(definite || iteration == 0)) value = evaluate(potential, w, x, record);
             unseen = unseen || (iteration == 0 && rest.any());
         }
         const double change = potential.begin_iteration(x);

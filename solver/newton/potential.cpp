@@ -285,14 +285,15 @@ Balance Potential::balance(const Positions& x, const std::vector<BodyForces>& fo
     for (const double c : x) largest = std::max(largest, std::abs(c));
     of_body_.assign(forces.size(), 0.0);
     for (const auto& term : terms_) term->add_squared_stiffnesses(of_body_);
-    Balance out{0, true, std::vector<char>(forces.size(), 0)};
+    in_balance_.resize(forces.size());
+    Balance out{0, true};
     for (std::size_t d = 0; d < forces.size(); ++d) {
         const double residual = forces[d].sum / forces[d].at_work;
         // What rounding of positions does to the forces [N]: no gradient can be made smaller. It excuses a small
         // residual, never one of the size of the forces themselves.
         const double rounding = 2.3e-16 * largest * std::sqrt(of_body_[d]);
         const bool reached = residual <= tolerance || (residual <= 1e-3 && forces[d].sum <= rounding);
-        out.reached_by[d] = reached;
+        in_balance_[d] = reached;
         out.reached = out.reached && reached;
         // Written so that a residual that is no number is kept.
         if (!(residual <= out.residual)) out.residual = residual;

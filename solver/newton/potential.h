@@ -21,9 +21,8 @@ struct BodyForces {
 
 /// How far from equilibrium a position is.
 struct Balance {
-    double residual = 0;          ///< the worst body's sum / at_work
-    bool reached = false;         ///< every body's is within the tolerance, or as small as rounding lets it be
-    std::vector<char> reached_by; ///< likewise each deformable's
+    double residual = 0;  ///< the worst body's sum / at_work
+    bool reached = false; ///< every body's is within the tolerance, or as small as rounding lets it be
 };
 
 class Potential {
@@ -84,6 +83,8 @@ class Potential {
     double evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each body by its own: a stiff one does not excuse a soft one.
     Balance balance(const Positions& x, const std::vector<BodyForces>& forces, double tolerance);
+    /// Flags of the deformables whose forces were found small enough by the last balance.
+    const std::vector<char>& in_balance() const { return in_balance_; }
     /// Hessian at x; `project` clamps each element's eigenvalues at zero.
     void assemble(const Positions& x, bool project, BlockMatrix& a);
     /// From here on deformables with a flag, of whole islands (newton/islands.h), stay where they were evaluated last:
@@ -137,6 +138,7 @@ class Potential {
     std::vector<char> frozen_;          ///< flags of deformables that the step leaves where they are; empty: none
     std::vector<char> frozen_unknowns_; ///< likewise of their unknowns
     std::vector<char> resting_;         ///< see rest
+    std::vector<char> in_balance_;      ///< see in_balance
     std::optional<Stage> stage_;
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing

@@ -61,7 +61,7 @@ TEST_CASE("islands are what springs tie together, and rest as a whole") {
     const State state = initial_state(scene, in);
     Potential potential(scene);
     potential.take(state, in);
-    const Islands islands(scene.numbering(), potential.pattern());
+    Islands islands(scene.numbering(), potential.pattern());
     CHECK(islands.count() == 2);
     std::vector<char> flags{1, 1, 0};
     CHECK(islands.keep_whole(flags));
