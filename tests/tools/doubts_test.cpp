@@ -114,6 +114,23 @@ TEST_CASE("check doubts attachments of whole bodies and names what to paint", "[
     CHECK(said_of(graph, {"grip.maxDistance=100"}).find("FE264") == std::string::npos);
 }
 
+TEST_CASE("a cloth that clings to flesh everywhere is not doubted, to a bone it is", "[tools]") {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    nodes["skin"] = json::parse(R"({"type": "zCloth", "inputs": {"mesh": {"from": "ballMesh.outMesh"},
+        "materials": [{"from": "cotton.outMaterial"}]}})");
+    nodes["cotton"] = json::parse(R"({"type": "zMaterial", "inputs": {"tensileStiffness": 500, "shearStiffness": 50,
+        "bendStiffness": 1e-5, "clothMassDensity": 0.2}})");
+    nodes["cling"] = json::parse(R"({"type": "zAttachment", "inputs": {"source": {"from": "skin.outBody"},
+        "target": {"from": "ball.outBody"}}})");
+    nodes["solver"]["inputs"]["bodies"].push_back({{"from", "skin.outBody"}});
+    nodes["solver"]["inputs"]["attachments"].push_back({{"from", "cling.outAttachment"}});
+    CHECK(said_of(graph).find("FE264") == std::string::npos);
+    nodes["cling"]["inputs"]["target"] = {{"from", "plate.outBody"}};
+    CHECK(said_of(graph, {"cling.maxDistance=100"}).find("FE264 cling.weights: ties the whole surface of skin") !=
+          std::string::npos);
+}
+
 TEST_CASE("check doubts tissues that fall", "[tools]") {
     json graph = ball();
     graph["nodes"]["solver"]["inputs"].erase("attachments");

@@ -211,6 +211,26 @@ TEST_CASE("keyed numbers are warned about where the run goes beyond the timing t
     CHECK(said("1-9").find("FE266") == std::string::npos);
 }
 
+TEST_CASE("keys of which the timing has none are warned about", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = looped(20);
+    graph["timing"]["end"] = 6;
+    const auto said = [&](const json& keys) {
+        graph["nodes"]["holdTop"]["inputs"]["envelope"] = {{"keys", keys}};
+        return said_of(run_program({"check", write_graph(folder, graph), "--json"}));
+    };
+    CHECK(
+        said({{100, 0.5}, {120, 1}}) ==
+        "FE266 holdTop.envelope: the keyed value lasts from frame 100 to 120, the graph's timing from 1 to 6: it stays "
+        "as it is at its first key throughout | move the keys to the frames of the timing, or set timing.start and "
+        "timing.end to theirs\n");
+    CHECK(said({{-9, 0.5}, {0, 1}})
+              .find("from frame -9 to 0, the graph's timing from 1 to 6: it stays as it is at its "
+                    "last key throughout | ") != std::string::npos);
+    CHECK(said({{6, 0.5}, {12, 1}}).empty()); // it begins where the timing ends
+    CHECK(said({{100, 1}, {120, 1}}).empty());
+}
+
 TEST_CASE("recorded motion that does not reach over the run is warned about once a file", "[tools]") {
     const TemporaryFolder folder;
     json track = {{"frames", json::array()}};

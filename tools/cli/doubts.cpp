@@ -501,6 +501,9 @@ class Doubts {
         const int source = find_body(ids, a.source_body);
         if (source < 0 || members[at(source)].body.is_bone() || a.values.mode() != solver::AttachmentMode::fixed)
             return;
+        // A fascia of cloth may well cling to the flesh below it everywhere.
+        const int target = find_body(ids, a.target_body);
+        if (members[at(source)].body.is_cloth() && target >= 0 && !members[at(target)].body.is_bone()) return;
         const double share = painted_share(members[at(source)].body, a.rest.source_weights);
         if (share < nearly_whole) return;
         doubt("FE264", name, "weights",

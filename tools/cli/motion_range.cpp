@@ -50,6 +50,17 @@ class Search {
         const engine::Timing& timing = graph_.timing();
         const bool moves =
             info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>() || info.def.is<engine::NumberList>();
+        if (reach.first > timing.end || reach.last < timing.start) {
+            const bool before = reach.last < timing.start;
+            Diagnostic d = warning(name, attribute);
+            d.message = std::string(moves ? "the keyed motion" : "the keyed value") + " lasts from frame " +
+                        frame_text(reach.first) + " to " + frame_text(reach.last) + ", the graph's timing from " +
+                        frame_text(timing.start) + " to " + frame_text(timing.end) + ": it stays as it is at its " +
+                        (before ? "last" : "first") + " key throughout";
+            d.hint = "move the keys to the frames of the timing, or set timing.start and timing.end to theirs";
+            found_.push_back(std::move(d));
+            return;
+        }
         if (!moves && (missing(reach.first - timing.start) || missing(timing.end - reach.last))) return;
         Gap gap = gap_of(reach);
         gap.begins_late = gap.begins_late && !same(keys[0], keys[1]);
@@ -86,14 +97,18 @@ class Search {
     Gap gap_of(const Reach& reach) const { return {missing(reach.first - first_), missing(last_ - reach.last)}; }
     static std::string frame_text(double frame) { return engine::number_text(std::round(10 * frame) / 10); }
 
-    void warn(const std::string& name, const std::string& attribute, const std::string& what, const Reach& reach,
-              const Gap& gap, std::string hint) {
+    Diagnostic warning(const std::string& name, const std::string& attribute) const {
         Diagnostic d;
         d.severity = engine::Severity::warning;
         d.code = "FE266";
         d.node = name, d.attribute = attribute;
         d.spot = graph_.spot(name, attribute);
         if (!d.spot) d.spot = graph_.spot(name);
+        return d;
+    }
+    void warn(const std::string& name, const std::string& attribute, const std::string& what, const Reach& reach,
+              const Gap& gap, std::string hint) {
+        Diagnostic d = warning(name, attribute);
         const std::string a = frame_text(reach.first), b = frame_text(reach.last), first = frame_text(first_),
                           last = frame_text(last_);
         if (gap.begins_late && gap.ends_early)

@@ -113,8 +113,11 @@ std::vector<engine::Diagnostic> RunOutput::older_files() const {
         std::error_code error;
         for (const auto& entry : fs::directory_iterator(folder_ / format, error)) {
             const auto name = parse_frame_file(entry.path(), format);
-            if (!name || !entry.is_regular_file(error) || entry.last_write_time(error) >= started_) continue;
-            if (format == "obj" && !files_.refusal(entry.path()) && read_run_mark(entry.path()) == run_) continue;
+            if (!name || !entry.is_regular_file(error)) continue;
+            // A mark says whose it is; without one the time does.
+            const bool readable = format == "obj" && !files_.refusal(entry.path());
+            const std::string mark = readable ? read_run_mark(entry.path()) : "";
+            if (mark.empty() ? entry.last_write_time(error) >= started_ : mark == run_) continue;
             ++count, names.insert(name->first), frames.insert(name->second);
         }
         if (count == 0) continue;
