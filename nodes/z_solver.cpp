@@ -114,7 +114,30 @@ solver::StepControl control_of(const Reads& in) {
     return c;
 }
 
-void warn_if_unconverged(const Reads& in, const SimulationState& s) {
+/// The bone that has gone farthest between two states, measured by its own size.
+struct Leap {
+    int body = -1; ///< in the solver's scene; -1: no bone moves
+    double distance = 0, sizes = 0;
+};
+Leap farthest_leap(const std::vector<solver::Points>& before, const std::vector<solver::Points>& after) {
+    Leap out;
+    for (std::size_t body = 0; body < std::min(before.size(), after.size()); ++body) {
+        if (before[body].empty() || before[body].size() != after[body].size()) continue;
+        Eigen::AlignedBox3d box;
+        double distance = 0;
+        for (std::size_t v = 0; v < after[body].size(); ++v) {
+            box.extend(after[body][v]);
+            distance = std::max(distance, (after[body][v] - before[body][v]).norm());
+        }
+        const double size = box.diagonal().norm();
+        if (distance > out.sizes * size) out = {static_cast<int>(body), distance, distance / size};
+    }
+    return out;
+}
+/// A bone that goes farther in a frame is hardly meant to.
+constexpr double most_sizes_a_frame = 3;
+
+void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::State& before, const SimulationState& s) {
     const solver::StepRecord& record = s.state.record;
     if (record.converged) return;
     char text[160];
@@ -131,9 +154,21 @@ void warn_if_unconverged(const Reads& in, const SimulationState& s) {
     std::snprintf(residual, sizeof residual, "%.3g", record.residual);
     char frame[32];
     std::snprintf(frame, sizeof frame, "%g", in.frame());
+    std::string leaps,
+        hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
+    if (const Leap leap = farthest_leap(before.bones, s.state.bones); leap.sizes > most_sizes_a_frame) {
+        const std::string bone =
+            in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(leap.body)]));
+        char far[100];
+        std::snprintf(far, sizeof far, " has gone %.4g in this frame, %.3g times its size",
+                      leap.distance * setup.key.scale, leap.sizes);
+        leaps = "; " + bone + far;
+        hint = "Look whether " + bone +
+               " is meant to (the unit of its motion, a jump between keys); if it is, raise "
+               "substeps.";
+    }
     in.warn(max_newton_iterations.name, "FE301",
-            "frame " + std::string(frame) + " has not converged: residual " + residual + of + text,
-            "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
+            "frame " + std::string(frame) + " has not converged: residual " + residual + of + text + leaps, hint);
 }
 
 /// A shape can be in balance inside out: it has converged and is wrong all the same.
@@ -253,7 +288,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     if (contact_came) warn_of_lone_sets(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)
         after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
-    warn_if_unconverged(now, after);
+    warn_if_unconverged(now, setup, before.state, after);
     warn_if_inverted(now, setup, *stage->scene, after.state);
     return after;
 }

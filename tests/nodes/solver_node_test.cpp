@@ -215,6 +215,25 @@ TEST_CASE("an unconverged frame warns with its residual and goes on", "[nodes]")
     CHECK_FALSE(s.get<nodes::SolveReport>("solver", "outReport", 3).record.converged);
 }
 
+TEST_CASE("where a step does not converge, a bone that has jumped is named", "[nodes]") {
+    Session s(beam(1, R"(, "solverToleranceFactor": 1e-12)"));
+    s.set("solver", "maxNewtonIterations", "1");
+    const auto goes_to = [&](const char* y) {
+        s.counter.warnings.clear();
+        s.set("place", "translate",
+              R"({"keys": [[2, [-0.625, 0, 0]], [3, [-0.625, )" + std::string(y) + R"(, 0]]], "interp": "linear"})");
+        points(s, 3);
+        REQUIRE_FALSE(s.counter.warnings.empty());
+        return s.counter.warnings.back();
+    };
+    const engine::Diagnostic jumps = goes_to("100");
+    CHECK(jumps.code == "FE301");
+    CHECK(jumps.message.find("; bone has gone 100 in this frame, 231 times its size") != std::string::npos);
+    CHECK(jumps.hint == "Look whether bone is meant to (the unit of its motion, a jump between keys); if it is, raise "
+                        "substeps.");
+    CHECK(goes_to("0.01").message.find("has gone") == std::string::npos);
+}
+
 TEST_CASE("QuasiStatic needs every tissue tied to a bone by some chain", "[nodes]") {
     const std::string second = R"(, "mesh2": {"type": "polySphere"},
         "ball": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh2.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
