@@ -6,6 +6,10 @@
 
 #if defined(__SANITIZE_THREAD__)
 #include <sanitizer/tsan_interface.h>
+extern "C" {
+void AnnotateIgnoreReadsBegin(const char* file, int line);
+void AnnotateIgnoreReadsEnd(const char* file, int line);
+}
 #endif
 
 namespace sinew::engine {
@@ -19,6 +23,20 @@ inline void publish_to_threads([[maybe_unused]] void* tag) {
 inline void receive_from_threads([[maybe_unused]] void* tag) {
 #if defined(__SANITIZE_THREAD__)
     __tsan_acquire(tag);
+#endif
+}
+
+/// A value out of a task's closure, in the thread that runs the task: oneTBB has handed the closure over, after all
+/// that its maker could publish, so that the sanitizer takes a first look at it for a race.
+template <class T>
+T handed_over(const T& captured) {
+#if defined(__SANITIZE_THREAD__)
+    AnnotateIgnoreReadsBegin(__FILE__, __LINE__);
+    T copy = captured;
+    AnnotateIgnoreReadsEnd(__FILE__, __LINE__);
+    return copy;
+#else
+    return captured;
 #endif
 }
 

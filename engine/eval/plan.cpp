@@ -298,9 +298,10 @@ void Plan::work(tbb::task_group& group, int i) {
 
 void Plan::spawn(tbb::task_group& group, int i) {
     publish_to_threads(this);
-    group.run([this, &group, i] {
-        receive_from_threads(this);
-        work(group, i);
+    group.run([plan = this, of = &group, i] {
+        Plan& self = *handed_over(plan);
+        receive_from_threads(&self);
+        self.work(*handed_over(of), handed_over(i));
     });
 }
 
