@@ -203,7 +203,7 @@ bool LinearSolver::precondition(const BlockMatrix& a, bool must, Outcome& outcom
         ++symbolic_analyses_;
     }
     if (single_) single_->release_if_large();
-    const bool good = factors_->factorize(a, resting_);
+    const bool good = factors_->factorize(a);
     ++outcome.factors;
     kept_ = good ? Kept::full : Kept::none;
     return good;

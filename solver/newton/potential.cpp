@@ -16,6 +16,15 @@ namespace {
 /// Of the energy of springs, what contacts may have where bones have just moved away from flesh.
 constexpr double early_share = 2e-2;
 
+/// Zero for the unknowns, 3 numbers each, of deformables with a flag; without flags none has one.
+void clear(const Numbering& numbering, const std::vector<char>& flags, std::vector<double>& of_unknowns) {
+    for (std::size_t d = 0; d < flags.size(); ++d) {
+        const Deformable& body = numbering.deformables[d];
+        const auto first = of_unknowns.begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
+        if (flags[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
+    }
+}
+
 } // namespace
 
 Potential::Potential(const Scene& scene)
@@ -230,17 +239,9 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
     gradient->assign(3 * unknown_count(), 0.0);
     for_each_present([&](std::size_t t) { terms_[t]->add_gradient(*gradient); });
     dynamics_.add_gradient(*gradient);
-    for (std::size_t d = 0; d < frozen_.size(); ++d) {
-        const Deformable& body = numbering_.deformables[d];
-        const auto first = gradient->begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
-        if (frozen_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
-    }
+    clear(numbering_, frozen_, *gradient);
     if (forces) set_forces(x, *gradient, *forces);
-    for (std::size_t d = 0; d < resting_.size(); ++d) {
-        const Deformable& body = numbering_.deformables[d];
-        const auto first = gradient->begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown);
-        if (resting_[d]) std::fill_n(first, 3 * body.unknown_count, 0.0);
-    }
+    clear(numbering_, resting_, *gradient); // they are judged by the forces all the same
     return total;
 }
 
