@@ -16,6 +16,15 @@ std::string number_text(double v) {
 
 std::string number_text(std::int64_t v) { return std::to_string(v); }
 
+std::string rough_text(double v, int digits) {
+    if (!std::isfinite(v)) return number_text(v);
+    char buffer[40];
+    const auto end = std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::scientific, digits - 1).ptr;
+    double rounded = 0;
+    std::from_chars(buffer, end, rounded);
+    return number_text(rounded);
+}
+
 std::size_t utf8_length(std::string_view text, std::size_t i) {
     const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
     const unsigned char first = byte(i);

@@ -11,6 +11,8 @@ namespace sinew::engine {
 /// The shortest text that reads back as the same bits ("0.1", "5", "1e-09").
 std::string number_text(double v);
 std::string number_text(std::int64_t v);
+/// With so many digits of it, for messages: 1.2 of 1.2345.
+std::string rough_text(double v, int digits);
 /// A JSON string with its quotes. Bytes that are not UTF-8 become U+FFFD, so the result is always valid JSON.
 std::string json_quoted(std::string_view text);
 /// One reference token of an RFC 6901 pointer, escaped, with its slash.

@@ -28,6 +28,19 @@ double fall(double distance, double inner, double outer) {
     return 1 - smoothstep((distance - inner) / (outer - inner));
 }
 
+/// Of each point to the mesh, 0 inside it.
+NumberList distances(const solver::Points& points, const Mesh& other) {
+    const solver::SurfaceTree tree(*other.points, other.topology->triangles);
+    const bool has_inside = solver::is_closed(other.topology->triangles);
+    NumberList out;
+    out.reserve(points.size());
+    for (const solver::Vec3& p : points) {
+        const bool inside = has_inside && tree.inside(p);
+        out.push_back(inside ? 0 : tree.closest(p).distance);
+    }
+    return out;
+}
+
 } // namespace
 
 NumberList ramp_map(const solver::Points& points, int axis, double start, double end, bool smooth) {
@@ -41,15 +54,14 @@ NumberList ramp_map(const solver::Points& points, int axis, double start, double
 }
 
 NumberList near_map(const solver::Points& points, const Mesh& other, double inner, double outer) {
-    const solver::SurfaceTree tree(*other.points, other.topology->triangles);
-    const bool has_inside = solver::is_closed(other.topology->triangles);
-    NumberList out;
-    out.reserve(points.size());
-    for (const solver::Vec3& p : points) {
-        const bool inside = has_inside && tree.inside(p);
-        out.push_back(fall(inside ? 0 : tree.closest(p).distance, inner, outer));
-    }
+    NumberList out = distances(points, other);
+    for (double& d : out) d = fall(d, inner, outer);
     return out;
+}
+
+double nearest_distance(const solver::Points& points, const Mesh& other) {
+    const NumberList all = distances(points, other);
+    return *std::min_element(all.begin(), all.end());
 }
 
 NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius, double falloff) {

@@ -15,6 +15,8 @@ engine::NumberList ramp_map(const solver::Points& points, int axis, double start
 /// 1 up to `inner` from the other mesh, 0 from `outer` on, smooth between; inside a closed mesh the distance
 /// is 0.
 engine::NumberList near_map(const solver::Points& points, const Mesh& other, double inner, double outer);
+/// Of the points the closest to the other mesh, in scene units; 0 inside it, if it is closed.
+double nearest_distance(const solver::Points& points, const Mesh& other);
 /// 1 in the sphere, 0 from `falloff` outside of it on, smooth between.
 engine::NumberList sphere_map(const solver::Points& points, const engine::Vec3& centre, double radius, double falloff);
 /// 1 at the listed indices, else 0. Throws solver::Error FE203 for one that is none of the mesh's. `what`: "vertex" or

@@ -87,7 +87,9 @@ void refuse_twins(const Reads& in, const Setup& setup) {
         }
 }
 
-/// Position among the simulated bodies; -1 if the body is connected but disabled.
+constexpr int disabled = -1, not_there = -2;
+
+/// Position among the simulated bodies, or why there is none.
 int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std::size_t entry, const BodyId& wanted,
             int hint, const char* end) {
     const std::string name = in.source_name(attribute, entry);
@@ -103,9 +105,22 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
                 "Make them differ in place or material.");
     if (found >= 0) return found;
     for (const Body& b : setup.bodies) // what is disabled, or a part of what is
-        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest) return -1;
-    in.fail(attribute, "FE209", "the " + std::string(end) + " of " + name + " is none of this solver's bodies",
-            "Connect that body to zSolver.bodies too.");
+        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest) return disabled;
+    return not_there;
+}
+
+/// \param ends  the inputs of the attachment whose bodies are missing
+[[noreturn]] void refuse_missing(const Reads& in, std::size_t entry, const std::vector<const char*>& ends) {
+    std::string names, wanted;
+    for (const char* end : ends) {
+        const std::string body = in.source_behind(attachments.name, entry, end);
+        names += (names.empty() ? "the " : " and the ") + std::string(end) + (body.empty() ? "" : " (" + body + ")");
+        wanted += (wanted.empty() ? "" : ", ") + (body.empty() ? std::string(end) : body);
+    }
+    in.fail(attachments.name, "FE209",
+            names + " of " + in.source_name(attachments.name, entry) + (ends.size() == 1 ? " is none" : " are none") +
+                " of this solver's bodies",
+            "Connect to zSolver.bodies too: " + wanted + ".");
 }
 
 void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
@@ -120,6 +135,10 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
         const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], "source");
         const int to = resolve(in, setup, attachments.name, i, a.target_body, hint[1], "target");
+        std::vector<const char*> missing;
+        if (from == not_there) missing.push_back("source");
+        if (to == not_there) missing.push_back("target");
+        if (!missing.empty()) refuse_missing(in, i, missing);
         if (from < 0 || to < 0) continue;
         setup.attachments.emplace_back(a);
         setup.attachment_entries.push_back(static_cast<int>(i));

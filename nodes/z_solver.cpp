@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/attachment_reach.h"
 #include "nodes/contacts.h"
 #include "nodes/lines_of_action.h"
 #include "nodes/marks.h"
@@ -66,11 +67,6 @@ struct Stage {
         : scene(std::make_shared<const solver::Scene>(describe_scene(setup)))
         , workspace(scene) {}
 };
-
-std::string attachment_name(const Reads& in, const Setup& setup, int attachment) {
-    const int entry = setup.attachment_entries[static_cast<std::size_t>(attachment)];
-    return in.source_name(attachments.name, static_cast<std::size_t>(entry));
-}
 
 /// Runs a solver call; its errors become diagnostics that name the body, attachment or force to blame.
 template <class Call>
@@ -186,36 +182,6 @@ void warn_if_inverted(const Reads& in, const Setup& setup, const solver::Scene& 
                   worst.tet_place[2]);
     in.warn(bodies.name, "FE306", text + name + place,
             "Take more substeps through this frame, or look for a bone that jumps or passes through the tissue.");
-}
-
-/// Says what an attachment leaves out, and where it reaches farther than the painted part of its source is large.
-void warn_of_reach(const Reads& in, const Setup& setup, const std::vector<solver::AttachmentStart>& starts) {
-    const double units = setup.key.scale;
-    char text[200];
-    for (std::size_t a = 0; a < starts.size(); ++a) {
-        const solver::AttachmentStart& s = starts[a];
-        const std::string name = attachment_name(in, setup, static_cast<int>(a)) + ": ";
-        if (s.left_out > 0) {
-            if (s.max_distance > 0)
-                std::snprintf(
-                    text, sizeof text,
-                    "%.3g %% of the painted area holds on to nothing: its closest points of the target have no "
-                    "target weight, and none within %.4g has",
-                    100 * s.left_out / s.painted, s.max_distance * units);
-            else
-                std::snprintf(text, sizeof text,
-                              "%.3g %% of the painted area holds on to nothing: the target has no target weight there",
-                              100 * s.left_out / s.painted);
-            in.warn(attachments.name, "FE241", name + text,
-                    "Paint source and target where they face each other, or set maxDistance.");
-        }
-        if (s.longest > s.source_size) {
-            std::snprintf(text, sizeof text, "it reaches %.4g far, while the painted part of its source is %.4g large",
-                          s.longest * units, s.source_size * units);
-            in.warn(attachments.name, "FE242", name + text,
-                    "Check that it ties what it should; paint the part of the target that is meant as targetWeights.");
-        }
-    }
 }
 
 bool without_inertia(const Reads& in) {

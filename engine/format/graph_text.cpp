@@ -3,6 +3,7 @@
 
 #include "engine/diagnostics.h"
 #include "engine/format/migrate.h"
+#include "engine/near_file.h"
 #include "engine/text.h"
 
 #include <algorithm>
@@ -40,12 +41,9 @@ GraphText refused(const fs::path& path, const FileFault& fault) {
     std::error_code ec;
     const fs::file_status status = fs::status(path, ec);
     if (fault.code == "IO401") {
-        // Endings say nothing of which of them is meant.
-        std::vector<std::string> there;
-        for (const std::string& name : graphs_in(path.parent_path())) there.push_back(fs::path(name).stem().string());
-        const std::string near = nearest_name(path.stem().string(), there);
+        const std::string near = near_file(fs::path(path).replace_extension(".json"));
         return {"", fault.code, "there is no such graph file",
-                near.empty() ? "" : "did you mean \"" + (path.parent_path() / (near + ".json")).string() + "\"?"};
+                near.ends_with(".json") ? "did you mean \"" + (path.parent_path() / near).string() + "\"?" : ""};
     }
     if (fault.code != "IO402") return {"", fault.code, fault.message, fault.hint};
     if (fs::is_directory(status)) {

@@ -4,6 +4,7 @@
 #include "engine/file_sequence.h"
 #include "engine/format/typed_text.h"
 #include "engine/format/value_meant.h"
+#include "engine/near_file.h"
 #include "engine/text.h"
 #include "engine/units.h"
 
@@ -324,6 +325,7 @@ class BindingReader {
         const NumberList meant = text ? numbers_in(*text) : NumberList();
         if (!meant.empty() && (!is_vector || meant.size() == 3)) return "write " + list_text(meant);
         if (!is_vector) return {};
+        if (const auto colour = text ? colour_meant(*text) : std::nullopt) return "write " + list_text(*colour);
         const auto* i = json.as<std::int64_t>();
         const auto* d = json.as<double>();
         if (!i && !d) return text && parse_plug(*text) ? "" : "write three numbers: [x, y, z]";
@@ -400,11 +402,15 @@ class BindingReader {
         }
         std::error_code ec;
         const auto status = fs::status(out.path, ec);
-        if (!fs::exists(status))
+        if (!fs::exists(status)) {
+            const std::string near = near_file(out.path);
             problem("IO401", "there is no file " + json_quoted(path),
-                    "looked for " + out.path + "; relative paths start at the graph's folder", below);
-        else if (fs::is_directory(status))
-            problem("IO402", json_quoted(path) + " is a folder", {}, below);
+                    near.empty()
+                        ? "looked for " + out.path + "; relative paths start at the graph's folder"
+                        : "did you mean " + json_quoted(fs::path(path).replace_filename(near).generic_string()) + "?",
+                    below);
+        }
+        if (fs::is_directory(status)) problem("IO402", json_quoted(path) + " is a folder", {}, below);
         return Value::of<File>(std::move(out));
     }
 

@@ -5,6 +5,7 @@
 #include "engine/text.h"
 
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 namespace sinew::engine {
@@ -107,6 +108,42 @@ std::string pairs_form(const Json& json) {
         out += (out.empty() ? "[" : ", ") + list_text(NumberList{*number_of(pair->front()), *value});
     }
     return out + "]";
+}
+
+std::optional<NumberList> colour_meant(std::string_view text) {
+    struct Named {
+        std::string_view name;
+        int rgb;
+    };
+    constexpr Named named[] = {{"black", 0x000000}, {"white", 0xffffff},   {"grey", 0x808080},   {"gray", 0x808080},
+                               {"red", 0xff0000},   {"green", 0x008000},   {"blue", 0x0000ff},   {"yellow", 0xffff00},
+                               {"cyan", 0x00ffff},  {"magenta", 0xff00ff}, {"orange", 0xffa500}, {"brown", 0xa52a2a},
+                               {"pink", 0xffc0cb},  {"purple", 0x800080}};
+    int rgb = -1;
+    for (const Named& n : named)
+        if (lower_case(text) == n.name) rgb = n.rgb;
+    if (text.starts_with('#') && (text.size() == 7 || text.size() == 4)) {
+        const std::string_view digits = text.substr(1);
+        std::string all;
+        for (const char c : digits) all += digits.size() == 3 ? std::string(2, c) : std::string(1, c);
+        const auto end = std::from_chars(all.data(), all.data() + all.size(), rgb, 16).ptr;
+        if (end != all.data() + all.size()) return {};
+    }
+    if (rgb < 0) return {};
+    NumberList out;
+    for (const int shift : {16, 8, 0}) out.push_back(std::stod(rough_text(((rgb >> shift) & 255) / 255.0, 3)));
+    return out;
+}
+
+std::string preset_elsewhere(const NodeType& type, const AttributeInfo& input, const Json& json) {
+    const auto* text = json.as<std::string>();
+    if (!text || !input.presets.empty()) return {};
+    std::vector<std::string> holders;
+    for (const AttributeInfo& a : type.inputs)
+        for (const Preset& p : a.presets)
+            if (p.name == *text) holders.emplace_back(a.name);
+    if (holders.empty()) return {};
+    return "write a number; " + json_quoted(*text) + " is a preset of " + listed(holders) + " alone";
 }
 
 std::string wires_hint(const NodeType& type, const AttributeInfo& input, const Json& json) {

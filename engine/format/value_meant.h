@@ -4,6 +4,7 @@
 #include "engine/format/json_text.h"
 #include "engine/node_type.h"
 
+#include <optional>
 #include <string>
 
 namespace sinew::engine {
@@ -22,6 +23,9 @@ std::string bool_form(const Json& json);
 /// What "12,5 kPa" is, where it is one number.
 std::string decimal_form(std::string text);
 
+/// "#ff8000", "#f80" or "red" as three numbers from 0 to 1.
+std::optional<NumberList> colour_meant(std::string_view text);
+
 /// The word for how keys are joined.
 std::string interpolation_form(const std::string& word);
 
@@ -30,6 +34,9 @@ std::string keys_form(const Json& keys);
 
 /// The keys that are meant by [[1, 0], [10, 1]] without "keys"; empty if it holds no pairs of frame and value.
 std::string pairs_form(const Json& json);
+
+/// A word that is a preset of other attributes of the type: says of which. Empty if it is none.
+std::string preset_elsewhere(const NodeType& type, const AttributeInfo& input, const Json& json);
 
 /// "material" is a word, and "materials" what is connected: asks for the list where connections were given to a
 /// literal. Empty where nothing speaks for it.

@@ -70,8 +70,8 @@ SurfaceMesh read_obj(std::string_view bytes, const std::string& file) {
             for (int d = 0; d < 3; ++d) {
                 const std::string_view w = statement.word();
                 if (w.empty())
-                    text.fail("vertex " + std::to_string(points.size()) + " has fewer than three coordinates");
-                p[d] = text.to_number(w, "a coordinate of vertex " + std::to_string(points.size()));
+                    text.fail("vertex " + std::to_string(points.size() + 1) + " has fewer than three coordinates");
+                p[d] = text.to_number(w, "a coordinate of vertex " + std::to_string(points.size() + 1)); // as f counts
             }
             points.push_back(p);
             statement.skip_rest(); // a weight or a colour

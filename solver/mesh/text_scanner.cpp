@@ -126,6 +126,8 @@ std::size_t TextScanner::count(std::string_view what) {
 }
 
 void TextScanner::fail(const std::string& problem) const {
+    if (text_.starts_with("\xFF\xFE") || text_.starts_with("\xFE\xFF"))
+        throw Error("IO403", file_ + " is text in UTF-16", "save it as UTF-8 or plain ASCII");
     throw Error("IO403", file_ + ":" + std::to_string(word_line_) + ": " + problem);
 }
 

@@ -181,6 +181,11 @@ TEST_CASE("check doubts tets far larger than what they fill is thick", "[tools]"
         said.find("of the surface of ball belongs to parts about 2 thick, less than a quarter of the tets there (10) | "
                   "choose a tetSize of about 2,") != std::string::npos);
     CHECK(said_of(graph, {"tets.tetSize=2"}).empty());
+    // A ball of 20 in tets of 30: no part of it is thin.
+    CHECK(
+        said_of(ball(), {"tets.tetSize=30"}) ==
+        "FE262 tets.tetSize: ball is 20 long and its tets are 30, so it cannot bend | choose a tetSize of about 2.5\n");
+    CHECK(said_of(ball(), {"tets.tetSize=12"}).empty());
 }
 
 TEST_CASE("check doubts scales that mirror", "[tools]") {
@@ -315,8 +320,14 @@ TEST_CASE("check names the bone that is attached to but none of the bodies", "[t
     json graph = ball();
     graph["nodes"]["solver"]["inputs"]["bodies"].erase(0);
     const std::string said = said_of(graph, {}, 1);
-    CHECK(said.starts_with("FE209 solver.attachments: the target of grip"));
-    CHECK(said.find("zSolver.bodies") != std::string::npos);
+    CHECK(said == "FE209 solver.attachments: the target (plate) of grip is none of this solver's bodies | Connect to "
+                  "zSolver.bodies too: plate.\n");
+    // Other bodies than those that are tied.
+    graph["nodes"]["other"] = graph["nodes"]["plate"];
+    graph["nodes"]["other"]["inputs"]["mesh"]["from"] = "ballMesh.outMesh";
+    graph["nodes"]["solver"]["inputs"]["bodies"] = json::array({{{"from", "other.outBody"}}});
+    CHECK(said_of(graph, {}, 1) == "FE209 solver.attachments: the source (ball) and the target (plate) of grip are "
+                                   "none of this solver's bodies | Connect to zSolver.bodies too: ball, plate.\n");
 }
 
 TEST_CASE("a node of an unknown type is an error of check beside all others", "[tools]") {
@@ -379,7 +390,7 @@ TEST_CASE("check and run refuse types that they do not know and say so once", "[
         INFO(command);
         CHECK(severities(command, unused) == "error DG010; ");
         CHECK(severities(command, needed) == "error DG010; ");
-        CHECK(severities(command, beside) == "error DG012; error DG010; ");
+        CHECK(severities(command, beside) == "error DG016; error DG010; ");
     }
 }
 
@@ -412,6 +423,13 @@ TEST_CASE("check doubts bodies whose files are in another unit than the others",
     CHECK(said_of(graph, {"platePlace.scale=[0.001, 0.001, 0.001]"}).find("FE320") == std::string::npos);
     written(10);
     CHECK(said_of(graph).find("FE320") == std::string::npos);
+    // Of the one that is odd no scale for all is proposed.
+    json odd = ball();
+    odd["nodes"]["ballMesh"] = graph["nodes"]["plateMesh"];
+    written(10000);
+    const std::string large = said_of(odd, {"tets.tetSize=4000"});
+    CHECK(large.find("FE320 solver.bodies: ball is 10000 scene units long") != std::string::npos);
+    CHECK(large.find("FE261") == std::string::npos);
     // What a node makes is as large as the graph says.
     CHECK(said_of(ball(), {"plateMesh.width=5000"}).find("FE320") == std::string::npos);
 }
@@ -433,6 +451,51 @@ TEST_CASE("check doubts tissues with faces that are turned or doubled", "[tools]
                     "edges between opposite sides") != std::string::npos);
     CHECK(said("f 4 1 5 8\nf 4 1 5 8\n").find("FE321 ball.mesh: its mesh has 2 repeated triangles") !=
           std::string::npos);
+}
+
+TEST_CASE("check doubts meshes that are inside out", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "box.obj",
+               "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n"
+               "f 2 3 4 1\nf 8 7 6 5\nf 5 6 2 1\nf 6 7 3 2\nf 7 8 4 3\nf 8 5 1 4\n");
+    json graph = ball();
+    const json file = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "box.obj").string()}}}};
+    graph["nodes"]["plateMesh"] = file; // a bone: contact goes by its normals
+    graph["nodes"]["grip"]["inputs"]["maxDistance"] = 100;
+    CHECK(said_of(graph) == "FE321 plate.mesh: all faces of its mesh look inwards | turn them where it is modelled; "
+                            "pressure, contact and drawing go by the side that a face shows\n");
+    graph = ball();
+    graph["nodes"]["ballMesh"] = file;
+    graph["nodes"]["top"]["inputs"]["start"] = 4, graph["nodes"]["top"]["inputs"]["end"] = 4.5;
+    CHECK(said_of(graph).find("FE321 ball.mesh: all faces of its mesh look inwards") != std::string::npos);
+}
+
+TEST_CASE("check tells how far paint and attachments reach where a mesh may be in another unit", "[tools]") {
+    json graph = ball(); // near, without innerDistance and outerDistance: 0.5 and 2
+    graph["nodes"]["top"]["inputs"] = {
+        {"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "near"}, {"otherMesh", {{"from", "plateMesh.outMesh"}}}};
+    // The plate lies where it is modelled: around the centre of a ball ten times too large.
+    const std::string near = said_of(graph, {"ballMesh.radius=100", "tets.tetSize=80"}, 1);
+    CHECK(near.find("FE325 top.outerDistance: nothing of ballMesh is within 2 of plateMesh, so nothing is painted: its "
+                    "nearest point is ") != std::string::npos);
+    CHECK(near.find(" away (ballMesh is 200 long, plateMesh 10) | Widen outerDistance, or, if one of them is modelled "
+                    "in another unit, scale it by a transform.\n") != std::string::npos);
+    CHECK(near.find("FE212 grip.weights") != std::string::npos);
+    graph["nodes"]["top"]["inputs"] = {
+        {"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "sphere"}, {"center", {0, 30, 0}}, {"radius", 2}};
+    CHECK(said_of(graph, {}, 1)
+              .find("FE325 top.radius: nothing of ballMesh is in the sphere, so nothing is painted: its "
+                    "nearest vertex is 20 from the centre (ballMesh is 20 long) | ") != std::string::npos);
+    // Painted by height, the top of the large ball is 90 and more from the plate of 10.
+    const std::vector<std::string> large{"ballMesh.radius=100", "tets.tetSize=80", "top.start=80", "top.end=90"};
+    CHECK(said_of(ball(), large) ==
+          "FE242 solver.attachments: grip: it reaches 88.42 far, while its target is 10 long (ball is 200 long, plate "
+          "10) | Check that it ties what it should; paint the part of the target that is meant as targetWeights; if "
+          "one of the two is in another unit, scale it by a transform.\n");
+    CHECK(said_of(ball(), {"platePlace.translate=[0, 60, 0]"})
+              .starts_with("FE242 solver.attachments: grip: it reaches 52.19 far, while the painted part of its source "
+                           "is 20.21 large | Check that it ties what it should; paint the part of the target that is "
+                           "meant as targetWeights.\n"));
 }
 
 TEST_CASE("an attachment that is connected twice is refused", "[tools]") {
@@ -458,6 +521,30 @@ TEST_CASE("check doubts values in another unit than the attribute's", "[tools]")
     CHECK(said_of(graph).starts_with("FE324 fibre.strength: 60 Pa hardly pulls; muscles have 100 to 300 kPa | if "
                                      "kilopascals are meant, write \"60 kPa\"\n"));
     CHECK(said_of(graph, {"fibre.strength=0"}).find("FE324") == std::string::npos);
+    CHECK(said_of(ball(), {"solver.gravity=[0, -1e300, 0]"})
+              .starts_with("FE322 solver.gravity: 1e+300 m/s^2 is 1e+299 times the earth's | "));
+    CHECK(said_of(ball(), {"grip.stiffness=1"}) ==
+          "FE326 grip.stiffness: 1 N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by 98 m "
+          "| it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5\n");
+    CHECK(said_of(ball(), {"grip.stiffness=0"}).find("FE326") == std::string::npos); // released
+    CHECK(said_of(ball(), {"grip.stiffness=1", "grip.attachmentMode=none"}).find("FE326") == std::string::npos);
+}
+
+TEST_CASE("check doubts values of a material that its bodies do not read", "[tools]") {
+    CHECK(said_of(ball(), {"flesh.tensileStiffness=100"}) ==
+          "FE327 flesh.tensileStiffness: only tissue is made of it (ball), which does not read tensileStiffness | a "
+          "tissue goes by youngsModulus, poissonsRatio, massDensity, volumeConservation\n");
+    json graph = ball();
+    graph["nodes"]["skin"] = {
+        {"type", "zCloth"},
+        {"inputs", {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"materials", {{{"from", "weave.outMaterial"}}}}}}};
+    graph["nodes"]["weave"] = {{"type", "zMaterial"}, {"inputs", {{"youngsModulus", 20000}}}};
+    const std::string said = said_of(graph);
+    CHECK(said.find("FE327 weave.youngsModulus: only cloth is made of it (skin), which does not read youngsModulus | a "
+                    "cloth goes by tensileStiffness, shearStiffness, bendStiffness, clothMassDensity\n") !=
+          std::string::npos);
+    graph["nodes"]["ball"]["inputs"]["materials"] = {{{"from", "weave.outMaterial"}}}; // of both
+    CHECK(said_of(graph).find("FE327") == std::string::npos);
 }
 
 TEST_CASE("vertices outside of tets are told with the reason", "[tools]") {

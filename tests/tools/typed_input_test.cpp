@@ -51,6 +51,9 @@ TEST_CASE("errors of flags end with what is wrong", "[tools]") {
     CHECK(said.err.starts_with("Usage: sinew snapshot "));
     CHECK(said.err.ends_with(
         "\nsinew snapshot: unknown flag '--frmes'. Did you mean '--frames'? `sinew snapshot --help` says more.\n"));
+    CHECK(has(run_program({"run", "g.json", "-j4"}).err, "unknown flag '-j4'. Did you mean '--threads 4'?"));
+    CHECK(has(run_program({"run", "g.json", "-f"}).err, "unknown flag '-f'. Did you mean '--frames'?"));
+    CHECK(has(run_program({"run", "g.json", "-fast"}).err, "unknown flag '-fast'. `sinew run"));
 }
 
 TEST_CASE("a file that is neither graph nor mesh is refused by its ending", "[tools]") {
@@ -155,4 +158,42 @@ TEST_CASE("words and vectors that are written as something else are told how the
     CHECK(has(said_of(R"("s": {"type": "zSolver", "inputs": {"gravity": 9.8}})"),
               "hint: write three numbers: [0, -9.8, 0]\n"));
     CHECK(has(said_of(R"("m": {"type": "transform", "inputs": {"translate": 3}})"), "[3, 3, 3] if all of them are 3"));
+    // Colours as other programs write them; presets of another attribute; the unit's name as scale.
+    CHECK(has(said_of(R"("b": {"type": "zBone", "inputs": {"colour": "#ff8000"}})"), "hint: write [1, 0.502, 0]\n"));
+    CHECK(has(said_of(R"("b": {"type": "zBone", "inputs": {"colour": "#0f0"}})"), "hint: write [0, 1, 0]\n"));
+    CHECK(has(said_of(R"("b": {"type": "zBone", "inputs": {"colour": "Red"}})"), "hint: write [1, 0, 0]\n"));
+    CHECK(has(said_of(R"("b": {"type": "zBone", "inputs": {"colour": "#12345g"}})"), "three numbers: [x, y, z]\n"));
+    CHECK(has(said_of(R"("m": {"type": "zMaterial", "inputs": {"massDensity": "bone"}})"),
+              "expected number, found text\n  hint: write a number; \"bone\" is a preset of youngsModulus alone\n"));
+    CHECK(has(said_of(R"("s": {"type": "zSolver", "inputs": {"scale": "km"}})"), "s.scale: unknown preset \"km\""));
+    const Said scaled =
+        run_program({"graph", SINEW_SOURCE_DIR "/graphs/scenes/arm.json", "--json", "--set", "solver.scale=mm"});
+    CHECK(has(scaled.out, "\"scale\": 1000"));
+}
+
+TEST_CASE("a file that is not there is answered by the one that is near", "[tools]") {
+    const TemporaryFolder folder;
+    put(folder, "biceps_left.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    const auto said_of = [&](const std::string& file) {
+        return run_program({"check", put(folder, "g.json",
+                                         R"({"format": "sinew 1", "nodes": {"m": {"type": "meshFile", "inputs": )"
+                                         R"({"file": ")" +
+                                             file + "\"}}}}")})
+            .err;
+    };
+    CHECK(has(said_of("Biceps_Left.obj"), "[IO401] m.file: there is no file \"Biceps_Left.obj\"\n  hint: did you mean "
+                                          "\"biceps_left.obj\"?\n"));
+    CHECK(has(said_of("bicep_left.obj"), "hint: did you mean \"biceps_left.obj\"?\n"));
+    CHECK(has(said_of("./biceps_left.ply"), "hint: did you mean \"./biceps_left.obj\"?\n"));
+    CHECK(has(said_of("femur.obj"), "/femur.obj; relative paths start at the graph's folder\n"));
+    CHECK(has(said_of("meshes/biceps_left.obj"), "relative paths start at the graph's folder\n"));
+}
+
+TEST_CASE("text in UTF-16 is told as that", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string mark = "\xFF\xFE", wide("v\0 \0", 4);
+    CHECK(has(run_program({"check", "--meshes", put(folder, "a.obj", mark + wide)}).err,
+              "a.obj is text in UTF-16\n  hint: save it as UTF-8 or plain ASCII\n"));
+    CHECK(has(run_program({"check", put(folder, "g.json", mark + std::string("{\0", 2))}).err,
+              "error [DG004] the file is written in UTF-16\n  hint: save it as UTF-8\n"));
 }

@@ -3,7 +3,6 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
-#include "tools/cli/doubts.h"
 #include "tools/cli/idle_nodes.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/long_task.h"
@@ -12,6 +11,7 @@
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
+#include "tools/doubts/doubts.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>

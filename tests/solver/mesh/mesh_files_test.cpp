@@ -94,7 +94,7 @@ TEST_CASE("OBJ: refusals name the line and what is wrong", "[mesh][files]") {
     const Refusal high = refusal(three + "f 1 2 3\nf 1 2 4\n", "a.obj");
     REQUIRE(high.code == "FE203");
     REQUIRE(high.says("a.obj:5: a face uses vertex 4 of 3"));
-    REQUIRE(refusal("v 0 0\n", "a.obj").says("a.obj:1: vertex 0 has fewer than three"));
+    REQUIRE(refusal("v 0 0\n", "a.obj").says("a.obj:1: vertex 1 has fewer than three"));
     REQUIRE(refusal("v 0 0 zero\n", "a.obj").says("a.obj:1: 'zero' is not a number"));
     REQUIRE(refusal("v 0 0 0x1\n", "a.obj").code == "IO403");
     REQUIRE(refusal("v 0 0 1,5\n", "a.obj").says("'1,5'"));

@@ -15,8 +15,9 @@ enum class Look { closely, in_passing };
 /// would give them one; FE262 tets over four times as large as parts of what they fill are thick; FE263 flesh softer
 /// than any; FE264 a tissue nearly all of whose surface is attached; FE265 a scale or matrix that mirrors; FE320
 /// bodies whose files are in another unit than the others'; FE321 tissues with faces turned against each other or
-/// doubled; FE322 gravity that is hardly in m/s²; FE323 flesh lighter than any; FE324 fibres weaker than any; FE331 a
-/// tissue that is held as a whole.
+/// doubled; FE322 gravity that is hardly in m/s²; FE323 flesh lighter than any; FE324 fibres weaker than any; FE326 an
+/// attachment too soft to hold anything; FE327 values of a material that its bodies do not read; FE331 a tissue that is
+/// held as a whole.
 /// What cannot be computed is left out: find_problems tells. Throws Cancelled.
 /// \param nodes to look at
 std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::Graph>& graph,

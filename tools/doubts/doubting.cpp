@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tools/doubts/doubting.h"
+
+#include "engine/text.h"
+#include "tools/cli/open_graph.h"
+
+#include <cctype>
+
+namespace sinew::cli {
+
+using engine::Diagnostic;
+using engine::Plug;
+
+Doubting::Doubting(std::shared_ptr<const engine::Graph> graph, engine::Evaluator& evaluator, Look look, double frame,
+                   std::stop_token stop, std::shared_ptr<engine::Failures> failures)
+    : graph_(std::move(graph))
+    , evaluator_(evaluator)
+    , look_(look)
+    , frame_(frame)
+    , stop_(std::move(stop))
+    , failures_(std::move(failures)) {}
+
+void Doubting::doubt(std::string_view code, const std::string& node, std::string_view attribute, std::string message,
+                     std::string hint) {
+    Diagnostic d;
+    d.severity = engine::Severity::warning;
+    d.code = code;
+    d.node = node, d.attribute = attribute;
+    d.spot = graph_->spot(node, attribute);
+    if (!d.spot) d.spot = graph_->spot(node);
+    d.message = std::move(message), d.hint = std::move(hint);
+    out_.push_back(std::move(d));
+}
+
+std::vector<Plug> Doubting::plugs(const std::string& node, std::string_view attribute) const {
+    const auto& inputs = graph_->find(node)->inputs;
+    const auto it = inputs.find(attribute);
+    if (it == inputs.end()) return {};
+    if (const auto* one = std::get_if<Plug>(&it->second)) return {*one};
+    const auto* list = std::get_if<std::vector<Plug>>(&it->second);
+    return list ? *list : std::vector<Plug>();
+}
+
+std::string Doubting::file_of(const std::string& body) const {
+    std::vector<std::string> sources;
+    for (const Plug& plug : plugs(body, "mesh")) sources.push_back(plug.node);
+    for (const std::string& name : upstream_of(*graph_, sources))
+        for (const auto& [attribute, binding] : graph_->find(name)->inputs)
+            if (const auto* v = std::get_if<engine::Value>(&binding); v && v->is<engine::File>()) {
+                std::string path = v->as<engine::File>().path;
+                for (char& c : path) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+                if (!path.empty()) return path;
+            }
+    return {};
+}
+
+std::string rough(double value) { return engine::rough_text(value, 2); }
+
+double extent(const solver::Points& points) {
+    solver::Vec3 least = points.front(), most = least;
+    for (const solver::Vec3& p : points) least = least.cwiseMin(p), most = most.cwiseMax(p);
+    return (most - least).maxCoeff();
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,90 @@
+// What those who doubt read a graph by, and where they say it.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/curve.h"
+#include "engine/evaluator.h"
+#include "nodes/values.h"
+#include "tools/doubts/doubts.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+class Doubting {
+  public:
+    /// \param frame the first that the graph simulates, at which values are read
+    Doubting(std::shared_ptr<const engine::Graph> graph, engine::Evaluator& evaluator, Look look, double frame,
+             std::stop_token stop, std::shared_ptr<engine::Failures> failures);
+
+    const engine::Graph& graph() const { return *graph_; }
+    Look look() const { return look_; }
+
+    /// A warning at the attribute's place in the file.
+    void doubt(std::string_view code, const std::string& node, std::string_view attribute, std::string message,
+               std::string hint);
+    /// All that was said.
+    std::vector<engine::Diagnostic> take() { return std::move(out_); }
+
+    /// Empty where it cannot be had.
+    template <class T>
+    std::optional<T> value(const engine::Plug& plug) {
+        try {
+            const engine::Value v = evaluator_.pull({graph_, plug, frame_, stop_, failures_});
+            if (v.is<T>()) return v.as<T>();
+        } catch (const engine::Failure&) {
+        }
+        return {};
+    }
+
+    /// A literal; the default if nothing stands there; empty if it is keyed or connected.
+    template <class T>
+    std::optional<T> number(const std::string& node, std::string_view attribute) const {
+        const engine::Node& n = *graph_->find(node);
+        const auto it = n.inputs.find(attribute);
+        engine::Value v;
+        if (it == n.inputs.end())
+            v = engine::default_value(*n.type->find_input(attribute), graph_->timing());
+        else if (const auto* literal = std::get_if<engine::Value>(&it->second))
+            v = *literal;
+        if (v.is<T>()) return v.as<T>();
+        return {};
+    }
+
+    /// The same of vectors and matrices, with the value that keys give at the start.
+    template <class T>
+    std::optional<T> at_start(const std::string& node, std::string_view attribute) const {
+        const auto& inputs = graph_->find(node)->inputs;
+        const auto it = inputs.find(attribute);
+        const auto* curve = it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
+        if (!curve) return number<T>(node, attribute);
+        if constexpr (std::is_same_v<T, engine::Matrix4>) return curve->matrix_at(frame_);
+        const std::vector<double> numbers = curve->at(frame_);
+        T out{};
+        if (numbers.size() != out.size()) return {};
+        std::copy(numbers.begin(), numbers.end(), out.begin());
+        return out;
+    }
+
+    /// The connections at an input, in order.
+    std::vector<engine::Plug> plugs(const std::string& node, std::string_view attribute) const;
+    /// The file that a body's mesh comes from, in small letters; empty: from none.
+    std::string file_of(const std::string& body) const;
+
+  private:
+    std::shared_ptr<const engine::Graph> graph_;
+    engine::Evaluator& evaluator_;
+    Look look_;
+    double frame_;
+    std::stop_token stop_;
+    std::shared_ptr<engine::Failures> failures_;
+    std::vector<engine::Diagnostic> out_;
+};
+
+/// "1.2", two digits of it.
+std::string rough(double value);
+/// Longest side of the box around the points.
+double extent(const solver::Points& points);
+
+} // namespace sinew::cli

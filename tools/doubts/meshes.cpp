@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/mesh_check.h"
+#include "solver/mesh/thickness.h"
+#include "tools/doubts/kinds.h"
+
+#include <algorithm>
+
+namespace sinew::cli {
+
+namespace {
+
+/// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
+constexpr double thin_part = 0.25, thin_share = 0.25;
+/// A body that is shorter than one of its tets; as long as one is what a block as a mass on a spring is.
+constexpr double least_tets_along = 0.95;
+constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000;
+/// Triangles of a mesh that is looked at for flaws in passing.
+constexpr std::size_t most_triangles_in_passing = 20000;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+double longest_edge(const solver::TissueRest& rest, int tet) {
+    double longest = 0;
+    const solver::Tet& t = rest.tets.tets[at(tet)];
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            longest = std::max(longest, (rest.tets.vertices[at(t[i])] - rest.tets.vertices[at(t[j])]).norm());
+    return longest;
+}
+
+/// What of a surface is thinner than the tets there.
+struct Thin {
+    std::vector<std::pair<double, double>> parts; ///< thickness, area
+    double area = 0, thin_area = 0, largest = 0, largest_thin = 0;
+
+    void add(const solver::Thickness& t, double tet_length) {
+        area += t.area;
+        largest = std::max(largest, tet_length);
+        if (!(t.distance < thin_part * tet_length)) return;
+        parts.emplace_back(t.distance, t.area);
+        thin_area += t.area;
+        largest_thin = std::max(largest_thin, tet_length);
+    }
+
+    /// Half of what is thin is thinner.
+    double usual() {
+        std::sort(parts.begin(), parts.end());
+        double passed = 0, thickness = 0;
+        for (std::size_t i = 0; i < parts.size() && passed < thin_area / 2; ++i)
+            passed += parts[i].second, thickness = parts[i].first;
+        return thickness;
+    }
+};
+
+} // namespace
+
+void doubt_mesh(Doubting& d, const Member& m) {
+    const auto& triangles = m.body.rest->mesh.topology->triangles;
+    if (d.look() == Look::in_passing && triangles.size() > most_triangles_in_passing) return;
+    const solver::MeshCheck check = solver::check_mesh(*m.body.rest->mesh.points, triangles);
+    if (check.duplicate_triangles)
+        d.doubt("FE321", m.name, "mesh",
+                "its mesh has " +
+                    solver::describe(check.duplicate_triangles, "repeated triangle", "repeated triangles"),
+                "remove faces that are there twice, or remesh it by zIsoMesh; volume, pressure and contact count them "
+                "twice");
+    else if (check.badly_oriented_edges)
+        d.doubt("FE321", m.name, "mesh",
+                "some faces of its mesh look the other way than their neighbours: " +
+                    solver::describe(check.badly_oriented_edges, "edge between opposite sides",
+                                     "edges between opposite sides"),
+                "turn the faces alike where it is modelled, or remesh it by zIsoMesh; pressure, contact and drawing go "
+                "by the side that a face shows");
+    else if (check.is_closed() && check.volume < 0)
+        d.doubt("FE321", m.name, "mesh", "all faces of its mesh look inwards",
+                "turn them where it is modelled; pressure, contact and drawing go by the side that a face shows");
+}
+
+void doubt_tets(Doubting& d, const Member& m) {
+    const auto* of_tissue = std::get_if<0>(&m.body.rest->data);
+    if (!of_tissue) return;
+    const solver::TissueRest& rest = **of_tissue;
+    if (rest.tets.coverage.empty()) return; // tets that fit the surface
+    Thin found;
+    for (const solver::Thickness& t : solver::thickness(rest.surface, rest.triangles,
+                                                        d.look() == Look::closely ? most_rays : most_rays_in_passing)) {
+        const int vertex = rest.triangles[at(t.triangle)][0];
+        found.add(t, longest_edge(rest, rest.embedding.tet[at(vertex)]));
+    }
+    const std::vector<engine::Plug> tets = d.plugs(m.name, "tets");
+    const bool sized = !tets.empty() && d.graph().find(tets.front().node)->type_name == "zTet";
+    const std::string node = sized ? tets.front().node : m.name, attribute = sized ? "tetSize" : "tets";
+    const std::string take = sized ? "choose" : "connect a zTet with";
+    const double length = extent(rest.surface);
+    if (length < least_tets_along * found.largest)
+        d.doubt("FE262", node, attribute,
+                m.name + " is " + rough(length) + " long and its tets are " + rough(found.largest) +
+                    ", so it cannot bend",
+                take + " a tetSize of about " + rough(length / 8));
+    else if (found.thin_area > thin_share * found.area)
+        d.doubt("FE262", node, attribute,
+                rough(100 * found.thin_area / found.area) + " % of the surface of " + m.name +
+                    " belongs to parts about " + rough(found.usual()) +
+                    " thick, less than a quarter of the tets there (" + rough(found.largest_thin) + ")",
+                take + " a tetSize of about " + rough(found.usual()) +
+                    ", or refine there by weights and surfaceRefinement");
+}
+
+} // namespace sinew::cli

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
+#include "tools/doubts/kinds.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+namespace sinew::cli {
+
+namespace {
+
+/// Longest sides of a tissue between which it is taken as flesh [m]: from a muscle of the hand to a whale's back.
+constexpr double least_extent = 0.01, largest_extent = 5;
+/// No body of a scene is so many times as large as another and none between them, if they are in one unit.
+constexpr double unit_gap = 60;
+
+/// "1.2 mm", "35 cm", "18 m".
+std::string length_text(double metres) {
+    if (metres < 0.01) return rough(1000 * metres) + " mm";
+    return metres < 1 ? rough(100 * metres) + " cm" : rough(metres) + " m";
+}
+
+/// The largest tissue that is not told of already.
+void implausible_size(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units,
+                      const std::set<std::string>& odd) {
+    const Member* largest = nullptr;
+    double found = 0; // scene units
+    for (const Member& m : members)
+        if (!m.body.is_bone() && !odd.contains(m.name) && extent(*m.body.rest->mesh.points) > found)
+            found = extent(*m.body.rest->mesh.points), largest = &m;
+    const double metres = found / units;
+    if (!largest || (metres >= least_extent && metres <= largest_extent)) return;
+    constexpr std::array<std::pair<double, const char*>, 3> usual{
+        {{100, "centimetres"}, {1000, "millimetres"}, {1, "metres"}}};
+    std::string cure;
+    for (const auto& [per_metre, unit] : usual) {
+        const double length = found / per_metre;
+        if (length < least_extent || length > largest_extent) continue;
+        const std::string scale = engine::number_text(per_metre), size = "which makes it " + length_text(length);
+        cure += cure.empty() ? "if it is modelled in " + std::string(unit) + ", write \"scale\": " + scale + ", " + size
+                             : "; if in " + std::string(unit) + ", " + scale + ", " + size;
+    }
+    if (cure.empty()) cure = "scale is the number of scene units in a metre; choose it, or scale the meshes";
+    if (const std::string file = d.file_of(largest->name); file.ends_with(".glb") && units != 1)
+        cure += "; what a GLB holds is in metres by its format: \"scale\": 1";
+    d.doubt("FE261", solver, "scale",
+            largest->name + " is " + length_text(metres) + " long: " + rough(found) + " scene units, " +
+                engine::number_text(units) + " a metre",
+            cure);
+}
+
+/// Of a bone where it is, which may be scaled.
+const nodes::Mesh& mesh_of(const nodes::Body& body) {
+    const auto* now = std::get_if<nodes::Mesh>(&body.values);
+    return now ? *now : body.rest->mesh;
+}
+
+/// The names of those that are in another unit.
+std::set<std::string> other_units(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    std::vector<std::pair<double, const Member*>> sizes;
+    for (const Member& m : members)
+        if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), &m);
+    std::sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (std::size_t k = 1; k < sizes.size(); ++k) {
+        const double below = sizes[k - 1].first, above = sizes[k].first;
+        if (!(below > 0 && above > unit_gap * below)) continue;
+        // The fewer are taken for the mistake; what is made by a node is as large as the graph says.
+        std::vector<const Member*> few;
+        bool small = 2 * k <= sizes.size();
+        const auto take_files = [&] {
+            for (std::size_t i = small ? 0 : k; i < (small ? k : sizes.size()); ++i)
+                if (!d.file_of(sizes[i].second->name).empty()) few.push_back(sizes[i].second);
+        };
+        take_files();
+        if (few.empty() && 2 * k == sizes.size()) small = false, take_files();
+        if (few.empty()) return {};
+        std::string names;
+        for (const Member* m : few) names += (names.empty() ? "" : ", ") + m->name;
+        const double ratio = sizes.back().first / sizes.front().first, factor = ratio < 316 ? 100 : 1000;
+        const auto range = [](double least, double most) {
+            return rough(least) + (rough(least) == rough(most) ? "" : " to " + rough(most)) + " scene units";
+        };
+        const std::string one = range(sizes.front().first, below), other = range(above, sizes.back().first);
+        d.doubt("FE320", solver, "bodies",
+                names + (few.size() == 1 ? " is " : " are ") + (small ? one : other) + " long, the other bodies " +
+                    (small ? other : one) + ": " + (small ? "smaller" : "larger") + " by a factor of about " +
+                    rough(ratio),
+                "if they are modelled in different units, put a transform with scale " +
+                    engine::number_text(small ? factor : 1 / factor) + " between the file and " + names);
+        std::set<std::string> odd;
+        for (const Member* m : few) odd.insert(m->name);
+        return odd;
+    }
+    return {};
+}
+
+} // namespace
+
+void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units) {
+    // A scale for all would be the wrong cure where one body is odd among others.
+    const std::set<std::string> odd = other_units(d, solver, members);
+    implausible_size(d, solver, members, units, odd);
+}
+
+} // namespace sinew::cli

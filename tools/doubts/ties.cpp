@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/options.h"
+#include "tools/doubts/kinds.h"
+
+#include <algorithm>
+
+namespace sinew::cli {
+
+namespace {
+
+/// Attached shares of a surface from which on the whole is meant, or nothing was painted.
+constexpr double nearly_whole = 0.9;
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+void set(std::vector<char>& flags, int i) {
+    if (i >= 0) flags[at(i)] = 1;
+}
+
+/// Attachments that are there but pull at nothing, at all frames.
+bool is_idle(const Doubting& d, const std::string& attachment) {
+    return d.number<double>(attachment, "envelope") == 0.0 || d.number<double>(attachment, "stiffness") == 0.0;
+}
+
+/// Of the surface, by area, from 0 to 1: exactly 1 where all of it is.
+double painted_share(const nodes::Body& body, const std::vector<double>& weights) {
+    if (std::all_of(weights.begin(), weights.end(), [](double w) { return w > 0; })) return 1;
+    const solver::Points& points = *body.rest->mesh.points;
+    double all = 0, painted = 0;
+    for (const solver::Triangle& t : body.rest->mesh.topology->triangles) {
+        const auto corner = [&](std::size_t i) -> const solver::Vec3& { return points[at(t[i])]; };
+        const double third = (corner(1) - corner(0)).cross(corner(2) - corner(0)).norm() / 6;
+        for (std::size_t i = 0; i < 3; ++i) {
+            all += third;
+            if (weights.size() > at(t[i]) && weights[at(t[i])] > 0) painted += third;
+        }
+    }
+    return all > 0 ? std::min(painted / all, 0.99) : 0;
+}
+
+void whole_body(Doubting& d, const std::string& name, const nodes::Attachment& a, const std::vector<Member>& members,
+                const std::vector<nodes::BodyId>& ids) {
+    const int source = find_body(ids, a.source_body);
+    if (source < 0 || members[at(source)].body.is_bone() || a.values.mode() != solver::AttachmentMode::fixed) return;
+    // A fascia of cloth may well cling to the flesh below it everywhere.
+    const int target = find_body(ids, a.target_body);
+    if (members[at(source)].body.is_cloth() && target >= 0 && !members[at(target)].body.is_bone()) return;
+    const double share = painted_share(members[at(source)].body, a.rest.source_weights);
+    if (share < nearly_whole) return;
+    d.doubt("FE264", name, "weights",
+            "ties " + (share < 1 ? std::to_string(static_cast<int>(100 * share)) + " % of" : std::string("the whole")) +
+                (share < 1 ? " the" : "") + " surface of " + members[at(source)].name,
+            "paint where it holds on: a node weights with the mesh of " + members[at(source)].name +
+                ", for example with mode near");
+}
+
+} // namespace
+
+void doubt_hold(Doubting& d, const std::string& name) {
+    if (d.number<bool>(name, "enable") == false) return;
+    auto weights = d.number<engine::NumberList>(name, "weights");
+    for (const engine::Plug& plug : d.plugs(name, "weights")) weights = d.value<engine::NumberList>(plug);
+    if (!weights || !std::all_of(weights->begin(), weights->end(), [](double w) { return w > 0; })) return;
+    for (const engine::Plug& plug : d.plugs(name, "tissue"))
+        d.doubt("FE331", name, "weights",
+                "holds the whole of " + plug.node + ", so nothing of it moves or deforms by itself",
+                "paint what is to be held: a node weights with the mesh of " + plug.node +
+                    ", for example with mode near; what is to move as a whole is a zBone");
+}
+
+void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    const auto gravity = d.number<engine::Vec3>(solver, "gravity");
+    const auto integrator = d.number<std::string>(solver, "integrator");
+    if (gravity == engine::Vec3{}) return;
+    if (integrator == std::string(nodes::word_of(solver::Integrator::quasi_static))) return; // FE303
+    if (d.number<bool>(solver, "collisionDetection").value_or(false)) return; // what it falls on may catch it
+    std::vector<nodes::BodyId> ids;
+    std::vector<char> held;
+    for (const Member& m : members) ids.push_back(id_of(m.body)), held.push_back(m.body.is_bone());
+    for (const engine::Plug& plug : d.plugs(solver, "forces"))
+        if (const auto force = d.value<nodes::Force>(plug); force && force->type->ties)
+            for (const nodes::BodyId& id : force->bodies) set(held, find_body(ids, id));
+    std::string idle;
+    std::vector<std::array<int, 2>> links; // a part of a tissue goes with it
+    for (std::size_t i = 0; i < members.size(); ++i)
+        for (std::size_t k = 0; k < members.size() && members[i].body.subtissue; ++k)
+            for (const nodes::BodyRest::Part& part : members[k].body.rest->parts)
+                if (part.digest == members[i].body.subtissue->digest)
+                    links.push_back({static_cast<int>(i), static_cast<int>(k)});
+    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
+        if (const auto a = d.value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none) {
+            if (is_idle(d, plug.node))
+                idle += (idle.empty() ? "" : ", ") + plug.node;
+            else
+                links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
+        }
+    for (bool grows = true; grows;) {
+        grows = false;
+        for (const auto& [a, b] : links)
+            if (a >= 0 && b >= 0 && held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
+    }
+    for (std::size_t i = 0; i < members.size(); ++i)
+        if (!held[i] && !members[i].body.subtissue)
+            d.doubt("FE260", solver, "bodies",
+                    members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it" +
+                        (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle),
+                    "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");
+}
+
+void doubt_paint(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    std::vector<nodes::BodyId> ids;
+    for (const Member& m : members) ids.push_back(id_of(m.body));
+    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
+        if (const auto a = d.value<nodes::Attachment>(plug)) whole_body(d, plug.node, *a, members, ids);
+}
+
+} // namespace sinew::cli

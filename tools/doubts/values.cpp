@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
+#include "tools/doubts/kinds.h"
+
+#include <array>
+#include <cmath>
+
+namespace sinew::cli {
+
+namespace {
+
+/// Softer than brain by far [Pa]; what people write who mean kPa.
+constexpr double least_modulus = 100;
+/// [m/s^2]: the sun has 274.
+constexpr double largest_gravity = 300;
+/// Lungs have 250 [kg/m^3].
+constexpr double least_density = 50;
+/// A hundredth of what muscles have [Pa].
+constexpr double least_strength = 1000;
+/// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
+constexpr double least_tie = 1000, least_tie_of_cloth = 10;
+
+void soft_material(Doubting& d, const std::string& name) {
+    const auto material = d.value<nodes::Material>({name, "outMaterial"});
+    if (!material) return;
+    const double modulus = material->values.youngs_modulus;
+    for (const engine::Preset& p : d.graph().find(name)->type->find_input("youngsModulus")->presets)
+        if (modulus == p.value) return; // asked for by name
+    if (modulus < least_modulus)
+        d.doubt("FE263", name, "youngsModulus",
+                engine::number_text(modulus) + " Pa is softer than any flesh; brain has 500 Pa, a muscle 12 kPa",
+                "if kilopascals are meant, write \"" + engine::number_text(modulus) + " kPa\"");
+}
+
+void light_material(Doubting& d, const std::string& name) {
+    const auto density = d.number<double>(name, "massDensity");
+    if (!density || *density <= 0 || *density >= least_density) return;
+    d.doubt("FE323", name, "massDensity",
+            engine::number_text(*density) + " kg/m^3 is lighter than any flesh; water has 1000, a lung 250",
+            "if grams a cubic centimetre are meant, write \"" + engine::number_text(*density) + " g/cm^3\"");
+}
+
+/// What of a layer a tissue and a cloth do not read.
+constexpr std::array<std::string_view, 4> of_tissues{"youngsModulus", "poissonsRatio", "massDensity",
+                                                     "volumeConservation"};
+constexpr std::array<std::string_view, 4> of_cloths{"tensileStiffness", "shearStiffness", "bendStiffness",
+                                                    "clothMassDensity"};
+
+/// Values that are given for what the only readers of a layer do not read.
+void unread_values(Doubting& d, const std::string& name) {
+    bool by_tissue = false, by_cloth = false;
+    std::string reader;
+    for (const std::string& other : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(other);
+        if (!node->type || !node->type->find_input("materials")) continue;
+        for (const engine::Plug& plug : d.plugs(other, "materials"))
+            if (plug.node == name) {
+                (node->type->name == "zCloth" ? by_cloth : by_tissue) = true;
+                if (reader.empty()) reader = other;
+            }
+    }
+    if (by_tissue == by_cloth) return;
+    for (const std::string_view attribute : by_cloth ? of_tissues : of_cloths)
+        if (d.graph().find(name)->inputs.contains(attribute)) {
+            std::string read;
+            for (const std::string_view a : by_cloth ? of_cloths : of_tissues)
+                read += (read.empty() ? "" : ", ") + std::string(a);
+            d.doubt("FE327", name, attribute,
+                    std::string("only ") + (by_cloth ? "cloth" : "tissue") + " is made of it (" + reader +
+                        "), which does not read " + std::string(attribute),
+                    std::string("a ") + (by_cloth ? "cloth" : "tissue") + " goes by " + read);
+        }
+}
+
+} // namespace
+
+void doubt_material(Doubting& d, const std::string& name) {
+    soft_material(d, name);
+    light_material(d, name);
+    unread_values(d, name);
+}
+
+void doubt_fiber(Doubting& d, const std::string& name) {
+    const auto strength = d.number<double>(name, "strength");
+    if (!strength || *strength <= 0 || *strength >= least_strength) return; // 0: a direction and no pull
+    d.doubt("FE324", name, "strength", engine::number_text(*strength) + " Pa hardly pulls; muscles have 100 to 300 kPa",
+            "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
+}
+
+void doubt_attachment(Doubting& d, const std::string& name) {
+    const auto stiffness = d.number<double>(name, "stiffness");
+    if (!stiffness || *stiffness <= 0) return; // 0: released
+    const auto attachment = d.value<nodes::Attachment>({name, "outAttachment"});
+    if (!attachment || attachment->values.mode() == solver::AttachmentMode::none) return;
+    bool of_cloth = false;
+    for (const char* end : {"source", "target"})
+        for (const engine::Plug& plug : d.plugs(name, end))
+            if (const auto body = d.value<nodes::Body>(plug)) of_cloth = of_cloth || body->is_cloth();
+    if (*stiffness >= (of_cloth ? least_tie_of_cloth : least_tie)) return;
+    d.doubt("FE326", name, "stiffness",
+            engine::number_text(*stiffness) +
+                " N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by " +
+                rough(9.8 * 10 / *stiffness) + " m",
+            "it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5");
+}
+
+void doubt_gravity(Doubting& d, const std::string& solver) {
+    const auto gravity = d.number<engine::Vec3>(solver, "gravity");
+    if (!gravity) return;
+    const engine::Vec3& g = *gravity;
+    const double size = std::hypot(g[0], g[1], g[2]);
+    if (size <= largest_gravity) return;
+    std::string cure;
+    for (const double part : g) cure += (cure.empty() ? "[" : ", ") + engine::number_text(part / size * 9.8 + 0.0);
+    d.doubt("FE322", solver, "gravity", rough(size) + " m/s^2 is " + rough(size / 9.8) + " times the earth's",
+            "gravity is in m/s^2, whatever the scene's scale: " + cure + "]");
+}
+
+} // namespace sinew::cli
