@@ -106,7 +106,7 @@ TEST_CASE("OBJ: refusals name the line and what is wrong", "[mesh][files]") {
         INFO(number << ": " << r.code << " " << r.message);
         REQUIRE(r.code == "FE202");
         REQUIRE(r.says("a.obj:4:"));
-        REQUIRE(r.says("vertex 3"));
+        REQUIRE(r.says("vertex 4")); // as its faces count
     }
     REQUIRE(parse_surface("v 1e-999 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "a.obj").points[0] == Vec3(0, 0, 0));
 }
