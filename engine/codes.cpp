@@ -224,6 +224,8 @@ constexpr CodeInfo table[] = {
      "Widen the distance, or scale one of the meshes to the other's unit."},
     {"FE326", "attachment too soft to hold anything", "Give it 1e5 N/m^3 or more: it is a force per area and length."},
     {"FE327", "value that the material's bodies do not read", "Take it out, or give the one that they read."},
+    {"FE328", "layer or fibre that is nowhere", "Paint where it is to be, or take it out of the graph."},
+    {"FE329", "muscle that never pulls", "Key excitation, connect a line of action, or set strength to 0."},
     {"FE330", "node that no solver reads", "Connect it to where it is to act, or take it out of the graph."},
     {"FE331", "hold of a whole tissue", "Paint what is to be held: what is held cannot deform."},
     {"FE332", "scale or matrix that makes everything flat", "Scale along each axis by a number other than 0."},

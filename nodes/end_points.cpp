@@ -3,6 +3,9 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace sinew::nodes {
 
 using namespace engine;
@@ -32,6 +35,13 @@ void compute(const Reads& in, Writes& out) {
     check_map(in, source.name, in[source], count, "the source map");
     check_map(in, sink.name, in[sink], count, "the sink map");
     const NumberList begin = per_vertex(in[source], count), end = per_vertex(in[sink], count);
+    const auto is_painted = [](double w) { return w > 0.5; };
+    for (const auto& [input, map] : {std::pair(source.name, &begin), std::pair(sink.name, &end)})
+        if (count > 0 && std::none_of(map->begin(), map->end(), is_painted))
+            in.warn(input, "FE325",
+                    "no number of " + (in.source_name(input).empty() ? std::string(input) : in.source_name(input)) +
+                        " is above 0.5, so the fibres have no " + std::string(input),
+                    "Paint the end of the muscle there.");
     NumberList ends(count, 0.5);
     for (std::size_t v = 0; v < count; ++v) {
         if (begin[v] > 0.5 && end[v] > 0.5)

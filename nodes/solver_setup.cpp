@@ -103,22 +103,26 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
         in.fail(attribute, "FE213",
                 "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
-    if (found >= 0) return found;
+    // Bones of one topology have one rest digest. At the start, where both wires are read at one time, what is meant
+    // has the same place, too; from then on the key tells which it was.
+    const bool is_start = hint == body_missing;
+    if (found >= 0 && (!is_start || setup.ids[static_cast<std::size_t>(found)] == wanted)) return found;
     for (const Body& b : setup.bodies) // what is disabled, or a part of what is
         if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest) return disabled;
     return not_there;
 }
 
-/// \param ends  the inputs of the attachment whose bodies are missing
-[[noreturn]] void refuse_missing(const Reads& in, std::size_t entry, const std::vector<const char*>& ends) {
+/// \param ends  the inputs of what is connected there whose bodies are missing
+[[noreturn]] void refuse_missing(const Reads& in, std::string_view attribute, std::size_t entry,
+                                 const std::vector<const char*>& ends) {
     std::string names, wanted;
     for (const char* end : ends) {
-        const std::string body = in.source_behind(attachments.name, entry, end);
+        const std::string body = in.source_behind(attribute, entry, end);
         names += (names.empty() ? "the " : " and the ") + std::string(end) + (body.empty() ? "" : " (" + body + ")");
         wanted += (wanted.empty() ? "" : ", ") + (body.empty() ? std::string(end) : body);
     }
-    in.fail(attachments.name, "FE209",
-            names + " of " + in.source_name(attachments.name, entry) + (ends.size() == 1 ? " is none" : " are none") +
+    in.fail(attribute, "FE209",
+            names + " of " + in.source_name(attribute, entry) + (ends.size() == 1 ? " is none" : " are none") +
                 " of this solver's bodies",
             "Connect to zSolver.bodies too: " + wanted + ".");
 }
@@ -138,13 +142,20 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         std::vector<const char*> missing;
         if (from == not_there) missing.push_back("source");
         if (to == not_there) missing.push_back("target");
-        if (!missing.empty()) refuse_missing(in, i, missing);
+        if (!missing.empty()) refuse_missing(in, attachments.name, i, missing);
         if (from < 0 || to < 0) continue;
         setup.attachments.emplace_back(a);
         setup.attachment_entries.push_back(static_cast<int>(i));
         setup.key.links.push_back({from, to});
         setup.key.attachments.push_back(static_digest(a.rest));
     }
+}
+
+/// The input of a hold or goal that its body of that number comes from; of what acts on a list just "body".
+const char* end_of_force(const Reads& in, std::size_t entry, std::size_t body) {
+    for (const auto& ends : {std::array{"tissue", "bone"}, std::array{"source", "target"}})
+        if (body < ends.size() && !in.source_behind(z_solver::forces.name, entry, ends[0]).empty()) return ends[body];
+    return "body";
 }
 
 void take_force(Setup& setup, const Force& f, int entry, std::vector<int> bodies) {
@@ -165,6 +176,7 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Rea
             const bool has_hint = known && next < known->reach.size() && b < known->reach[next].size();
             const int found = resolve(in, setup, z_solver::forces.name, i, f.bodies[b],
                                       has_hint ? known->reach[next][b] : -1, "body");
+            if (found == not_there) refuse_missing(in, z_solver::forces.name, i, {end_of_force(in, i, b)});
             if (found >= 0) reached.push_back(found);
         }
         for (std::size_t b = 0; f.on_all && b < setup.simulated.size(); ++b)
@@ -448,8 +460,9 @@ void check_all_tied(const Reads& in, const Setup& setup) {
     for (std::size_t i = 0; i < group.size(); ++i)
         if (!holds[root(i)])
             in.fail(bodies.name, "FE303",
-                    body_name(in, setup, i) + " floats: no hold and no chain of attachments to a bone or a held "
-                                              "tissue ties it, so QuasiStatic finds no rest for it",
+                    body_name(in, setup, i) +
+                        " floats: no hold and no chain of attachments to a bone or a held "
+                        "tissue ties it (sliding ties nothing), so QuasiStatic finds no rest for it",
                     "Attach it to a bone, hold a part of it by zHold, or use BackwardEuler.");
 }
 

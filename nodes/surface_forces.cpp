@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/surface_forces.h"
 
+#include "engine/text.h"
+
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/layer_place.h"
@@ -75,8 +77,7 @@ void warn_of_facing(const engine::Reads& in, const Mesh& mesh) {
     const std::string name = in.source_name("mesh");
     constexpr double rounding = 1e-6;
     if (facing->open > rounding) {
-        char share[32];
-        std::snprintf(share, sizeof share, "%.2g", 100 * facing->open);
+        const std::string share = engine::rough_text(100 * facing->open, 2);
         in.warn("mesh", "FE245",
                 name + " is not closed or has faces twice, so pressure pushes the tissue away as a whole, by " + share +
                     " % of what it presses with",

@@ -130,6 +130,13 @@ Leap farthest_leap(const std::vector<solver::Points>& before, const std::vector<
     }
     return out;
 }
+
+bool has_cloth(const Setup& setup) {
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i)
+        if (setup.body(i).is_cloth()) return true;
+    return false;
+}
+
 /// A bone that goes farther in a frame is hardly meant to.
 constexpr double most_sizes_a_frame = 3;
 
@@ -152,6 +159,11 @@ void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::Stat
     std::snprintf(frame, sizeof frame, "%g", in.frame());
     std::string leaps,
         hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
+    constexpr int of_cloth = 60; // that a step of cloth takes where it touches or folds
+    if (const auto limit = in[max_newton_iterations]; limit < of_cloth && has_cloth(setup))
+        hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + std::to_string(of_cloth) +
+               ": cloth that touches or folds takes 20 to " + std::to_string(of_cloth) +
+               ", and halved steps cost more than they; or raise substeps.";
     if (const Leap leap = farthest_leap(before.bones, s.state.bones); leap.sizes > most_sizes_a_frame) {
         const std::string bone =
             in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(leap.body)]));
@@ -347,7 +359,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 15;
+    type.base.numerics = 16;
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),

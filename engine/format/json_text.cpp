@@ -62,7 +62,7 @@ class Parser {
         if (close != std::string_view::npos) out.end = close + (mark == "/*" ? 2 : 0);
         while (at_ < out.end) {
             const std::size_t length = utf8_length(text_, at_);
-            if (length == 0) stop("the text is not UTF-8");
+            if (length == 0) stop("the text is not UTF-8; save it as UTF-8");
             at_ += length;
         }
         if (mark == "//" && text_[out.end - 1] == '\r') --out.end;
@@ -163,6 +163,7 @@ class Parser {
             JsonMember m;
             m.key_begin = at_;
             if (more() && text_[at_] == '}' && !out.empty()) stop("remove the comma before this }");
+            if (more() && text_[at_] == '#') stop("a comment begins with //, not with #");
             if (!more() || text_[at_] != '"')
                 stop("expected a key in " + std::string(more() && text_[at_] == '\'' ? "double " : "") + "quotes, " +
                      found());
@@ -283,7 +284,7 @@ class Parser {
                 continue;
             }
             const std::size_t length = utf8_length(text_, at_);
-            if (length == 0) stop("the text is not UTF-8");
+            if (length == 0) stop("the text is not UTF-8; save it as UTF-8");
             out += text_.substr(at_, length);
             at_ += length;
         }

@@ -176,7 +176,8 @@ class BindingReader {
         const std::string hint = meant.empty() ? "usual units here: " + usual_units(input_.unit)
                                                : "write " + json_quoted(number + (number.empty() ? "" : " ") + meant);
         if (input_.unit.empty())
-            problem("DG015", "has no unit, found " + json_quoted(text), "write the plain value", below);
+            problem("DG015", "has no unit, found " + json_quoted(text),
+                    "write the plain value: a number without a unit, in scene units if it is a length", below);
         else if (!parse_unit(text))
             problem("DG015", "unknown unit " + json_quoted(text), hint, below);
         else if (const auto factor = unit_factor(text, input_.unit))

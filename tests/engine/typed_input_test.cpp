@@ -296,7 +296,7 @@ TEST_CASE("comments are kept beside what they belong to and change nothing else"
 TEST_CASE("comments that are none and where a comment key cannot be kept") {
     CHECK(answer("{ /* open") == "DG001 a comment is not closed by */");
     CHECK(answer("{ / }") == "DG001 expected // or /* at the begin of a comment, found \"/\"");
-    CHECK(answer("{ // \xff\n }") == "DG001 the text is not UTF-8");
+    CHECK(answer("{ // \xff\n }") == "DG001 the text is not UTF-8; save it as UTF-8");
     CHECK(answer("\xEF\xBB\xBF// first\r\n{\"format\": \"sinew 1\", \"nodes\": {}}") == "taken");
     CHECK(answer("{\"format\": \"sinew 1\", \"nodes\": {\"n\": {\"type\": \"number\"}, \"s\": {\"type\": \"sum\", "
                  "\"inputs\": {\"terms\": [{\"from\": \"n.out\", \"comment\": 1}]}}}}") ==

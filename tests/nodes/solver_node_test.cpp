@@ -311,6 +311,21 @@ TEST_CASE("two bones of one mesh are told apart by where they stand", "[nodes]")
     CHECK(points(plain, 3, 1) == points(twins, 3, 2));
 }
 
+TEST_CASE("what holds on to a bone that the solver does not have is not given another of the same faces", "[nodes]") {
+    const std::string extra = R"(, "away": {"type": "transform", "inputs": {"translate": [0, 9, 0]}},
+        "twin": {"type": "zBone", "inputs": {"mesh": {"from": "box.outMesh"}, "matrix": {"from": "away.outMatrix"}}},
+        "hold": {"type": "zHold", "inputs": {"tissue": {"from": "beam.outBody"}, "bone": {"from": "twin.outBody"}}})";
+    std::string text;
+    Session s(beam(1, "", extra));
+    s.set("solver", "bodies", R"([{"from": "twin.outBody"}, {"from": "beam.outBody"}])");
+    CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
+    CHECK(text.find("the target (bone) of tie is none of") != std::string::npos);
+    Session held(beam(1, "", extra));
+    held.set("solver", "forces", R"([{"from": "hold.outForce"}])");
+    CHECK(codes([&] { held.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
+    CHECK(text.find("the bone (twin) of hold is none of") != std::string::npos);
+}
+
 TEST_CASE("two bones that are alike at the start may part later, whichever is held on to", "[nodes]") {
     // The twin of the bone stands where that starts, and stays there.
     const std::string twin = R"(, "stay": {"type": "transform", "inputs": {"translate": [-0.625, 0, 0]}},

@@ -1,6 +1,6 @@
 // What check doubts: each mistake made once, and the cure that it names.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "tests/tools/program.h"
+#include "tests/tools/doubting.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -11,55 +11,6 @@
 using namespace sinew::test;
 using nlohmann::json;
 namespace fs = std::filesystem;
-
-namespace {
-
-/// A ball of 20 cm that hangs on a plate by its painted top; nothing about it is doubtful.
-json ball() {
-    return json::parse(R"({"format": "sinew 1", "nodes": {
-      "ballMesh": {"type": "polySphere", "inputs": {"radius": 10, "subdivisionsAxis": 12, "subdivisionsHeight": 12}},
-      "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 20000}},
-      "tets": {"type": "zTet", "inputs": {"mesh": {"from": "ballMesh.outMesh"}, "tetSize": 8}},
-      "ball": {"type": "zTissue", "inputs": {"mesh": {"from": "ballMesh.outMesh"},
-        "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}},
-      "plateMesh": {"type": "polyCube", "inputs": {"width": 10, "height": 1, "depth": 10}},
-      "platePlace": {"type": "transform", "inputs": {"translate": [0, 10, 0]}},
-      "plate": {"type": "zBone", "inputs": {"mesh": {"from": "plateMesh.outMesh"},
-        "matrix": {"from": "platePlace.outMatrix"}}},
-      "top": {"type": "weights", "inputs": {"mesh": {"from": "ballMesh.outMesh"}, "mode": "ramp", "axis": "y",
-        "start": 8, "end": 9}},
-      "grip": {"type": "zAttachment", "inputs": {"source": {"from": "ball.outBody"},
-        "target": {"from": "plate.outBody"}, "weights": {"from": "top.outWeights"}}},
-      "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "plate.outBody"}, {"from": "ball.outBody"}],
-        "attachments": [{"from": "grip.outAttachment"}], "scale": 100}}}})");
-}
-
-/// What `check` says of the graph with these --set, "CODE node.attribute: message | hint" a line.
-std::string all_said_of(const json& graph, const std::vector<std::string>& settings = {}, int code = 0) {
-    const TemporaryFolder folder;
-    std::vector<std::string> words{"check", write_graph(folder, graph), "--json", "--no-cache"};
-    for (const std::string& s : settings) words.insert(words.end(), {"--set", s});
-    const Said said = run_program(words);
-    CHECK(said.code == code);
-    std::string out;
-    for (const json& d : said.lines())
-        if (d.at("event") == "diagnostic")
-            out += d.at("code").get<std::string>() + " " + d.value("node", "") + "." + d.value("attribute", "") + ": " +
-                   d.at("message").get<std::string>() + " | " + d.value("hint", "") + "\n";
-    return out;
-}
-
-/// The same but for nodes that nothing reads: most tests take a connection away or put another in its place, and what
-/// is left without readers is a test of its own.
-std::string said_of(const json& graph, const std::vector<std::string>& settings = {}, int code = 0) {
-    std::istringstream all(all_said_of(graph, settings, code));
-    std::string out;
-    for (std::string line; std::getline(all, line);)
-        if (!line.starts_with("FE330")) out += line + "\n";
-    return out;
-}
-
-} // namespace
 
 TEST_CASE("check doubts nothing of a sound graph", "[tools]") { CHECK(all_said_of(ball()).empty()); }
 
@@ -434,6 +385,17 @@ TEST_CASE("check doubts bodies whose files are in another unit than the others",
     CHECK(said_of(ball(), {"plateMesh.width=5000"}).find("FE320") == std::string::npos);
 }
 
+TEST_CASE("a unit that is doubted is told beside the errors that come of it", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "box.obj", "v 0 0 0\nv 0.02 0 0\nv 0 0.02 0\nv 0 0 0.02\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n");
+    json graph = ball();
+    graph["nodes"]["ballMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "box.obj").string()}}}};
+    const std::string said = said_of(graph, {"tets.tetSize=0.01"}, 1);
+    CHECK(said.find("FE212 grip.weights") != std::string::npos);
+    CHECK(said.find("FE320 solver.bodies: ball is 0.02 scene units long, the other bodies 10 scene units: smaller by a "
+                    "factor of about 500") != std::string::npos);
+}
+
 TEST_CASE("check doubts tissues with faces that are turned or doubled", "[tools]") {
     const TemporaryFolder folder;
     const std::string corners = "v -5 -5 -5\nv 5 -5 -5\nv 5 5 -5\nv -5 5 -5\nv -5 -5 5\nv 5 -5 5\nv 5 5 5\nv -5 5 5\n",
@@ -516,7 +478,8 @@ TEST_CASE("check doubts values in another unit than the attribute's", "[tools]")
         "centimetre are meant, write \"1.06 g/cm^3\"\n");
     CHECK(said_of(ball(), {"flesh.massDensity=1.06 g/cm^3"}).empty());
     json graph = ball();
-    graph["nodes"]["fibre"] = {{"type", "zFiber"}, {"inputs", {{"direction", {0, 1, 0}}, {"strength", 60}}}};
+    graph["nodes"]["fibre"] = {{"type", "zFiber"},
+                               {"inputs", {{"direction", {0, 1, 0}}, {"strength", 60}, {"excitation", 1}}}};
     graph["nodes"]["ball"]["inputs"]["fibers"] = json::array({{{"from", "fibre.outFiber"}}});
     CHECK(said_of(graph).starts_with("FE324 fibre.strength: 60 Pa hardly pulls; muscles have 100 to 300 kPa | if "
                                      "kilopascals are meant, write \"60 kPa\"\n"));
@@ -528,23 +491,6 @@ TEST_CASE("check doubts values in another unit than the attribute's", "[tools]")
           "| it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5\n");
     CHECK(said_of(ball(), {"grip.stiffness=0"}).find("FE326") == std::string::npos); // released
     CHECK(said_of(ball(), {"grip.stiffness=1", "grip.attachmentMode=none"}).find("FE326") == std::string::npos);
-}
-
-TEST_CASE("check doubts values of a material that its bodies do not read", "[tools]") {
-    CHECK(said_of(ball(), {"flesh.tensileStiffness=100"}) ==
-          "FE327 flesh.tensileStiffness: only tissue is made of it (ball), which does not read tensileStiffness | a "
-          "tissue goes by youngsModulus, poissonsRatio, massDensity, volumeConservation\n");
-    json graph = ball();
-    graph["nodes"]["skin"] = {
-        {"type", "zCloth"},
-        {"inputs", {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"materials", {{{"from", "weave.outMaterial"}}}}}}};
-    graph["nodes"]["weave"] = {{"type", "zMaterial"}, {"inputs", {{"youngsModulus", 20000}}}};
-    const std::string said = said_of(graph);
-    CHECK(said.find("FE327 weave.youngsModulus: only cloth is made of it (skin), which does not read youngsModulus | a "
-                    "cloth goes by tensileStiffness, shearStiffness, bendStiffness, clothMassDensity\n") !=
-          std::string::npos);
-    graph["nodes"]["ball"]["inputs"]["materials"] = {{{"from", "weave.outMaterial"}}}; // of both
-    CHECK(said_of(graph).find("FE327") == std::string::npos);
 }
 
 TEST_CASE("vertices outside of tets are told with the reason", "[tools]") {

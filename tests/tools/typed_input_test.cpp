@@ -51,6 +51,8 @@ TEST_CASE("errors of flags end with what is wrong", "[tools]") {
     CHECK(said.err.starts_with("Usage: sinew snapshot "));
     CHECK(said.err.ends_with(
         "\nsinew snapshot: unknown flag '--frmes'. Did you mean '--frames'? `sinew snapshot --help` says more.\n"));
+    CHECK(has(run_program({"run", SINEW_SOURCE_DIR "/graphs/scenes/arm.json", "--frames", "10-1"}).err,
+              "'10-1' ends before it begins; write 1-10."));
     CHECK(has(run_program({"run", "g.json", "-j4"}).err, "unknown flag '-j4'. Did you mean '--threads 4'?"));
     CHECK(has(run_program({"run", "g.json", "-f"}).err, "unknown flag '-f'. Did you mean '--frames'?"));
     CHECK(has(run_program({"run", "g.json", "-fast"}).err, "unknown flag '-fast'. `sinew run"));

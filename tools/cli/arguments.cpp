@@ -192,7 +192,10 @@ std::vector<int> parse_frames(std::string_view text) {
         const std::size_t dash = part.find('-', 1);
         const auto first = to_int(std::string_view(part).substr(0, dash));
         const auto last = dash == std::string::npos ? first : to_int(std::string_view(part).substr(dash + 1));
-        if (!first || !last || *last < *first)
+        if (first && last && *last < *first)
+            throw UsageError("'" + part + "' ends before it begins; write " + std::to_string(*last) + "-" +
+                             std::to_string(*first) + ".");
+        if (!first || !last)
             throw UsageError("'" + std::string(text) + "' is no list of frames; write 12, 1-24 or 1,64,128.");
         if (static_cast<long long>(*last) - *first >= most)
             throw UsageError("'" + part + "' is more than a million frames.");

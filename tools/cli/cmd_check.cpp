@@ -12,6 +12,7 @@
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/doubts/doubts.h"
+#include "tools/embed/graph_walk.h"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -77,7 +78,9 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         for (auto& doubt :
              find_doubts(open.graph, evaluator, open.graph->node_names(), Look::closely, in.stop, failures))
             found.push_back(std::move(doubt));
-    }
+    } else if (!fast)
+        for (auto& doubt : find_unit_doubts(open.graph, evaluator, open.graph->node_names(), in.stop, failures))
+            found.push_back(std::move(doubt));
     if (!has_error(found))
         for (auto& doubt : find_idle_nodes(*open.graph)) found.push_back(std::move(doubt));
     if (!fast) {
@@ -108,6 +111,8 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         if (!fast) in.out << ", " << counted(counts.bodies, "body", "bodies") << ", " << counted(counts.tets, "tet");
         if (simulations(*open.graph, open.graph->node_names()).empty())
             in.out << "; it has no zSolver, so `sinew run` needs --pull NODE.PLUG";
+        else if (embed::last_solvers(*open.graph, open.graph->node_names()).size() > 1)
+            in.out << "; it has several solvers, none of which reads the others, so `sinew run` needs --pull NODE.PLUG";
         in.out << "\n";
     }
     return done;

@@ -80,11 +80,18 @@ class Search {
                 const Node& node = *graph_.find(other);
                 if (!node.type || !used_.contains(other) || engine::is_included(other)) continue;
                 for (const AttributeInfo& input : node.type->inputs)
-                    if (input.kind == AttributeKind::wire_list && input.type == output.type)
+                    if (input.kind == AttributeKind::wire_list && input.type == output.type &&
+                        may_take(node, input, name))
                         out.push_back(other + "." + std::string(input.name));
             }
         if (out.size() > most) out.clear();
         return out;
+    }
+
+    /// Bodies are one type on wires, but parts of a tissue are zSubtissues alone, which no solver takes by itself.
+    bool may_take(const Node& node, const AttributeInfo& input, const std::string& given) const {
+        return node.type->name != "zTissue" || input.name != "subtissues" ||
+               graph_.find(given)->type->name == "zSubtissue";
     }
 
     engine::Diagnostic doubt(const std::string& name) const {

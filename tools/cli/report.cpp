@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/report.h"
 
+#include "engine/text.h"
 #include "solver/linear/blas_kernel.h"
 #include "tools/cli/json_text.h"
 #include "tools/cli/machine.h"
@@ -83,7 +84,8 @@ std::string terms_text(const std::vector<solver::StepRecord>& steps) {
             continue;
         }
         const bool is_length = m.what->unit == "m";
-        out += text(", %s %.2g %s", std::string(m.what->title).c_str(), is_length ? 1000 * m.value : m.value,
+        out += text(", %s %s %s", std::string(m.what->title).c_str(),
+                    engine::rough_text(is_length ? 1000 * m.value : m.value, 2).c_str(),
                     is_length ? "mm" : std::string(m.what->unit).c_str());
     }
     return out;

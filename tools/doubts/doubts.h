@@ -18,11 +18,18 @@ enum class Look { closely, in_passing };
 /// doubled; FE322 gravity that is hardly in m/s²; FE323 flesh lighter than any; FE324 fibres weaker than any; FE326 an
 /// attachment too soft to hold anything; FE327 values of a material that its bodies do not read; FE331 a tissue that is
 /// held as a whole.
+/// FE328 painted layers and fibres that are nowhere; FE329 muscles that never pull.
 /// What cannot be computed is left out: find_problems tells. Throws Cancelled.
 /// \param nodes to look at
 std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::Graph>& graph,
                                             engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
                                             Look look, std::stop_token stop,
                                             const std::shared_ptr<engine::Failures>& failures);
+
+/// Of a graph that has errors, which may come from it: FE320 alone, by the meshes that bodies are to be made of.
+std::vector<engine::Diagnostic> find_unit_doubts(const std::shared_ptr<const engine::Graph>& graph,
+                                                 engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
+                                                 std::stop_token stop,
+                                                 const std::shared_ptr<engine::Failures>& failures);
 
 } // namespace sinew::cli

@@ -14,6 +14,9 @@ struct Member {
 // ---- values.cpp: numbers in another unit than the attribute's, or that nothing reads ----
 void doubt_material(Doubting& d, const std::string& node);
 void doubt_fiber(Doubting& d, const std::string& node);
+void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& fibers);
+/// Of a zMaterial or zFiber: weights that are 0 everywhere.
+void doubt_blank_paint(Doubting& d, const std::string& node);
 void doubt_attachment(Doubting& d, const std::string& node);
 void doubt_gravity(Doubting& d, const std::string& solver);
 
@@ -24,9 +27,13 @@ void doubt_transforms(Doubting& d, const std::vector<std::string>& transforms);
 // ---- sizes.cpp: bodies in another unit than the solver's or than the others' ----
 void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units);
 
+/// The same of the meshes that bodies are to be made of, where they cannot be.
+void doubt_units_of_meshes(Doubting& d, const std::string& solver);
+
 // ---- meshes.cpp: flaws of a mesh, and tets that do not suit it ----
 void doubt_mesh(Doubting& d, const Member& member);
 void doubt_tets(Doubting& d, const Member& tissue);
+void doubt_sheet(Doubting& d, const Member& cloth, double units);
 
 // ---- ties.cpp: what is held by nothing, or as a whole ----
 void doubt_hold(Doubting& d, const std::string& node);

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/thickness.h"
 #include "tools/doubts/kinds.h"
@@ -12,6 +13,8 @@ namespace {
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
 constexpr double thin_part = 0.25, thin_share = 0.25;
 /// A body that is shorter than one of its tets; as long as one is what a block as a mass on a spring is.
+/// Heavier than a lead apron [kg/m^2]; thicker than this share of its length a cloth is none.
+constexpr double heaviest_sheet = 20, thickest_sheet = 0.1;
 constexpr double least_tets_along = 0.95;
 constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000;
 /// Triangles of a mesh that is looked at for flaws in passing.
@@ -64,6 +67,12 @@ void doubt_mesh(Doubting& d, const Member& m) {
                     solver::describe(check.duplicate_triangles, "repeated triangle", "repeated triangles"),
                 "remove faces that are there twice, or remesh it by zIsoMesh; volume, pressure and contact count them "
                 "twice");
+    else if (m.body.is_cloth() && check.components > 1 && check.coinciding_vertices)
+        d.doubt("FE321", m.name, "mesh",
+                "its mesh falls into " + std::to_string(check.components) + " parts that nothing joins, with " +
+                    solver::describe(check.coinciding_vertices, "vertex at the place of another",
+                                     "vertices at the places of others"),
+                "merge vertices that lie at one place where it is modelled");
     else if (check.badly_oriented_edges)
         d.doubt("FE321", m.name, "mesh",
                 "some faces of its mesh look the other way than their neighbours: " +
@@ -74,6 +83,24 @@ void doubt_mesh(Doubting& d, const Member& m) {
     else if (check.is_closed() && check.volume < 0)
         d.doubt("FE321", m.name, "mesh", "all faces of its mesh look inwards",
                 "turn them where it is modelled; pressure, contact and drawing go by the side that a face shows");
+}
+
+void doubt_sheet(Doubting& d, const Member& m, double units) {
+    if (!m.body.is_cloth()) return;
+    const double length = extent(*m.body.rest->mesh.points);
+    if (const auto thickness = d.number<double>(m.name, "thickness");
+        thickness && *thickness * units > thickest_sheet * length)
+        d.doubt("FE298", m.name, "thickness",
+                rough(1000 * *thickness) + " mm is " + rough(100 * *thickness * units / length) +
+                    " % of its length of " + rough(length) + " scene units",
+                "thickness is in metres, whatever the scene's scale: 0.001 is a millimetre");
+    for (const engine::Plug& layer : d.plugs(m.name, "materials")) {
+        const auto density = d.number<double>(layer.node, "clothMassDensity");
+        if (d.graph().find(layer.node)->type->name == "zMaterial" && density && *density > heaviest_sheet)
+            d.doubt("FE323", layer.node, "clothMassDensity",
+                    engine::number_text(*density) + " kg/m^2 is heavier than any cloth; cotton has 0.2",
+                    "it is mass by area: a sheet of skin 2 mm thick has 2.2");
+    }
 }
 
 void doubt_tets(Doubting& d, const Member& m) {

@@ -13,6 +13,8 @@ namespace {
 
 /// Longest sides of a tissue between which it is taken as flesh [m]: from a muscle of the hand to a whale's back.
 constexpr double least_extent = 0.01, largest_extent = 5;
+/// Of what has fibres: longer than any muscle of a horse, shorter than a calf muscle in millimetres [m].
+constexpr double largest_muscle = 2.2;
 /// No body of a scene is so many times as large as another and none between them, if they are in one unit.
 constexpr double unit_gap = 60;
 
@@ -27,17 +29,20 @@ void implausible_size(Doubting& d, const std::string& solver, const std::vector<
                       const std::set<std::string>& odd) {
     const Member* largest = nullptr;
     double found = 0; // scene units
+    const auto too_long = [&](const Member& m, double metres) {
+        return metres > (d.plugs(m.name, "fibers").empty() ? largest_extent : largest_muscle);
+    };
     for (const Member& m : members)
         if (!m.body.is_bone() && !odd.contains(m.name) && extent(*m.body.rest->mesh.points) > found)
             found = extent(*m.body.rest->mesh.points), largest = &m;
     const double metres = found / units;
-    if (!largest || (metres >= least_extent && metres <= largest_extent)) return;
+    if (!largest || (metres >= least_extent && !too_long(*largest, metres))) return;
     constexpr std::array<std::pair<double, const char*>, 3> usual{
         {{100, "centimetres"}, {1000, "millimetres"}, {1, "metres"}}};
     std::string cure;
     for (const auto& [per_metre, unit] : usual) {
         const double length = found / per_metre;
-        if (length < least_extent || length > largest_extent) continue;
+        if (length < least_extent || too_long(*largest, length)) continue;
         const std::string scale = engine::number_text(per_metre), size = "which makes it " + length_text(length);
         cure += cure.empty() ? "if it is modelled in " + std::string(unit) + ", write \"scale\": " + scale + ", " + size
                              : "; if in " + std::string(unit) + ", " + scale + ", " + size;
@@ -58,26 +63,24 @@ const nodes::Mesh& mesh_of(const nodes::Body& body) {
 }
 
 /// The names of those that are in another unit.
-std::set<std::string> other_units(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
-    std::vector<std::pair<double, const Member*>> sizes;
-    for (const Member& m : members)
-        if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), &m);
-    std::sort(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+std::set<std::string> other_units(Doubting& d, const std::string& solver,
+                                  std::vector<std::pair<double, std::string>> sizes) {
+    std::sort(sizes.begin(), sizes.end());
     for (std::size_t k = 1; k < sizes.size(); ++k) {
         const double below = sizes[k - 1].first, above = sizes[k].first;
         if (!(below > 0 && above > unit_gap * below)) continue;
         // The fewer are taken for the mistake; what is made by a node is as large as the graph says.
-        std::vector<const Member*> few;
+        std::vector<std::string> few;
         bool small = 2 * k <= sizes.size();
         const auto take_files = [&] {
             for (std::size_t i = small ? 0 : k; i < (small ? k : sizes.size()); ++i)
-                if (!d.file_of(sizes[i].second->name).empty()) few.push_back(sizes[i].second);
+                if (!d.file_of(sizes[i].second).empty()) few.push_back(sizes[i].second);
         };
         take_files();
         if (few.empty() && 2 * k == sizes.size()) small = false, take_files();
         if (few.empty()) return {};
         std::string names;
-        for (const Member* m : few) names += (names.empty() ? "" : ", ") + m->name;
+        for (const std::string& name : few) names += (names.empty() ? "" : ", ") + name;
         const double ratio = sizes.back().first / sizes.front().first, factor = ratio < 316 ? 100 : 1000;
         const auto range = [](double least, double most) {
             return rough(least) + (rough(least) == rough(most) ? "" : " to " + rough(most)) + " scene units";
@@ -89,9 +92,7 @@ std::set<std::string> other_units(Doubting& d, const std::string& solver, const 
                     rough(ratio),
                 "if they are modelled in different units, put a transform with scale " +
                     engine::number_text(small ? factor : 1 / factor) + " between the file and " + names);
-        std::set<std::string> odd;
-        for (const Member* m : few) odd.insert(m->name);
-        return odd;
+        return {few.begin(), few.end()};
     }
     return {};
 }
@@ -100,8 +101,20 @@ std::set<std::string> other_units(Doubting& d, const std::string& solver, const 
 
 void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units) {
     // A scale for all would be the wrong cure where one body is odd among others.
-    const std::set<std::string> odd = other_units(d, solver, members);
+    std::vector<std::pair<double, std::string>> sizes;
+    for (const Member& m : members)
+        if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), m.name);
+    const std::set<std::string> odd = other_units(d, solver, std::move(sizes));
     implausible_size(d, solver, members, units, odd);
+}
+
+void doubt_units_of_meshes(Doubting& d, const std::string& solver) {
+    std::vector<std::pair<double, std::string>> sizes;
+    for (const engine::Plug& body : d.plugs(solver, "bodies"))
+        for (const engine::Plug& mesh : d.plugs(body.node, "mesh"))
+            if (const auto m = d.value<nodes::Mesh>(mesh); m && !m->points->empty())
+                sizes.emplace_back(extent(*m->points), body.node);
+    other_units(d, solver, std::move(sizes));
 }
 
 } // namespace sinew::cli

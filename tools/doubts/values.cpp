@@ -2,6 +2,7 @@
 #include "engine/text.h"
 #include "tools/doubts/kinds.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -80,11 +81,43 @@ void doubt_material(Doubting& d, const std::string& name) {
     unread_values(d, name);
 }
 
+void doubt_blank_paint(Doubting& d, const std::string& name) {
+    for (const engine::Plug& plug : d.plugs(name, "weights")) {
+        const auto map = d.value<engine::NumberList>(plug);
+        if (!map || map->size() < 2 || std::any_of(map->begin(), map->end(), [](double w) { return w > 0; })) continue;
+        d.doubt("FE328", name, "weights",
+                "is nowhere: all " + std::to_string(map->size()) + " numbers of " + plug.node + " are 0",
+                "paint where it is to be, or take it out of the graph");
+    }
+}
+
 void doubt_fiber(Doubting& d, const std::string& name) {
     const auto strength = d.number<double>(name, "strength");
-    if (!strength || *strength <= 0 || *strength >= least_strength) return; // 0: a direction and no pull
+    if (!strength || *strength <= 0) return; // 0: a direction and no pull
+    if (*strength >= least_strength) return;
     d.doubt("FE324", name, "strength", engine::number_text(*strength) + " Pa hardly pulls; muscles have 100 to 300 kPa",
             "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
+}
+
+void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& fibers) {
+    for (const std::string& name : fibers) {
+        const bool pulls = d.number<double>(name, "excitation") != 0.0 || !d.plugs(name, "lineOfAction").empty(),
+                   grows = d.number<bool>(name, "enableMuscleGrowth").value_or(true),
+                   directs = d.number<double>(name, "strength") == 0.0;
+        if (pulls || grows || directs) return;
+    }
+    // Fibres may be there for the direction of an anisotropic flesh.
+    for (const std::string& name : d.graph().node_names())
+        if (const engine::Node* node = d.graph().find(name);
+            node->type && node->type->name == "zTissue" && d.number<double>(name, "transverseAnisotropy") != 1.0)
+            return;
+    if (!fibers.empty())
+        d.doubt("FE329", fibers.front(), "excitation",
+                fibers.size() == 1 ? "its muscle never pulls: it has no excitation and no line of action"
+                                   : "no muscle of the scene ever pulls: none of its " + std::to_string(fibers.size()) +
+                                         " zFibers has an excitation or a line of action",
+                "key excitation from 0 to 1, or connect a zLineOfAction; \"strength\": 0 says that fibres are a "
+                "direction alone");
 }
 
 void doubt_attachment(Doubting& d, const std::string& name) {

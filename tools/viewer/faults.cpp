@@ -211,7 +211,7 @@ void find_faults(ViewScene& scene) {
         double most = 0;
         for (const std::size_t f : indices) most = std::max(most, times[f]);
         return joined(names) + (names.size() == 1 ? " reaches " : " reach ") + times_text(most) +
-               " times as far as the run usually does. The camera does not follow; F shows all of it.";
+               " times as far as the run usually does. The camera does not follow there.";
     });
 }
 

@@ -1,0 +1,118 @@
+// What check doubts of materials, paint and muscles: values that nothing reads, layers that are nowhere, muscles that
+// never pull, sheets that are none.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/doubting.h"
+
+using namespace sinew::test;
+using nlohmann::json;
+
+TEST_CASE("check doubts values of a material that its bodies do not read", "[tools]") {
+    CHECK(said_of(ball(), {"flesh.tensileStiffness=100"}) ==
+          "FE327 flesh.tensileStiffness: only tissue is made of it (ball), which does not read tensileStiffness | a "
+          "tissue goes by youngsModulus, poissonsRatio, massDensity, volumeConservation\n");
+    json graph = ball();
+    graph["nodes"]["skin"] = {
+        {"type", "zCloth"},
+        {"inputs", {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"materials", {{{"from", "weave.outMaterial"}}}}}}};
+    graph["nodes"]["weave"] = {{"type", "zMaterial"}, {"inputs", {{"youngsModulus", 20000}}}};
+    const std::string said = said_of(graph);
+    CHECK(said.find("FE327 weave.youngsModulus: only cloth is made of it (skin), which does not read youngsModulus | a "
+                    "cloth goes by tensileStiffness, shearStiffness, bendStiffness, clothMassDensity\n") !=
+          std::string::npos);
+    graph["nodes"]["ball"]["inputs"]["materials"] = {{{"from", "weave.outMaterial"}}}; // of both
+    CHECK(said_of(graph).find("FE327") == std::string::npos);
+}
+
+TEST_CASE("check doubts layers and fibres that are painted nowhere", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["stiff"] = {{"type", "zMaterial"},
+                               {"inputs", {{"youngsModulus", 1e6}, {"weights", {{"from", "cap.outWeights"}}}}}};
+    graph["nodes"]["cap"] = {
+        {"type", "weights"},
+        {"inputs",
+         {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "ramp"}, {"axis", "y"}, {"start", 80}, {"end", 100}}}};
+    graph["nodes"]["ball"]["inputs"]["materials"].push_back({{"from", "stiff.outMaterial"}});
+    CHECK(said_of(graph) ==
+          "FE328 stiff.weights: is nowhere: all 134 numbers of cap are 0 | paint where it is to be, or "
+          "take it out of the graph\n");
+    CHECK(said_of(graph, {"cap.start=8", "cap.end=9"}).empty());
+}
+
+TEST_CASE("ends of fibres that are painted nowhere are named", "[tools]") {
+    json graph = ball();
+    const auto paint = [](double start, double end) {
+        return json{{"type", "weights"},
+                    {"inputs",
+                     {{"mesh", {{"from", "ballMesh.outMesh"}}},
+                      {"mode", "ramp"},
+                      {"axis", "y"},
+                      {"start", start},
+                      {"end", end}}}};
+    };
+    graph["nodes"]["above"] = paint(8, 9), graph["nodes"]["below"] = paint(80, 90);
+    graph["nodes"]["ends"] = {{"type", "endPoints"},
+                              {"inputs",
+                               {{"mesh", {{"from", "ballMesh.outMesh"}}},
+                                {"source", {{"from", "above.outWeights"}}},
+                                {"sink", {{"from", "below.outWeights"}}}}}};
+    graph["nodes"]["fibre"] = {{"type", "zFiber"},
+                               {"inputs", {{"endPoints", {{"from", "ends.outEndPoints"}}}, {"excitation", 0.5}}}};
+    graph["nodes"]["ball"]["inputs"]["fibers"] = json::array({{{"from", "fibre.outFiber"}}});
+    const std::string said = said_of(graph, {}, 1);
+    CHECK(said.find("FE325 ends.sink: no number of below is above 0.5, so the fibres have no sink | ") !=
+          std::string::npos);
+    CHECK(said.find("ends.source") == std::string::npos);
+    CHECK(said.find("FE205 ball.fibers: the fibres of fibre have no sink") != std::string::npos);
+}
+
+TEST_CASE("check doubts scenes whose muscles never pull", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["fibre"] = {{"type", "zFiber"}, {"inputs", {{"direction", {0, 1, 0}}}}};
+    graph["nodes"]["ball"]["inputs"]["fibers"] = json::array({{{"from", "fibre.outFiber"}}});
+    CHECK(said_of(graph) ==
+          "FE329 fibre.excitation: its muscle never pulls: it has no excitation and no line of action | key excitation "
+          "from 0 to 1, or connect a zLineOfAction; \"strength\": 0 says that fibres are a direction alone\n");
+    CHECK(said_of(graph, {"fibre.excitation=0.5"}).empty());
+    CHECK(said_of(graph, {"fibre.strength=0"}).empty());
+    CHECK(said_of(graph, {"fibre.enableMuscleGrowth=true", "fibre.muscleGrowthScale=2"}).empty());
+    CHECK(said_of(graph, {"ball.material=Anisotropic", "ball.transverseAnisotropy=0.05"}).empty());
+    // A muscle of two metres is in another unit; flesh as long need not be.
+    const std::vector<std::string> large{"ballMesh.radius=120",
+                                         "tets.tetSize=80",
+                                         "top.start=100",
+                                         "top.end=110",
+                                         "platePlace.translate=[0, 120, 0]",
+                                         "plateMesh.width=150",
+                                         "plateMesh.depth=150",
+                                         "fibre.excitation=0.5"};
+    CHECK(said_of(graph, large) ==
+          "FE261 solver.scale: ball is 2.4 m long: 240 scene units, 100 a metre | if it is modelled "
+          "in millimetres, write \"scale\": 1000, which makes it 24 cm\n");
+    graph["nodes"]["ball"]["inputs"].erase("fibers");
+    CHECK(said_of(graph, large).empty());
+}
+
+TEST_CASE("check doubts sheets that are thick, heavy or fall apart", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = json::parse(R"({"format": "sinew 1", "nodes": {
+      "plane": {"type": "polyPlane", "inputs": {"width": 20, "height": 20}},
+      "weave": {"type": "zMaterial"},
+      "sheet": {"type": "zCloth", "inputs": {"mesh": {"from": "plane.outMesh"}, "materials": [{"from": "weave.outMaterial"}]}},
+      "hold": {"type": "zHold", "inputs": {"tissue": {"from": "sheet.outBody"}, "weights": {"from": "rim.outWeights"}}},
+      "rim": {"type": "weights", "inputs": {"mesh": {"from": "plane.outMesh"}, "mode": "ramp", "start": 8, "end": 9}},
+      "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "sheet.outBody"}], "forces": [{"from": "hold.outForce"}]}}
+    }})");
+    CHECK(said_of(graph).empty());
+    CHECK(
+        said_of(graph, {"sheet.thickness=0.1"}) ==
+        "FE298 sheet.thickness: 100 mm is 50 % of its length of 20 scene units | thickness is in metres, whatever the "
+        "scene's scale: 0.001 is a millimetre\n");
+    CHECK(said_of(graph, {"weave.clothMassDensity=1060"}) ==
+          "FE323 weave.clothMassDensity: 1060 kg/m^2 is heavier than any cloth; cotton has 0.2 | it is mass by area: a "
+          "sheet of skin 2 mm thick has 2.2\n");
+    write_text(folder / "loose.obj", "v 0 0 0\nv 10 0 0\nv 0 0 10\nv 10 0 10\nv 10 0 0\nv 0 0 10\nf 1 3 2\nf 4 5 6\n");
+    graph["nodes"]["plane"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "loose.obj").string()}}}};
+    CHECK(
+        said_of(graph).find("FE321 sheet.mesh: its mesh falls into 2 parts that nothing joins, with 2 vertices at the "
+                            "places of others (4, 5)") != std::string::npos);
+}
