@@ -230,6 +230,7 @@ constexpr CodeInfo table[] = {
     {"FE331", "hold of a whole tissue", "Paint what is to be held: what is held cannot deform."},
     {"FE332", "scale or matrix that makes everything flat", "Scale along each axis by a number other than 0."},
     {"FE333", "frames outside of the graph's timing", "Run frames that it has, or change timing.start and timing.end."},
+    {"FE334", "motion recorded at another rate than the graph runs at", "Set trackRate, or rate, to their ratio."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -164,6 +164,13 @@ NumberTrack parse_number_track(std::string_view text, const std::string& path, c
     return track;
 }
 
+std::optional<double> track_fps(const engine::FileAccess& files, const std::string& path) {
+    const Json file = parse_json(read_text(files, path, most_json_bytes), path);
+    const auto it = file.is_object() ? file.find("fps") : file.end();
+    if (!file.is_object() || it == file.end() || !it->is_number() || !(it->get<double>() > 0)) return {};
+    return it->get<double>();
+}
+
 double track_frame(double graph_frame, double offset, double rate) { return (graph_frame - 1) * rate + 1 + offset; }
 
 } // namespace sinew::nodes

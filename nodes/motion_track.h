@@ -1,10 +1,11 @@
 // Recorded motion: matrices of bones and numbers by frame, from a JSON file of the kind
-// {"frames": [{"frame": 1, "elbow_flexion_deg": 0.5, "bones": {"ulna": [16 numbers, row-major]}}, …]}.
+// {"fps": 24, "frames": [{"frame": 1, "elbow_flexion_deg": 0.5, "bones": {"ulna": [16 numbers, row-major]}}, …]}.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/file_access.h"
 #include "engine/value.h"
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,6 +33,9 @@ NumberTrack read_number_track(const engine::FileAccess& files, const std::string
 /// The same from the bytes of a file; messages name `path`.
 MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, const std::string& bone);
 NumberTrack parse_number_track(std::string_view text, const std::string& path, const std::string& channel);
+
+/// The "fps" that a motion file says it was recorded at; empty if it says none. Throws as the above.
+std::optional<double> track_fps(const engine::FileAccess& files, const std::string& path);
 
 /// Where a graph frame lies on a track that runs `rate` track frames per graph frame; graph frame 1 shows
 /// track frame 1 + offset.

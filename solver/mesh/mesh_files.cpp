@@ -123,10 +123,45 @@ std::vector<std::string> tet_endings() {
     return out;
 }
 
+namespace {
+
+/// The ending of the format that the bytes look like; empty if of none.
+std::string_view looks_like(std::string_view bytes) {
+    if (bytes.starts_with("\xEF\xBB\xBF")) bytes.remove_prefix(3);
+    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return ".ply";
+    if (bytes.starts_with("OFF") || bytes.starts_with("COFF") || bytes.starts_with("NOFF")) return ".off";
+    if (bytes.starts_with("solid ")) return ".stl";
+    if (bytes.starts_with("glTF")) return ".glb";
+    // Vertices and then faces, each at the begin of a line.
+    const std::size_t vertex = bytes.starts_with("v ") ? 0 : bytes.find("\nv ");
+    if (vertex != std::string_view::npos && bytes.find("\nf ", vertex) != std::string_view::npos) return ".obj";
+    return {};
+}
+
+/// What a file may be that its ending's reader refuses.
+std::string other_format(std::string_view bytes, std::string_view ending) {
+    if (bytes.starts_with("\xFF\xFE") || bytes.starts_with("\xFE\xFF")) return {}; // told by who reads text
+    const std::string_view seems = looks_like(bytes);
+    if (!seems.empty() && seems != ending) return "it looks like a file that should end in " + std::string(seems);
+    const bool is_text_format = ending == ".obj" || ending == ".off";
+    if (is_text_format && bytes.find('\0') != std::string_view::npos)
+        return "it is no text, but binary; export it anew";
+    return {};
+}
+
+} // namespace
+
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path) {
     const std::string ending = lower_ending(path);
-    for (const auto& format : surface_formats)
-        if (format.ending == ending) return format.read(bytes, path);
+    for (const auto& format : surface_formats) {
+        if (format.ending != ending) continue;
+        try {
+            return format.read(bytes, path);
+        } catch (Error& e) {
+            if (e.code == "IO403" && e.hint.empty()) e.hint = other_format(bytes, ending);
+            throw;
+        }
+    }
     throw unknown_ending(path, ending, "a surface format", listed(surface_formats));
 }
 

@@ -263,6 +263,15 @@ TEST_CASE("recorded motion that does not reach over the run is warned about once
     CHECK(check({{"trackOffset", -4}}, 11)
               .starts_with("FE266 upperMove.track: the recorded motion begins at frame 5, the run at frame 1; "));
     CHECK(check({{"trackOffset", 4}}, 7).empty());
+    // Recorded at 48 frames a second, and nobody says how many of them go to one of the graph's 24.
+    track["fps"] = 48;
+    write_text(folder / "motion.json", track.dump());
+    CHECK(check(json::object(), 11) == "FE334 grip.file: the motion was recorded at 48 frames a second, the graph runs "
+                                       "at 24: it goes 2 times too slow "
+                                       "| write \"rate\": 2, or 1 if one of its frames is to be one of the graph's\n");
+    track["fps"] = 24;
+    write_text(folder / "motion.json", track.dump());
+    CHECK(check(json::object(), 11).empty());
 }
 
 TEST_CASE("output that cannot be written is told, whatever the command", "[tools]") {

@@ -199,3 +199,18 @@ TEST_CASE("text in UTF-16 is told as that", "[tools]") {
     CHECK(has(run_program({"check", put(folder, "g.json", mark + std::string("{\0", 2))}).err,
               "error [DG004] the file is written in UTF-16\n  hint: save it as UTF-8\n"));
 }
+
+TEST_CASE("a mesh under another format's ending is told as what it is", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string obj = "# made by hand\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    for (const char* name : {"a.ply", "a.stl", "a.off"}) {
+        INFO(name);
+        CHECK(has(run_program({"check", put(folder, name, obj)}).err,
+                  "\n  hint: it looks like a file that should end in .obj\n"));
+    }
+    CHECK(has(run_program({"check", put(folder, "b.obj", "ply\nformat ascii 1.0\n")}).err,
+              "\n  hint: it looks like a file that should end in .ply\n"));
+    CHECK(has(run_program({"check", put(folder, "c.obj", std::string("\x7f\x45\0\1\2", 5))}).err,
+              "\n  hint: it is no text, but binary; export it anew\n"));
+    CHECK(!has(run_program({"check", put(folder, "d.obj", obj + "nonsense\n")}).err, "hint"));
+}

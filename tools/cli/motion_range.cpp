@@ -10,6 +10,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <tuple>
 
 namespace sinew::cli {
@@ -84,6 +85,23 @@ class Search {
              "run the frames that it has, record more, or follow another motion");
     }
 
+    /// Of a node that follows a file and does not say how fast: where the file was recorded at another rate. Told once
+    /// a file.
+    void pace(const std::string& name, const std::string& attribute, std::string_view rate, const std::string& path,
+              double recorded) {
+        const double fps = graph_.timing().fps, right = recorded / fps;
+        if (std::abs(right - 1) < 1e-3 || !paced_.insert(path).second) return;
+        Diagnostic d = warning(name, attribute);
+        d.code = "FE334";
+        d.message = "the motion was recorded at " + engine::number_text(recorded) +
+                    " frames a second, the graph runs at " + engine::number_text(fps) + ": it goes " +
+                    (right > 1 ? engine::rough_text(right, 3) + " times too slow"
+                               : engine::rough_text(1 / right, 3) + " times too fast");
+        d.hint = "write \"" + std::string(rate) + "\": " + engine::rough_text(right, 6) +
+                 ", or 1 if one of its frames is to be one of the graph's";
+        found_.push_back(std::move(d));
+    }
+
     std::vector<Diagnostic> finish() {
         for (const auto& [at, count] : followers_)
             found_[at].message +=
@@ -127,6 +145,7 @@ class Search {
     std::vector<Diagnostic> found_;
     std::map<std::tuple<std::string, double, double>, std::size_t> tracks_; ///< -> in found_
     std::map<std::size_t, int> followers_;
+    std::set<std::string> paced_; ///< files
 };
 
 /// The literal at an input or its default; empty if it is keyed or connected.
@@ -174,6 +193,8 @@ void look_at_track(const Graph& graph, const std::string& name, const Node& node
             reach = reach_of(t, t.values, *offset, *rate);
         }
         if (reach) search.track(name, std::string(f.file), file->path, *reach);
+        if (const auto fps = node.inputs.contains(f.rate) ? std::nullopt : nodes::track_fps(graph.files(), file->path))
+            search.pace(name, std::string(f.file), f.rate, file->path, *fps);
     } catch (const solver::Error&) {
     } catch (const engine::Failure&) {
     }

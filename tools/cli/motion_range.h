@@ -13,7 +13,8 @@ namespace sinew::cli {
 /// of recorded tracks and channels, that begin a frame or more after `first` or end that much before `last`; of keyed
 /// numbers only where the keys reach over the graph's own timing, because numbers are often switched on and left so.
 /// Nothing is said of what never changes, of stepped keys, and of an end where two keys hold the value. Files that
-/// cannot be read are left out: find_problems tells.
+/// cannot be read are left out: find_problems tells. FE334 where a file says that it was recorded at another rate than
+/// the graph's and the node does not say how fast it follows.
 /// \param nodes to look at
 /// \param first the first frame that is simulated or shown, pre-roll included
 /// \param last the last one
