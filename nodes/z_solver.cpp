@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/attachment_reach.h"
 #include "nodes/contacts.h"
+#include "nodes/frame_warnings.h"
 #include "nodes/lines_of_action.h"
 #include "nodes/marks.h"
 #include "nodes/simulation_state.h"
@@ -108,92 +109,6 @@ solver::StepControl control_of(const Reads& in) {
     c.stop = [&in] { return in.stop_requested(); };
     c.progress = [&in](double done, int, double) { in.progress(done, "solving"); };
     return c;
-}
-
-/// The bone that has gone farthest between two states, measured by its own size.
-struct Leap {
-    int body = -1; ///< in the solver's scene; -1: no bone moves
-    double distance = 0, sizes = 0;
-};
-Leap farthest_leap(const std::vector<solver::Points>& before, const std::vector<solver::Points>& after) {
-    Leap out;
-    for (std::size_t body = 0; body < std::min(before.size(), after.size()); ++body) {
-        if (before[body].empty() || before[body].size() != after[body].size()) continue;
-        Eigen::AlignedBox3d box;
-        double distance = 0;
-        for (std::size_t v = 0; v < after[body].size(); ++v) {
-            box.extend(after[body][v]);
-            distance = std::max(distance, (after[body][v] - before[body][v]).norm());
-        }
-        const double size = box.diagonal().norm();
-        if (distance > out.sizes * size) out = {static_cast<int>(body), distance, distance / size};
-    }
-    return out;
-}
-
-bool has_cloth(const Setup& setup) {
-    for (std::size_t i = 0; i < setup.simulated.size(); ++i)
-        if (setup.body(i).is_cloth()) return true;
-    return false;
-}
-
-/// A bone that goes farther in a frame is hardly meant to.
-constexpr double most_sizes_a_frame = 3;
-
-void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::State& before, const SimulationState& s) {
-    const solver::StepRecord& record = s.state.record;
-    if (record.converged) return;
-    char text[160];
-    int length = std::snprintf(text, sizeof text, " after %d Newton iterations", record.newton_iterations);
-    // All of the frame are counted, so there may be more than maxNewtonIterations.
-    const auto room = [&] { return sizeof text - static_cast<std::size_t>(length); };
-    if (record.substeps > 1) length += std::snprintf(text + length, room(), " in %d substeps", record.substeps);
-    if (record.halvings > 0)
-        std::snprintf(text + length, room(), "; the step was halved %d time%s", record.halvings,
-                      record.halvings == 1 ? "" : "s");
-    const std::string of =
-        s.residual_body < 0 ? "" : " of " + in.source_name(bodies.name, static_cast<std::size_t>(s.residual_body));
-    char residual[32];
-    std::snprintf(residual, sizeof residual, "%.3g", record.residual);
-    char frame[32];
-    std::snprintf(frame, sizeof frame, "%g", in.frame());
-    std::string leaps,
-        hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
-    constexpr int of_cloth = 60; // that a step of cloth takes where it touches or folds
-    if (const auto limit = in[max_newton_iterations]; limit < of_cloth && has_cloth(setup))
-        hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + std::to_string(of_cloth) +
-               ": cloth that touches or folds takes 20 to " + std::to_string(of_cloth) +
-               ", and halved steps cost more than they; or raise substeps.";
-    if (const Leap leap = farthest_leap(before.bones, s.state.bones); leap.sizes > most_sizes_a_frame) {
-        const std::string bone =
-            in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(leap.body)]));
-        char far[100];
-        std::snprintf(far, sizeof far, " has gone %.4g in this frame, %.3g times its size",
-                      leap.distance * setup.key.scale, leap.sizes);
-        leaps = "; " + bone + far;
-        hint = "Look whether " + bone +
-               " is meant to (the unit of its motion, a jump between keys); if it is, raise "
-               "substeps.";
-    }
-    in.warn(max_newton_iterations.name, "FE301",
-            "frame " + std::string(frame) + " has not converged: residual " + residual + of + text + leaps, hint);
-}
-
-/// A shape can be in balance inside out: it has converged and is wrong all the same.
-void warn_if_inverted(const Reads& in, const Setup& setup, const solver::Scene& scene, const solver::State& state) {
-    const solver::StepRecord& record = state.record;
-    if (!record.converged || record.inverted == 0) return; // what has not converged is told already
-    const WorstPlaces worst = find_worst(setup, scene, state);
-    char text[240];
-    std::snprintf(text, sizeof text, "frame %g has converged with %d inverted tet%s; the worst is tet %d of ",
-                  in.frame(), record.inverted, record.inverted == 1 ? "" : "s", worst.tet);
-    const std::string name =
-        worst.body < 0 ? "a tissue" : in.source_name(bodies.name, static_cast<std::size_t>(worst.body));
-    char place[120];
-    std::snprintf(place, sizeof place, ", near (%.4g, %.4g, %.4g)", worst.tet_place[0], worst.tet_place[1],
-                  worst.tet_place[2]);
-    in.warn(bodies.name, "FE306", text + name + place,
-            "Take more substeps through this frame, or look for a bone that jumps or passes through the tissue.");
 }
 
 bool without_inertia(const Reads& in) {

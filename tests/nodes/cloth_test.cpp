@@ -112,3 +112,12 @@ TEST_CASE("inertial damping of a cloth arrives, is reported, and run-up weighs i
     // 0.3 of the speed remains after a frame.
     CHECK(fall(R"(, "inertialDamping": 0.7)", "") == Approx(2.3 * step).epsilon(1e-6));
 }
+
+TEST_CASE("a cloth that runs out of iterations is told how many it may need", "[nodes]") {
+    Session s(sheet(1, "", R"(, "solverToleranceFactor": 1e-12)"));
+    s.set("solver", "maxNewtonIterations", "2");
+    places(s, 2);
+    REQUIRE_FALSE(s.counter.warnings.empty());
+    CHECK(s.counter.warnings[0].code == "FE301");
+    CHECK(s.counter.warnings[0].hint.find("Raise maxNewtonIterations from 2 to 60: cloth") == 0);
+}

@@ -211,6 +211,7 @@ TEST_CASE("an unconverged frame warns with its residual and goes on", "[nodes]")
         CHECK(d.code == "FE301");
         CHECK(d.node == "solver");
         CHECK(d.message.find("residual") != std::string::npos);
+        CHECK(d.hint == "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.");
     }
     CHECK_FALSE(s.get<nodes::SolveReport>("solver", "outReport", 3).record.converged);
 }
