@@ -113,6 +113,17 @@ TEST_CASE("what is wrong in --set is told there and not at the file's value", "[
               "error [DG027] flesh.youngsModulus: 1e400 is too large for a number"));
 }
 
+TEST_CASE("a list or object in --set that is not complete is told where it is wrong", "[tools]") {
+    const std::string arm = SINEW_SOURCE_DIR "/graphs/scenes/arm.json";
+    const auto said_of = [&](const char* setting) {
+        return run_program({"check", "--fast", arm, "--set", setting}).err;
+    };
+    CHECK(has(said_of("solver.gravity=[0,-9.8,0"),
+              "error [DG001] solver.gravity: expected , or ] in a list, the text ends"));
+    CHECK(
+        has(said_of("solver.gravity={keys:[[1,0]]}"), "error [DG001] solver.gravity: expected a key in quotes, found"));
+}
+
 TEST_CASE("numbers out of all reason are refused at the input that holds them", "[tools]") {
     const TemporaryFolder folder;
     const std::string file = write_graph(folder, small_graph());

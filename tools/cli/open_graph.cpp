@@ -37,11 +37,13 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     if (equals == std::string::npos || plug.node.empty())
         throw UsageError("--set needs NODE.ATTR=JSON, not '" + setting + "'.");
     const std::string json = setting.substr(equals + 1);
-    // What is no JSON is a word; a number that is too large stays one, and is told so.
+    // What is no JSON is a word, but for what begins as a list or an object does; a number that is too large stays one.
+    // Both are told so.
     const auto problems = engine::parse_json(json).problems;
     const bool is_json =
         std::all_of(problems.begin(), problems.end(), [](const engine::JsonProblem& p) { return p.code == "DG027"; });
-    edit.set_json(plug, is_json ? json : engine::json_quoted(json));
+    const bool is_bracketed = json.starts_with('[') || json.starts_with('{');
+    edit.set_json(plug, is_json || is_bracketed ? json : engine::json_quoted(json));
 }
 
 /// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
