@@ -231,6 +231,9 @@ constexpr CodeInfo table[] = {
     {"FE332", "scale or matrix that makes everything flat", "Scale along each axis by a number other than 0."},
     {"FE333", "frames outside of the graph's timing", "Run frames that it has, or change timing.start and timing.end."},
     {"FE334", "motion recorded at another rate than the graph runs at", "Set trackRate, or rate, to their ratio."},
+    {"FE335", "end of fibres that is not painted", "Paint where they begin and where they end."},
+    {"FE336", "cloth heavier than any", "Write its mass by area: 0.2 kg/m^2 of cotton."},
+    {"FE337", "cloth too thick for its size", "Write it in metres, whatever the scene's scale: 0.001."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -27,19 +27,25 @@ std::vector<std::string> files_beside(const fs::path& path) {
 
 } // namespace
 
-std::string near_file(const fs::path& path) {
+std::string near_file(const fs::path& path, std::span<const std::string_view> endings) {
     const std::vector<std::string> there = files_beside(path);
     const std::string name = path.filename().string(), stem = path.stem().string();
+    const auto ending_of = [](const std::string& file) { return lower_case(fs::path(file).extension().string()); };
     for (const std::string& other : there)
         if (lower_case(other) == lower_case(name)) return other;
-    for (const std::string& other : there)
-        if (!stem.empty() && lower_case(fs::path(other).stem().string()) == lower_case(stem)) return other;
     // Endings say nothing of which of them is meant.
-    std::vector<std::string> stems;
+    std::vector<std::string> alike, stems;
     for (const std::string& other : there)
-        if (fs::path(other).extension() == path.extension()) stems.push_back(fs::path(other).stem().string());
+        if (ending_of(other) == ending_of(name))
+            alike.push_back(other), stems.push_back(fs::path(other).stem().string());
     const std::string near = nearest_name(stem, stems);
-    return near.empty() ? near : near + path.extension().string();
+    if (!near.empty())
+        return alike[static_cast<std::size_t>(std::find(stems.begin(), stems.end(), near) - stems.begin())];
+    for (const std::string& other : there)
+        if (!stem.empty() && lower_case(fs::path(other).stem().string()) == lower_case(stem) &&
+            std::find(endings.begin(), endings.end(), ending_of(other)) != endings.end())
+            return other;
+    return {};
 }
 
 } // namespace sinew::engine

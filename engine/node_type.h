@@ -35,7 +35,8 @@ class ReadSource {
     /// "biceps" for entry 2 of attribute "bodies": the node at the other end; for messages only.
     virtual std::string source_name(std::string_view attribute, std::size_t index) = 0;
     /// "biceps" for entry 2 of attribute "attachments" and its input "source": a node further; empty: none there.
-    virtual std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input) = 0;
+    virtual std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input,
+                                      std::size_t entry) = 0;
     virtual bool stop_requested() = 0;
     /// Of a wire that is read at whole frames: its values at those before and after.
     virtual std::pair<Value, Value> around(std::string_view attribute) = 0;
@@ -134,9 +135,11 @@ class Reads {
     std::string source_name(std::string_view attribute, std::size_t index = 0) const {
         return source_->source_name(attribute, index);
     }
-    /// What is connected to an input of the node at the other end; empty if nothing is. For messages only.
-    std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input) const {
-        return source_->source_behind(attribute, index, input);
+    /// What is connected to an input of the node at the other end, of a list its entry; empty if nothing is. For
+    /// messages only.
+    std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input,
+                              std::size_t entry = 0) const {
+        return source_->source_behind(attribute, index, input, entry);
     }
     template <class T, class Make>
     Lease<T> lease(const Digest& key, Make make) const {

@@ -21,8 +21,8 @@ std::string rough_text(double v, int digits) {
     char buffer[40];
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::scientific, digits - 1).ptr;
     double rounded = 0;
-    std::from_chars(buffer, end, rounded);
-    return number_text(rounded);
+    // Of the largest there may be none with fewer digits.
+    return number_text(std::from_chars(buffer, end, rounded).ec == std::errc{} ? rounded : v);
 }
 
 std::size_t utf8_length(std::string_view text, std::size_t i) {

@@ -17,7 +17,7 @@ namespace {
 /// Bodies one of which is so many times as large are perhaps in two units.
 constexpr double unlike = 6;
 /// What ties a bone reaches so many times the bone's length at most.
-constexpr double longest_of_target = 2;
+constexpr double longest_of_target = 3;
 
 /// One end of an attachment.
 struct End {
@@ -28,7 +28,7 @@ struct End {
 End end_of(const Reads& in, const Setup& setup, std::size_t attachment, std::size_t end) {
     const auto body = static_cast<std::size_t>(setup.key.links[attachment][end]);
     return {in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[body])),
-            solver::bounding_box(*setup.body(body).rest->mesh.points).size().maxCoeff()};
+            solver::bounding_box(*mesh_of(setup.body(body)).points).size().maxCoeff()};
 }
 
 void warn_of_left_out(const Reads& in, const std::string& name, const solver::AttachmentStart& s, double units) {

@@ -13,7 +13,7 @@ namespace sinew::nodes {
 std::string attachment_name(const engine::Reads& in, const Setup& setup, int attachment);
 
 /// Warns of painted area that finds no hold (FE241), and of what reaches farther than the painted part of its source is
-/// large, or than its target is by far (FE242): with the sizes of the two bodies where they are so unlike that one of
+/// large, or than three times its target (FE242): with the sizes of the two bodies where they are so unlike that one of
 /// them may be modelled in another unit.
 void warn_of_reach(const engine::Reads& in, const Setup& setup, const std::vector<solver::AttachmentStart>& starts);
 

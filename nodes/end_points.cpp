@@ -38,7 +38,7 @@ void compute(const Reads& in, Writes& out) {
     const auto is_painted = [](double w) { return w > 0.5; };
     for (const auto& [input, map] : {std::pair(source.name, &begin), std::pair(sink.name, &end)})
         if (count > 0 && std::none_of(map->begin(), map->end(), is_painted))
-            in.warn(input, "FE325",
+            in.warn(input, "FE335",
                     "no number of " + (in.source_name(input).empty() ? std::string(input) : in.source_name(input)) +
                         " is above 0.5, so the fibres have no " + std::string(input),
                     "Paint the end of the muscle there.");

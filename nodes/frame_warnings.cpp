@@ -36,10 +36,10 @@ Leap farthest_leap(const std::vector<solver::Points>& before, const std::vector<
     return out;
 }
 
-bool has_cloth(const Setup& setup) {
-    for (std::size_t i = 0; i < setup.simulated.size(); ++i)
-        if (setup.body(i).is_cloth()) return true;
-    return false;
+/// Whether it is a cloth that has not come to rest. `body`: of zSolver.bodies; -1: it is not known which.
+bool cloth_is_left(const Setup& setup, int body) {
+    if (body >= 0) return setup.bodies[static_cast<std::size_t>(body)].get().is_cloth();
+    return std::any_of(setup.bodies.begin(), setup.bodies.end(), [](const Body& b) { return b.is_cloth(); });
 }
 
 /// A bone that goes farther in a frame is hardly meant to.
@@ -67,7 +67,7 @@ void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::Stat
     std::string leaps,
         hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
     constexpr int of_cloth = 60; // that a step of cloth takes where it touches or folds
-    if (const auto limit = in[max_newton_iterations]; limit < of_cloth && has_cloth(setup))
+    if (const auto limit = in[max_newton_iterations]; limit < of_cloth && cloth_is_left(setup, s.residual_body))
         hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + std::to_string(of_cloth) +
                ": cloth that touches or folds takes 20 to " + std::to_string(of_cloth) +
                ", and halved steps cost more than they; or raise substeps.";

@@ -110,6 +110,12 @@ void for_frames(const Json& file, const std::string& path, Take take) {
                 near.empty() ? std::string() : "Did you mean '" + near + "'?");
 }
 
+std::optional<double> fps_of(const Json& file) {
+    const auto it = file.is_object() ? file.find("fps") : file.end();
+    if (it == file.end() || !it->is_number() || !(it->get<double>() > 0)) return {};
+    return it->get<double>();
+}
+
 } // namespace
 
 Matrix4 MatrixTrack::at(double frame) const {
@@ -130,6 +136,7 @@ MatrixTrack read_matrix_track(const engine::FileAccess& files, const std::string
 MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, const std::string& bone) {
     const Json file = parse_json(text, path);
     MatrixTrack track;
+    track.fps = fps_of(file);
     for_frames(file, path, [&](double number, const Json& frame) {
         const Json bones = frame.value("bones", Json::object());
         if (!bones.is_object() || !bones.contains(bone)) throw_unknown(path, "bone", bone, bones);
@@ -156,19 +163,13 @@ NumberTrack read_number_track(const engine::FileAccess& files, const std::string
 NumberTrack parse_number_track(std::string_view text, const std::string& path, const std::string& channel) {
     const Json file = parse_json(text, path);
     NumberTrack track;
+    track.fps = fps_of(file);
     for_frames(file, path, [&](double number, const Json& frame) {
         if (!frame.contains(channel) || !frame[channel].is_number()) throw_unknown(path, "channel", channel, frame);
         track.frames.push_back(number);
         track.values.push_back(frame[channel].get<double>());
     });
     return track;
-}
-
-std::optional<double> track_fps(const engine::FileAccess& files, const std::string& path) {
-    const Json file = parse_json(read_text(files, path, most_json_bytes), path);
-    const auto it = file.is_object() ? file.find("fps") : file.end();
-    if (!file.is_object() || it == file.end() || !it->is_number() || !(it->get<double>() > 0)) return {};
-    return it->get<double>();
 }
 
 double track_frame(double graph_frame, double offset, double rate) { return (graph_frame - 1) * rate + 1 + offset; }

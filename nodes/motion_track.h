@@ -16,6 +16,7 @@ namespace sinew::nodes {
 struct MatrixTrack {
     std::vector<double> frames;
     std::vector<engine::Matrix4> matrices;
+    std::optional<double> fps; ///< that the file says it was recorded at; no step reads it
     /// The sample itself at a sample's frame and between two equal samples. In between, the rotation turns by
     /// slerp about the axis of the screw that joins the samples (so a hinge stays a hinge, wherever the
     /// origin lies), and stretch changes linearly; without rotation the translation is linear.
@@ -24,6 +25,7 @@ struct MatrixTrack {
 
 struct NumberTrack {
     std::vector<double> frames, values;
+    std::optional<double> fps;     ///< as above
     double at(double frame) const; ///< linear; exact on flat spans
 };
 
@@ -33,9 +35,6 @@ NumberTrack read_number_track(const engine::FileAccess& files, const std::string
 /// The same from the bytes of a file; messages name `path`.
 MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, const std::string& bone);
 NumberTrack parse_number_track(std::string_view text, const std::string& path, const std::string& channel);
-
-/// The "fps" that a motion file says it was recorded at; empty if it says none. Throws as the above.
-std::optional<double> track_fps(const engine::FileAccess& files, const std::string& path);
 
 /// Where a graph frame lies on a track that runs `rate` track frames per graph frame; graph frame 1 shows
 /// track frame 1 + offset.

@@ -87,11 +87,12 @@ void refuse_twins(const Reads& in, const Setup& setup) {
         }
 }
 
-constexpr int disabled = -1, not_there = -2;
+/// What resolve says of a body that is not among the simulated ones.
+constexpr int disabled = -10, not_there = -11;
 
 /// Position among the simulated bodies, or why there is none.
 int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std::size_t entry, const BodyId& wanted,
-            int hint, const char* end) {
+            int hint, bool is_start, const char* end) {
     const std::string name = in.source_name(attribute, entry);
     const int found = find_body(setup.ids, wanted, hint);
     // Bones that are alike in all: whichever is taken gives the same as long as they are, and when they part, their
@@ -105,26 +106,38 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
                 "Make them differ in place or material.");
     // Bones of one topology have one rest digest. At the start, where both wires are read at one time, what is meant
     // has the same place, too; from then on the key tells which it was.
-    const bool is_start = hint == body_missing;
     if (found >= 0 && (!is_start || setup.ids[static_cast<std::size_t>(found)] == wanted)) return found;
     for (const Body& b : setup.bodies) // what is disabled, or a part of what is
-        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest) return disabled;
+        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest && (!is_start || id_of(b) == wanted))
+            return disabled;
     return not_there;
 }
 
-/// \param ends  the inputs of what is connected there whose bodies are missing
+/// An input of what is connected to the solver, and what stands there that the solver does not have.
+struct MissingBody {
+    std::string input, name;
+};
+
 [[noreturn]] void refuse_missing(const Reads& in, std::string_view attribute, std::size_t entry,
-                                 const std::vector<const char*>& ends) {
-    std::string names, wanted;
-    for (const char* end : ends) {
-        const std::string body = in.source_behind(attribute, entry, end);
-        names += (names.empty() ? "the " : " and the ") + std::string(end) + (body.empty() ? "" : " (" + body + ")");
-        wanted += (wanted.empty() ? "" : ", ") + (body.empty() ? std::string(end) : body);
+                                 const std::vector<MissingBody>& bodies) {
+    std::string ends, wanted;
+    for (const MissingBody& b : bodies) {
+        ends += (ends.empty() ? "the " : " and the ") + b.input + " (" + b.name + ")";
+        wanted += (wanted.empty() ? "" : ", ") + b.name;
     }
     in.fail(attribute, "FE209",
-            names + " of " + in.source_name(attribute, entry) + (ends.size() == 1 ? " is none" : " are none") +
+            ends + " of " + in.source_name(attribute, entry) + (bodies.size() == 1 ? " is none" : " are none") +
                 " of this solver's bodies",
             "Connect to zSolver.bodies too: " + wanted + ".");
+}
+
+/// Of a force's bodies the one of that number: a hold's tissue or bone, or an entry of a field's bodies.
+MissingBody body_of_force(const Reads& in, std::size_t entry, std::size_t body) {
+    const std::string_view attribute = z_solver::forces.name;
+    const char* input = body == 0 ? "tissue" : "bone";
+    if (!in.source_behind(attribute, entry, "tissue").empty())
+        return {input, in.source_behind(attribute, entry, input)};
+    return {"body", in.source_behind(attribute, entry, "bodies", body)};
 }
 
 void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
@@ -137,11 +150,11 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
                     "Remove one of the two connections.");
         const std::size_t next = setup.key.links.size();
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
-        const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], "source");
-        const int to = resolve(in, setup, attachments.name, i, a.target_body, hint[1], "target");
-        std::vector<const char*> missing;
-        if (from == not_there) missing.push_back("source");
-        if (to == not_there) missing.push_back("target");
+        const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], !known, "source");
+        const int to = resolve(in, setup, attachments.name, i, a.target_body, hint[1], !known, "target");
+        std::vector<MissingBody> missing;
+        if (from == not_there) missing.push_back({"source", in.source_behind(attachments.name, i, "source")});
+        if (to == not_there) missing.push_back({"target", in.source_behind(attachments.name, i, "target")});
         if (!missing.empty()) refuse_missing(in, attachments.name, i, missing);
         if (from < 0 || to < 0) continue;
         setup.attachments.emplace_back(a);
@@ -149,13 +162,6 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         setup.key.links.push_back({from, to});
         setup.key.attachments.push_back(static_digest(a.rest));
     }
-}
-
-/// The input of a hold or goal that its body of that number comes from; of what acts on a list just "body".
-const char* end_of_force(const Reads& in, std::size_t entry, std::size_t body) {
-    for (const auto& ends : {std::array{"tissue", "bone"}, std::array{"source", "target"}})
-        if (body < ends.size() && !in.source_behind(z_solver::forces.name, entry, ends[0]).empty()) return ends[body];
-    return "body";
 }
 
 void take_force(Setup& setup, const Force& f, int entry, std::vector<int> bodies) {
@@ -175,8 +181,8 @@ void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Rea
         for (std::size_t b = 0; b < f.bodies.size(); ++b) {
             const bool has_hint = known && next < known->reach.size() && b < known->reach[next].size();
             const int found = resolve(in, setup, z_solver::forces.name, i, f.bodies[b],
-                                      has_hint ? known->reach[next][b] : -1, "body");
-            if (found == not_there) refuse_missing(in, z_solver::forces.name, i, {end_of_force(in, i, b)});
+                                      has_hint ? known->reach[next][b] : body_missing, !known, "body");
+            if (found == not_there) refuse_missing(in, z_solver::forces.name, i, {body_of_force(in, i, b)});
             if (found >= 0) reached.push_back(found);
         }
         for (std::size_t b = 0; f.on_all && b < setup.simulated.size(); ++b)

@@ -2,7 +2,6 @@
 #include "nodes/surface_forces.h"
 
 #include "engine/text.h"
-
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/layer_place.h"

@@ -157,6 +157,11 @@ TetMeshValue TetMeshValue::with_element(solver::ElementKind kind) const {
     return out;
 }
 
+const Mesh& mesh_of(const Body& body) {
+    const auto* now = std::get_if<Mesh>(&body.values);
+    return now ? *now : body.rest->mesh;
+}
+
 BodyId id_of(const Body& body) {
     Hasher h;
     h.add(body.enable).add(body.is_bone());

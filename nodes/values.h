@@ -174,6 +174,9 @@ struct Body {
     bool is_cloth() const { return values.index() == 2; }
 };
 
+/// A body's mesh in scene units: a bone's where it is now, which may be scaled, others' as modelled.
+const Mesh& mesh_of(const Body& body);
+
 BodyId id_of(const Body& body);
 
 /// Position of `wanted` in `bodies`. `hint`: the answer of an earlier frame, taken where two bodies are alike

@@ -1,13 +1,11 @@
 // weights: a painted map, one number per vertex or face of a mesh, by one of several rules.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
-#include "engine/text.h"
 #include "nodes/adapters.h"
 #include "nodes/options.h"
 #include "nodes/painted_maps.h"
 
 #include <algorithm>
-#include <limits>
 #include <stdexcept>
 
 namespace sinew::nodes {
@@ -233,43 +231,9 @@ NumberList by_rule(const Reads& in) {
     throw std::logic_error("a rule of weights without a map");
 }
 
-std::string extent_text(const solver::Points& points) {
-    solver::Vec3 least = points.front(), most = least;
-    for (const solver::Vec3& p : points) least = least.cwiseMin(p), most = most.cwiseMax(p);
-    return rough_text((most - least).maxCoeff(), 3);
-}
-
-/// Most often one of the two is modelled in another unit or at another place.
-void warn_of_no_reach(const Reads& in, const NumberList& map) {
-    const Rule rule = meaning(rules, in[mode]);
-    if ((rule != Rule::near && rule != Rule::sphere) || in[invert] || in[offset] > 0 || map.empty()) return;
-    if (std::any_of(map.begin(), map.end(), [](double w) { return w > 0; })) return;
-    if (in[scale] <= 0 || in[mesh].points->empty()) return;
-    const solver::Points& points = *in[mesh].points;
-    const std::string what = in.source_name(mesh.name), size = extent_text(points);
-    if (rule == Rule::near) {
-        const Mesh& to = *in.find(other);
-        const std::string name = in.source_name(other.name);
-        in.warn(outer.name, "FE325",
-                "nothing of " + what + " is within " + rough_text(in[outer], 3) + " of " + name +
-                    ", so nothing is painted: its nearest point is " + rough_text(nearest_distance(points, to), 3) +
-                    " away (" + what + " is " + size + " long, " + name + " " + extent_text(*to.points) + ")",
-                "Widen outerDistance, or, if one of them is modelled in another unit, scale it by a transform.");
-        return;
-    }
-    const solver::Vec3 c(in[centre][0], in[centre][1], in[centre][2]);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const solver::Vec3& p : points) nearest = std::min(nearest, (p - c).norm());
-    in.warn(radius.name, "FE325",
-            "nothing of " + what + " is in the sphere, so nothing is painted: its nearest vertex is " +
-                rough_text(nearest, 3) + " from the centre (" + what + " is " + size + " long)",
-            "Widen radius or falloff, or move center; both are in scene units.");
-}
-
 void compute(const Reads& in, Writes& out) {
     NumberList map = by_rule(in);
     for (double& w : map) w = std::clamp((in[invert] ? 1 - w : w) * in[scale] + in[offset], 0.0, 1.0);
-    warn_of_no_reach(in, map);
     out.set(out_weights, std::move(map));
 }
 

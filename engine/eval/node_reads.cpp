@@ -168,12 +168,13 @@ std::string NodeReads::source_name(std::string_view attribute, std::size_t index
     return context_.program->place(s.sources[index].node).name;
 }
 
-std::string NodeReads::source_behind(std::string_view attribute, std::size_t index, std::string_view input) {
+std::string NodeReads::source_behind(std::string_view attribute, std::size_t index, std::string_view input,
+                                     std::size_t entry) {
     const Slot& s = context_.place->slots[slot(attribute)];
     if (index >= s.sources.size()) return {};
     for (const Slot& of_source : context_.program->place(s.sources[index].node).slots)
-        if (of_source.info->name == input && !of_source.sources.empty())
-            return context_.program->place(of_source.sources.front().node).name;
+        if (of_source.info->name == input && entry < of_source.sources.size())
+            return context_.program->place(of_source.sources[entry].node).name;
     return {};
 }
 

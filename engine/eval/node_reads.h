@@ -48,7 +48,8 @@ class NodeReads : public ReadSource {
     std::shared_ptr<void> take_scratch(const Digest& key) override;
     void give_scratch(const Digest& key, std::shared_ptr<void> scratch) override;
     std::string source_name(std::string_view attribute, std::size_t index) override;
-    std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input) override;
+    std::string source_behind(std::string_view attribute, std::size_t index, std::string_view input,
+                              std::size_t entry) override;
     bool stop_requested() override { return context_.stop.stop_requested(); }
 
   private:

@@ -41,9 +41,9 @@ GraphText refused(const fs::path& path, const FileFault& fault) {
     std::error_code ec;
     const fs::file_status status = fs::status(path, ec);
     if (fault.code == "IO401") {
-        const std::string near = near_file(fs::path(path).replace_extension(".json"));
+        const std::string near = near_file(fs::path(path).replace_extension(".json"), {});
         return {"", fault.code, "there is no such graph file",
-                near.ends_with(".json") ? "did you mean \"" + (path.parent_path() / near).string() + "\"?" : ""};
+                !near.empty() ? "did you mean \"" + (path.parent_path() / near).string() + "\"?" : ""};
     }
     if (fault.code != "IO402") return {"", fault.code, fault.message, fault.hint};
     if (fs::is_directory(status)) {

@@ -510,9 +510,11 @@ class GraphReader {
                     const Json& value) {
         std::vector<Problem> found;
         auto binding = read_binding(graph_, info, value, folder_, found);
-        if (!binding && found.front().diagnostic.hint.empty())
-            found.front().diagnostic.hint =
-                wires_hint(*n.type, info, value) + preset_elsewhere(*n.type, info, value); // never both
+        if (!binding && found.front().diagnostic.hint.empty()) {
+            std::string& hint = found.front().diagnostic.hint;
+            hint = wires_hint(*n.type, info, value);
+            if (hint.empty()) hint = preset_elsewhere(*n.type, info, value);
+        }
         if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
         report(std::move(found), at, pointer, value);
         return binding ? std::move(*binding) : Binding(Value());

@@ -326,7 +326,9 @@ class BindingReader {
         const NumberList meant = text ? numbers_in(*text) : NumberList();
         if (!meant.empty() && (!is_vector || meant.size() == 3)) return "write " + list_text(meant);
         if (!is_vector) return {};
-        if (const auto colour = text ? colour_meant(*text) : std::nullopt) return "write " + list_text(*colour);
+        const bool is_colour = input_.limits.min == 0 && input_.limits.max == 1;
+        if (const auto colour = text && is_colour ? colour_meant(*text) : std::nullopt)
+            return "write " + list_text(*colour);
         const auto* i = json.as<std::int64_t>();
         const auto* d = json.as<double>();
         if (!i && !d) return text && parse_plug(*text) ? "" : "write three numbers: [x, y, z]";
@@ -404,7 +406,10 @@ class BindingReader {
         std::error_code ec;
         const auto status = fs::status(out.path, ec);
         if (!fs::exists(status)) {
-            const std::string near = near_file(out.path);
+            // Of meshes, tets, point caches and what is written as JSON.
+            constexpr std::string_view endings[] = {".obj", ".ply", ".off", ".stl",  ".glb", ".mesh", ".vtk",
+                                                    ".msh", ".veg", ".ele", ".node", ".pc2", ".mdd",  ".json"};
+            const std::string near = near_file(out.path, endings);
             problem("IO401", "there is no file " + json_quoted(path),
                     near.empty()
                         ? "looked for " + out.path + "; relative paths start at the graph's folder"

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <utility>
 
 namespace sinew::engine {
@@ -131,13 +132,13 @@ std::optional<NumberList> colour_meant(std::string_view text) {
     }
     if (rgb < 0) return {};
     NumberList out;
-    for (const int shift : {16, 8, 0}) out.push_back(std::stod(rough_text(((rgb >> shift) & 255) / 255.0, 3)));
+    for (const int shift : {16, 8, 0}) out.push_back(std::round(1000 * ((rgb >> shift) & 255) / 255.0) / 1000);
     return out;
 }
 
 std::string preset_elsewhere(const NodeType& type, const AttributeInfo& input, const Json& json) {
     const auto* text = json.as<std::string>();
-    if (!text || !input.presets.empty()) return {};
+    if (!text || !input.presets.empty() || !(input.def.is<double>() || input.def.is<NumberList>())) return {};
     std::vector<std::string> holders;
     for (const AttributeInfo& a : type.inputs)
         for (const Preset& p : a.presets)

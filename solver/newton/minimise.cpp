@@ -366,7 +366,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         const double rounding = potential.energy_rounding();
         const double before = sheets ? mean.take(value) : value; // without sheets it never rises
         double t = potential.longest_move(x, w.direction);
-        bool accepted = false, ends = false; // ends: where tets turn inside out under a law that does not know it
+        bool accepted = false, cut_at_no_number = false; // the last trial: tets inside out under a law that knows none
         const bool below_rounding = definite && r <= RoundingFloor::strict && -0.5 * slope <= rounding;
         if (below_rounding) w.floor.take_direction(potential, w.hessian, w.gradient, w.direction);
         potential.work(w.gradient, w.direction, w.gain);
@@ -376,7 +376,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             value = potential.evaluate(w.trial, &w.gradient, &w.forces);
             accepted = std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding;
             if (accepted) break;
-            ends = !std::isfinite(value);
+            cut_at_no_number = !std::isfinite(value);
             t *= 0.5;
             if (may_stall && t < stalled_step) return End::stalled;
         }
@@ -393,7 +393,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
             potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
             keep_in_valley(potential, w, options, x, slope, before + rounding, below_rounding, t, value);
         two_ago = one_ago, one_ago = r;
-        stuck = t < stalled_step && !ends;
+        stuck = t < stalled_step && !cut_at_no_number; // else it says nothing of what is nearest
         // A trust region: as far as the last step went where that was cut short, else twice as far.
         how.longest = t < 1 ? t * how.length : std::max(how.longest, 2 * how.length);
         x.swap(w.trial);

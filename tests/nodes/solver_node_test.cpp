@@ -321,10 +321,21 @@ TEST_CASE("what holds on to a bone that the solver does not have is not given an
     s.set("solver", "bodies", R"([{"from": "twin.outBody"}, {"from": "beam.outBody"}])");
     CHECK(codes([&] { s.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
     CHECK(text.find("the target (bone) of tie is none of") != std::string::npos);
+    // Nor is it taken for one of the same faces that is switched off.
+    s.set("twin", "enable", "false");
+    CHECK(codes([&] { s.pull("solver", "outMeshes"); }) == Codes{"FE209"});
     Session held(beam(1, "", extra));
     held.set("solver", "forces", R"([{"from": "hold.outForce"}])");
     CHECK(codes([&] { held.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
     CHECK(text.find("the bone (twin) of hold is none of") != std::string::npos);
+    Session blown(beam(
+        1, "",
+        R"(, "wind": {"type": "uniformField", "inputs": {"bodies": [{"from": "beam.outBody"}, {"from": "rag.outBody"}]}},
+        "rag": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh2.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "mesh2": {"type": "polySphere"})"));
+    blown.set("solver", "forces", R"([{"from": "wind.outForce"}])");
+    CHECK(codes([&] { blown.pull("solver", "outMeshes"); }, &text) == Codes{"FE209"});
+    CHECK(text.find("the body (rag) of wind is none of") != std::string::npos);
 }
 
 TEST_CASE("two bones that are alike at the start may part later, whichever is held on to", "[nodes]") {

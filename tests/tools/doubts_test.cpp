@@ -440,20 +440,29 @@ TEST_CASE("check tells how far paint and attachments reach where a mesh may be i
     const std::string near = said_of(graph, {"ballMesh.radius=100", "tets.tetSize=80"}, 1);
     CHECK(near.find("FE325 top.outerDistance: nothing of ballMesh is within 2 of plateMesh, so nothing is painted: its "
                     "nearest point is ") != std::string::npos);
-    CHECK(near.find(" away (ballMesh is 200 long, plateMesh 10) | Widen outerDistance, or, if one of them is modelled "
-                    "in another unit, scale it by a transform.\n") != std::string::npos);
+    CHECK(near.find(" away (ballMesh is 200 long, plateMesh 10) | widen outerDistance, or, if one of them is modelled "
+                    "in another unit, scale it by a transform\n") != std::string::npos);
     CHECK(near.find("FE212 grip.weights") != std::string::npos);
+    // What the rule paints counts, and not what is made of it; without points there is nothing to measure.
+    CHECK(said_of(graph, {"top.outerDistance=20", "top.offset=-1"}, 1).find("FE325") == std::string::npos);
+    graph["nodes"]["none"] = {{"type", "transform"}};
+    graph["nodes"]["top"]["inputs"]["otherMesh"]["from"] = "none.outMesh";
+    CHECK(said_of(graph, {}, 1).find("FE212 grip.weights") != std::string::npos);
     graph["nodes"]["top"]["inputs"] = {
         {"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "sphere"}, {"center", {0, 30, 0}}, {"radius", 2}};
     CHECK(said_of(graph, {}, 1)
               .find("FE325 top.radius: nothing of ballMesh is in the sphere, so nothing is painted: its "
-                    "nearest vertex is 20 from the centre (ballMesh is 20 long) | ") != std::string::npos);
+                    "nearest point is 20 from the centre (ballMesh is 20 long) | ") != std::string::npos);
     // Painted by height, the top of the large ball is 90 and more from the plate of 10.
     const std::vector<std::string> large{"ballMesh.radius=100", "tets.tetSize=80", "top.start=80", "top.end=90"};
     CHECK(said_of(ball(), large) ==
           "FE242 solver.attachments: grip: it reaches 88.42 far, while its target is 10 long (ball is 200 long, plate "
           "10) | Check that it ties what it should; paint the part of the target that is meant as targetWeights; if "
           "one of the two is in another unit, scale it by a transform.\n");
+    // A bone is as large as its matrix makes it.
+    CHECK(said_of(ball(), {"plateMesh.width=0.1", "plateMesh.height=0.01", "plateMesh.depth=0.1",
+                           "platePlace.scale=[100, 100, 100]"})
+              .empty());
     CHECK(said_of(ball(), {"platePlace.translate=[0, 60, 0]"})
               .starts_with("FE242 solver.attachments: grip: it reaches 52.19 far, while the painted part of its source "
                            "is 20.21 large | Check that it ties what it should; paint the part of the target that is "

@@ -33,9 +33,14 @@ TEST_CASE("check doubts layers and fibres that are painted nowhere", "[tools]") 
          {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "ramp"}, {"axis", "y"}, {"start", 80}, {"end", 100}}}};
     graph["nodes"]["ball"]["inputs"]["materials"].push_back({{"from", "stiff.outMaterial"}});
     CHECK(said_of(graph) ==
-          "FE328 stiff.weights: is nowhere: all 134 numbers of cap are 0 | paint where it is to be, or "
+          "FE328 stiff.weights: is nowhere: all numbers of cap are 0 at the first frame | paint where it is to be, or "
           "take it out of the graph\n");
     CHECK(said_of(graph, {"cap.start=8", "cap.end=9"}).empty());
+    // The first layer covers all, whatever its weights say; numbers in the file are looked at as maps are.
+    std::swap(graph["nodes"]["ball"]["inputs"]["materials"][0], graph["nodes"]["ball"]["inputs"]["materials"][1]);
+    CHECK(said_of(graph).empty());
+    graph["nodes"]["flesh"]["inputs"]["weights"] = std::vector<double>(134, 0);
+    CHECK(said_of(graph).starts_with("FE328 flesh.weights: is nowhere: all numbers of weights are 0"));
 }
 
 TEST_CASE("ends of fibres that are painted nowhere are named", "[tools]") {
@@ -59,7 +64,7 @@ TEST_CASE("ends of fibres that are painted nowhere are named", "[tools]") {
                                {"inputs", {{"endPoints", {{"from", "ends.outEndPoints"}}}, {"excitation", 0.5}}}};
     graph["nodes"]["ball"]["inputs"]["fibers"] = json::array({{{"from", "fibre.outFiber"}}});
     const std::string said = said_of(graph, {}, 1);
-    CHECK(said.find("FE325 ends.sink: no number of below is above 0.5, so the fibres have no sink | ") !=
+    CHECK(said.find("FE335 ends.sink: no number of below is above 0.5, so the fibres have no sink | ") !=
           std::string::npos);
     CHECK(said.find("ends.source") == std::string::npos);
     CHECK(said.find("FE205 ball.fibers: the fibres of fibre have no sink") != std::string::npos);
@@ -105,10 +110,10 @@ TEST_CASE("check doubts sheets that are thick, heavy or fall apart", "[tools]") 
     CHECK(said_of(graph).empty());
     CHECK(
         said_of(graph, {"sheet.thickness=0.1"}) ==
-        "FE298 sheet.thickness: 100 mm is 50 % of its length of 20 scene units | thickness is in metres, whatever the "
+        "FE337 sheet.thickness: 100 mm is 50 % of its length of 20 scene units | thickness is in metres, whatever the "
         "scene's scale: 0.001 is a millimetre\n");
     CHECK(said_of(graph, {"weave.clothMassDensity=1060"}) ==
-          "FE323 weave.clothMassDensity: 1060 kg/m^2 is heavier than any cloth; cotton has 0.2 | it is mass by area: a "
+          "FE336 weave.clothMassDensity: 1060 kg/m^2 is heavier than any cloth; cotton has 0.2 | it is mass by area: a "
           "sheet of skin 2 mm thick has 2.2\n");
     write_text(folder / "loose.obj", "v 0 0 0\nv 10 0 0\nv 0 0 10\nv 10 0 10\nv 10 0 0\nv 0 0 10\nf 1 3 2\nf 4 5 6\n");
     graph["nodes"]["plane"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "loose.obj").string()}}}};

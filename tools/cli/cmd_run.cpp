@@ -180,7 +180,8 @@ class Run {
 
     std::vector<engine::Diagnostic> doubts(const std::shared_ptr<engine::Failures>& failures) {
         const LongTask task(in_.err, "looking for what is hardly meant", is_quiet());
-        return find_doubts(plan_.graph, evaluator_, plan_.needed, Look::in_passing, in_.stop, failures);
+        return doubts::find_doubts(plan_.graph, evaluator_, plan_.needed, start_frame(*plan_.graph, plan_.needed),
+                                   doubts::Look::in_passing, in_.stop, failures);
     }
 
     /// A graph of a single frame says nothing of how long it is.
@@ -207,8 +208,7 @@ class Run {
     void warn_of_motion() {
         if (plan_.frames.empty()) return;
         const int first = std::min(plan_.frames.front(), start_frame(*plan_.graph, plan_.needed));
-        for (const engine::Diagnostic& d :
-             find_motion_that_ends(*plan_.graph, plan_.needed, first, plan_.frames.back()))
+        for (const engine::Diagnostic& d : find_motion_doubts(*plan_.graph, plan_.needed, first, plan_.frames.back()))
             progress_.warning(d);
     }
 

@@ -53,7 +53,7 @@ class Search {
             info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>() || info.def.is<engine::NumberList>();
         if (reach.first > timing.end || reach.last < timing.start) {
             const bool before = reach.last < timing.start;
-            Diagnostic d = warning(name, attribute);
+            Diagnostic d = warning("FE266", name, attribute);
             d.message = std::string(moves ? "the keyed motion" : "the keyed value") + " lasts from frame " +
                         frame_text(reach.first) + " to " + frame_text(reach.last) + ", the graph's timing from " +
                         frame_text(timing.start) + " to " + frame_text(timing.end) + ": it stays as it is at its " +
@@ -90,9 +90,8 @@ class Search {
     void pace(const std::string& name, const std::string& attribute, std::string_view rate, const std::string& path,
               double recorded) {
         const double fps = graph_.timing().fps, right = recorded / fps;
-        if (std::abs(right - 1) < 1e-3 || !paced_.insert(path).second) return;
-        Diagnostic d = warning(name, attribute);
-        d.code = "FE334";
+        if (!std::isfinite(right) || std::abs(right - 1) < 0.01 || !paced_.insert(path).second) return;
+        Diagnostic d = warning("FE334", name, attribute);
         d.message = "the motion was recorded at " + engine::number_text(recorded) +
                     " frames a second, the graph runs at " + engine::number_text(fps) + ": it goes " +
                     (right > 1 ? engine::rough_text(right, 3) + " times too slow"
@@ -115,10 +114,10 @@ class Search {
     Gap gap_of(const Reach& reach) const { return {missing(reach.first - first_), missing(last_ - reach.last)}; }
     static std::string frame_text(double frame) { return engine::number_text(std::round(10 * frame) / 10); }
 
-    Diagnostic warning(const std::string& name, const std::string& attribute) const {
+    Diagnostic warning(std::string_view code, const std::string& name, const std::string& attribute) const {
         Diagnostic d;
         d.severity = engine::Severity::warning;
-        d.code = "FE266";
+        d.code = code;
         d.node = name, d.attribute = attribute;
         d.spot = graph_.spot(name, attribute);
         if (!d.spot) d.spot = graph_.spot(name);
@@ -126,7 +125,7 @@ class Search {
     }
     void warn(const std::string& name, const std::string& attribute, const std::string& what, const Reach& reach,
               const Gap& gap, std::string hint) {
-        Diagnostic d = warning(name, attribute);
+        Diagnostic d = warning("FE266", name, attribute);
         const std::string a = frame_text(reach.first), b = frame_text(reach.last), first = frame_text(first_),
                           last = frame_text(last_);
         if (gap.begins_late && gap.ends_early)
@@ -185,16 +184,17 @@ void look_at_track(const Graph& graph, const std::string& name, const Node& node
     if (!file || file->path.empty() || !track || !offset || !rate || *rate == 0) return;
     try {
         std::optional<Reach> reach;
+        std::optional<double> fps;
         if (f.type == "transform") {
             const nodes::MatrixTrack t = nodes::read_matrix_track(graph.files(), file->path, *track);
-            reach = reach_of(t, t.matrices, *offset, *rate);
+            reach = reach_of(t, t.matrices, *offset, *rate), fps = t.fps;
         } else {
             const nodes::NumberTrack t = nodes::read_number_track(graph.files(), file->path, *track);
-            reach = reach_of(t, t.values, *offset, *rate);
+            reach = reach_of(t, t.values, *offset, *rate), fps = t.fps;
         }
-        if (reach) search.track(name, std::string(f.file), file->path, *reach);
-        if (const auto fps = node.inputs.contains(f.rate) ? std::nullopt : nodes::track_fps(graph.files(), file->path))
-            search.pace(name, std::string(f.file), f.rate, file->path, *fps);
+        if (!reach) return; // it never moves
+        search.track(name, std::string(f.file), file->path, *reach);
+        if (fps && !node.inputs.contains(f.rate)) search.pace(name, std::string(f.file), f.rate, file->path, *fps);
     } catch (const solver::Error&) {
     } catch (const engine::Failure&) {
     }
@@ -202,8 +202,8 @@ void look_at_track(const Graph& graph, const std::string& name, const Node& node
 
 } // namespace
 
-std::vector<Diagnostic> find_motion_that_ends(const Graph& graph, const std::vector<std::string>& nodes, int first,
-                                              int last) {
+std::vector<Diagnostic> find_motion_doubts(const Graph& graph, const std::vector<std::string>& nodes, int first,
+                                           int last) {
     Search search(graph, first, last);
     for (const std::string& name : nodes) {
         const Node* node = graph.find(name);

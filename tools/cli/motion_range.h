@@ -1,5 +1,5 @@
-// Does the motion in a graph reach over the frames that are run? Before its first and after its last key or sample it
-// stands still, which is easily taken for a fault of the simulation.
+// Does the motion in a graph reach over the frames that are run, and at the speed that it was recorded at? Before its
+// first and after its last key or sample it stands still, which is easily taken for a fault of the simulation.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/graph.h"
@@ -18,7 +18,7 @@ namespace sinew::cli {
 /// \param nodes to look at
 /// \param first the first frame that is simulated or shown, pre-roll included
 /// \param last the last one
-std::vector<engine::Diagnostic> find_motion_that_ends(const engine::Graph& graph, const std::vector<std::string>& nodes,
-                                                      int first, int last);
+std::vector<engine::Diagnostic> find_motion_doubts(const engine::Graph& graph, const std::vector<std::string>& nodes,
+                                                   int first, int last);
 
 } // namespace sinew::cli

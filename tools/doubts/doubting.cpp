@@ -2,11 +2,12 @@
 #include "tools/doubts/doubting.h"
 
 #include "engine/text.h"
-#include "tools/cli/open_graph.h"
+#include "tools/embed/graph_walk.h"
 
+#include <algorithm>
 #include <cctype>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 using engine::Diagnostic;
 using engine::Plug;
@@ -32,6 +33,14 @@ void Doubting::doubt(std::string_view code, const std::string& node, std::string
     out_.push_back(std::move(d));
 }
 
+bool Doubting::has_said(std::string_view code) const {
+    return std::any_of(out_.begin(), out_.end(), [&](const Diagnostic& d) { return d.code == code; });
+}
+
+bool Doubting::once(std::string_view what, const std::string& node) {
+    return asked_.emplace(std::string(what), node).second;
+}
+
 std::vector<Plug> Doubting::plugs(const std::string& node, std::string_view attribute) const {
     const auto& inputs = graph_->find(node)->inputs;
     const auto it = inputs.find(attribute);
@@ -44,7 +53,7 @@ std::vector<Plug> Doubting::plugs(const std::string& node, std::string_view attr
 std::string Doubting::file_of(const std::string& body) const {
     std::vector<std::string> sources;
     for (const Plug& plug : plugs(body, "mesh")) sources.push_back(plug.node);
-    for (const std::string& name : upstream_of(*graph_, sources))
+    for (const std::string& name : embed::upstream_of(*graph_, sources))
         for (const auto& [attribute, binding] : graph_->find(name)->inputs)
             if (const auto* v = std::get_if<engine::Value>(&binding); v && v->is<engine::File>()) {
                 std::string path = v->as<engine::File>().path;
@@ -54,12 +63,8 @@ std::string Doubting::file_of(const std::string& body) const {
     return {};
 }
 
-std::string rough(double value) { return engine::rough_text(value, 2); }
+std::string rough(double value, int digits) { return engine::rough_text(value, digits); }
 
-double extent(const solver::Points& points) {
-    solver::Vec3 least = points.front(), most = least;
-    for (const solver::Vec3& p : points) least = least.cwiseMin(p), most = most.cwiseMax(p);
-    return (most - least).maxCoeff();
-}
+double extent(const solver::Points& points) { return solver::bounding_box(points).size().maxCoeff(); }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

@@ -7,10 +7,11 @@
 #include "tools/doubts/doubts.h"
 
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 class Doubting {
   public:
@@ -24,6 +25,9 @@ class Doubting {
     /// A warning at the attribute's place in the file.
     void doubt(std::string_view code, const std::string& node, std::string_view attribute, std::string message,
                std::string hint);
+    bool has_said(std::string_view code) const;
+    /// Whether it is the first time that this is asked of a node: what several read is told once.
+    bool once(std::string_view what, const std::string& node);
     /// All that was said.
     std::vector<engine::Diagnostic> take() { return std::move(out_); }
 
@@ -38,10 +42,11 @@ class Doubting {
         return {};
     }
 
-    /// A literal; the default if nothing stands there; empty if it is keyed or connected.
+    /// A literal; the default if nothing stands there; empty if it is keyed or connected, or there is no such input.
     template <class T>
     std::optional<T> number(const std::string& node, std::string_view attribute) const {
         const engine::Node& n = *graph_->find(node);
+        if (!n.type || !n.type->find_input(attribute)) return {};
         const auto it = n.inputs.find(attribute);
         engine::Value v;
         if (it == n.inputs.end())
@@ -80,11 +85,13 @@ class Doubting {
     std::stop_token stop_;
     std::shared_ptr<engine::Failures> failures_;
     std::vector<engine::Diagnostic> out_;
+    std::set<std::pair<std::string, std::string>> asked_;
 };
 
 /// "1.2", two digits of it.
-std::string rough(double value);
+std::string rough(double value, int digits = 2);
 /// Longest side of the box around the points.
 double extent(const solver::Points& points);
+inline std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/doubts/doubts.h"
 
-#include "tools/cli/open_graph.h"
 #include "tools/doubts/kinds.h"
+#include "tools/embed/graph_walk.h"
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
@@ -23,47 +23,52 @@ void look_at_solver(Doubting& d, const std::string& name) {
     doubt_floating(d, name, members);
     doubt_sizes(d, name, members, *units);
     for (const Member& m : members)
-        if (!m.body.subtissue) doubt_mesh(d, m), doubt_sheet(d, m, *units);
+        if (!m.body.subtissue) doubt_mesh(d, m), doubt_bone(d, m, members), doubt_thickness(d, m, *units);
     for (const Member& m : members)
         if (!m.body.subtissue) doubt_tets(d, m);
-    doubt_paint(d, name, members);
+    doubt_whole_attachments(d, name, members);
 }
 
 } // namespace
 
 std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::Graph>& graph,
                                             engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
-                                            Look look, std::stop_token stop,
+                                            double frame, Look look, std::stop_token stop,
                                             const std::shared_ptr<engine::Failures>& failures) {
-    Doubting d(graph, evaluator, look, start_frame(*graph, nodes), stop, failures);
-    std::vector<std::string> transforms, fibers;
+    Doubting d(graph, evaluator, look, frame, stop, failures);
+    std::vector<std::string> transforms, solvers;
     for (const std::string& name : nodes) {
         const engine::Node* node = graph->find(name);
         if (!node || !node->type) continue;
         const std::string_view type = node->type->name;
         if (type == "zMaterial") doubt_material(d, name);
-        if (type == "zFiber") doubt_fiber(d, name), fibers.push_back(name);
-        if (type == "zMaterial" || type == "zFiber") doubt_blank_paint(d, name);
+        if (type == "zFiber") doubt_fiber(d, name);
         if (type == "transform") transforms.push_back(name);
         if (type == "zBone") doubt_matrix(d, name);
+        if (type == "zCloth") doubt_weight_of_cloth(d, name);
+        if (node->type->find_input("materials")) doubt_blank_paint(d, name);
+        if (type == "weights") doubt_reach_of_paint(d, name);
         if (type == "zHold") doubt_hold(d, name);
         if (type == "zAttachment") doubt_attachment(d, name);
-        if (type == "zSolver") look_at_solver(d, name);
+        if (type == "zSolver") solvers.push_back(name);
     }
     doubt_transforms(d, transforms);
-    doubt_passive_muscles(d, fibers);
+    for (const std::string& name : solvers) look_at_solver(d, name);
+    doubt_passive_muscles(d);
     return d.take();
 }
 
 std::vector<engine::Diagnostic> find_unit_doubts(const std::shared_ptr<const engine::Graph>& graph,
                                                  engine::Evaluator& evaluator, const std::vector<std::string>& nodes,
-                                                 std::stop_token stop,
+                                                 double frame, std::stop_token stop,
                                                  const std::shared_ptr<engine::Failures>& failures) {
-    Doubting d(graph, evaluator, Look::in_passing, start_frame(*graph, nodes), stop, failures);
+    Doubting d(graph, evaluator, Look::in_passing, frame, stop, failures);
     for (const std::string& name : nodes)
-        if (const engine::Node* node = graph->find(name); node && node->type && node->type->name == "zSolver")
-            doubt_units_of_meshes(d, name);
+        if (const engine::Node* node = graph->find(name); node && node->type) {
+            if (node->type->name == "zSolver") doubt_units_of_meshes(d, name);
+            if (node->type->name == "weights") doubt_reach_of_paint(d, name);
+        }
     return d.take();
 }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

@@ -3,7 +3,7 @@
 #pragma once
 #include "tools/doubts/doubting.h"
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 /// One of a solver's bodies that take part, by the name of its node.
 struct Member {
@@ -14,11 +14,16 @@ struct Member {
 // ---- values.cpp: numbers in another unit than the attribute's, or that nothing reads ----
 void doubt_material(Doubting& d, const std::string& node);
 void doubt_fiber(Doubting& d, const std::string& node);
-void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& fibers);
-/// Of a zMaterial or zFiber: weights that are 0 everywhere.
-void doubt_blank_paint(Doubting& d, const std::string& node);
-void doubt_attachment(Doubting& d, const std::string& node);
+void doubt_weight_of_cloth(Doubting& d, const std::string& cloth);
 void doubt_gravity(Doubting& d, const std::string& solver);
+/// Where none of the scene's muscles has anything to pull by.
+void doubt_passive_muscles(Doubting& d);
+
+// ---- paint.cpp: maps that paint nothing ----
+/// Of a weights node: a mesh or a sphere that what is painted does not come near.
+void doubt_reach_of_paint(Doubting& d, const std::string& node);
+/// Of a tissue or cloth: its layers but the first, and its fibres, whose weights are 0 everywhere.
+void doubt_blank_paint(Doubting& d, const std::string& body);
 
 // ---- mirrors.cpp: scales and matrices that turn things inside out ----
 void doubt_matrix(Doubting& d, const std::string& bone);
@@ -26,18 +31,20 @@ void doubt_transforms(Doubting& d, const std::vector<std::string>& transforms);
 
 // ---- sizes.cpp: bodies in another unit than the solver's or than the others' ----
 void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units);
-
-/// The same of the meshes that bodies are to be made of, where they cannot be.
+/// The same as far as it can be told where some of the bodies cannot be made: of those by their meshes.
 void doubt_units_of_meshes(Doubting& d, const std::string& solver);
 
-// ---- meshes.cpp: flaws of a mesh, and tets that do not suit it ----
+// ---- meshes.cpp: flaws of a mesh, tets that do not suit it, sheets that are none ----
 void doubt_mesh(Doubting& d, const Member& member);
+/// After mirrors are told. `all`: the solver's bodies.
+void doubt_bone(Doubting& d, const Member& member, const std::vector<Member>& all);
 void doubt_tets(Doubting& d, const Member& tissue);
-void doubt_sheet(Doubting& d, const Member& cloth, double units);
+void doubt_thickness(Doubting& d, const Member& cloth, double units);
 
-// ---- ties.cpp: what is held by nothing, or as a whole ----
+// ---- ties.cpp: what is held by nothing, by next to nothing, or as a whole ----
+void doubt_attachment(Doubting& d, const std::string& node);
 void doubt_hold(Doubting& d, const std::string& node);
 void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members);
-void doubt_paint(Doubting& d, const std::string& solver, const std::vector<Member>& members);
+void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

@@ -1,26 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
 #include "solver/mesh/mesh_check.h"
+#include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
 constexpr double thin_part = 0.25, thin_share = 0.25;
 /// A body that is shorter than one of its tets; as long as one is what a block as a mass on a spring is.
-/// Heavier than a lead apron [kg/m^2]; thicker than this share of its length a cloth is none.
-constexpr double heaviest_sheet = 20, thickest_sheet = 0.1;
 constexpr double least_tets_along = 0.95;
+/// Of its length; a cloth that is thicker is none.
+constexpr double thickest_sheet = 0.1;
 constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000;
 /// Triangles of a mesh that is looked at for flaws in passing.
 constexpr std::size_t most_triangles_in_passing = 20000;
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 double longest_edge(const solver::TissueRest& rest, int tet) {
     double longest = 0;
@@ -55,9 +54,17 @@ struct Thin {
     }
 };
 
+/// Where no transform is told to mirror it.
+void doubt_inside_out(Doubting& d, const Member& m) {
+    if (d.has_said("FE265")) return;
+    d.doubt("FE321", m.name, "mesh", "all faces of its mesh look inwards",
+            "turn them where it is modelled; pressure, contact and drawing go by the side that a face shows");
+}
+
 } // namespace
 
 void doubt_mesh(Doubting& d, const Member& m) {
+    if (m.body.is_bone()) return;
     const auto& triangles = m.body.rest->mesh.topology->triangles;
     if (d.look() == Look::in_passing && triangles.size() > most_triangles_in_passing) return;
     const solver::MeshCheck check = solver::check_mesh(*m.body.rest->mesh.points, triangles);
@@ -81,26 +88,34 @@ void doubt_mesh(Doubting& d, const Member& m) {
                 "turn the faces alike where it is modelled, or remesh it by zIsoMesh; pressure, contact and drawing go "
                 "by the side that a face shows");
     else if (check.is_closed() && check.volume < 0)
-        d.doubt("FE321", m.name, "mesh", "all faces of its mesh look inwards",
-                "turn them where it is modelled; pressure, contact and drawing go by the side that a face shows");
+        doubt_inside_out(d, m);
 }
 
-void doubt_sheet(Doubting& d, const Member& m, double units) {
-    if (!m.body.is_cloth()) return;
+void doubt_bone(Doubting& d, const Member& m, const std::vector<Member>& all) {
+    const nodes::Mesh& mesh = mesh_of(m.body);
+    const auto& triangles = mesh.topology->triangles;
+    if (!m.body.is_bone() || mesh.points->empty()) return;
+    if (d.look() == Look::in_passing && triangles.size() > most_triangles_in_passing) return;
+    if (!solver::is_closed(triangles) || solver::enclosed_volume(*mesh.points, triangles) >= 0) return;
+    // A room is meant to look inwards.
+    const solver::Box box = solver::bounding_box(*mesh.points);
+    for (const Member& other : all) {
+        if (&other == &m) continue;
+        const solver::Vec3 centre = solver::bounding_box(*mesh_of(other.body).points).centre();
+        if ((centre.array() > box.min.array()).all() && (centre.array() < box.max.array()).all()) return;
+    }
+    doubt_inside_out(d, m);
+}
+
+void doubt_thickness(Doubting& d, const Member& m, double units) {
+    if (!m.body.is_cloth() || !d.graph().find(m.name)->inputs.contains("thickness")) return; // only contact reads it
     const double length = extent(*m.body.rest->mesh.points);
     if (const auto thickness = d.number<double>(m.name, "thickness");
         thickness && *thickness * units > thickest_sheet * length)
-        d.doubt("FE298", m.name, "thickness",
+        d.doubt("FE337", m.name, "thickness",
                 rough(1000 * *thickness) + " mm is " + rough(100 * *thickness * units / length) +
                     " % of its length of " + rough(length) + " scene units",
                 "thickness is in metres, whatever the scene's scale: 0.001 is a millimetre");
-    for (const engine::Plug& layer : d.plugs(m.name, "materials")) {
-        const auto density = d.number<double>(layer.node, "clothMassDensity");
-        if (d.graph().find(layer.node)->type->name == "zMaterial" && density && *density > heaviest_sheet)
-            d.doubt("FE323", layer.node, "clothMassDensity",
-                    engine::number_text(*density) + " kg/m^2 is heavier than any cloth; cotton has 0.2",
-                    "it is mass by area: a sheet of skin 2 mm thick has 2.2");
-    }
 }
 
 void doubt_tets(Doubting& d, const Member& m) {
@@ -133,4 +148,4 @@ void doubt_tets(Doubting& d, const Member& m) {
                     ", or refine there by weights and surfaceRefinement");
 }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

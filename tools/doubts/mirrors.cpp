@@ -4,7 +4,7 @@
 
 #include <map>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
@@ -81,4 +81,4 @@ void doubt_matrix(Doubting& d, const std::string& bone) {
     if (is_negative(d.at_start<engine::Matrix4>(bone, "matrix"))) mirrored(d, bone, "matrix", "the matrix");
 }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

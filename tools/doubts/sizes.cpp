@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
@@ -54,12 +54,6 @@ void implausible_size(Doubting& d, const std::string& solver, const std::vector<
             largest->name + " is " + length_text(metres) + " long: " + rough(found) + " scene units, " +
                 engine::number_text(units) + " a metre",
             cure);
-}
-
-/// Of a bone where it is, which may be scaled.
-const nodes::Mesh& mesh_of(const nodes::Body& body) {
-    const auto* now = std::get_if<nodes::Mesh>(&body.values);
-    return now ? *now : body.rest->mesh;
 }
 
 /// The names of those that are in another unit.
@@ -110,11 +104,18 @@ void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Membe
 
 void doubt_units_of_meshes(Doubting& d, const std::string& solver) {
     std::vector<std::pair<double, std::string>> sizes;
-    for (const engine::Plug& body : d.plugs(solver, "bodies"))
-        for (const engine::Plug& mesh : d.plugs(body.node, "mesh"))
+    for (const engine::Plug& plug : d.plugs(solver, "bodies")) {
+        const engine::Node* node = d.graph().find(plug.node);
+        if (!node || !node->type || node->type->name == "zSubtissue") continue;
+        if (const auto body = d.value<nodes::Body>(plug)) {
+            if (!mesh_of(*body).points->empty()) sizes.emplace_back(extent(*mesh_of(*body).points), plug.node);
+            continue;
+        }
+        for (const engine::Plug& mesh : d.plugs(plug.node, "mesh"))
             if (const auto m = d.value<nodes::Mesh>(mesh); m && !m->points->empty())
-                sizes.emplace_back(extent(*m->points), body.node);
+                sizes.emplace_back(extent(*m->points), plug.node);
+    }
     other_units(d, solver, std::move(sizes));
 }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

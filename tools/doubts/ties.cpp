@@ -1,17 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
 #include "nodes/options.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
 /// Attached shares of a surface from which on the whole is meant, or nothing was painted.
 constexpr double nearly_whole = 0.9;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
+/// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
+constexpr double least_tie = 1000, least_tie_of_cloth = 10;
+
 void set(std::vector<char>& flags, int i) {
     if (i >= 0) flags[at(i)] = 1;
 }
@@ -54,6 +57,23 @@ void whole_body(Doubting& d, const std::string& name, const nodes::Attachment& a
 }
 
 } // namespace
+
+void doubt_attachment(Doubting& d, const std::string& name) {
+    const auto stiffness = d.number<double>(name, "stiffness");
+    if (!stiffness || *stiffness <= 0) return; // 0: released
+    const auto attachment = d.value<nodes::Attachment>({name, "outAttachment"});
+    if (!attachment || attachment->values.mode() == solver::AttachmentMode::none) return;
+    bool of_cloth = false;
+    for (const char* end : {"source", "target"})
+        for (const engine::Plug& plug : d.plugs(name, end))
+            if (const auto body = d.value<nodes::Body>(plug)) of_cloth = of_cloth || body->is_cloth();
+    if (*stiffness >= (of_cloth ? least_tie_of_cloth : least_tie)) return;
+    d.doubt("FE326", name, "stiffness",
+            engine::number_text(*stiffness) +
+                " N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by " +
+                rough(9.8 * 10 / *stiffness) + " m",
+            "it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5");
+}
 
 void doubt_hold(Doubting& d, const std::string& name) {
     if (d.number<bool>(name, "enable") == false) return;
@@ -106,11 +126,11 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
                     "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");
 }
 
-void doubt_paint(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
     std::vector<nodes::BodyId> ids;
     for (const Member& m : members) ids.push_back(id_of(m.body));
     for (const engine::Plug& plug : d.plugs(solver, "attachments"))
         if (const auto a = d.value<nodes::Attachment>(plug)) whole_body(d, plug.node, *a, members, ids);
 }
 
-} // namespace sinew::cli
+} // namespace sinew::doubts

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-namespace sinew::cli {
+namespace sinew::doubts {
 
 namespace {
 
@@ -16,10 +16,10 @@ constexpr double least_modulus = 100;
 constexpr double largest_gravity = 300;
 /// Lungs have 250 [kg/m^3].
 constexpr double least_density = 50;
+/// Heavier than a lead apron [kg/m^2].
+constexpr double heaviest_sheet = 20;
 /// A hundredth of what muscles have [Pa].
 constexpr double least_strength = 1000;
-/// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
-constexpr double least_tie = 1000, least_tie_of_cloth = 10;
 
 void soft_material(Doubting& d, const std::string& name) {
     const auto material = d.value<nodes::Material>({name, "outMaterial"});
@@ -49,6 +49,7 @@ constexpr std::array<std::string_view, 4> of_cloths{"tensileStiffness", "shearSt
 
 /// Values that are given for what the only readers of a layer do not read.
 void unread_values(Doubting& d, const std::string& name) {
+    if (engine::is_included(name)) return; // a library's material may serve others
     bool by_tissue = false, by_cloth = false;
     std::string reader;
     for (const std::string& other : d.graph().node_names()) {
@@ -81,16 +82,6 @@ void doubt_material(Doubting& d, const std::string& name) {
     unread_values(d, name);
 }
 
-void doubt_blank_paint(Doubting& d, const std::string& name) {
-    for (const engine::Plug& plug : d.plugs(name, "weights")) {
-        const auto map = d.value<engine::NumberList>(plug);
-        if (!map || map->size() < 2 || std::any_of(map->begin(), map->end(), [](double w) { return w > 0; })) continue;
-        d.doubt("FE328", name, "weights",
-                "is nowhere: all " + std::to_string(map->size()) + " numbers of " + plug.node + " are 0",
-                "paint where it is to be, or take it out of the graph");
-    }
-}
-
 void doubt_fiber(Doubting& d, const std::string& name) {
     const auto strength = d.number<double>(name, "strength");
     if (!strength || *strength <= 0) return; // 0: a direction and no pull
@@ -99,7 +90,15 @@ void doubt_fiber(Doubting& d, const std::string& name) {
             "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
 }
 
-void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& fibers) {
+void doubt_passive_muscles(Doubting& d) {
+    std::vector<std::string> fibers; // that are read
+    for (const std::string& body : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(body);
+        if (!node->type || !node->type->find_input("fibers")) continue;
+        for (const engine::Plug& plug : d.plugs(body, "fibers"))
+            if (d.graph().find(plug.node)->type_name == "zFiber" && d.once("fiber", plug.node))
+                fibers.push_back(plug.node);
+    }
     for (const std::string& name : fibers) {
         const bool pulls = d.number<double>(name, "excitation") != 0.0 || !d.plugs(name, "lineOfAction").empty(),
                    grows = d.number<bool>(name, "enableMuscleGrowth").value_or(true),
@@ -120,23 +119,6 @@ void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& fibers) 
                 "direction alone");
 }
 
-void doubt_attachment(Doubting& d, const std::string& name) {
-    const auto stiffness = d.number<double>(name, "stiffness");
-    if (!stiffness || *stiffness <= 0) return; // 0: released
-    const auto attachment = d.value<nodes::Attachment>({name, "outAttachment"});
-    if (!attachment || attachment->values.mode() == solver::AttachmentMode::none) return;
-    bool of_cloth = false;
-    for (const char* end : {"source", "target"})
-        for (const engine::Plug& plug : d.plugs(name, end))
-            if (const auto body = d.value<nodes::Body>(plug)) of_cloth = of_cloth || body->is_cloth();
-    if (*stiffness >= (of_cloth ? least_tie_of_cloth : least_tie)) return;
-    d.doubt("FE326", name, "stiffness",
-            engine::number_text(*stiffness) +
-                " N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by " +
-                rough(9.8 * 10 / *stiffness) + " m",
-            "it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5");
-}
-
 void doubt_gravity(Doubting& d, const std::string& solver) {
     const auto gravity = d.number<engine::Vec3>(solver, "gravity");
     if (!gravity) return;
@@ -149,4 +131,15 @@ void doubt_gravity(Doubting& d, const std::string& solver) {
             "gravity is in m/s^2, whatever the scene's scale: " + cure + "]");
 }
 
-} // namespace sinew::cli
+void doubt_weight_of_cloth(Doubting& d, const std::string& cloth) {
+    for (const engine::Plug& layer : d.plugs(cloth, "materials")) {
+        if (d.graph().find(layer.node)->type_name != "zMaterial") continue;
+        const auto density = d.number<double>(layer.node, "clothMassDensity");
+        if (density && *density > heaviest_sheet && d.once("FE336", layer.node))
+            d.doubt("FE336", layer.node, "clothMassDensity",
+                    engine::number_text(*density) + " kg/m^2 is heavier than any cloth; cotton has 0.2",
+                    "it is mass by area: a sheet of skin 2 mm thick has 2.2");
+    }
+}
+
+} // namespace sinew::doubts

@@ -149,7 +149,7 @@ bool Slides::settle(const Positions& x, bool stuck) {
 }
 
 bool Slides::widen(const Positions& x) {
-    constexpr int most = 2; // where that does not end it, more do not either
+    constexpr int most = 2; // six ended no better: docs/theory/solver.md, Newton
     return !slides_.empty() && widened_++ < most && find_all_nearest(x, false);
 }
 
