@@ -5,19 +5,15 @@
 #include "engine/text.h"
 
 #include <algorithm>
-#include <vector>
 
 namespace sinew::engine {
 
-namespace {
-
 namespace fs = std::filesystem;
 
-std::vector<std::string> files_beside(const fs::path& path) {
-    constexpr std::size_t most = 1000;
+std::vector<std::string> files_in(const fs::path& folder) {
+    constexpr std::size_t most = 1000; // of a folder that holds anything, it is not worth while to look at all
     std::vector<std::string> out;
     std::error_code ec;
-    const fs::path folder = path.parent_path();
     for (fs::directory_iterator it(folder.empty() ? "." : folder, ec), end; !ec && it != end && out.size() < most;
          it.increment(ec))
         if (it->is_regular_file(ec)) out.push_back(it->path().filename().string());
@@ -25,10 +21,8 @@ std::vector<std::string> files_beside(const fs::path& path) {
     return out;
 }
 
-} // namespace
-
 std::string near_file(const fs::path& path, std::span<const std::string_view> endings) {
-    const std::vector<std::string> there = files_beside(path);
+    const std::vector<std::string> there = files_in(path.parent_path());
     const std::string name = path.filename().string(), stem = path.stem().string();
     const auto ending_of = [](const std::string& file) { return lower_case(fs::path(file).extension().string()); };
     for (const std::string& other : there)

@@ -65,11 +65,6 @@ void warn_of_length(const Reads& in, const std::string& name, const End& source,
 
 } // namespace
 
-std::string attachment_name(const Reads& in, const Setup& setup, int attachment) {
-    const int entry = setup.attachment_entries[static_cast<std::size_t>(attachment)];
-    return in.source_name(attachments.name, static_cast<std::size_t>(entry));
-}
-
 void warn_of_reach(const Reads& in, const Setup& setup, const std::vector<solver::AttachmentStart>& starts) {
     const double units = setup.key.scale;
     for (std::size_t a = 0; a < starts.size(); ++a) {

@@ -4,13 +4,9 @@
 #include "nodes/solver_setup.h"
 #include "solver/terms/attachment/anchors.h"
 
-#include <string>
 #include <vector>
 
 namespace sinew::nodes {
-
-/// The node of an attachment that acts, by its position in `setup.attachments`.
-std::string attachment_name(const engine::Reads& in, const Setup& setup, int attachment);
 
 /// Warns of painted area that finds no hold (FE241), and of what reaches farther than the painted part of its source is
 /// large, or than three times its target (FE242): with the sizes of the two bodies where they are so unlike that one of

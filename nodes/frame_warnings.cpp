@@ -4,7 +4,6 @@
 #include "nodes/worst.h"
 #include "nodes/z_solver_attributes.h"
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cstdio>
 
@@ -24,13 +23,10 @@ Leap farthest_leap(const std::vector<solver::Points>& before, const std::vector<
     Leap out;
     for (std::size_t body = 0; body < std::min(before.size(), after.size()); ++body) {
         if (before[body].empty() || before[body].size() != after[body].size()) continue;
-        Eigen::AlignedBox3d box;
         double distance = 0;
-        for (std::size_t v = 0; v < after[body].size(); ++v) {
-            box.extend(after[body][v]);
+        for (std::size_t v = 0; v < after[body].size(); ++v)
             distance = std::max(distance, (after[body][v] - before[body][v]).norm());
-        }
-        const double size = box.diagonal().norm();
+        const double size = solver::bounding_box(after[body]).size().norm();
         if (distance > out.sizes * size) out = {static_cast<int>(body), distance, distance / size};
     }
     return out;

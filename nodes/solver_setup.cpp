@@ -290,6 +290,11 @@ solver::Points to_scene_units(solver::Points points, double units) {
 
 const Reads* contact_of(const Reads& frame) { return frame[collision_detection] ? &frame : nullptr; }
 
+std::string attachment_name(const Reads& in, const Setup& setup, int attachment) {
+    const int entry = setup.attachment_entries[static_cast<std::size_t>(attachment)];
+    return in.source_name(attachments.name, static_cast<std::size_t>(entry));
+}
+
 Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     Setup setup;
     const engine::Matrix4 frame = solver_frame(in);

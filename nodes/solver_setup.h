@@ -54,6 +54,9 @@ struct Setup {
     }
 };
 
+/// The node of an attachment that acts, by its position in `setup.attachments`.
+std::string attachment_name(const engine::Reads& in, const Setup& setup, int attachment);
+
 /// Reads bodies and attachments. `known`: the key at the start frame, or nullptr at the start frame itself. `contact`:
 /// what says how bodies collide in the frame where `in` does not, its collisionDetection being off; null where the
 /// frame has no contact.

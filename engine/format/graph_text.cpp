@@ -27,13 +27,8 @@ namespace fs = std::filesystem;
 
 /// Names of the graph files in a folder.
 std::vector<std::string> graphs_in(const fs::path& folder) {
-    constexpr std::size_t most = 1000; // of a folder that holds anything, it is not worth while to look at all
-    std::vector<std::string> out;
-    std::error_code ec;
-    for (fs::directory_iterator it(folder.empty() ? "." : folder, ec), end; !ec && it != end && out.size() < most;
-         it.increment(ec))
-        if (it->path().extension() == ".json" && it->is_regular_file(ec)) out.push_back(it->path().filename().string());
-    std::sort(out.begin(), out.end());
+    std::vector<std::string> out = files_in(folder);
+    std::erase_if(out, [](const std::string& name) { return fs::path(name).extension() != ".json"; });
     return out;
 }
 

@@ -25,17 +25,17 @@ const Flag* find_flag(const Command& command, std::string_view word) {
 [[noreturn]] void unknown_flag(const Command& command, std::string_view word) {
     std::vector<std::string> known{"--help"};
     for (const Flag& f : command.flags) known.emplace_back(f.name);
-    // What other programs call them.
-    constexpr std::pair<std::string_view, std::string_view> elsewhere[] = {
-        {"-j", "--threads"}, {"-t", "--threads"}, {"-f", "--frames"}};
-    for (const auto& [letter, flag] : elsewhere)
-        if (word.starts_with(letter) && std::find(known.begin(), known.end(), flag) != known.end()) {
-            const std::string_view rest = word.substr(letter.size());
-            if (!rest.empty() && !std::all_of(rest.begin(), rest.end(), [](char c) { return c >= '0' && c <= '9'; }))
-                continue;
-            throw UsageError("unknown flag '" + std::string(word) + "'. Did you mean '" + std::string(flag) +
+    // "-j4", and letters of other programs.
+    const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+    if (const std::string_view letter = word.substr(0, 2), rest = word.substr(letter.size());
+        std::all_of(rest.begin(), rest.end(), is_digit)) {
+        const Flag* meant = find_flag(command, letter);
+        if (!meant && letter == "-t") meant = find_flag(command, "--threads");
+        if (!meant && letter == "-f") meant = find_flag(command, "--frames");
+        if (meant)
+            throw UsageError("unknown flag '" + std::string(word) + "'. Did you mean '" + std::string(meant->name) +
                              (rest.empty() ? "" : " ") + std::string(rest) + "'?");
-        }
+    }
     throw UsageError("unknown flag '" + std::string(word) + "'." + did_you_mean(word, known));
 }
 

@@ -73,7 +73,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
-    const double first_frame = start_frame(*open.graph, open.graph->node_names());
+    const int first_frame = start_frame(*open.graph, open.graph->node_names());
     if (!fast && !has_error(found)) { // a tissue falls, say, because what holds it is wrong
         const LongTask task(in.err, "looking for what is hardly meant in " + file, json);
         for (auto& doubt : doubts::find_doubts(open.graph, evaluator, open.graph->node_names(), first_frame,
@@ -88,7 +88,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     if (!fast) {
         const std::vector<std::string> all = open.graph->node_names();
         const engine::Timing& timing = open.graph->timing();
-        const int first = std::min(timing.start, start_frame(*open.graph, all));
+        const int first = std::min(timing.start, first_frame);
         for (auto& doubt : find_motion_doubts(*open.graph, all, first, timing.end)) found.push_back(std::move(doubt));
     }
     refuse_unknown_types(found);

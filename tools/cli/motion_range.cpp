@@ -89,8 +89,9 @@ class Search {
     /// a file.
     void pace(const std::string& name, const std::string& attribute, std::string_view rate, const std::string& path,
               double recorded) {
+        constexpr double ntsc = 0.01; // 23.976 for 24, and the like
         const double fps = graph_.timing().fps, right = recorded / fps;
-        if (!std::isfinite(right) || std::abs(right - 1) < 0.01 || !paced_.insert(path).second) return;
+        if (!std::isfinite(right) || std::abs(right - 1) < ntsc || !paced_.insert(path).second) return;
         Diagnostic d = warning("FE334", name, attribute);
         d.message = "the motion was recorded at " + engine::number_text(recorded) +
                     " frames a second, the graph runs at " + engine::number_text(fps) + ": it goes " +

@@ -5,7 +5,6 @@
 #include "tools/embed/graph_walk.h"
 
 #include <algorithm>
-#include <cctype>
 
 namespace sinew::doubts {
 
@@ -33,8 +32,11 @@ void Doubting::doubt(std::string_view code, const std::string& node, std::string
     out_.push_back(std::move(d));
 }
 
-bool Doubting::has_said(std::string_view code) const {
-    return std::any_of(out_.begin(), out_.end(), [&](const Diagnostic& d) { return d.code == code; });
+bool Doubting::has_said(std::string_view code, const std::string& body) const {
+    const std::vector<std::string> upstream = embed::upstream_of(*graph_, {body});
+    return std::any_of(out_.begin(), out_.end(), [&](const Diagnostic& d) {
+        return d.code == code && std::find(upstream.begin(), upstream.end(), d.node) != upstream.end();
+    });
 }
 
 bool Doubting::once(std::string_view what, const std::string& node) {
@@ -56,9 +58,8 @@ std::string Doubting::file_of(const std::string& body) const {
     for (const std::string& name : embed::upstream_of(*graph_, sources))
         for (const auto& [attribute, binding] : graph_->find(name)->inputs)
             if (const auto* v = std::get_if<engine::Value>(&binding); v && v->is<engine::File>()) {
-                std::string path = v->as<engine::File>().path;
-                for (char& c : path) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-                if (!path.empty()) return path;
+                const std::string& path = v->as<engine::File>().path;
+                if (!path.empty()) return engine::lower_case(path);
             }
     return {};
 }

@@ -25,7 +25,8 @@ class Doubting {
     /// A warning at the attribute's place in the file.
     void doubt(std::string_view code, const std::string& node, std::string_view attribute, std::string message,
                std::string hint);
-    bool has_said(std::string_view code) const;
+    /// Of a body, or of what it is made from.
+    bool has_said(std::string_view code, const std::string& body) const;
     /// Whether it is the first time that this is asked of a node: what several read is told once.
     bool once(std::string_view what, const std::string& node);
     /// All that was said.

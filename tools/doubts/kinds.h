@@ -16,8 +16,10 @@ void doubt_material(Doubting& d, const std::string& node);
 void doubt_fiber(Doubting& d, const std::string& node);
 void doubt_weight_of_cloth(Doubting& d, const std::string& cloth);
 void doubt_gravity(Doubting& d, const std::string& solver);
-/// Where none of the scene's muscles has anything to pull by.
-void doubt_passive_muscles(Doubting& d);
+/// Values of materials that are given for what their only readers do not read.
+void doubt_unread_values(Doubting& d);
+/// Where none of the muscles among `nodes` has anything to pull by.
+void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 
 // ---- paint.cpp: maps that paint nothing ----
 /// Of a weights node: a mesh or a sphere that what is painted does not come near.

@@ -56,7 +56,7 @@ struct Thin {
 
 /// Where no transform is told to mirror it.
 void doubt_inside_out(Doubting& d, const Member& m) {
-    if (d.has_said("FE265")) return;
+    if (d.has_said("FE265", m.name)) return;
     d.doubt("FE321", m.name, "mesh", "all faces of its mesh look inwards",
             "turn them where it is modelled; pressure, contact and drawing go by the side that a face shows");
 }

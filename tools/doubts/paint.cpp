@@ -51,10 +51,10 @@ void doubt_reach_of_paint(Doubting& d, const std::string& node) {
     if (mode != "near" && mode != "sphere") return;
     const auto map = d.value<engine::NumberList>({node, "outWeights"});
     if (!map || map->empty()) return;
-    // Mostly something is painted, and then nothing is to be measured. A map that is turned round or raised tells
-    // nothing of it.
+    // Mostly something is painted, and then nothing is to be measured. A map that is turned round or raised says
+    // nothing of what the rule paints.
     const bool plain = d.number<bool>(node, "invert") == false && d.number<double>(node, "offset") == 0.0;
-    if (plain && std::any_of(map->begin(), map->end(), [](double w) { return w > 0; })) return;
+    if (!plain || std::any_of(map->begin(), map->end(), [](double w) { return w > 0; })) return;
     for (const engine::Plug& plug : d.plugs(node, "mesh")) {
         const auto mesh = d.value<nodes::Mesh>(plug);
         if (!mesh || mesh->points->empty()) return;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 namespace sinew::doubts {
 
@@ -47,54 +48,55 @@ constexpr std::array<std::string_view, 4> of_tissues{"youngsModulus", "poissonsR
 constexpr std::array<std::string_view, 4> of_cloths{"tensileStiffness", "shearStiffness", "bendStiffness",
                                                     "clothMassDensity"};
 
-/// Values that are given for what the only readers of a layer do not read.
-void unread_values(Doubting& d, const std::string& name) {
-    if (engine::is_included(name)) return; // a library's material may serve others
-    bool by_tissue = false, by_cloth = false;
-    std::string reader;
-    for (const std::string& other : d.graph().node_names()) {
-        const engine::Node* node = d.graph().find(other);
-        if (!node->type || !node->type->find_input("materials")) continue;
-        for (const engine::Plug& plug : d.plugs(other, "materials"))
-            if (plug.node == name) {
-                (node->type->name == "zCloth" ? by_cloth : by_tissue) = true;
-                if (reader.empty()) reader = other;
-            }
-    }
-    if (by_tissue == by_cloth) return;
-    for (const std::string_view attribute : by_cloth ? of_tissues : of_cloths)
-        if (d.graph().find(name)->inputs.contains(attribute)) {
-            std::string read;
-            for (const std::string_view a : by_cloth ? of_cloths : of_tissues)
-                read += (read.empty() ? "" : ", ") + std::string(a);
-            d.doubt("FE327", name, attribute,
-                    std::string("only ") + (by_cloth ? "cloth" : "tissue") + " is made of it (" + reader +
-                        "), which does not read " + std::string(attribute),
-                    std::string("a ") + (by_cloth ? "cloth" : "tissue") + " goes by " + read);
-        }
-}
-
 } // namespace
 
 void doubt_material(Doubting& d, const std::string& name) {
     soft_material(d, name);
     light_material(d, name);
-    unread_values(d, name);
+}
+
+void doubt_unread_values(Doubting& d) {
+    struct Readers {
+        bool tissue = false, cloth = false;
+        std::string first;
+    };
+    std::map<std::string, Readers> materials;
+    for (const std::string& body : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(body);
+        if (!node->type || !node->type->find_input("materials")) continue;
+        for (const engine::Plug& plug : d.plugs(body, "materials")) {
+            Readers& r = materials[plug.node];
+            (node->type->name == "zCloth" ? r.cloth : r.tissue) = true;
+            if (r.first.empty()) r.first = body;
+        }
+    }
+    for (const auto& [name, readers] : materials) {
+        if (readers.tissue == readers.cloth || engine::is_included(name)) continue; // a library's may serve others
+        const std::string body = readers.cloth ? "cloth" : "tissue";
+        std::string read;
+        for (const std::string_view a : readers.cloth ? of_cloths : of_tissues)
+            read += (read.empty() ? "" : ", ") + std::string(a);
+        for (const std::string_view attribute : readers.cloth ? of_tissues : of_cloths)
+            if (d.graph().find(name)->inputs.contains(attribute))
+                d.doubt("FE327", name, attribute,
+                        "only " + body + " is made of it (" + readers.first + "), which does not read " +
+                            std::string(attribute),
+                        "a " + body + " goes by " + read);
+    }
 }
 
 void doubt_fiber(Doubting& d, const std::string& name) {
     const auto strength = d.number<double>(name, "strength");
-    if (!strength || *strength <= 0) return; // 0: a direction and no pull
-    if (*strength >= least_strength) return;
+    if (!strength || *strength <= 0 || *strength >= least_strength) return; // 0: a direction and no pull
     d.doubt("FE324", name, "strength", engine::number_text(*strength) + " Pa hardly pulls; muscles have 100 to 300 kPa",
             "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
 }
 
-void doubt_passive_muscles(Doubting& d) {
+void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes) {
     std::vector<std::string> fibers; // that are read
-    for (const std::string& body : d.graph().node_names()) {
+    for (const std::string& body : nodes) {
         const engine::Node* node = d.graph().find(body);
-        if (!node->type || !node->type->find_input("fibers")) continue;
+        if (!node || !node->type || !node->type->find_input("fibers")) continue;
         for (const engine::Plug& plug : d.plugs(body, "fibers"))
             if (d.graph().find(plug.node)->type_name == "zFiber" && d.once("fiber", plug.node))
                 fibers.push_back(plug.node);
@@ -106,9 +108,9 @@ void doubt_passive_muscles(Doubting& d) {
         if (pulls || grows || directs) return;
     }
     // Fibres may be there for the direction of an anisotropic flesh.
-    for (const std::string& name : d.graph().node_names())
-        if (const engine::Node* node = d.graph().find(name);
-            node->type && node->type->name == "zTissue" && d.number<double>(name, "transverseAnisotropy") != 1.0)
+    for (const std::string& name : nodes)
+        if (const engine::Node* node = d.graph().find(name); node && node->type && node->type->name == "zTissue" &&
+                                                             d.number<double>(name, "transverseAnisotropy") != 1.0)
             return;
     if (!fibers.empty())
         d.doubt("FE329", fibers.front(), "excitation",
