@@ -7,56 +7,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <tbb/enumerable_thread_specific.h>
 #include <tuple>
-#include <unordered_map>
 
 namespace sinew::solver {
 
 namespace {
-
-/// Whether two springs have the same attachment and vertices, and so the same blocks.
-bool alike(const CoupledSpring& s, const CoupledSpring& t) {
-    return s.attachment == t.attachment &&
-           std::equal(s.terms.begin(), s.terms.end(), t.terms.begin(), t.terms.end(),
-                      [](const SpringTerm& v, const SpringTerm& w) { return v.vertex == w.vertex; });
-}
-
-struct Hash {
-    std::size_t operator()(const CoupledSpring* s) const {
-        std::uint64_t h = static_cast<std::uint64_t>(s->attachment);
-        for (const SpringTerm& t : s->terms) {
-            h = (h ^ static_cast<std::uint64_t>(t.vertex)) * 0x9e3779b97f4a7c15U;
-            h ^= h >> 32;
-        }
-        return h;
-    }
-};
-
-struct Alike {
-    bool operator()(const CoupledSpring* s, const CoupledSpring* t) const { return alike(*s, *t); }
-};
-
-/// Springs that are alike, by groups that come in the order of their first springs: places in the list of springs.
-struct Groups {
-    std::vector<int> start, spring;
-    std::span<const int> of(std::size_t group) const {
-        return std::span(spring).subspan(at(start[group]), at(start[group + 1] - start[group]));
-    }
-};
-
-Groups groups_of(const std::vector<CoupledSpring>& springs) {
-    std::unordered_map<const CoupledSpring*, int, Hash, Alike> known;
-    std::vector<int> group(springs.size());
-    for (std::size_t s = 0; s < springs.size(); ++s)
-        group[s] = known.try_emplace(&springs[s], static_cast<int>(known.size())).first->second;
-    Groups out;
-    sort_into(known.size(), out.start, out.spring, [&](const auto& visit) {
-        for (std::size_t s = 0; s < springs.size(); ++s) visit(at(group[s]), static_cast<int>(s));
-    });
-    return out;
-}
 
 /// What one attachment's springs make between a node and another.
 struct Product {
@@ -76,22 +32,21 @@ class RowProducts {
         products_.clear();
     }
 
-    /// Adds what springs that are alike make between their term `own` and all; attachments must not fall.
-    void add(const std::vector<CoupledSpring>& springs, std::span<const int> group, std::size_t own,
-             const std::vector<int>& node_of) {
-        const CoupledSpring& first = springs[at(group.front())];
-        sum_.assign(first.terms.size(), 0);
-        for (const int s : group) {
-            const std::span<const SpringTerm> terms = springs[at(s)].terms;
-            const double weight = springs[at(s)].area_weight * terms[own].coefficient;
-            for (std::size_t j = 0; j < terms.size(); ++j) sum_[j] += weight * terms[j].coefficient;
-        }
-        for (std::size_t j = 0; j < first.terms.size(); ++j) {
-            const int column = node_of[at(first.terms[j].vertex)];
+    /// Adds what a bundle's springs make between its vertex `own` and all of them; attachments must not fall.
+    void add(const SpringBundles& bundles, std::size_t bundle, std::size_t own, const std::vector<int>& node_of) {
+        const std::span<const int> vertices = bundles.vertices(bundle);
+        const int attachment = bundles.attachment(bundle);
+        sum_.assign(vertices.size(), 0);
+        bundles.for_each_spring(bundle, [&](const SpringBundles::Spring& s) {
+            const double weight = s.area_weight * s.coefficients[own];
+            for (std::size_t j = 0; j < vertices.size(); ++j) sum_[j] += weight * s.coefficients[j];
+        });
+        for (std::size_t j = 0; j < vertices.size(); ++j) {
+            const int column = node_of[at(vertices[j])];
             int& place = place_[at(column)];
-            if (place < 0 || products_[at(place)].attachment != first.attachment) {
+            if (place < 0 || products_[at(place)].attachment != attachment) {
                 place = static_cast<int>(products_.size());
-                products_.push_back({column, first.attachment, 0});
+                products_.push_back({column, attachment, 0});
             }
             products_[at(place)].product += sum_[j];
         }
@@ -114,10 +69,10 @@ class RowProducts {
 
 } // namespace
 
-void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& springs) {
+void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles) {
     std::vector<int> node_of(scene.numbering().vertex_count(), -1);
-    for (const CoupledSpring& s : springs)
-        for (const SpringTerm& term : s.terms) node_of[at(term.vertex)] = 0;
+    for (std::size_t b = 0; b < bundles.count(); ++b)
+        for (const int vertex : bundles.vertices(b)) node_of[at(vertex)] = 0;
     int body = 0;
     for (std::size_t v = 0; v < node_of.size(); ++v) {
         if (node_of[v] < 0) continue;
@@ -127,34 +82,21 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
         nodes_.push_back({vertex, body});
     }
 
-    const Groups groups = groups_of(springs);
-    // Where a node stands: group and term, by rising groups and so by rising attachments.
-    std::vector<int> place_start, place;
-    std::vector<std::pair<int, int>> places;
-    for (std::size_t g = 0; g + 1 < groups.start.size(); ++g)
-        for (std::size_t i = 0; i < springs[at(groups.of(g).front())].terms.size(); ++i)
-            places.emplace_back(static_cast<int>(g), static_cast<int>(i));
-    sort_into(nodes_.size(), place_start, place, [&](const auto& visit) {
-        for (std::size_t p = 0; p < places.size(); ++p) {
-            const CoupledSpring& first = springs[at(groups.of(at(places[p].first)).front())];
-            visit(at(node_of[at(first.terms[at(places[p].second)].vertex)]), static_cast<int>(p));
-        }
-    });
+    find_places(bundles, node_of);
     std::vector<std::vector<Product>> rows(nodes_.size());
     std::vector<std::vector<Load>> row_loads(nodes_.size());
     tbb::enumerable_thread_specific<RowProducts> makers(nodes_.size());
     parallel_for(nodes_.size(), 16, [&](std::size_t node) {
         RowProducts& maker = makers.local();
         maker.begin();
-        for (int k = place_start[node]; k < place_start[node + 1]; ++k) {
-            const auto [g, i] = places[at(place[at(k)])];
-            const std::span<const int> group = groups.of(at(g));
-            maker.add(springs, group, at(i), node_of);
-            const int attachment = springs[at(group.front())].attachment;
+        for (const auto& [b, i] : places(node)) {
+            maker.add(bundles, at(b), at(i), node_of);
+            const int attachment = bundles.attachment(at(b));
             std::vector<Load>& loads = row_loads[node];
             if (loads.empty() || loads.back().attachment != attachment) loads.push_back({attachment, 0});
-            for (const int s : group)
-                loads.back().area += springs[at(s)].area_weight * std::abs(springs[at(s)].terms[at(i)].coefficient);
+            bundles.for_each_spring(at(b), [&, own = at(i)](const SpringBundles::Spring& s) {
+                loads.back().area += s.area_weight * std::abs(s.coefficients[own]);
+            });
         }
         rows[node] = maker.sorted();
     });
@@ -182,6 +124,20 @@ void SpringCoupling::make(const Scene& scene, const std::vector<CoupledSpring>& 
     for (auto* list : {&column_, &first_share_}) list->shrink_to_fit();
     values_.resize(column_.size());
     square_stiffness_.resize(nodes_.size());
+}
+
+void SpringCoupling::find_places(const SpringBundles& bundles, const std::vector<int>& node_of) {
+    std::vector<Place> all;
+    for (std::size_t b = 0; b < bundles.count(); ++b)
+        for (std::size_t i = 0; i < bundles.vertices(b).size(); ++i)
+            all.push_back({static_cast<int>(b), static_cast<int>(i)});
+    std::vector<int> order;
+    sort_into(nodes_.size(), first_place_, order, [&](const auto& visit) {
+        for (std::size_t p = 0; p < all.size(); ++p)
+            visit(at(node_of[at(bundles.vertices(at(all[p].bundle))[at(all[p].vertex)])]), static_cast<int>(p));
+    });
+    places_.reserve(all.size());
+    for (const int p : order) places_.push_back(all[at(p)]);
 }
 
 void SpringCoupling::add_couplings(std::vector<std::pair<int, int>>& couplings) const {

@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/linear/block_matrix.h"
 #include "solver/scene.h"
+#include "solver/terms/attachment/spring_bundles.h"
 #include "solver/types.h"
 
 #include <cstddef>
@@ -12,22 +13,9 @@
 
 namespace sinew::solver {
 
-/// A vertex of a spring's end and its weight there, with the end's sign.
-struct SpringTerm {
-    int vertex;
-    double coefficient;
-};
-
 /// Stiffness per area of one attachment in a stage [N/m^3].
 struct SpringPull {
     double stiffness = 0, viscous = 0; ///< viscous = damping x velocity factor
-};
-
-/// A spring as the coupling takes it: whose stiffness, where its terms are, how much area.
-struct CoupledSpring {
-    int attachment;
-    std::span<const SpringTerm> terms;
-    double area_weight; ///< [m^2]
 };
 
 class SpringCoupling {
@@ -36,9 +24,17 @@ class SpringCoupling {
     struct Node {
         int vertex, body;
     };
+    /// Where a node stands: a bundle, and which of its vertices it is.
+    struct Place {
+        int bundle, vertex;
+    };
 
-    void make(const Scene& scene, const std::vector<CoupledSpring>& springs);
+    void make(const Scene& scene, const SpringBundles& bundles);
     const std::vector<Node>& nodes() const { return nodes_; }
+    /// By rising bundles, and so by rising attachments.
+    std::span<const Place> places(std::size_t node) const {
+        return std::span(places_).subspan(at(first_place_[node]), at(first_place_[node + 1] - first_place_[node]));
+    }
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
     void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown);
     /// Takes the stage's stiffnesses, one an attachment.
@@ -54,6 +50,7 @@ class SpringCoupling {
     void add_squared_stiffnesses(std::vector<double>& of_body) const;
 
   private:
+    void find_places(const SpringBundles& bundles, const std::vector<int>& node_of);
     /// The attachment's stiffness times this goes to the diagonal of a block.
     struct Share {
         int attachment;
@@ -72,6 +69,8 @@ class SpringCoupling {
     }
 
     std::vector<Node> nodes_;
+    std::vector<int> first_place_; ///< per node and one past the end
+    std::vector<Place> places_;
     std::vector<std::size_t> row_start_; ///< per node and one past the end: of its entries
     std::vector<int> column_;            ///< per entry: a node
     std::vector<int> first_share_;       ///< per entry and one past the end

@@ -12,6 +12,7 @@
 #include "solver/state.h"
 #include "solver/step_inputs.h"
 #include "solver/terms/attachment/anchors.h"
+#include "solver/terms/attachment/spring_bundles.h"
 #include "solver/terms/attachment/spring_coupling.h"
 
 namespace sinew::solver {
@@ -45,23 +46,9 @@ class Springs {
     double stored_energy(const std::vector<double>& x) const;
 
   private:
-    /// The springs of one attachment: |sum_i c_i x_i - anchor|, up to two embedded points against each other or against
-    /// a bone.
-    struct Bed {
-        int attachment;
-        std::size_t first;               ///< its first spring
-        bool pulls_source, pulls_target; ///< these ends have terms
-    };
-    const Anchor& anchor_of(const Bed& bed, std::size_t spring) const {
-        return kept_.anchors[static_cast<std::size_t>(bed.attachment)][spring - bed.first];
-    }
-    /// visit(vertex, coefficient) for all terms of a spring, in fixed order.
+    /// visit(spring, its stretch) for a bundle's springs, in order.
     template <class Visit>
-    void for_each_term(const Bed& bed, const Anchor& anchor, const Visit& visit) const;
-    void make_terms();
-    void make_coupling();
-    void make_shares();
-    Vec3 stretch(std::size_t spring, const std::vector<double>& x) const;
+    void for_each_stretch(std::size_t bundle, const std::vector<double>& x, const Visit& visit) const;
     /// Sums of the springs' forces at each node: elastic ones, and all.
     void gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const;
     /// Visits all springs at x.
@@ -72,20 +59,8 @@ class Springs {
 
     const Scene& scene_;
     const AttachmentView kept_; ///< without those of attachments that are off or slide
-    std::vector<Bed> beds_;     ///< that have springs, in the order of the attachments
-    std::size_t count_ = 0;     ///< of all springs
+    SpringBundles bundles_;
     SpringCoupling coupling_;
-    // By springs, of which there are more than tets where muscles lie side by side:
-    std::vector<int> bed_;                ///< place in beds_
-    std::vector<double> area_;            ///< Anchor::area_weight
-    std::vector<std::size_t> first_term_; ///< and one past the end
-    std::vector<SpringTerm> terms_;
-    // What a vertex gets from springs, by nodes:
-    std::vector<std::size_t> first_share_; ///< and one past the end
-    struct Share {
-        int spring, term; ///< term: place in terms_
-    };
-    std::vector<Share> shares_;
     // Of the stage:
     std::vector<SpringPull> pulls_; ///< per attachment
     std::vector<Vec3> places_;      ///< prescribed points, 0 where both ends are free
