@@ -10,7 +10,7 @@ namespace sinew::nodes {
 
 namespace {
 
-constexpr std::uint64_t format_mark = 0x35307a5f77656e69; // "inew_z05"
+constexpr std::uint64_t format_mark = 0x36307a5f77656e69; // "inew_z06"
 
 [[noreturn]] void refuse(const std::string& what) {
     engine::Diagnostic d;
@@ -28,6 +28,14 @@ void write(const SimulationState& state, const solver::ByteSink& to) {
     w.put(state.scene.scale);
     w.put(state.scene.frame);
     w.put_list(state.scene.bodies);
+    for (std::size_t b = 0; b < state.scene.bodies.size(); ++b) {
+        const ModelledBone bone = b < state.scene.modelled.size() ? state.scene.modelled[b] : ModelledBone{};
+        w.put<std::uint8_t>(bone.points ? 1 : 0);
+        if (!bone.points) continue;
+        w.put(bone.digest);
+        w.put_list(std::span<const double>(bone.points->empty() ? nullptr : bone.points->front().data(),
+                                           3 * bone.points->size()));
+    }
     w.put_list(state.scene.attachments);
     w.put_list(state.scene.links);
     w.put_list(state.scene.forces);
@@ -54,6 +62,17 @@ SimulationState load_simulation(std::span<const std::byte> bytes) {
         out.scene.scale = r.get<double>();
         out.scene.frame = r.get<engine::Matrix4>();
         out.scene.bodies = r.get_list<engine::Digest>();
+        for (std::size_t b = 0; b < out.scene.bodies.size(); ++b) {
+            ModelledBone& bone = out.scene.modelled.emplace_back();
+            if (!r.get<bool>()) continue;
+            bone.digest = r.get<engine::Digest>();
+            const std::vector<double> places = r.get_list<double>();
+            if (places.size() % 3 != 0) refuse("a bone's vertices are not three numbers each");
+            solver::Points points(places.size() / 3);
+            for (std::size_t i = 0; i < points.size(); ++i)
+                points[i] = solver::Vec3(places[3 * i], places[3 * i + 1], places[3 * i + 2]);
+            bone.points = std::make_shared<const solver::Points>(std::move(points));
+        }
         out.scene.attachments = r.get_list<engine::Digest>();
         out.scene.links = r.get_list<std::array<int, 2>>();
         out.scene.forces = r.get_list<engine::Digest>();

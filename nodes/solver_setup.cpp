@@ -46,6 +46,17 @@ std::size_t whole_of(const Reads& in, const Setup& setup, std::size_t body) {
             "Connect it to subtissues of the tissue that it lies in, and that tissue to zSolver.bodies.");
 }
 
+ModelledBone modelled_bone(const BodyRest& rest) {
+    const auto* bone = std::get_if<std::shared_ptr<const solver::BoneRest>>(&rest.data);
+    if (!bone) return {};
+    return {std::shared_ptr<const solver::Points>(*bone, &(*bone)->surface), rest.mesh.points_digest};
+}
+
+/// Whether one bone may be the other at another time.
+bool alike(const ModelledBone& a, const ModelledBone& b) {
+    return a.points && b.points ? a.points->size() == b.points->size() : !a.points && !b.points;
+}
+
 void take_bodies(const Reads& in, Setup& setup) {
     setup.bodies = in[bodies];
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
@@ -58,6 +69,7 @@ void take_bodies(const Reads& in, Setup& setup) {
         for (const BodyRest::Part& part : whole.rest->parts)
             if (b.subtissue && part.digest == b.subtissue->digest) setup.rests.back() = part.rest;
         setup.key.bodies.push_back(setup.rests.back()->digest);
+        setup.key.modelled.push_back(modelled_bone(*setup.rests.back()));
         for (const FiberLine& line : b.lines) {
             if (b.subtissue) break; // those of its tissue stand for them
             setup.lines.push_back({setup.simulated.size() - 1, &line});
@@ -302,6 +314,7 @@ Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     setup.key.frame = known ? known->frame : frame;
     setup.space = solver_space(setup.key.scale, setup.key.frame, frame);
     take_bodies(in, setup);
+    if (known && std::ranges::equal(known->modelled, setup.key.modelled, alike)) setup.key.modelled = known->modelled;
     if (!known) refuse_twins(in, setup);
     take_attachments(in, setup, known);
     take_forces(in, setup, known, contact);
@@ -356,8 +369,9 @@ solver::SceneDescription describe_scene(const Setup& setup) {
         } else if (const auto* cloth = std::get_if<std::shared_ptr<const solver::ClothRest>>(&data)) {
             scene.bodies.emplace_back(in_metres(**cloth, units));
         } else {
-            auto bone = std::make_shared<solver::BoneRest>(*std::get<1>(data));
-            bone->surface = to_metres(bone->surface, units);
+            auto bone = std::make_shared<solver::BoneRest>();
+            bone->triangles = std::get<std::shared_ptr<const solver::BoneRest>>(data)->triangles;
+            bone->surface = to_metres(*setup.key.modelled[i].points, units);
             scene.bodies.emplace_back(std::shared_ptr<const solver::BoneRest>(std::move(bone)));
         }
     }

@@ -98,6 +98,7 @@ void add(Hasher& h, const solver::StepRecord& r) {
 void add(Hasher& h, const SceneKey& k) {
     h.add(k.scale).add_doubles(k.frame).add(static_cast<std::uint64_t>(k.bodies.size()));
     for (const Digest& d : k.bodies) h.add(d);
+    for (const ModelledBone& bone : k.modelled) h.add(bone.digest);
     h.add(static_cast<std::uint64_t>(k.attachments.size()));
     for (const Digest& d : k.attachments) h.add(d);
     h.add_ints(numbers(k.links));

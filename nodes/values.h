@@ -196,11 +196,19 @@ engine::Digest static_digest(const solver::AttachmentRest& rest);
 /// Digest of a force's type and rest data, without its bodies.
 engine::Digest static_digest(const Force& force);
 
+/// A bone as its mesh is at the start frame, which may be another one later: the scene is built from this.
+struct ModelledBone {
+    std::shared_ptr<const solver::Points> points; ///< [scene units]; null: the body is no bone
+    engine::Digest digest{};                      ///< of them
+    friend bool operator==(const ModelledBone& a, const ModelledBone& b) { return a.digest == b.digest; }
+};
+
 /// What all frames of one simulation must share: the static data that its scene is built from.
 struct SceneKey {
     double scale = 100;                              ///< scene units per metre at the start frame
     engine::Matrix4 frame{};                         ///< where the solver's transform was then
     std::vector<engine::Digest> bodies, attachments; ///< of those that take part
+    std::vector<ModelledBone> modelled;              ///< of those bodies
     std::vector<std::array<int, 2>> links;           ///< source and target of each attachment, positions in `bodies`
     std::vector<engine::Digest> forces;              ///< of the further forces that take part
     std::vector<std::vector<int>> reach;             ///< of each, the bodies it acts on, positions in `bodies`

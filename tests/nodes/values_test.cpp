@@ -32,6 +32,7 @@ nodes::SimulationState small_state() {
     nodes::SimulationState s;
     s.scene.scale = 10;
     s.scene.bodies = {{1, 2}, {3, 4}};
+    s.scene.modelled = {{}, {std::make_shared<const solver::Points>(solver::Points{{4, 5, 6}}), {7, 8}}};
     s.scene.attachments = {{5, 6}};
     s.scene.links = {{1, 0}};
     s.state.x = {1, 2, 3};
@@ -58,6 +59,8 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.residual_body = 1; }));
     CHECK(changed([](auto& s) { s.scene.scale = 11; }));
     CHECK(changed([](auto& s) { s.scene.bodies[1].lo = 9; }));
+    CHECK(changed([](auto& s) { s.scene.modelled[1].digest.lo = 9; }));
+    CHECK(changed([](auto& s) { s.scene.modelled[1].points = std::make_shared<const solver::Points>(2); }));
     CHECK(changed([](auto& s) { s.scene.attachments[0].hi = 9; }));
     CHECK(changed([](auto& s) { s.scene.links[0][1] = 2; }));
     CHECK(changed([](auto& s) { s.state.x[2] = 4; }));

@@ -176,6 +176,46 @@ TEST_CASE("a killed run leaves its frames, and the next one goes on bit for bit"
     }
 }
 
+TEST_CASE("a later run goes on bit for bit where a bone's mesh moves or grows", "[tools]") {
+    // A muscle on a bone that grows and moves through its mesh: tied, sliding over a painted part, or in contact.
+    const auto graph = [](const std::string& mode) {
+        json g = json::parse(R"({"format": "sinew 1", "timing": {"start": 1, "end": 5, "fps": 24}, "nodes": {
+            "boneMesh": {"type": "polyCube", "inputs": {"width": 4, "height": 1, "depth": 2, "subdivisionsWidth": 4, "subdivisionsDepth": 2}},
+            "grows": {"type": "transform", "inputs": {"mesh": {"from": "boneMesh.outMesh"},
+                "scale": {"keys": [[1, [1, 1, 1]], [5, [1.3, 1.1, 1.3]]]}, "translate": {"keys": [[1, [0, 0, 0]], [5, [0.3, 0.05, 0]]]}}},
+            "bone": {"type": "zBone", "inputs": {"mesh": {"from": "grows.outMesh"}, "contactStiffness": 1e7}},
+            "fleshMesh": {"type": "polyCube", "inputs": {"width": 3.9, "height": 0.8, "depth": 1.9, "subdivisionsWidth": 4, "subdivisionsHeight": 2, "subdivisionsDepth": 2}},
+            "over": {"type": "transform", "inputs": {"mesh": {"from": "fleshMesh.outMesh"}, "translate": [0, 0.92, 0]}},
+            "tets": {"type": "zTet", "inputs": {"mesh": {"from": "over.outMesh"}, "tetSize": 0.7}},
+            "matter": {"type": "zMaterial"},
+            "flesh": {"type": "zTissue", "inputs": {"mesh": {"from": "over.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "matter.outMaterial"}]}},
+            "tie": {"type": "zAttachment", "inputs": {"source": {"from": "flesh.outBody"}, "target": {"from": "bone.outBody"}, "stiffness": 1e6}},
+            "solver": {"type": "zSolver", "inputs": {"scale": 100, "bodies": [{"from": "bone.outBody"}, {"from": "flesh.outBody"}]}}}})");
+        json& solver = g["nodes"]["solver"]["inputs"];
+        if (mode == "contact")
+            solver["collisionDetection"] = true, g["nodes"].erase("tie");
+        else
+            g["nodes"]["tie"]["inputs"]["attachmentMode"] = mode,
+            solver["attachments"] = {{{"from", "tie.outAttachment"}}};
+        if (mode == "sliding") {
+            g["nodes"]["part"] = json::parse(
+                R"({"type": "weights", "inputs": {"mesh": {"from": "boneMesh.outMesh"}, "mode": "ramp", "axis": "x", "start": 1.2, "end": 0.8}})");
+            g["nodes"]["tie"]["inputs"]["targetWeights"] = {{"from", "part.outWeights"}};
+        }
+        return g;
+    };
+    for (const char* mode : {"fixed", "sliding", "contact"}) {
+        INFO(mode);
+        const TemporaryFolder folder;
+        const std::string file = write_graph(folder, graph(mode));
+        const Ran alone = run(file, {});
+        run(file, folder / "cache", {"--frames", "1-3"});
+        const Ran later = run(file, folder / "cache");
+        CHECK((later.reused == 3 && later.simulated == 2));
+        CHECK(later.digests == alone.digests);
+    }
+}
+
 TEST_CASE("damaged frames are told once and made anew", "[tools]") {
     const TemporaryFolder folder;
     const std::string file = write_graph(folder, small_graph());
