@@ -381,7 +381,8 @@ std::vector<Diagnostic> check_timing(const Graph& graph) {
                                                     : "the graph's first " + number_text(still) + " frames show") +
                              " everything as modelled";
             }
-            d.hint = "leave it out to take the graph's";
+            d.hint = std::string("leave it out to take the graph's") +
+                     (start && ahead > 0 ? ", unless they are meant as a run-up to it" : "");
             out.push_back(std::move(d));
         }
     }

@@ -228,6 +228,17 @@ TEST_CASE("keys of which the timing has none are warned about", "[tools]") {
               .find("from frame -9 to 0, the graph's timing from 1 to 6: it stays as it is at its "
                     "last key throughout | ") != std::string::npos);
     CHECK(said({{6, 0.5}, {12, 1}}).empty()); // it begins where the timing ends
+    // A run-up is simulated, so keys act there.
+    graph["nodes"]["solver"]["inputs"]["startFrame"] = -9;
+    CHECK(said({{-9, 0.5}, {0, 1}})
+              .starts_with("DG031 solver.startFrame: -9 differs from the graph's timing.start, 1: 10 frames before the "
+                           "graph's first are simulated too | leave it out to take the graph's, unless they are meant "
+                           "as a run-up to it\n"));
+    CHECK(said({{-9, 0.5}, {0, 1}}).find("FE266") == std::string::npos);
+    CHECK(said({{-20, 0.5}, {-10, 1}})
+              .find("from frame -20 to -10, the graph's timing from 1 to 6, its run-up from -9: it stays as it is at "
+                    "its last key throughout | ") != std::string::npos);
+    graph["nodes"]["solver"]["inputs"].erase("startFrame");
     CHECK(said({{100, 1}, {120, 1}}).empty());
 }
 

@@ -34,12 +34,35 @@ struct Gap {
     explicit operator bool() const { return begins_late || ends_early; }
 };
 
+/// The literal at an input or its default; empty if it is keyed or connected.
+template <class T>
+std::optional<T> literal(const Graph& graph, const Node& node, std::string_view attribute) {
+    const auto it = node.inputs.find(attribute);
+    engine::Value v;
+    if (it == node.inputs.end())
+        v = engine::default_value(*node.type->find_input(attribute), graph.timing());
+    else if (const auto* value = std::get_if<engine::Value>(&it->second))
+        v = *value;
+    if (v.is<T>()) return v.as<T>();
+    return {};
+}
+
 class Search {
   public:
     Search(const Graph& graph, int first, int last)
         : graph_(graph)
         , first_(first)
-        , last_(last) {}
+        , last_(last)
+        , first_simulated_(graph.timing().start) {
+        for (const std::string& name : graph.node_names())
+            if (const Node& node = *graph.find(name); node.type)
+                for (const engine::AttributeInfo& a : node.type->inputs)
+                    if (a.from_timing == engine::FromTiming::start)
+                        first_simulated_ =
+                            std::min(first_simulated_, literal<double>(graph, node, a.name).value_or(first_simulated_));
+        // To stand still in a run-up is what it is for.
+        if (first_simulated_ < graph.timing().start) first_ = std::max<double>(first, graph.timing().start);
+    }
 
     void keys(const std::string& name, const std::string& attribute, const engine::AttributeInfo& info,
               const Curve& curve) {
@@ -51,13 +74,14 @@ class Search {
         const engine::Timing& timing = graph_.timing();
         const bool moves =
             info.def.is<engine::Vec3>() || info.def.is<engine::Matrix4>() || info.def.is<engine::NumberList>();
-        if (reach.first > timing.end || reach.last < timing.start) {
-            const bool before = reach.last < timing.start;
+        if (reach.first > timing.end || reach.last < first_simulated_) {
+            const bool before = reach.last < first_simulated_;
             Diagnostic d = warning("FE266", name, attribute);
             d.message = std::string(moves ? "the keyed motion" : "the keyed value") + " lasts from frame " +
                         frame_text(reach.first) + " to " + frame_text(reach.last) + ", the graph's timing from " +
-                        frame_text(timing.start) + " to " + frame_text(timing.end) + ": it stays as it is at its " +
-                        (before ? "last" : "first") + " key throughout";
+                        frame_text(timing.start) + " to " + frame_text(timing.end) +
+                        (first_simulated_ < timing.start ? ", its run-up from " + frame_text(first_simulated_) : "") +
+                        ": it stays as it is at its " + (before ? "last" : "first") + " key throughout";
             d.hint = "move the keys to the frames of the timing, or set timing.start and timing.end to theirs";
             found_.push_back(std::move(d));
             return;
@@ -141,25 +165,14 @@ class Search {
     }
 
     const Graph& graph_;
-    const double first_, last_;
+    double first_; ///< from which on motion is looked for
+    const double last_;
+    double first_simulated_; ///< of the timing, or of a solver's run-up to it
     std::vector<Diagnostic> found_;
     std::map<std::tuple<std::string, double, double>, std::size_t> tracks_; ///< -> in found_
     std::map<std::size_t, int> followers_;
     std::set<std::string> paced_; ///< files
 };
-
-/// The literal at an input or its default; empty if it is keyed or connected.
-template <class T>
-std::optional<T> literal(const Graph& graph, const Node& node, std::string_view attribute) {
-    const auto it = node.inputs.find(attribute);
-    engine::Value v;
-    if (it == node.inputs.end())
-        v = engine::default_value(*node.type->find_input(attribute), graph.timing());
-    else if (const auto* value = std::get_if<engine::Value>(&it->second))
-        v = *value;
-    if (v.is<T>()) return v.as<T>();
-    return {};
-}
 
 /// A node that follows a file: its inputs.
 struct Follower {

@@ -42,6 +42,8 @@ double painted_share(const nodes::Body& body, const std::vector<double>& weights
 
 void whole_body(Doubting& d, const std::string& name, const nodes::Attachment& a, const std::vector<Member>& members,
                 const std::vector<nodes::BodyId>& ids) {
+    // To draw all of a body to its animated copy is what goals are for.
+    if (d.graph().find(name)->type->name == "zGoalAttachment") return;
     const int source = find_body(ids, a.source_body);
     if (source < 0 || members[at(source)].body.is_bone() || a.values.mode() != solver::AttachmentMode::fixed) return;
     // A fascia of cloth may well cling to the flesh below it everywhere.
