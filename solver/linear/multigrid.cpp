@@ -222,14 +222,6 @@ void Multigrid::Level::find_takings() {
     t_blocks.resize(at(longest));
 }
 
-namespace {
-
-void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {
-    for (int c = 0; c < 3; ++c) *reinterpret_cast<Float4*>(to.column[c]) += weight * from.col(c);
-}
-
-} // namespace
-
 void Multigrid::Level::multiply_products(RowBlocks& coarse) {
     parallel_for(coarse.blocks.size(), 4096, [&](std::size_t e) { coarse.blocks[e] = {}; });
     for (std::size_t s = 0; s + 1 < taking_start.size(); ++s) {
@@ -392,7 +384,7 @@ bool Multigrid::set_values() {
             const FloatBlock& b = last.a->blocks[at(e)];
             for (int c = 0; c < 3; ++c)
                 for (int r = 0; r < 3; ++r)
-                    coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b.column[c][r];
+                    coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b(r, c);
         }
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {

@@ -70,7 +70,7 @@ void OverlaySmoother::gather(const Overlay& overlay) {
             FloatBlock& sum = sum_with(local_[at(column)]);
             for (int c = 0; c < 3; ++c)
                 for (int r = 0; r < 3; ++r)
-                    sum.column[c][r] += static_cast<float>(factor * (transposed ? block(c, r) : block(r, c)));
+                    sum(r, c) += static_cast<float>(factor * (transposed ? block(c, r) : block(r, c)));
         });
         std::sort(columns_.begin(), columns_.end());
         for (const int column : columns_) {

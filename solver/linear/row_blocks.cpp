@@ -48,15 +48,12 @@ void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks
                 for (int r = 0; r < 3; ++r) {
                     const double v = transposed ? block[3 * c + r] : block[3 * r + c];
                     sum[3 * c + r] += v;
-                    out.blocks[k].column[c][r] = static_cast<float>(v);
+                    out.blocks[k](r, c) = static_cast<float>(v);
                 }
-                out.blocks[k].column[c][3] = 0;
             }
         }
-        for (int c = 0; c < 3; ++c) {
-            for (int r = 0; r < 3; ++r) row_sums[i].column[c][r] = static_cast<float>(sum[3 * c + r]);
-            row_sums[i].column[c][3] = 0;
-        }
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) row_sums[i](r, c) = static_cast<float>(sum[3 * c + r]);
     });
 }
 
@@ -69,17 +66,15 @@ bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::v
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r)
-                m(r, c) = static_cast<double>(block.column[c][r]) + (r == c ? static_cast<double>(added[i]) : 0);
+                m(r, c) = static_cast<double>(block(r, c)) + (r == c ? static_cast<double>(added[i]) : 0);
         const Eigen::LLT<Eigen::Matrix3d> factor(m);
         if (factor.info() != Eigen::Success) {
             good = false;
             return;
         }
         m = factor.solve(Eigen::Matrix3d::Identity());
-        for (int c = 0; c < 3; ++c) {
-            for (int r = 0; r < 3; ++r) inverse[i].column[c][r] = static_cast<float>(m(r, c));
-            inverse[i].column[c][3] = 0;
-        }
+        for (int c = 0; c < 3; ++c)
+            for (int r = 0; r < 3; ++r) inverse[i](r, c) = static_cast<float>(m(r, c));
     });
     return good;
 }

@@ -5,17 +5,30 @@
 #pragma once
 #include "solver/linear/block_matrix.h"
 
+#include <cstring>
 #include <vector>
 
 namespace sinew::solver {
 
 typedef float Float4 __attribute__((vector_size(16)));
+typedef int Int4 __attribute__((vector_size(16)));
 
-/// One block as three columns of four floats (the fourth is 0), so that a row of blocks is a chain of multiply-adds.
-struct alignas(16) FloatBlock {
-    float column[3][4];
-    Float4 col(int c) const { return *reinterpret_cast<const Float4*>(column[c]); }
+/// One block, its nine numbers by columns without padding: iterations are as quick as these come from memory.
+struct FloatBlock {
+    float value[9];
+    float& operator()(int r, int c) { return value[3 * c + r]; }
+    float operator()(int r, int c) const { return value[3 * c + r]; }
+    /// A column, and in the fourth lane a number of another one, so that a row of blocks is a chain of multiply-adds.
+    Float4 col(int c) const {
+        Float4 out;
+        // Nothing beyond the block is read: the last column comes with the number before it.
+        std::memcpy(&out, value + (c < 2 ? 3 * c : 5), sizeof out);
+        return c < 2 ? out : __builtin_shuffle(out, (Int4){1, 2, 3, 0});
+    }
 };
+inline void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {
+    for (int i = 0; i < 9; ++i) to.value[i] += weight * from.value[i];
+}
 
 /// Columns of a row are sorted; diagonal[i] is where the diagonal block of row i stands.
 struct RowBlocks {
