@@ -22,6 +22,8 @@ namespace {
 constexpr int coarsest_rows = 64;
 /// Gauss-Seidel sweeps run through chunks of rows without a break: at least so many rows, and no more chunks than this.
 constexpr std::size_t least_chunk = 1024, most_chunks = 16;
+/// So many rows are fetched ahead of a sweep backward.
+constexpr int ahead = 8;
 /// Rows of a slice of T, some three megabytes.
 constexpr std::size_t slice = 1024;
 
@@ -128,6 +130,7 @@ struct Multigrid::Level {
     void multiply_products(RowBlocks& coarse);
     void sweep_forward_from_zero();
     void residual_after_forward();
+    void prefetch_row(std::size_t i) const;
     void sweep_backward();
 };
 
@@ -295,12 +298,22 @@ void Multigrid::Level::residual_after_forward() {
     });
 }
 
+/// Processors do not foresee rows that come backwards, each of them read forwards.
+void Multigrid::Level::prefetch_row(std::size_t i) const {
+    constexpr std::size_t line = 64; // [bytes]
+    const auto* from = reinterpret_cast<const char*>(a->blocks.data() + a->row_start[i]);
+    const auto* end = reinterpret_cast<const char*>(a->blocks.data() + a->row_start[i + 1]);
+    for (; from < end; from += line) __builtin_prefetch(from);
+    __builtin_prefetch(a->column.data() + a->row_start[i]);
+}
+
 void Multigrid::Level::sweep_backward() {
     old = x;
     parallel_for(chunks(), 1, [&](std::size_t k) {
         const int first = static_cast<int>(k * chunk), last = static_cast<int>(std::min((k + 1) * chunk, rows()));
         for (int row = last - 1; row >= first; --row) {
             const std::size_t i = at(row);
+            if (row >= first + ahead) prefetch_row(i - ahead);
             int low = a->row_start[i], high = a->row_start[i + 1];
             while (a->column[at(low)] < first) ++low;
             while (a->column[at(high) - 1] >= last) --high;
@@ -383,8 +396,7 @@ bool Multigrid::set_values() {
         for (int e = last.a->row_start[at(i)]; e < last.a->row_start[at(i) + 1]; ++e) {
             const FloatBlock& b = last.a->blocks[at(e)];
             for (int c = 0; c < 3; ++c)
-                for (int r = 0; r < 3; ++r)
-                    coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b(r, c);
+                for (int r = 0; r < 3; ++r) coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b(r, c);
         }
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {
