@@ -24,6 +24,8 @@ constexpr double cached = 60e9, streamed = 27e9, cache = 8e6;
 constexpr double entry = 20 / 14e9;
 /// Bytes of an entry of the factor: of the one that solves read, and of the one that it is made in.
 constexpr double kept_bytes = 2, working_bytes = 4;
+/// Bytes of a block in single precision; 4 more say which column it is of.
+constexpr double single = 36;
 /// Blocks of all grids for one of the matrix: 0.8 in a box, 0.9 to 1.3 in muscles, which are few tets thick.
 constexpr double grid_blocks = 0.9;
 /// What an iteration costs however small the matrix is.
@@ -50,11 +52,11 @@ LinearCosts linear_costs(const BlockPattern& pattern) {
     }
     out.factor_bytes = (kept_bytes + working_bytes) * nonzeros;
     out.factor += 9 * blocks * entry;
-    const double product = seconds(48 * blocks, 48 * blocks);
+    const double product = seconds(single * blocks, single * blocks);
     out.factor_solve = call + seconds(2 * kept_bytes * nonzeros, kept_bytes * nonzeros) + product;
     // A cycle streams the single-precision blocks four and a half times and some forty vectors.
     const double streams = (1 + grid_blocks) * blocks;
-    out.cycle = call + seconds(4.5 * 52 * streams + 40 * 24 * n, 48 * streams);
+    out.cycle = call + seconds(4.5 * (single + 4) * streams + 40 * 24 * n, single * streams);
     out.hierarchy = cycles_a_hierarchy * out.cycle;
     return out;
 }
