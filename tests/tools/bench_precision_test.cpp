@@ -181,7 +181,9 @@ TEST_CASE("sinew bench scene runs a graph under each linear solver, to the same 
         // Twelve numbers of a tet's forces and as many of its shape are there, whatever solves; what the first solver
         // gave back serves the next ones.
         if (solvers.size() == 1) CHECK(row["bytes_per_tet"].get<double>() > 24 * 8);
+#if !defined(__SANITIZE_ADDRESS__) // which keeps what was given back
         CHECK(row["bytes_per_tet"].get<double>() < 3e4);
+#endif
         CHECK(row["unconverged"] == 0);
         CHECK(row["difference_unit"] == "scene units");
         // In centimetres: what other roundings and inexact directions leave within the tolerance.
