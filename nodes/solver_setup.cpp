@@ -94,8 +94,10 @@ void refuse_twins(const Reads& in, const Setup& setup) {
             if (one == other)
                 in.fail(bodies.name, "FE213", one + " is connected twice", "Remove one of the two connections.");
             if (!setup.body(i).is_bone())
-                in.fail(bodies.name, "FE213", one + " and " + other + " are alike in all, also in place",
-                        "Remove one of them, or make them differ in place or material.");
+                in.fail(bodies.name, "FE213",
+                        one + " and " + other + " are alike: the same mesh and values at the same place",
+                        "Remove one of them, or make them differ in place or material; what they collide with and "
+                        "later keys tell nothing apart.");
         }
 }
 

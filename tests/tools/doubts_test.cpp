@@ -99,6 +99,13 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
     CHECK(said_of(ball(), {"plate.enable=false"}) == falls);
     CHECK(said_of(ball(), {R"(plate.enable={"keys": [[1, false], [5, true]]})"}).empty());
     CHECK(said_of(graph, {"solver.integrator=QuasiStatic"}, 1).starts_with("FE303 solver.bodies"));
+    // Where bodies collide the plate may catch it, if they do so with each other.
+    CHECK(said_of(graph, {"solver.collisionDetection=true"}).empty());
+    const std::string past = "FE260 solver.bodies: ball falls: no chain of attachments ties it to a bone, and nothing "
+                             "holds it or could catch it | ";
+    CHECK(said_of(graph, {"solver.collisionDetection=true", R"(ball.collisionSets="1")", R"(plate.collisionSets="2")"})
+              .find(past) != std::string::npos);
+    CHECK(said_of(graph, {"solver.collisionDetection=true", "plate.collisions=false"}).find(past) != std::string::npos);
     graph["nodes"]["hold"] = {
         {"type", "zHold"},
         {"inputs", {{"tissue", {{"from", "ball.outBody"}}}, {"weights", {{"from", "top.outWeights"}}}}}};

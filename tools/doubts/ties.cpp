@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
 #include "nodes/options.h"
+#include "solver/terms/contact/contact_rest.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
@@ -14,6 +15,15 @@ constexpr double nearly_whole = 0.9;
 
 /// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
 constexpr double least_tie = 1000, least_tie_of_cloth = 10;
+
+bool may_touch(const nodes::Body& a, const nodes::Body& b) {
+    const auto collides = [](const nodes::Body& body) {
+        return body.contact && solver::get_fields<solver::ContactValues>(body.contact->values).collides >= 0.5;
+    };
+    return collides(a) && collides(b) &&
+           solver::share_a_set(static_cast<const solver::ContactRest&>(*a.contact->rest),
+                               static_cast<const solver::ContactRest&>(*b.contact->rest));
+}
 
 void set(std::vector<char>& flags, int i) {
     if (i >= 0) flags[at(i)] = 1;
@@ -94,7 +104,6 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
     const auto integrator = d.number<std::string>(solver, "integrator");
     if (gravity == engine::Vec3{}) return;
     if (integrator == std::string(nodes::word_of(solver::Integrator::quasi_static))) return; // FE303
-    if (d.number<bool>(solver, "collisionDetection").value_or(false)) return; // what it falls on may catch it
     std::vector<nodes::BodyId> ids;
     std::vector<char> held;
     for (const Member& m : members) ids.push_back(id_of(m.body)), held.push_back(m.body.is_bone());
@@ -115,6 +124,11 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
             else
                 links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
         }
+    const bool collides = d.number<bool>(solver, "collisionDetection").value_or(false);
+    for (std::size_t i = 0; i < members.size() && collides; ++i)
+        for (std::size_t k = i + 1; k < members.size(); ++k)
+            if (may_touch(members[i].body, members[k].body))
+                links.push_back({static_cast<int>(i), static_cast<int>(k)}); // what it falls on may catch it
     for (bool grows = true; grows;) {
         grows = false;
         for (const auto& [a, b] : links)
@@ -124,6 +138,7 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
         if (!held[i] && !members[i].body.subtissue)
             d.doubt("FE260", solver, "bodies",
                     members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it" +
+                        (collides ? " or could catch it" : "") +
                         (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle),
                     "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");
 }

@@ -122,7 +122,7 @@ bool Slides::find_all_nearest(const Positions& x, bool stuck) {
     look_at(x);
     newly_.resize(slides_.size());
     parallel_for(slides_.size(), 64, [&](std::size_t i) {
-        constexpr int most_returns = 2, most_changes = 12;
+        constexpr int most_returns = 4, most_changes = 12;
         Changing& c = changing_[i];
         newly_[i] = nearest_[i];
         if (!stuck && (c.returns >= most_returns || c.changes >= most_changes)) return;
