@@ -234,6 +234,8 @@ constexpr CodeInfo table[] = {
     {"FE335", "end of fibres that is not painted", "Paint where they begin and where they end."},
     {"FE336", "cloth heavier than any", "Write its mass by area: 0.2 kg/m^2 of cotton."},
     {"FE337", "cloth too thick for its size", "Write it in metres, whatever the scene's scale: 0.001."},
+    {"FE338", "field that tears cloth away",
+     "On cloth its magnitude is a force per area; list in bodies what it is for."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

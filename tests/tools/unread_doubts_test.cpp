@@ -115,6 +115,19 @@ TEST_CASE("check doubts sheets that are thick, heavy or fall apart", "[tools]") 
     CHECK(said_of(graph, {"weave.clothMassDensity=1060"}) ==
           "FE336 weave.clothMassDensity: 1060 kg/m^2 is heavier than any cloth; cotton has 0.2 | it is mass by area: a "
           "sheet of skin 2 mm thick has 2.2\n");
+    json windy = graph;
+    windy["nodes"]["wind"] = {{"type", "airField"}};
+    windy["nodes"]["solver"]["inputs"]["forces"].push_back({{"from", "wind.outForce"}});
+    CHECK(
+        said_of(windy, {"weave.clothMassDensity=0.3"}) ==
+        "FE338 wind.magnitude: 1000 pushes sheet by 340 times its weight: on a cloth it is a force per area [N/m^2] | "
+        "list in its bodies what it is meant for, and give sheet a field of its own: 2.9 is its weight\n");
+    CHECK(said_of(windy, {"weave.clothMassDensity=0.3", "wind.magnitude=60"}).empty());
+    windy["nodes"]["wind"]["inputs"]["bodies"] = json::array({{{"from", "sheet.outBody"}}});
+    CHECK(said_of(windy, {"weave.clothMassDensity=0.3"}).find("| give sheet a field of its own: 2.9 is its weight") !=
+          std::string::npos);
+    windy["nodes"]["wind"] = {{"type", "newtonField"}}; // whose magnitude is an acceleration's or another thing
+    CHECK(said_of(windy, {"weave.clothMassDensity=0.3"}).empty());
     write_text(folder / "loose.obj", "v 0 0 0\nv 10 0 0\nv 0 0 10\nv 10 0 10\nv 10 0 0\nv 0 0 10\nf 1 3 2\nf 4 5 6\n");
     graph["nodes"]["plane"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "loose.obj").string()}}}};
     CHECK(

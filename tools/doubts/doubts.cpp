@@ -20,6 +20,7 @@ void look_at_solver(Doubting& d, const std::string& name) {
     const auto units = d.number<double>(name, "scale");
     if (members.size() + disabled != d.plugs(name, "bodies").size() || !units) return; // told elsewhere
     doubt_gravity(d, name);
+    doubt_fields_on_cloth(d, name, members);
     doubt_floating(d, name, members);
     doubt_sizes(d, name, members, *units);
     for (const Member& m : members)

@@ -16,6 +16,8 @@ void doubt_material(Doubting& d, const std::string& node);
 void doubt_fiber(Doubting& d, const std::string& node);
 void doubt_weight_of_cloth(Doubting& d, const std::string& cloth);
 void doubt_gravity(Doubting& d, const std::string& solver);
+/// Fields that push cloth, to which the same number is a force per area, by many times its weight.
+void doubt_fields_on_cloth(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 /// Values of materials that are given for what their only readers do not read.
 void doubt_unread_values(Doubting& d);
 /// Where none of the muscles among `nodes` has anything to pull by.

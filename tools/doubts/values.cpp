@@ -19,6 +19,8 @@ constexpr double largest_gravity = 300;
 constexpr double least_density = 50;
 /// Heavier than a lead apron [kg/m^2].
 constexpr double heaviest_sheet = 20;
+/// A storm pushes cloth by some ten times its weight.
+constexpr double strongest_wind = 30, g = 9.8; // [m/s^2]
 /// A hundredth of what muscles have [Pa].
 constexpr double least_strength = 1000;
 
@@ -141,6 +143,35 @@ void doubt_weight_of_cloth(Doubting& d, const std::string& cloth) {
             d.doubt("FE336", layer.node, "clothMassDensity",
                     engine::number_text(*density) + " kg/m^2 is heavier than any cloth; cotton has 0.2",
                     "it is mass by area: a sheet of skin 2 mm thick has 2.2");
+    }
+}
+
+void doubt_fields_on_cloth(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    std::vector<nodes::BodyId> ids;
+    for (const Member& m : members) ids.push_back(id_of(m.body));
+    for (const engine::Plug& plug : d.plugs(solver, "forces")) {
+        const auto force = d.value<nodes::Force>(plug);
+        const engine::AttributeInfo* info = d.graph().find(plug.node)->type->find_input("magnitude");
+        const auto magnitude = d.number<double>(plug.node, "magnitude");
+        if (!force || !magnitude || info->unit != "N/m^3") continue;
+        for (std::size_t i = 0; i < members.size(); ++i) {
+            const std::string& cloth = members[i].name;
+            const bool acts = force->on_all || std::ranges::any_of(force->bodies, [&](const nodes::BodyId& id) {
+                                  return find_body(ids, id) == static_cast<int>(i);
+                              });
+            const std::vector<engine::Plug> layers = d.plugs(cloth, "materials");
+            if (!members[i].body.is_cloth() || !acts || layers.empty()) continue;
+            const auto density = d.number<double>(layers.front().node, "clothMassDensity");
+            if (!density || std::abs(*magnitude) < strongest_wind * g * *density) continue;
+            d.doubt("FE338", plug.node, "magnitude",
+                    engine::number_text(*magnitude) + " pushes " + cloth + " by " +
+                        engine::rough_text(std::abs(*magnitude) / (g * *density), 2) +
+                        " times its weight: on a cloth it is a force per area [N/m^2]",
+                    std::string(force->on_all ? "list in its bodies what it is meant for, and give " + cloth
+                                              : "give " + cloth) +
+                        " a field of its own: " + engine::rough_text(g * *density, 2) + " is its weight");
+            break; // once a field
+        }
     }
 }
 
