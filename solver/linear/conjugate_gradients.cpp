@@ -34,12 +34,12 @@ void ConjugateGradients::multiply(const std::vector<double>& x, std::vector<doub
         const FloatBlock& total = row_sums_[i];
         Float4 sum = total.col(0) * static_cast<float>(own[0]) + total.col(1) * static_cast<float>(own[1]) +
                      total.col(2) * static_cast<float>(own[2]);
-        for (int e = matrix_.row_start[i]; e < matrix_.row_start[i + 1]; ++e) {
-            const FloatBlock& b = matrix_.blocks[static_cast<std::size_t>(e)];
-            const double* v = x.data() + 3 * static_cast<std::size_t>(matrix_.column[static_cast<std::size_t>(e)]);
+        matrix_.for_each_entry(i, [&](std::size_t e) {
+            const FloatBlock& b = matrix_.blocks[e];
+            const double* v = x.data() + 3 * static_cast<std::size_t>(matrix_.column[e]);
             sum += b.col(0) * static_cast<float>(v[0] - own[0]) + b.col(1) * static_cast<float>(v[1] - own[1]) +
                    b.col(2) * static_cast<float>(v[2] - own[2]);
-        }
+        });
         for (std::size_t c = 0; c < 3; ++c) y[3 * i + c] = static_cast<double>(sum[c]);
     });
     if (!overlay_->empty()) overlay_->add_product(x.data(), y.data());

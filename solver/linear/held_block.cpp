@@ -51,10 +51,10 @@ HeldBlock::HeldBlock(const BlockPattern& pattern, const RowBlocks& fine, const H
     for (int i = 0; i < fine.rows; ++i) {
         const bool is_held = held.rows[at(i)] != Held::no;
         RowStrip& strip = is_held ? within_ : beside_;
-        for (int e = fine.row_start[at(i)]; e < fine.row_start[at(i) + 1]; ++e) {
-            const Held column = held.rows[at(fine.column[at(e)])];
-            if (is_held ? column != Held::pinned : column != Held::no) strip.entries.push_back(e);
-        }
+        fine.for_each_entry(at(i), [&](std::size_t e) {
+            const Held column = held.rows[at(fine.column[e])];
+            if (is_held ? column != Held::pinned : column != Held::no) strip.entries.push_back(static_cast<int>(e));
+        });
         if (is_held || at(strip.start.back()) != strip.entries.size()) strip.end_row(i);
     }
     in_.resize(3 * part_.rows.size()), out_.resize(in_.size());

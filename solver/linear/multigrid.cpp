@@ -131,6 +131,12 @@ struct Multigrid::Level {
     void sweep_forward_from_zero();
     void residual_after_forward();
     void prefetch_row(std::size_t i) const;
+    /// A row's first entry below the diagonal whose column is not before `first`, or one past the last.
+    int first_inside(std::size_t i, int first) const {
+        int e = a->lower_start[i];
+        while (e < a->lower_start[i + 1] && a->column[at(e)] < first) ++e;
+        return e;
+    }
     void sweep_backward();
 };
 
@@ -147,20 +153,19 @@ bool Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
     t_target.resize(a->column.size());
     for (std::size_t i = 0; i < rows(); ++i) {
         std::vector<int> columns;
-        const int first = a->row_start[i], last = a->row_start[i + 1];
-        for (int e = first; e < last; ++e) {
-            const Interpolation& p = up[at(a->column[at(e)])];
+        a->for_each_entry(i, [&](std::size_t e) {
+            const Interpolation& p = up[at(a->column[e])];
             columns.insert(columns.end(), p.coarse.begin(), p.coarse.begin() + p.count);
-        }
+        });
         std::sort(columns.begin(), columns.end());
         columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
         if (columns.size() > most) return false;
-        for (int e = first; e < last; ++e) {
-            const Interpolation& p = up[at(a->column[at(e)])];
+        a->for_each_entry(i, [&](std::size_t e) {
+            const Interpolation& p = up[at(a->column[e])];
             for (int k = 0; k < p.count; ++k)
-                t_target[at(e)][at(k)] = static_cast<std::uint16_t>(
+                t_target[e][at(k)] = static_cast<std::uint16_t>(
                     std::lower_bound(columns.begin(), columns.end(), p.coarse[at(k)]) - columns.begin());
-        }
+        });
         t_column.insert(t_column.end(), columns.begin(), columns.end());
         t_start.push_back(static_cast<int>(t_column.size()));
     }
@@ -174,7 +179,8 @@ bool Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
         }
     members.reserve(member_count), product_start.reserve(member_count + 1), product_target.reserve(product_count);
     coarse.rows = coarse_rows;
-    coarse.row_start = member_start = product_start = {0};
+    coarse.lower_start = coarse.upper_start = member_start = product_start = {0};
+    std::vector<int> upper; // columns from the diagonal on, of all rows
     for (int c = 0; c < coarse_rows; ++c) {
         std::vector<int> columns;
         for (const auto& [i, w] : by_coarse[at(c)])
@@ -192,10 +198,14 @@ bool Multigrid::Level::prepare_products(int coarse_rows, RowBlocks& coarse) {
             product_start.push_back(static_cast<int>(product_target.size()));
         }
         member_start.push_back(static_cast<int>(members.size()));
-        coarse.diagonal.push_back(coarse.row_start.back() + static_cast<int>(place_of(c)));
-        coarse.column.insert(coarse.column.end(), columns.begin(), columns.end());
-        coarse.row_start.push_back(static_cast<int>(coarse.column.size()));
+        const auto diagonal = columns.begin() + place_of(c);
+        coarse.column.insert(coarse.column.end(), columns.begin(), diagonal);
+        coarse.lower_start.push_back(static_cast<int>(coarse.column.size()));
+        upper.insert(upper.end(), diagonal, columns.end());
+        coarse.upper_start.push_back(static_cast<int>(upper.size()));
     }
+    for (int& start : coarse.upper_start) start += coarse.lower_start.back();
+    coarse.column.insert(coarse.column.end(), upper.begin(), upper.end());
     coarse.column.shrink_to_fit();
     coarse.blocks.resize(coarse.column.size());
     find_takings();
@@ -234,22 +244,24 @@ void Multigrid::Level::multiply_products(RowBlocks& coarse) {
             const std::size_t i = first + k;
             FloatBlock* row = row_of_t(i);
             std::fill_n(row, t_start[i + 1] - t_start[i], FloatBlock{});
-            for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
-                const std::size_t entry = at(e);
-                const Interpolation& p = up[at(a->column[entry])];
+            a->for_each_entry(i, [&](std::size_t e) {
+                const Interpolation& p = up[at(a->column[e])];
                 for (std::size_t n = 0; n < at(p.count); ++n)
-                    add_scaled(a->blocks[entry], p.weight[n], row[t_target[entry][n]]);
-            }
+                    add_scaled(a->blocks[e], p.weight[n], row[t_target[e][n]]);
+            });
         });
         parallel_for(taking_start[s + 1] - taking_start[s], 64, [&](std::size_t k) {
             const Taking& taking = takings[taking_start[s] + k];
-            FloatBlock* out = coarse.blocks.data() + coarse.row_start[at(taking.coarse)];
+            const std::size_t c = at(taking.coarse);
+            const int below = coarse.lower_start[c + 1] - coarse.lower_start[c];
+            FloatBlock* const lower = coarse.blocks.data() + coarse.lower_start[c];
+            FloatBlock* const upper = coarse.blocks.data() + (coarse.upper_start[c] - below);
             for (int m = taking.first; m < taking.end; ++m) {
                 const auto [i, weight] = members[at(m)];
                 const FloatBlock* row = row_of_t(at(i));
                 const std::uint16_t* target = product_target.data() + product_start[at(m)];
                 for (int t = 0; t < t_start[at(i) + 1] - t_start[at(i)]; ++t)
-                    add_scaled(row[t], weight, out[target[t]]);
+                    add_scaled(row[t], weight, (target[t] < below ? lower : upper)[target[t]]);
             }
         });
     }
@@ -259,13 +271,13 @@ void Multigrid::Level::set_outside() {
     parallel_for(rows(), 512, [&](std::size_t i) {
         const int first = static_cast<int>(i / chunk * chunk), last = first + static_cast<int>(chunk);
         float sum = 0;
-        for (int e = a->row_start[i]; e < a->row_start[i + 1]; ++e) {
-            const int j = a->column[at(e)];
-            if (j >= first && j < last) continue;
-            const FloatBlock& b = a->blocks[at(e)];
+        a->for_each_entry(i, [&](std::size_t e) {
+            const int j = a->column[e];
+            if (j >= first && j < last) return;
+            const FloatBlock& b = a->blocks[e];
             const Float4 squares = b.col(0) * b.col(0) + b.col(1) * b.col(1) + b.col(2) * b.col(2);
             sum += 0.5f * std::sqrt(squares[0] + squares[1] + squares[2]);
-        }
+        });
         outside[i] = sum;
     });
 }
@@ -274,9 +286,7 @@ void Multigrid::Level::sweep_forward_from_zero() {
     parallel_for(chunks(), 1, [&](std::size_t k) {
         const int first = static_cast<int>(k * chunk);
         for (std::size_t i = k * chunk; i < std::min((k + 1) * chunk, rows()); ++i) {
-            int e = a->row_start[i];
-            while (a->column[at(e)] < first) ++e;
-            Float4 s = a->product(e, a->diagonal[i], x.data());
+            const Float4 s = a->product(first_inside(i, first), a->lower_start[i + 1], x.data());
             const float* right = r.data() + 3 * i;
             const FloatBlock& d = inverse[i];
             const Float4 out =
@@ -290,21 +300,21 @@ void Multigrid::Level::residual_after_forward() {
     // The sweep made row i exact for the columns up to i of its own chunk; what is missing are the others.
     parallel_for(rows(), 256, [&](std::size_t i) {
         const int first = static_cast<int>(i / chunk * chunk);
-        int e = a->row_start[i];
-        while (a->column[at(e)] < first) ++e;
-        const Float4 s =
-            a->product(a->row_start[i], e, x.data()) + a->product(a->diagonal[i] + 1, a->row_start[i + 1], x.data());
+        const Float4 s = a->product(a->lower_start[i], first_inside(i, first), x.data()) +
+                         a->product(a->upper_start[i] + 1, a->upper_start[i + 1], x.data());
         for (std::size_t c = 0; c < 3; ++c) rest[3 * i + c] = outside[i] * x[3 * i + c] - s[c];
     });
 }
 
 /// Processors do not foresee rows that come backwards, each of them read forwards.
 void Multigrid::Level::prefetch_row(std::size_t i) const {
-    constexpr std::size_t line = 64; // [bytes]
-    const auto* from = reinterpret_cast<const char*>(a->blocks.data() + a->row_start[i]);
-    const auto* end = reinterpret_cast<const char*>(a->blocks.data() + a->row_start[i + 1]);
-    for (; from < end; from += line) __builtin_prefetch(from);
-    __builtin_prefetch(a->column.data() + a->row_start[i]);
+    constexpr std::ptrdiff_t line = 64; // [bytes]
+    for (const std::vector<int>* start : {&a->lower_start, &a->upper_start}) {
+        const auto* from = reinterpret_cast<const char*>(a->blocks.data() + (*start)[i]);
+        const auto* end = reinterpret_cast<const char*>(a->blocks.data() + (*start)[i + 1]);
+        for (; from < end; from += line) __builtin_prefetch(from);
+        __builtin_prefetch(a->column.data() + (*start)[i]);
+    }
 }
 
 void Multigrid::Level::sweep_backward() {
@@ -314,11 +324,13 @@ void Multigrid::Level::sweep_backward() {
         for (int row = last - 1; row >= first; --row) {
             const std::size_t i = at(row);
             if (row >= first + ahead) prefetch_row(i - ahead);
-            int low = a->row_start[i], high = a->row_start[i + 1];
-            while (a->column[at(low)] < first) ++low;
+            const int low = first_inside(i, first);
+            int high = a->upper_start[i + 1];
             while (a->column[at(high) - 1] >= last) --high;
-            const Float4 s = a->product(a->row_start[i], low, old.data()) + a->product(low, high, x.data()) +
-                             a->product(high, a->row_start[i + 1], old.data());
+            const Float4 below = a->product(low, a->lower_start[i + 1], x.data());
+            const Float4 s = a->product(a->lower_start[i], low, old.data()) +
+                             a->product(a->upper_start[i], high, x.data(), below) +
+                             a->product(high, a->upper_start[i + 1], old.data());
             const float* right = r.data() + 3 * i;
             const FloatBlock& d = inverse[i];
             const Float4 step =
@@ -381,7 +393,7 @@ bool Multigrid::set_values() {
         Level& level = *levels_[k];
         if (k + 1 < levels_.size()) level.multiply_products(levels_[k + 1]->own);
         level.set_outside();
-        if (!invert_diagonal(*level.a, level.outside, level.inverse)) return false;
+        if (!invert_diagonal(*level.a, level.a->upper_start, level.outside, level.inverse)) return false;
         for (std::size_t i = 0; i < level.left_out.size(); ++i)
             if (level.left_out[i]) level.inverse[i] = {};
     }
@@ -393,11 +405,11 @@ bool Multigrid::set_values() {
     const Eigen::Index n = 3 * last.a->rows;
     coarsest_->matrix.setZero(n, n);
     for (Eigen::Index i = 0; i < last.a->rows; ++i)
-        for (int e = last.a->row_start[at(i)]; e < last.a->row_start[at(i) + 1]; ++e) {
-            const FloatBlock& b = last.a->blocks[at(e)];
+        last.a->for_each_entry(at(i), [&](std::size_t e) {
+            const FloatBlock& b = last.a->blocks[e];
             for (int c = 0; c < 3; ++c)
-                for (int r = 0; r < 3; ++r) coarsest_->matrix(3 * i + r, 3 * last.a->column[at(e)] + c) = b(r, c);
-        }
+                for (int r = 0; r < 3; ++r) coarsest_->matrix(3 * i + r, 3 * last.a->column[e] + c) = b(r, c);
+        });
     // Grid points that few vertices hang on make the coarsest matrix nearly singular; a small shift keeps it definite.
     for (float shift = 1e-5f; shift < 1; shift *= 10) {
         coarsest_->shifted = coarsest_->matrix;

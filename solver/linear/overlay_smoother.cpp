@@ -31,7 +31,7 @@ void OverlaySmoother::find_rows(const std::vector<int>& rows) {
     beside_.clear(), within_.clear();
     for (std::size_t k = 0; k < rows_.size(); ++k) local_[at(rows_[k])] = static_cast<int>(k);
     const auto visit = [&](int row, const auto& with) {
-        for (int e = fine_.row_start[at(row)]; e < fine_.row_start[at(row) + 1]; ++e) with(e, fine_.column[at(e)]);
+        fine_.for_each_entry(at(row), [&](std::size_t e) { with(static_cast<int>(e), fine_.column[e]); });
     };
     for (const int row : rows_) {
         visit(row, [&](int entry, int column) {
@@ -50,8 +50,7 @@ void OverlaySmoother::find_rows(const std::vector<int>& rows) {
 
 /// The coupled rows' block: the pattern's entries and the overlay's, in fixed order.
 void OverlaySmoother::gather(const Overlay& overlay) {
-    coupled_.rows = static_cast<int>(rows_.size());
-    coupled_.row_start.assign(1, 0), coupled_.column.clear(), coupled_.blocks.clear(), coupled_.diagonal.clear();
+    row_start_.assign(1, 0), coupled_.column.clear(), coupled_.blocks.clear(), diagonal_.clear();
     place_.assign(rows_.size(), -1);
     const auto sum_with = [&](int column) -> FloatBlock& {
         int& place = place_[at(column)];
@@ -64,8 +63,9 @@ void OverlaySmoother::gather(const Overlay& overlay) {
     for (std::size_t k = 0; k < rows_.size(); ++k) {
         const int row = rows_[k];
         columns_.clear(), sums_.clear();
-        for (int e = fine_.row_start[at(row)]; e < fine_.row_start[at(row) + 1]; ++e)
-            if (const int column = local_[at(fine_.column[at(e)])]; column >= 0) sum_with(column) = fine_.blocks[at(e)];
+        fine_.for_each_entry(at(row), [&](std::size_t e) {
+            if (const int column = local_[at(fine_.column[e])]; column >= 0) sum_with(column) = fine_.blocks[e];
+        });
         overlay.visit_row(row, [&](int column, double factor, const Mat3& block, bool transposed) {
             FloatBlock& sum = sum_with(local_[at(column)]);
             for (int c = 0; c < 3; ++c)
@@ -74,11 +74,11 @@ void OverlaySmoother::gather(const Overlay& overlay) {
         });
         std::sort(columns_.begin(), columns_.end());
         for (const int column : columns_) {
-            if (at(column) == k) coupled_.diagonal.push_back(static_cast<int>(coupled_.blocks.size()));
+            if (at(column) == k) diagonal_.push_back(static_cast<int>(coupled_.blocks.size()));
             coupled_.column.push_back(column), coupled_.blocks.push_back(sums_[at(place_[at(column)])]);
             place_[at(column)] = -1;
         }
-        coupled_.row_start.push_back(static_cast<int>(coupled_.blocks.size()));
+        row_start_.push_back(static_cast<int>(coupled_.blocks.size()));
     }
 }
 
@@ -87,12 +87,12 @@ bool OverlaySmoother::set_values(const Overlay& overlay) {
     gather(overlay);
     right_.assign(3 * rows_.size() + 1, 0.f), x_.assign(3 * rows_.size() + 1, 0.f);
     added_.assign(rows_.size(), 0.f);
-    return invert_diagonal(coupled_, added_, inverse_);
+    return invert_diagonal(coupled_, diagonal_, added_, inverse_);
 }
 
 /// Makes the residual of a row zero.
 void OverlaySmoother::relax(std::size_t k) {
-    const Float4 sum = coupled_.product(coupled_.row_start[k], coupled_.row_start[k + 1], x_.data());
+    const Float4 sum = coupled_.product(row_start_[k], row_start_[k + 1], x_.data());
     float left[3];
     for (std::size_t c = 0; c < 3; ++c) left[c] = right_[3 * k + c] - sum[c];
     const FloatBlock& b = inverse_[k];
@@ -110,7 +110,7 @@ void OverlaySmoother::apply(const Inner& inner, const std::vector<double>& r, st
 
     rest_ = r;
     parallel_for(count, grain, [&](std::size_t k) {
-        const Float4 sum = coupled_.product(coupled_.row_start[k], coupled_.row_start[k + 1], x_.data());
+        const Float4 sum = coupled_.product(row_start_[k], row_start_[k + 1], x_.data());
         for (std::size_t c = 0; c < 3; ++c) {
             const std::size_t i = 3 * at(rows_[k]) + c;
             rest_[i] -= static_cast<double>(sum[c]), swept_[i] = static_cast<double>(x_[3 * k + c]);
@@ -128,7 +128,7 @@ void OverlaySmoother::apply(const Inner& inner, const std::vector<double>& r, st
             x_[3 * k + c] = static_cast<float>(own);
         }
     parallel_for(count, grain, [&](std::size_t k) {
-        const Float4 own = coupled_.product(coupled_.row_start[k], coupled_.row_start[k + 1], x_.data());
+        const Float4 own = coupled_.product(row_start_[k], row_start_[k + 1], x_.data());
         const Vec3 others = within_.product(fine_, k, z);
         for (std::size_t c = 0; c < 3; ++c)
             right_[3 * k + c] -= own[c] + static_cast<float>(others[static_cast<Eigen::Index>(c)]);

@@ -28,10 +28,11 @@ class OverlaySmoother {
     void relax(std::size_t k);
 
     const RowBlocks& fine_;
-    std::vector<int> rows_, local_; ///< those coupled; per row of the whole: its place among them, or -1
-    RowStrip beside_;               ///< rows that are not coupled: their entries in columns that are
-    RowStrip within_;               ///< all coupled rows: their entries in columns that are not
-    RowBlocks coupled_;             ///< the coupled rows' block of the whole matrix, by their places
+    std::vector<int> rows_, local_;         ///< those coupled; per row of the whole: its place among them, or -1
+    RowStrip beside_;                       ///< rows that are not coupled: their entries in columns that are
+    RowStrip within_;                       ///< all coupled rows: their entries in columns that are not
+    BlockList coupled_;                     ///< the coupled rows' block of the whole matrix, by their places
+    std::vector<int> row_start_, diagonal_; ///< of it: per row and one past the end, and where its diagonal is
     std::vector<FloatBlock> inverse_;
     std::vector<float> right_, x_; ///< of the coupled rows, 3 a row and one of padding
     std::vector<double> swept_, rest_;

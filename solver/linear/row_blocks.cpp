@@ -13,24 +13,27 @@ RowBlocks make_row_blocks(const BlockPattern& pattern, std::vector<int>& source)
     RowBlocks out;
     out.rows = pattern.rows;
     const std::size_t n = at(pattern.rows), count = 2 * pattern.block_count() - n;
-    out.row_start.assign(n + 1, 0);
-    out.diagonal.resize(n);
     out.column.reserve(count);
     source.clear();
     source.reserve(count);
+    out.lower_start.reserve(n + 1), out.upper_start.reserve(n + 1);
     for (std::size_t i = 0; i < n; ++i) {
+        out.lower_start.push_back(static_cast<int>(out.column.size()));
         for (int e = pattern.lower_start[i]; e < pattern.lower_start[i + 1]; ++e) {
             const auto [index, column] = pattern.lower[at(e)];
             out.column.push_back(column);
             source.push_back(-index - 1);
         }
-        out.diagonal[i] = static_cast<int>(out.column.size());
+    }
+    out.lower_start.push_back(static_cast<int>(out.column.size()));
+    for (std::size_t i = 0; i < n; ++i) {
+        out.upper_start.push_back(static_cast<int>(out.column.size()));
         for (int e = pattern.row_start[i]; e < pattern.row_start[i + 1]; ++e) {
             out.column.push_back(pattern.column[at(e)]);
             source.push_back(e);
         }
-        out.row_start[i + 1] = static_cast<int>(out.column.size());
     }
+    out.upper_start.push_back(static_cast<int>(out.column.size()));
     out.blocks.resize(out.column.size());
     return out;
 }
@@ -40,8 +43,7 @@ void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks
     row_sums.resize(at(out.rows));
     parallel_for(at(out.rows), 128, [&](std::size_t i) {
         double sum[9] = {};
-        for (int e = out.row_start[i]; e < out.row_start[i + 1]; ++e) {
-            const std::size_t k = at(e);
+        out.for_each_entry(i, [&](std::size_t k) {
             const bool transposed = source[k] < 0;
             const double* block = a.block(at(transposed ? -source[k] - 1 : source[k]));
             for (int c = 0; c < 3; ++c) {
@@ -51,18 +53,19 @@ void copy_blocks(const BlockMatrix& a, const std::vector<int>& source, RowBlocks
                     out.blocks[k](r, c) = static_cast<float>(v);
                 }
             }
-        }
+        });
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r) row_sums[i](r, c) = static_cast<float>(sum[3 * c + r]);
     });
 }
 
-bool invert_diagonal(const RowBlocks& a, const std::vector<float>& added, std::vector<FloatBlock>& inverse) {
-    const std::size_t n = at(a.rows);
+bool invert_diagonal(const BlockList& a, const std::vector<int>& diagonal, const std::vector<float>& added,
+                     std::vector<FloatBlock>& inverse) {
+    const std::size_t n = added.size();
     inverse.resize(n);
     std::atomic<bool> good = true;
     parallel_for(n, 512, [&](std::size_t i) {
-        const FloatBlock& block = a.blocks[at(a.diagonal[i])];
+        const FloatBlock& block = a.blocks[at(diagonal[i])];
         Eigen::Matrix3d m;
         for (int c = 0; c < 3; ++c)
             for (int r = 0; r < 3; ++r)

@@ -12,7 +12,7 @@ void RowStrip::end_row(int row) {
     start.push_back(static_cast<int>(entries.size()));
 }
 
-Vec3 RowStrip::product(const RowBlocks& a, std::size_t place, const std::vector<double>& x) const {
+Vec3 RowStrip::product(const BlockList& a, std::size_t place, const std::vector<double>& x) const {
     Float4 sum = {0, 0, 0, 0};
     for (int k = start[place]; k < start[place + 1]; ++k) {
         const std::size_t e = at(entries[at(k)]);

@@ -13,7 +13,7 @@ struct RowStrip {
     /// After the entries of a row have been put into `entries`.
     void end_row(int row);
     /// Sum of A_ij x_j over the entries of rows[place]; x has 3 numbers a row.
-    Vec3 product(const RowBlocks& a, std::size_t place, const std::vector<double>& x) const;
+    Vec3 product(const BlockList& a, std::size_t place, const std::vector<double>& x) const;
 };
 
 } // namespace sinew::solver
