@@ -364,6 +364,8 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
         if (!m.bytes.shared()) n += m.bytes.size(); // what other frames hold as well would not come free
     for (const solver::PartValues& part : s.parts) n += size_of(part);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
+    for (const nodes::ModelledBone& bone : v.scene.modelled)
+        if (bone.points.use_count() == 1) n += size_of(*bone.points); // else the bone or another state pays
     for (const solver::Points& bone : s.history.bones) n += size_of(bone);
     if (s.history.values)
         for (const solver::BodyInputs& body : s.history.values->bodies) {

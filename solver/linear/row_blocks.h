@@ -11,7 +11,6 @@
 namespace sinew::solver {
 
 typedef float Float4 __attribute__((vector_size(16)));
-typedef int Int4 __attribute__((vector_size(16)));
 
 /// One block, its nine numbers by columns without padding: iterations are as quick as these come from memory.
 struct FloatBlock {
@@ -23,7 +22,7 @@ struct FloatBlock {
         Float4 out;
         // Nothing beyond the block is read: the last column comes with the number before it.
         std::memcpy(&out, value + (c < 2 ? 3 * c : 5), sizeof out);
-        return c < 2 ? out : __builtin_shuffle(out, (Int4){1, 2, 3, 0});
+        return c < 2 ? out : __builtin_shufflevector(out, out, 1, 2, 3, 0);
     }
 };
 inline void add_scaled(const FloatBlock& from, float weight, FloatBlock& to) {

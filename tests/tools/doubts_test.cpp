@@ -65,6 +65,19 @@ TEST_CASE("check doubts attachments of whole bodies and names what to paint", "[
     CHECK(said_of(graph, {"grip.maxDistance=100"}).find("FE264") == std::string::npos);
 }
 
+TEST_CASE("a goal that draws all of a body is not doubted", "[tools]") {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    nodes["model"] = json::parse(R"({"type": "zBone", "inputs": {"mesh": {"from": "ballMesh.outMesh"}}})");
+    nodes["draw"] = json::parse(R"({"type": "zGoalAttachment", "inputs": {"source": {"from": "ball.outBody"},
+        "target": {"from": "model.outBody"}}})");
+    nodes["solver"]["inputs"]["bodies"].push_back({{"from", "model.outBody"}});
+    nodes["solver"]["inputs"]["attachments"].push_back({{"from", "draw.outAttachment"}});
+    CHECK(said_of(graph).empty());
+    nodes["draw"]["type"] = "zAttachment";
+    CHECK(said_of(graph).starts_with("FE264 draw.weights: ties the whole surface of ball"));
+}
+
 TEST_CASE("a cloth that clings to flesh everywhere is not doubted, to a bone it is", "[tools]") {
     json graph = ball();
     json& nodes = graph["nodes"];
@@ -105,7 +118,14 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
                              "holds it or could catch it | ";
     CHECK(said_of(graph, {"solver.collisionDetection=true", R"(ball.collisionSets="1")", R"(plate.collisionSets="2")"})
               .find(past) != std::string::npos);
-    CHECK(said_of(graph, {"solver.collisionDetection=true", "plate.collisions=false"}).find(past) != std::string::npos);
+    const auto falls_past = [&](const std::string& setting) {
+        return said_of(graph, {"solver.collisionDetection=true", setting}).find(past) != std::string::npos;
+    };
+    CHECK(falls_past("plate.collisions=false"));
+    CHECK(falls_past("ball.contactStiffness=0"));
+    CHECK_FALSE(falls_past(R"(plate.collisions={"keys": [[1, false], [3, true]]})"));
+    CHECK_FALSE(falls_past(R"(ball.contactStiffness={"keys": [[1, 0], [3, 1e7]]})"));
+    CHECK(said_of(graph, {R"(solver.collisionDetection={"keys": [[1, false], [3, true]]})"}).empty());
     graph["nodes"]["hold"] = {
         {"type", "zHold"},
         {"inputs", {{"tissue", {{"from", "ball.outBody"}}}, {"weights", {{"from", "top.outWeights"}}}}}};

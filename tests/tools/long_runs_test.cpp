@@ -235,10 +235,14 @@ TEST_CASE("keys of which the timing has none are warned about", "[tools]") {
                            "graph's first are simulated too | leave it out to take the graph's, unless they are meant "
                            "as a run-up to it\n"));
     CHECK(said({{-9, 0.5}, {0, 1}}).find("FE266") == std::string::npos);
+    const json moves = graph["nodes"]["upperMove"];
+    graph["nodes"]["upperMove"]["inputs"]["translate"] = {{"keys", {{-9, {0, 3, 0}}, {0, {0, 0, 0}}}}};
+    CHECK(said({{-9, 0.5}, {0, 1}}).find("FE266") == std::string::npos);
     CHECK(said({{-20, 0.5}, {-10, 1}})
               .find("from frame -20 to -10, the graph's timing from 1 to 6, its run-up from -9: it stays as it is at "
                     "its last key throughout | ") != std::string::npos);
     graph["nodes"]["solver"]["inputs"].erase("startFrame");
+    graph["nodes"]["upperMove"] = moves;
     CHECK(said({{100, 1}, {120, 1}}).empty());
 }
 

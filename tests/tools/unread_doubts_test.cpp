@@ -122,7 +122,14 @@ TEST_CASE("check doubts sheets that are thick, heavy or fall apart", "[tools]") 
         said_of(windy, {"weave.clothMassDensity=0.3"}) ==
         "FE338 wind.magnitude: 1000 pushes sheet by 340 times its weight: on a cloth it is a force per area [N/m^2] | "
         "list in its bodies what it is meant for, and give sheet a field of its own: 2.9 is its weight\n");
-    CHECK(said_of(windy, {"weave.clothMassDensity=0.3", "wind.magnitude=60"}).empty());
+    CHECK(said_of(windy, {"weave.clothMassDensity=0.3", "wind.magnitude=500"}).empty());
+    const auto is_doubted = [&](const std::string& setting) {
+        return said_of(windy, {"weave.clothMassDensity=0.3", setting}).starts_with("FE338 wind.magnitude: ");
+    };
+    CHECK(is_doubted(R"(wind.magnitude={"keys": [[1, 0], [9, -1000]]})"));
+    CHECK_FALSE(is_doubted("wind.useMaxDistance=true")); // it may be elsewhere
+    CHECK_FALSE(is_doubted("wind.attenuation=2"));
+    CHECK_FALSE(is_doubted("weave.clothMassDensity=2"));
     windy["nodes"]["wind"]["inputs"]["bodies"] = json::array({{{"from", "sheet.outBody"}}});
     CHECK(said_of(windy, {"weave.clothMassDensity=0.3"}).find("| give sheet a field of its own: 2.9 is its weight") !=
           std::string::npos);

@@ -49,17 +49,17 @@ std::optional<T> literal(const Graph& graph, const Node& node, std::string_view 
 
 class Search {
   public:
-    Search(const Graph& graph, int first, int last)
+    Search(const Graph& graph, const std::vector<std::string>& nodes, int first, int last)
         : graph_(graph)
         , first_(first)
         , last_(last)
         , first_simulated_(graph.timing().start) {
-        for (const std::string& name : graph.node_names())
-            if (const Node& node = *graph.find(name); node.type)
-                for (const engine::AttributeInfo& a : node.type->inputs)
+        for (const std::string& name : nodes)
+            if (const Node* node = graph.find(name); node && node->type)
+                for (const engine::AttributeInfo& a : node->type->inputs)
                     if (a.from_timing == engine::FromTiming::start)
-                        first_simulated_ =
-                            std::min(first_simulated_, literal<double>(graph, node, a.name).value_or(first_simulated_));
+                        first_simulated_ = std::min(first_simulated_,
+                                                    literal<double>(graph, *node, a.name).value_or(first_simulated_));
         // To stand still in a run-up is what it is for.
         if (first_simulated_ < graph.timing().start) first_ = std::max<double>(first, graph.timing().start);
     }
@@ -136,7 +136,11 @@ class Search {
   private:
     /// Less than a frame is nothing that shows.
     static bool missing(double frames) { return frames > 1 - 1e-6; }
-    Gap gap_of(const Reach& reach) const { return {missing(reach.first - first_), missing(last_ - reach.last)}; }
+    Gap gap_of(const Reach& reach) const {
+        const double start = graph_.timing().start;
+        const bool brings_to_start = first_simulated_ < start && reach.last <= start; // all of it in the run-up
+        return {missing(reach.first - first_), missing(last_ - reach.last) && !brings_to_start};
+    }
     static std::string frame_text(double frame) { return engine::number_text(std::round(10 * frame) / 10); }
 
     Diagnostic warning(std::string_view code, const std::string& name, const std::string& attribute) const {
@@ -218,7 +222,7 @@ void look_at_track(const Graph& graph, const std::string& name, const Node& node
 
 std::vector<Diagnostic> find_motion_doubts(const Graph& graph, const std::vector<std::string>& nodes, int first,
                                            int last) {
-    Search search(graph, first, last);
+    Search search(graph, nodes, first, last);
     for (const std::string& name : nodes) {
         const Node* node = graph.find(name);
         if (!node || !node->type) continue;

@@ -16,13 +16,20 @@ constexpr double nearly_whole = 0.9;
 /// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
 constexpr double least_tie = 1000, least_tie_of_cloth = 10;
 
-bool may_touch(const nodes::Body& a, const nodes::Body& b) {
-    const auto collides = [](const nodes::Body& body) {
-        return body.contact && solver::get_fields<solver::ContactValues>(body.contact->values).collides >= 0.5;
+/// Whether two bodies can push each other away at some frame; what is keyed does so then.
+bool may_touch(const Doubting& d, const Member& a, const Member& b) {
+    if (!a.body.contact || !b.body.contact) return false;
+    const auto rest = [](const Member& m) -> const solver::ContactRest& {
+        return static_cast<const solver::ContactRest&>(*m.body.contact->rest);
     };
-    return collides(a) && collides(b) &&
-           solver::share_a_set(static_cast<const solver::ContactRest&>(*a.contact->rest),
-                               static_cast<const solver::ContactRest&>(*b.contact->rest));
+    const auto values = [&](const Member& m) {
+        auto out = solver::get_fields<solver::ContactValues>(m.body.contact->values);
+        if (!d.number<bool>(m.name, "collisions")) out.collides = 1;
+        if (!d.number<double>(m.name, "contactStiffness")) out.stiffness = 1;
+        return out;
+    };
+    return solver::may_meet(rest(a), values(a), rest(b), values(b)) &&
+           (solver::has_faces(rest(a)) || solver::has_faces(rest(b)));
 }
 
 void set(std::vector<char>& flags, int i) {
@@ -124,10 +131,10 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
             else
                 links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
         }
-    const bool collides = d.number<bool>(solver, "collisionDetection").value_or(false);
+    const bool collides = d.number<bool>(solver, "collisionDetection").value_or(true); // keyed: later
     for (std::size_t i = 0; i < members.size() && collides; ++i)
         for (std::size_t k = i + 1; k < members.size(); ++k)
-            if (may_touch(members[i].body, members[k].body))
+            if (may_touch(d, members[i], members[k]))
                 links.push_back({static_cast<int>(i), static_cast<int>(k)}); // what it falls on may catch it
     for (bool grows = true; grows;) {
         grows = false;

@@ -19,10 +19,29 @@ constexpr double largest_gravity = 300;
 constexpr double least_density = 50;
 /// Heavier than a lead apron [kg/m^2].
 constexpr double heaviest_sheet = 20;
-/// A storm pushes cloth by some ten times its weight.
-constexpr double strongest_wind = 30, g = 9.8; // [m/s^2]
+/// Of the weight of a cloth: a hurricane pushes a light one so.
+constexpr double strongest_push = 200, g = 9.8; // [m/s^2]
 /// A hundredth of what muscles have [Pa].
 constexpr double least_strength = 1000;
+
+/// The largest that a number is at any of its keys, without its sign; 0 where it is connected.
+double largest_ever(const Doubting& d, const std::string& node, std::string_view attribute) {
+    const auto& inputs = d.graph().find(node)->inputs;
+    const auto it = inputs.find(attribute);
+    const auto* curve = it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
+    if (!curve) return std::abs(d.number<double>(node, attribute).value_or(0));
+    double out = 0;
+    for (const engine::Key& key : curve->keys)
+        for (const double v : key.value) out = std::max(out, std::abs(v));
+    return out;
+}
+
+/// Whether a field is a force per volume that is as strong wherever its bodies are.
+bool reaches_everywhere(const Doubting& d, const std::string& field) {
+    const engine::AttributeInfo* info = d.graph().find(field)->type->find_input("magnitude");
+    return info && info->unit == "N/m^3" && d.graph().find(field)->type->name != "volumeAxisField" &&
+           d.number<bool>(field, "useMaxDistance") == false && d.number<double>(field, "attenuation") == 0.0;
+}
 
 void soft_material(Doubting& d, const std::string& name) {
     const auto material = d.value<nodes::Material>({name, "outMaterial"});
@@ -151,25 +170,26 @@ void doubt_fields_on_cloth(Doubting& d, const std::string& solver, const std::ve
     for (const Member& m : members) ids.push_back(id_of(m.body));
     for (const engine::Plug& plug : d.plugs(solver, "forces")) {
         const auto force = d.value<nodes::Force>(plug);
-        const engine::AttributeInfo* info = d.graph().find(plug.node)->type->find_input("magnitude");
-        const auto magnitude = d.number<double>(plug.node, "magnitude");
-        if (!force || !magnitude || info->unit != "N/m^3") continue;
+        if (!force || !reaches_everywhere(d, plug.node)) continue;
+        const double magnitude = largest_ever(d, plug.node, "magnitude");
         for (std::size_t i = 0; i < members.size(); ++i) {
             const std::string& cloth = members[i].name;
             const bool acts = force->on_all || std::ranges::any_of(force->bodies, [&](const nodes::BodyId& id) {
                                   return find_body(ids, id) == static_cast<int>(i);
                               });
-            const std::vector<engine::Plug> layers = d.plugs(cloth, "materials");
-            if (!members[i].body.is_cloth() || !acts || layers.empty()) continue;
-            const auto density = d.number<double>(layers.front().node, "clothMassDensity");
-            if (!density || std::abs(*magnitude) < strongest_wind * g * *density) continue;
+            if (!members[i].body.is_cloth() || !acts) continue;
+            double density = 0; // of the heaviest layer
+            for (const engine::Plug& layer : d.plugs(cloth, "materials"))
+                density = std::max(density, d.number<double>(layer.node, "clothMassDensity").value_or(0));
+            const double weight = g * density;
+            if (weight == 0 || magnitude < strongest_push * weight) continue;
             d.doubt("FE338", plug.node, "magnitude",
-                    engine::number_text(*magnitude) + " pushes " + cloth + " by " +
-                        engine::rough_text(std::abs(*magnitude) / (g * *density), 2) +
+                    engine::number_text(magnitude) + " pushes " + cloth + " by " +
+                        engine::rough_text(magnitude / weight, 2) +
                         " times its weight: on a cloth it is a force per area [N/m^2]",
                     std::string(force->on_all ? "list in its bodies what it is meant for, and give " + cloth
                                               : "give " + cloth) +
-                        " a field of its own: " + engine::rough_text(g * *density, 2) + " is its weight");
+                        " a field of its own: " + engine::rough_text(weight, 2) + " is its weight");
             break; // once a field
         }
     }

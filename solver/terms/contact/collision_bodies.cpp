@@ -22,6 +22,10 @@ bool share_a_set(const ContactRest& a, const ContactRest& b) {
                        [&](int s) { return std::find(b.sets.begin(), b.sets.end(), s) != b.sets.end(); });
 }
 
+bool may_meet(const ContactRest& a, const ContactValues& of_a, const ContactRest& b, const ContactValues& of_b) {
+    return on(of_a.collides) && on(of_b.collides) && of_a.stiffness > 0 && of_b.stiffness > 0 && share_a_set(a, b);
+}
+
 CollisionBodies::CollisionBodies(const Scene& scene) {
     const std::vector<Part>& parts = scene.description().parts;
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -43,9 +47,8 @@ bool CollisionBodies::make_pair(const std::vector<PartValues>& values, std::size
     const auto one = get_fields<ContactValues>(values[parts_[a]]), other = get_fields<ContactValues>(values[parts_[b]]);
     const bool itself = a == b;
     if (!bodies_[a].deforms() && !bodies_[b].deforms()) return false;
-    if (!on(one.collides) || !on(other.collides) || (itself && !on(one.collides_with_itself))) return false;
-    if (!itself && !share_a_set(*rests_[a], *rests_[b])) return false;
-    if (one.stiffness <= 0 || other.stiffness <= 0) return false;
+    if (itself && !on(one.collides_with_itself)) return false;
+    if (!may_meet(*rests_[a], one, *rests_[b], other)) return false;
     out.source = static_cast<int>(a), out.target = static_cast<int>(b);
     out.stiffness = 2 * one.stiffness * other.stiffness / (one.stiffness + other.stiffness);
     out.friction = std::sqrt(one.friction * other.friction);

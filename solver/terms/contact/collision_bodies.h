@@ -35,7 +35,7 @@ class CollisionBodies {
     void find_thick_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
 
   private:
-    bool has_faces(std::size_t body) const { return rests_[body]->is_volume || rests_[body]->thickness > 0; }
+    bool has_faces(std::size_t body) const { return sinew::solver::has_faces(*rests_[body]); }
     /// What of a pair follows from values alone; false: it does not collide.
     bool make_pair(const std::vector<PartValues>& values, std::size_t a, std::size_t b, ContactPair& out) const;
     std::vector<CollisionBody> bodies_;

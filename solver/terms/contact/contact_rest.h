@@ -31,6 +31,13 @@ struct ContactRest final : PartRest {
 /// Whether their sets let two bodies collide.
 bool share_a_set(const ContactRest& a, const ContactRest& b);
 
+struct ContactValues;
+/// Whether one body's points may press into the other's surface, or the other way round: by their sets, switches and
+/// stiffnesses. Which of them has a surface that pushes is not asked.
+bool may_meet(const ContactRest& a, const ContactValues& of_a, const ContactRest& b, const ContactValues& of_b);
+/// Whether its surface pushes others.
+inline bool has_faces(const ContactRest& rest) { return rest.is_volume || rest.thickness > 0; }
+
 struct ContactValues {
     double collides = 1, collides_with_itself = 0, slides = 1; ///< switches: 1 = on
     double stiffness = 1e6;                                    ///< [N/m^3]
