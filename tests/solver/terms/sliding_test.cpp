@@ -363,3 +363,37 @@ TEST_CASE("sliding: an attachment that found no hold may be off, and says so whe
         }
     }
 }
+
+TEST_CASE("sliding: what goes to and fro stays after four returns, unless the solve is stuck", "[sliding]") {
+    auto source = block({0.1, 0.1, 0.1}, {0.01, 0.01, 0.01}, 2, ElementKind::linear);
+    auto target = plate(-1, 2, 40);
+    Attached a(
+        source, target, [](const Vec3& p) { return lowest(p, 0.01); }, 1e6);
+    const Scene scene(a.description);
+    const State state = initial_state(scene, a.in);
+    const std::unique_ptr<Term> slides = sliding_type.make(scene);
+    REQUIRE(slides);
+    slides->take(a.in, state);
+    ImplicitForm form;
+    quasi_static_form(state, form);
+    const Positions here = state.x;
+    Positions there = here;
+    for (std::size_t v = 0; v < there.size(); v += 3) there[v] += 0.06; // over other faces
+    const auto begin = [&] { slides->begin_stage({a.in, state, form, state.bones}); };
+
+    begin();
+    for (int turn = 0; turn < 2; ++turn) {
+        CHECK(slides->settle(there, false));
+        CHECK(slides->settle(here, false));
+    }
+    CHECK_FALSE(slides->settle(there, false)); // the fourth return
+    CHECK_FALSE(slides->settle(there, false));
+    CHECK(slides->settle(there, true));
+    CHECK(slides->settle(here, true));
+    CHECK_FALSE(slides->settle(here, true)); // nothing else is nearest
+    // After a solution it is looked for twice more.
+    begin();
+    CHECK(slides->widen(there));
+    CHECK(slides->widen(here));
+    CHECK_FALSE(slides->widen(there));
+}
