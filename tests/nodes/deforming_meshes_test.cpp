@@ -344,3 +344,24 @@ TEST_CASE("a bone that a skin deforms carries what is attached to it and what li
     CHECK(lowest(2) == Approx(0.15 + 0.3).margin(0.01));
     CHECK(s.get<nodes::SolveReport>("solver", "outReport", 14).record.converged);
 }
+
+TEST_CASE("a bone of another shape, its faces as before, is another scene to the same session", "[nodes]") {
+    const std::string graph =
+        R"("cube": {"type": "polyCube", "inputs": {"subdivisionsWidth": 4}}, "flesh": {"type": "zMaterial"},
+        "slab": {"type": "polyCube", "inputs": {"width": 4, "height": 0.3, "depth": 1, "subdivisionsWidth": 8}},
+        "shape": {"type": "transform", "inputs": {"mesh": {"from": "slab.outMesh"}}},
+        "ground": {"type": "zBone", "inputs": {"mesh": {"from": "shape.outMesh"}}},
+        "over": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "translate": [0, 0.68, 0]}},
+        "tets": {"type": "zTet", "inputs": {"mesh": {"from": "over.outMesh"}, "tetSize": 0.5}},
+        "block": {"type": "zTissue", "inputs": {"mesh": {"from": "over.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "part": {"type": "weights", "inputs": {"mesh": {"from": "slab.outMesh"}, "mode": "ramp", "start": 0.6, "end": 0.4}},
+        "tie": {"type": "zAttachment", "inputs": {"source": {"from": "block.outBody"}, "target": {"from": "ground.outBody"}, "attachmentMode": "sliding", "targetWeights": {"from": "part.outWeights"}}},
+        "solver": {"type": "zSolver", "inputs": {"scale": 100, "bodies": [{"from": "ground.outBody"}, {"from": "block.outBody"}], "attachments": [{"from": "tie.outAttachment"}]}})";
+    const std::string wider = "[2.2, 1, 2.2]";
+    Session edited(graph), fresh(graph);
+    edited.get<nodes::MeshList>("solver", "outMeshes", 3);
+    edited.set("shape", "scale", wider);
+    fresh.set("shape", "scale", wider);
+    const auto points = [](Session& s) { return *s.get<nodes::MeshList>("solver", "outMeshes", 3).meshes[1].points; };
+    CHECK(points(edited) == points(fresh));
+}

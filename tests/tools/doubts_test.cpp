@@ -59,6 +59,8 @@ TEST_CASE("check doubts attachments of whole bodies and names what to paint", "[
     json most = ball();
     CHECK(said_of(most, {"top.start=-9", "top.end=-8.9"}).find("% of the surface of ball") != std::string::npos);
     CHECK(said_of(most, {"top.start=-5", "top.end=-4.9"}).empty());
+    // However weakly it is painted.
+    CHECK(said_of(most, {"top.start=-9.5", "top.end=12"}).find("% of the surface of ball") != std::string::npos);
     // A bone within flesh is held all around.
     graph["nodes"]["grip"]["inputs"]["source"] = {{"from", "plate.outBody"}};
     graph["nodes"]["grip"]["inputs"]["target"] = {{"from", "ball.outBody"}};
