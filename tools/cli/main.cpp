@@ -48,8 +48,8 @@ void begin_without_blas_threads(char** words) {
 }
 
 /// Arrays of that size go back to the system as soon as they are let go. By default glibc keeps larger and larger ones,
-/// which go to pieces in its heap: some 25 of 495 MB on a rig of 193,000 tets. Smaller ones stay, since fresh pages
-/// cost time.
+/// which go to pieces in its heap: of a large rig a twentieth of the report's peak_bytes. Smaller ones stay, since
+/// fresh pages cost time.
 void give_back_large_arrays() {
 #if defined(__GLIBC__)
     constexpr int size = 4 << 20, kept_at_end = 4 << 20;
