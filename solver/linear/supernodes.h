@@ -26,7 +26,7 @@ struct Supernodes {
     int most_rows = 0;            ///< of a supernode
 };
 
-/// By CHOLMOD, ordered by METIS. Throws Error FE305 (memory).
+/// By CHOLMOD, in the order of vertex_order.h. Throws Error FE305 (memory).
 Supernodes find_supernodes(const BlockPattern& pattern);
 
 } // namespace sinew::solver

@@ -12,8 +12,9 @@ namespace sinew::solver {
 /// CHOLMOD does not write to it.
 cholmod_sparse vertex_graph(const BlockPattern& pattern);
 
-/// Nested dissection by METIS of the graph whose edges are the pattern's blocks: the row at each place. Where METIS
-/// finds none (memory), rows stay as they are. Needs analysis_mutex().
+/// The row at each place: by minimum degree (AMD) of the graph whose edges are the pattern's blocks where the factor is
+/// small, else by nested dissection (METIS); where neither is found (memory), rows stay as they are. Needs
+/// analysis_mutex().
 std::vector<int> order_rows(const BlockPattern& pattern, cholmod_common& common);
 
 } // namespace sinew::solver
