@@ -1,5 +1,5 @@
-// The symbolic half of a factorisation by CHOLMOD: an order of the graph of vertices, expanded to three unknowns a vertex,
-// which finds the same fill in half the time.
+// The symbolic half of a factorisation by CHOLMOD: an order of the graph of vertices, expanded to three unknowns a
+// vertex, which finds the same fill in half the time.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/block_matrix.h"

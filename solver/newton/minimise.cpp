@@ -31,8 +31,6 @@ double forcing(double residual, const NewtonOptions& options) {
 /// At a residual below this what presses presses about as hard as it will at the end of the stage.
 constexpr double roughly_solved = 0.03;
 
-/// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
-/// projected one; `definite` says which. Returns the slope along it.
 /// What truncated directions go by from one iteration to the next.
 struct Truncated {
     bool fresh = true;                                        ///< a new factor is due
@@ -73,9 +71,12 @@ double find_truncated(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     return dot(w.gradient, w.direction);
 }
 
+/// direction = -H^-1 gradient with the exact Hessian if that is positive definite and gives descent, else with the
+/// projected one; `definite` says which. Returns the slope along it; not below 0: not even that one does.
 double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
                       int iteration, const std::vector<double>& x, LinearMemory& memory, bool& definite,
                       StepRecord& record) {
+    double slope = 0;
     for (const bool project : {false, true}) {
         definite = !project;
         {
@@ -91,13 +92,10 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
         record.seconds_solve += outcome.seconds_solve;
         if (!outcome.definite) continue;
         for (double& d : w.direction) d = -d;
-        const double slope = dot(w.gradient, w.direction);
-        if (slope < 0) return slope;
+        slope = dot(w.gradient, w.direction);
+        if (slope < 0) break;
     }
-    throw Error(
-        "FE302", "the stiffness matrix is not positive definite even with every element projected",
-        "a body may be free to move without any force to hold it (attach it to a bone), a material value may be "
-        "zero, or stiffnesses may lie too far apart for double precision");
+    return slope;
 }
 
 /// How one run of Newton's method ended.
@@ -146,32 +144,36 @@ double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double
     return flight;
 }
 
-/// Contacts left out while this lives.
-struct ContactsOut {
+/// Contacts as they were at the start of the step while this lives.
+struct ContactsBefore {
     Potential& potential;
-    explicit ContactsOut(Potential& of)
+    explicit ContactsBefore(Potential& of)
         : potential(of) {
-        potential.leave_out_contacts(true);
+        potential.press_as_before(true);
     }
-    ~ContactsOut() { potential.leave_out_contacts(false); }
-    ContactsOut(const ContactsOut&) = delete;
-    ContactsOut& operator=(const ContactsOut&) = delete;
+    ~ContactsBefore() { potential.press_as_before(false); }
+    ContactsBefore(const ContactsBefore&) = delete;
+    ContactsBefore& operator=(const ContactsBefore&) = delete;
 };
 
-/// A first step of Newton's without contacts, where bones have moved and the flesh that hangs on them has yet to
-/// follow: what touches there never did, it curves the potential every way, and no step that minds it is right for the
-/// rest. Taken if the potential, contacts and all, is lower there. Returns its value at x, with gradient and forces in
-/// the workspace.
+/// A first step of Newton's with the contacts of the start of the step, carried along with bones, where those have
+/// moved and flesh has yet to follow: what touches there never did, and no step that minds it is right for the rest.
+/// Taken if the potential is lower there. Returns its value at x, with gradient and forces in the workspace.
 double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
                         std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     if (!potential.contacts_are_early()) return value;
+    double slope = 0;
     {
-        const ContactsOut guard(potential);
+        const ContactsBefore guard(potential);
         evaluate(potential, w, x, record);
         bool definite = false;
-        constexpr double far_away = 1; // the residual: springs are all there is
-        find_direction(potential, w, options, far_away, 0, x, memory, definite, record);
-        ++record.newton_iterations;
+        constexpr double far_away = 1; // the residual
+        if (potential.contacts_press())
+            slope = find_direction(potential, w, options, far_away, 0, x, memory, definite, record);
+    }
+    if (!(slope < 0)) return evaluate(potential, w, x, record);
+    ++record.newton_iterations;
+    {
         const Stopwatch timer(record.seconds_assembly);
         potential.work(w.gradient, w.direction, w.gain);
         w.arcs.fit(potential, x, w.direction, w.gain);
@@ -358,6 +360,11 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         double slope = 0;
         if (sheets) slope = find_truncated(potential, w, options, r, x, how, definite, record);
         if (!(slope < 0)) slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
+        if (!(slope < 0))
+            throw Error(
+                "FE302", "the stiffness matrix is not positive definite even with every element projected",
+                "a body may be free to move without any force to hold it (attach it to a bone), a material value may "
+                "be zero, or stiffnesses may lie too far apart for double precision");
         ++record.newton_iterations;
 
         // Backtracking until the energy falls enough (Armijo). Where the promised gain is below what rounding does to

@@ -13,9 +13,6 @@ namespace sinew::solver {
 
 namespace {
 
-/// Of the energy of springs, what contacts may have where bones have just moved away from flesh.
-constexpr double early_share = 2e-2;
-
 /// Zero for the unknowns, 3 numbers each, of deformables with a flag; without flags none has one.
 void clear(const Numbering& numbering, const std::vector<char>& flags, std::vector<double>& of_unknowns) {
     for (std::size_t d = 0; d < flags.size(); ++d) {
@@ -39,13 +36,6 @@ Potential::Potential(const Scene& scene)
 }
 
 Potential::~Potential() = default;
-
-/// Visits the numbers of all terms that are not left out.
-template <class Visit>
-void Potential::for_each_present(const Visit& visit) const {
-    for (std::size_t t = 0; t < terms_.size(); ++t)
-        if (!contacts_out_ || !types_[t]->waits) visit(t);
-}
 
 bool Potential::take(const State& before, const StepInputs& inputs) {
     Changes all;
@@ -229,15 +219,15 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
     double total = 0;
     energy_scale_ = 0;
     energies_.assign(terms_.size(), 0.0);
-    for_each_present([&](std::size_t t) {
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
         energies_[t] = terms_[t]->energy(x, gradient != nullptr);
         total += energies_[t];
         energy_scale_ += std::abs(energies_[t]);
-    });
+    }
     total += dynamics_.energy(x, energy_scale_);
     if (!gradient) return total;
     gradient->assign(3 * unknown_count(), 0.0);
-    for_each_present([&](std::size_t t) { terms_[t]->add_gradient(*gradient); });
+    for (const auto& term : terms_) term->add_gradient(*gradient);
     dynamics_.add_gradient(*gradient);
     clear(numbering_, frozen_, *gradient);
     if (forces) set_forces(x, *gradient, *forces);
@@ -268,7 +258,7 @@ void Potential::rest_rows(BlockMatrix& a) const {
 
 void Potential::set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces) {
     of_body_.assign(numbering_.deformables.size(), 0.0);
-    for_each_present([&](std::size_t t) { terms_[t]->raise_forces_at_work(x, of_body_); });
+    for (const auto& term : terms_) term->raise_forces_at_work(x, of_body_);
     dynamics_.raise_forces_at_work(of_body_);
     forces.resize(of_body_.size());
     for (std::size_t d = 0; d < forces.size(); ++d) {
@@ -315,7 +305,7 @@ void Potential::work(const std::vector<double>& force, const std::vector<double>
 void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
-    for_each_present([&](std::size_t t) { terms_[t]->add_hessian(x, project, a); });
+    for (const auto& term : terms_) term->add_hessian(x, project, a);
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);
@@ -330,18 +320,11 @@ double Potential::longest_move(const Positions& x, const std::vector<double>& di
 
 bool Potential::contacts_press() const {
     for (std::size_t t = 0; t < terms_.size(); ++t)
-        if (types_[t]->waits && energies_[t] > 0) return true;
+        if (types_[t]->presses && energies_[t] > 0) return true;
     return false;
 }
 
-bool Potential::contacts_are_early() const {
-    double waiting = 0, pulling = 0;
-    for (std::size_t t = 0; t < terms_.size(); ++t) {
-        if (types_[t]->waits) waiting += energies_[t];
-        if (types_[t]->pulls) pulling += energies_[t];
-    }
-    return waiting > 0 && waiting < early_share * pulling && stage_->bones_after != stage_->before.bones;
-}
+bool Potential::contacts_are_early() const { return contacts_press() && stage_->bones_after != stage_->before.bones; }
 
 double Potential::energy_rounding() const {
     double scale = 0;

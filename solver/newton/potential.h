@@ -98,13 +98,14 @@ class Potential {
     /// How far the value may be off by rounding alone [J].
     double energy_rounding() const;
 
-    /// After evaluate: whether bones have moved and the springs by which flesh hangs on them hold so much more energy
-    /// than contacts that those are between the new places of bones and the old ones of flesh.
+    /// After evaluate: whether contacts press, and are between the new places of bones and the old ones of flesh.
     bool contacts_are_early() const;
     /// After evaluate: whether contacts press.
     bool contacts_press() const;
-    /// Whether terms that may wait (TermType::waits) are left out of what follows.
-    void leave_out_contacts(bool out) { contacts_out_ = out; }
+    /// See Term.
+    void press_as_before(bool on) {
+        for (const auto& term : terms_) term->press_as_before(on);
+    }
 
     /// See Term.
     int levels() const;
@@ -123,8 +124,6 @@ class Potential {
     const Term* find(const TermType& type) const;
 
   private:
-    template <class Visit>
-    void for_each_present(const Visit& visit) const;
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
     void freeze_rows(BlockMatrix& a) const;
     void rest_rows(BlockMatrix& a) const;
@@ -144,7 +143,6 @@ class Potential {
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
     double energy_scale_ = 0;
     std::vector<double> energies_; ///< of the terms, as last evaluated [J]
-    bool contacts_out_ = false;
     std::vector<double> vertex_stiffness_, of_body_, reactions_, reaction_gradient_;
 };
 

@@ -142,10 +142,16 @@ FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& 
     return {feature, inverse * feature.away, inverse * feature.normal};
 }
 
+Vec3 turned_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
+                  const Vec3& in_triangle) {
+    return edges_of(surface.corners(start.feature.triangle, places)) * in_triangle;
+}
+
 Vec3 moved_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start) {
     const ClosestFeature& was = start.feature;
     const std::array<Vec3, 3> c = surface.corners(was.triangle, places);
-    return was.place[0] * c[0] + was.place[1] * c[1] + was.place[2] * c[2] + edges_of(c) * start.away;
+    return was.place[0] * c[0] + was.place[1] * c[1] + was.place[2] * c[2] +
+           turned_along(surface, places, start, start.away);
 }
 
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
@@ -153,7 +159,7 @@ ClosestFeature follow_feature(const CarriedSurface& surface, const Points& place
     constexpr double most_steps = 64;
     const ClosestFeature& was = start.feature;
     const Vec3 from = moved_along(surface, places, start), way = p - from,
-               side = edges_of(surface.corners(was.triangle, places)) * start.normal;
+               side = turned_along(surface, places, start, start.normal);
     const double longest = std::max(was.away.norm(), 0.5 * surface.mean_edge());
     const int steps = static_cast<int>(std::clamp(std::ceil(way.norm() / std::max(longest, 1e-300)), 1.0, most_steps));
     int triangle = was.triangle;

@@ -35,6 +35,9 @@ struct FeatureStart {
 };
 /// `corners` of the feature's triangle when it was found.
 FeatureStart start_of(const ClosestFeature& feature, const std::array<Vec3, 3>& corners);
+/// One of start's directions, turned along with its triangle.
+Vec3 turned_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
+                  const Vec3& in_triangle);
 /// Where the point would be had it moved along with the surface.
 Vec3 moved_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start);
 /// From where the point was at the start, moved along with the surface, straight to p, in steps so short that it does

@@ -106,6 +106,10 @@ class Term {
     virtual void add_quality(const Positions* /*x: of the last evaluation, looks closer; null: as evaluated*/,
                              ShapeQuality&) const {}
 
+    /// Whether, from here on, what touched at the start of the step presses as it did then: on the same places, carried
+    /// along with what they are on, also where it would have to draw; and nothing else touches. Of types that press.
+    virtual void press_as_before(bool) {}
+
     /// From here on deformables with a flag stay where they were when forces were evaluated last, none after an empty
     /// list: what the term found of them there alone holds and need not be found again, and nothing reads their rows of
     /// the Hessian.

@@ -79,7 +79,7 @@ const TermType contact_type{
     .begin = begin,
     .memory_version = 1,
     .has_memory = true,
-    .waits = true,
+    .presses = true,
 };
 
 Contacts::Contacts(const Scene& scene)

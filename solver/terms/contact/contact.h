@@ -47,6 +47,7 @@ class Contacts final : public Term {
     void raise_forces_at_work(const Positions&, std::span<double> largest) const override {
         gradient_.raise(scene_.numbering(), largest);
     }
+    void press_as_before(bool on) override { as_before_ = on, looked_at_.clear(); }
     void add_squared_stiffnesses(std::span<double> squares) const override;
     void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
     double stored_energy(const Positions& x) override;
@@ -142,6 +143,14 @@ class Contacts final : public Term {
     Force tether_force(const Tether& tether, double* stored) const;
     double evaluate(const Positions& x, bool with_damping);
     void remember_couplings() const;
+    // Of contact as it was at the start of the step, in contact_carried.cpp:
+    bool pressed_before(std::size_t touch) const;
+    Press carried_press(std::size_t touch) const;
+    double carried_energy(const Positions& x, bool with_forces);
+    void add_carried_hessian(const Positions& x, BlockMatrix& a);
+    // Of tethers, in contact_forces.cpp:
+    void add_tether_forces();
+    void add_tether_hessian(BlockMatrix& a);
     // Of layers of cloth, in contact_layers.cpp:
     void begin_cloth();
     void begin_cloth_search();
@@ -188,6 +197,7 @@ class Contacts final : public Term {
     std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1: it pressed
     Positions committed_x_;
     bool found_ = false;                ///< whether the touches of this stage are
+    bool as_before_ = false;            ///< press_as_before
     bool iterated_ = false;             ///< since the stage began: bones are where they will be
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
     mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside

@@ -346,7 +346,18 @@ double Contacts::evaluate(const Positions& x, bool with_damping) {
 
 double Contacts::stored_energy(const Positions& x) { return evaluate(x, false); }
 
+void Contacts::add_tether_forces() {
+    for (std::size_t i = 0; i < tethers_.size(); ++i) {
+        const Tether& tether = tethers_[i];
+        const Touch& t = touches_[tether.touch];
+        tether_elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+                                      scene_.numbering());
+        tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
+    }
+}
+
 double Contacts::energy(const Positions& x, bool with_forces) {
+    if (as_before_) return carried_energy(x, with_forces);
     const double energy = evaluate(x, true);
     if (!with_forces) return energy;
     gradient_.clear(x.size());
@@ -357,18 +368,13 @@ double Contacts::energy(const Positions& x, bool with_forces) {
                                scene_.numbering());
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
     }
-    for (std::size_t i = 0; i < tethers_.size(); ++i) {
-        const Tether& tether = tethers_[i];
-        const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
-                                      scene_.numbering());
-        tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
-    }
+    add_tether_forces();
     add_cloth_forces();
     return energy;
 }
 
 void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
+    if (as_before_) return add_carried_hessian(x, a);
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const Touch& t = touches_[i];
@@ -387,6 +393,11 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             strong_[pair_of_touch_[i]] = 1;
         elements_[i].add_hessian(blocks, stiffness(i), a);
     }
+    add_tether_hessian(a);
+    add_cloth_hessian(project, a);
+}
+
+void Contacts::add_tether_hessian(BlockMatrix& a) {
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
@@ -401,7 +412,6 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
             strong_[pair_of_touch_[tether.touch]] = 1;
         tether_elements_[i].add_hessian(blocks, 1, a);
     }
-    add_cloth_hessian(project, a);
 }
 
 void Contacts::add_squared_stiffnesses(std::span<double> squares) const {

@@ -170,8 +170,8 @@ TEST_CASE("contact of cloth: a strip that falls onto itself lies in layers, and 
         r.add_bone(box_bone({-1, -1, -0.2}, {2, 2, 0}), 1e6);
         r.in.gravity = Vec3(0, 0, -9.8), r.in.stiffness_damping = 0.005;
         std::size_t most = 0;
-        for (int i = 0; i < 40; ++i) {
-            r.step(1, 0.0125);
+        for (int i = 0; i < 80; ++i) {
+            r.step(1, 0.00625); // at twice that one start in three ends with a step that does not converge
             most = std::max(most, r.crossings_of(sheet, sheet));
         }
         return most;

@@ -56,5 +56,6 @@ TEST_CASE("contact: flesh that leans on a bone goes along with all of them at on
     for (std::size_t v = 0; v < after.size(); ++v) off = std::max(off, (after[v] - before[v] - shift).norm());
     CHECK(off < 1e-6);
     CHECK(value_of(state.record.measured, "contact", "force_N") == Catch::Detail::Approx(force).epsilon(1e-3));
-    CHECK(state.record.newton_iterations <= 5); // with those contacts from the first iteration on 7
+    // With contacts as they are found there from the first iteration on 7, without any in the first one 5.
+    CHECK(state.record.newton_iterations == 2);
 }
