@@ -41,13 +41,18 @@ PointTriangleBlocks point_triangle_hessian(const std::array<Vec3, 3>& corners, c
         }
     PointTriangleBlocks out;
     std::size_t entry = 0;
-    for (int i = 0; i < 4; ++i)
-        for (int j = i; j < 4; ++j, ++entry) {
-            Mat3 block = L[i] * L[j] * Mat3::Identity();
-            for (int v = 0; v < ways; ++v)
-                for (int w = 0; w < ways; ++w) block -= inverse(v, w) * mixed[i][v] * mixed[j][w].transpose();
-            out[entry] = block;
+    for (int i = 0; i < 4; ++i) {
+        Vec3 solved[2]; // f_xs f_ss^-1
+        for (int w = 0; w < ways; ++w) {
+            solved[w] = inverse(0, w) * mixed[i][0];
+            if (ways == 2) solved[w] += inverse(1, w) * mixed[i][1];
         }
+        for (int j = i; j < 4; ++j, ++entry) {
+            Mat3& block = out[entry];
+            block.setZero(), block.diagonal().setConstant(L[i] * L[j]);
+            for (int w = 0; w < ways; ++w) block.noalias() -= solved[w] * mixed[j][w].transpose();
+        }
+    }
     return out;
 }
 

@@ -246,6 +246,7 @@ void Slides::bind(const BlockPattern& pattern) {
     const std::vector<int>& unknown = scene_.numbering().unknown;
     pattern_ = &pattern;
     ties_.assign(slides_.size(), {});
+    find_shares();
     entries_.clear(), first_entry_.clear();
     for (const Slide& s : slides_) {
         first_entry_.push_back(entries_.size());

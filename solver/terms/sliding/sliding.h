@@ -101,8 +101,16 @@ class Slides final : public Term {
     void press(const Slide& s, int triangle, const Vec3& place, const Vec3& by_point);
     Vec3 way_of_brake(std::size_t slide) const;
     double evaluate(const Positions& x, bool with_damping) const;
-    void make_blocks(std::size_t slide, bool project);
-    void add_blocks(std::size_t slide, int triangle, const PointTriangleBlocks& blocks, double factor, BlockMatrix& a);
+    // Of the Hessian, in sliding_hessian.cpp:
+    struct Addition;
+    struct Share;
+    void find_shares();
+    void make_blocks(std::size_t slide, bool project, PointTriangleBlocks& blocks) const;
+    void make_additions(std::size_t slide, bool project);
+    template <class Visit>
+    void for_each_addition(const std::vector<std::size_t>& attachments, const Visit& visit) const;
+    void add_share(Share& share, BlockMatrix& a);
+    void add_outside(const Share& share, BlockMatrix& a);
     bool is_near_home(const SlidingTarget& target, const SlidingMemory::Place& place) const;
     void find_ties(std::size_t slide, int triangle);
 
@@ -142,7 +150,24 @@ class Slides final : public Term {
     };
     std::vector<std::size_t> first_entry_; ///< per slide and one past the end
     std::vector<Entry> entries_;
-    std::vector<PointTriangleBlocks> blocks_; ///< per slide
+    /// Blocks of a slide's point and a triangle, times a factor.
+    struct Addition {
+        int triangle = -1;
+        double factor = 0;
+        PointTriangleBlocks blocks;
+    };
+    static constexpr std::size_t most_additions = 3; ///< of a slide: where it may be, the bend of its height, its brake
+    std::vector<Addition> additions_;                ///< so many places a slide
+    std::vector<int> addition_count_;                ///< per slide
+    /// Attachments whose slides write to the same part of the matrix.
+    struct Share {
+        enum Kind { source, target, pair } kind;
+        std::size_t one, other; ///< bodies
+        std::vector<std::size_t> attachments;
+        std::vector<std::pair<std::size_t, const Addition*>> outside; ///< slides; scratch: what the pattern leaves out
+    };
+    std::vector<Share> shares_;
+    bool between_bodies_ = true; ///< no attachment ties a body to itself: shares may be written side by side
     /// Of the pattern, for what carries a point and what carries a triangle of its target.
     struct Tie {
         int block;
