@@ -13,6 +13,9 @@ namespace sinew::solver {
 
 namespace {
 
+/// Of the energy of springs, what contacts may have where bones have just moved away from flesh.
+constexpr double early_share = 2e-2;
+
 /// Zero for the unknowns, 3 numbers each, of deformables with a flag; without flags none has one.
 void clear(const Numbering& numbering, const std::vector<char>& flags, std::vector<double>& of_unknowns) {
     for (std::size_t d = 0; d < flags.size(); ++d) {
@@ -324,7 +327,14 @@ bool Potential::contacts_press() const {
     return false;
 }
 
-bool Potential::contacts_are_early() const { return contacts_press() && stage_->bones_after != stage_->before.bones; }
+bool Potential::contacts_are_early() const {
+    double pressing = 0, pulling = 0;
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
+        if (types_[t]->presses) pressing += energies_[t];
+        if (types_[t]->pulls) pulling += energies_[t];
+    }
+    return pressing > 0 && pressing < early_share * pulling && stage_->bones_after != stage_->before.bones;
+}
 
 double Potential::energy_rounding() const {
     double scale = 0;

@@ -98,7 +98,8 @@ class Potential {
     /// How far the value may be off by rounding alone [J].
     double energy_rounding() const;
 
-    /// After evaluate: whether contacts press, and are between the new places of bones and the old ones of flesh.
+    /// After evaluate: whether bones have moved and the springs by which flesh hangs on them hold so much more energy
+    /// than contacts that those are between the new places of bones and the old ones of flesh.
     bool contacts_are_early() const;
     /// After evaluate: whether contacts press.
     bool contacts_press() const;

@@ -107,7 +107,9 @@ class Term {
                              ShapeQuality&) const {}
 
     /// Whether, from here on, what touched at the start of the step presses as it did then: on the same places, carried
-    /// along with what they are on, also where it would have to draw; and nothing else touches. Of types that press.
+    /// along with what they are on, also where it would have to draw; and nothing else touches, nor does cloth. Of
+    /// types that press. Energy and gradient are good for a first direction alone: what the carried way turns by is
+    /// left out.
     virtual void press_as_before(bool) {}
 
     /// From here on deformables with a flag stay where they were when forces were evaluated last, none after an empty

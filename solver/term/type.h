@@ -40,6 +40,8 @@ struct TermType {
     bool (*may_mix)(std::span<const double> before, std::span<const double> after) = nullptr;
     /// Whether a part with these values pulls a deformable body towards what is prescribed: ties it in QuasiStatic.
     bool ties = false;
+    /// Whether its springs take flesh along with bones that move.
+    bool pulls = false;
     /// Whether bodies that touch press on each other by it (Term::press_as_before).
     bool presses = false;
 };

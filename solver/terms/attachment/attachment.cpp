@@ -29,6 +29,7 @@ const TermType attachment_type{
                 TermMemory& memory) { keep_attachments(make_anchors(scene, inputs.attachments, surfaces), memory); },
     .memory_version = 1,
     .has_memory = true,
+    .pulls = true,
 };
 
 Changes Attachments::take(const StepInputs& inputs, const State& before) {

@@ -159,15 +159,16 @@ class Slides final : public Term {
     static constexpr std::size_t most_additions = 3; ///< of a slide: where it may be, the bend of its height, its brake
     std::vector<Addition> additions_;                ///< so many places a slide
     std::vector<int> addition_count_;                ///< per slide
-    /// Attachments whose slides write to the same part of the matrix.
+    /// Attachments whose slides write to the same numbers.
     struct Share {
         enum Kind { source, target, pair } kind;
-        std::size_t one, other; ///< bodies
+        std::size_t one, other; ///< bodies: carriers, of target itself
         std::vector<std::size_t> attachments;
         std::vector<std::pair<std::size_t, const Addition*>> outside; ///< slides; scratch: what the pattern leaves out
     };
     std::vector<Share> shares_;
-    bool between_bodies_ = true; ///< no attachment ties a body to itself: shares may be written side by side
+    bool between_carriers_ = true; ///< none ties what one tissue carries to itself: shares may be written side by side
+    std::vector<std::vector<std::size_t>> targets_of_carriers_; ///< those that deform
     /// Of the pattern, for what carries a point and what carries a triangle of its target.
     struct Tie {
         int block;

@@ -1,11 +1,12 @@
 // Sliding attachments within a stage: the Hessian. Each slide has blocks of its point with one or several triangles,
-// made side by side; they go to the matrix body by body and pair by pair, which write to blocks of their own.
+// made side by side; they go to the matrix carrier by carrier and pair by pair, which write to blocks of their own.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/index.h"
 #include "solver/parallel.h"
 #include "solver/terms/sliding/sliding.h"
 
 #include <algorithm>
+#include <map>
 
 namespace sinew::solver {
 
@@ -95,9 +96,10 @@ void Slides::for_each_addition(const std::vector<std::size_t>& attachments, cons
             for (int k = 0; k < addition_count_[i]; ++k) visit(i, additions_[most_additions * i + at(k)]);
 }
 
-/// Attachments whose slides write to the same blocks, in groups: those of a source, of a target, of a pair.
+/// Attachments whose slides write to the same numbers, in groups: to blocks of what carries the source, to those of a
+/// pair of carriers, and to sums of a target.
 void Slides::find_shares() {
-    shares_.clear(), between_bodies_ = true;
+    shares_.clear(), between_carriers_ = true;
     const auto add = [&](Share::Kind kind, std::size_t one, std::size_t other, std::size_t attachment) {
         const auto found = std::ranges::find_if(
             shares_, [&](const Share& s) { return s.kind == kind && s.one == one && s.other == other; });
@@ -107,13 +109,20 @@ void Slides::find_shares() {
     for (std::size_t a = 0; a + 1 < first_slide_.size(); ++a) {
         if (first_slide_[a] == first_slide_[a + 1]) continue;
         const AttachmentRest& rest = scene_.description().attachments[a];
-        const std::size_t source = at(rest.source), target = at(rest.target);
+        // Subtissues are bodies of their own, of which one tissue may carry several.
+        const std::size_t source = at(scene_.carrier_of(rest.source)), target = at(scene_.carrier_of(rest.target));
         const bool source_deforms = scene_.deforms(rest.source), target_deforms = scene_.deforms(rest.target);
         if (source_deforms && target_deforms) add(Share::pair, std::min(source, target), std::max(source, target), a);
-        if (target_deforms) add(Share::target, target, target, a);
+        if (target_deforms) add(Share::target, at(rest.target), at(rest.target), a);
         if (source_deforms) add(Share::source, source, source, a);
-        between_bodies_ = between_bodies_ && source != target;
+        between_carriers_ = between_carriers_ && source != target;
     }
+    std::map<int, std::vector<std::size_t>> by_carrier;
+    for (std::size_t t = 0; t < targets_.size(); ++t)
+        if (targets_[t] && targets_[t]->surface().deforms())
+            by_carrier[scene_.carrier_of(static_cast<int>(t))].push_back(t);
+    targets_of_carriers_.clear();
+    for (auto& [carrier, targets] : by_carrier) targets_of_carriers_.push_back(std::move(targets));
 }
 
 void Slides::add_share(Share& share, BlockMatrix& a) {
@@ -161,14 +170,13 @@ void Slides::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
     parallel_for(slides_.size(), 64, [&](std::size_t i) { make_additions(i, project); });
     for (const auto& target : targets_)
         if (target && target->surface().deforms()) target->hessian().clear();
-    if (between_bodies_)
+    if (between_carriers_)
         parallel_for(shares_.size(), 1, [&](std::size_t k) { add_share(shares_[k], a); });
     else
         for (Share& share : shares_) add_share(share, a);
     for (const Share& share : shares_) add_outside(share, a);
-    // Each goes to blocks of its own body.
-    parallel_for(targets_.size(), 1, [&](std::size_t t) {
-        if (targets_[t] && targets_[t]->surface().deforms()) targets_[t]->hessian().add_to(a);
+    parallel_for(targets_of_carriers_.size(), 1, [&](std::size_t k) {
+        for (const std::size_t t : targets_of_carriers_[k]) targets_[t]->hessian().add_to(a);
     });
 }
 
