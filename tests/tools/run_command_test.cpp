@@ -193,13 +193,16 @@ TEST_CASE("one and two threads give the same bits where subtissues of one limb s
         return nlohmann::json{{"type", type}, {"inputs", std::move(inputs)}};
     };
     nlohmann::json nodes;
+    nodes["flesh"] = node("zMaterial", {{"youngsModulus", 3e4}});
+    const nlohmann::json flesh = nlohmann::json::array({from("flesh.outMaterial")});
     nodes["limbMesh"] = node("polyCube", {{"width", 24}, {"height", 6}, {"depth", 6}});
     nodes["limbTets"] = node("zTet", {{"mesh", from("limbMesh.outMesh")}, {"tetSize", 1.5}});
     nodes["ball"] = node("polySphere", {{"radius", 2.2}});
     nodes["slabMesh"] = node("polyCube", {{"width", 12}, {"height", 1.6}, {"depth", 6}});
     nodes["slabPlace"] = node("transform", {{"mesh", from("slabMesh.outMesh")}, {"translate", {0, 4, 0}}});
     nodes["slabTets"] = node("zTet", {{"mesh", from("slabPlace.outMesh")}, {"tetSize", 1.5}});
-    nodes["slab"] = node("zTissue", {{"mesh", from("slabPlace.outMesh")}, {"tets", from("slabTets.outTets")}});
+    nodes["slab"] = node(
+        "zTissue", {{"mesh", from("slabPlace.outMesh")}, {"tets", from("slabTets.outTets")}, {"materials", flesh}});
     nodes["floorMesh"] = node("polyCube", {{"width", 26}, {"height", 1}, {"depth", 8}});
     nodes["floorMove"] = node("transform", {{"translate", {{"keys", {{1, {0, -3.5, 0}}, {5, {1, -2.8, 0}}}}}}});
     nodes["floor"] = node("zBone", {{"mesh", from("floorMesh.outMesh")}, {"matrix", from("floorMove.outMatrix")}});
@@ -209,7 +212,7 @@ TEST_CASE("one and two threads give the same bits where subtissues of one limb s
         const int sign = name == "left" ? -1 : 1;
         nodes[name + "Mesh"] =
             node("transform", {{"mesh", from("ball.outMesh")}, {"translate", {3 * sign, 0, 0}}, {"scale", {2, 1, 1}}});
-        nodes[name] = node("zSubtissue", {{"mesh", from(name + "Mesh.outMesh")}});
+        nodes[name] = node("zSubtissue", {{"mesh", from(name + "Mesh.outMesh")}, {"materials", flesh}});
         inner.push_back(from(name + ".outBody")), bodies.push_back(from(name + ".outBody"));
         nodes[name + "Paint"] = node(
             "weights",
@@ -225,8 +228,10 @@ TEST_CASE("one and two threads give the same bits where subtissues of one limb s
                                                     {"stiffness", 1e7}});
         ties.push_back(from(name + "Under.outAttachment")), ties.push_back(from(name + "Over.outAttachment"));
     }
-    nodes["limb"] = node(
-        "zTissue", {{"mesh", from("limbMesh.outMesh")}, {"tets", from("limbTets.outTets")}, {"subtissues", inner}});
+    nodes["limb"] = node("zTissue", {{"mesh", from("limbMesh.outMesh")},
+                                     {"tets", from("limbTets.outTets")},
+                                     {"materials", flesh},
+                                     {"subtissues", inner}});
     nodes["solver"] = node("zSolver", {{"bodies", bodies}, {"attachments", ties}, {"scale", 100}});
     const TemporaryFolder folder;
     const std::string graph = write_graph(
