@@ -158,8 +158,8 @@ struct ContactsBefore {
 
 /// A first step of Newton's with the contacts of the start of the step, carried along with bones, where those have
 /// moved and the flesh that hangs on them has yet to follow: what touches there never did, and no step that minds it is
-/// right for the rest.
-/// Taken if the potential is lower there. Returns its value at x, with gradient and forces in the workspace.
+/// right for the rest. Taken if the potential is lower there. Returns its value at x, with gradient and forces in the
+/// workspace.
 double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
                         std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     if (!potential.contacts_are_early()) return value;

@@ -42,7 +42,7 @@ void Slides::make_blocks(std::size_t i, bool project, PointTriangleBlocks& block
 
 /// All that a slide adds, into its places of additions_.
 void Slides::make_additions(std::size_t i, bool project) {
-    Addition* next = additions_.data() + most_additions * i;
+    Addition *const first = additions_.data() + most_additions * i, *next = first;
     const double k = stiffness(slides_[i]), g = heights_[i];
     const SlidingTarget& target = *targets_[slides_[i].target];
     const Height& h = now_[i].height;
@@ -62,7 +62,7 @@ void Slides::make_additions(std::size_t i, bool project) {
         for (Mat3& block : next->blocks) block.setZero();
         add_square(b.place, b.normal * b.normal.transpose(), next++->blocks);
     }
-    addition_count_[i] = static_cast<int>(next - additions_.data()) - static_cast<int>(most_additions * i);
+    addition_count_[i] = static_cast<int>(next - first);
 }
 
 void Slides::find_ties(std::size_t i, int triangle) {
