@@ -3,6 +3,7 @@
 #include "nodes/motion_track.h"
 
 #include "engine/diagnostics.h"
+#include "engine/text.h"
 #include "nodes/json_file.h"
 #include "nodes/matrices.h"
 #include "solver/error.h"
@@ -94,19 +95,19 @@ void for_frames(const Json& file, const std::string& path, Take take) {
             throw Error("IO403", "'" + path + "' has a frame without a number \"frame\"");
         const double number = f["frame"].get<double>();
         if (!(number > last))
-            throw Error("IO403", "'" + path + "': frame " + std::to_string(number) + " does not come after frame " +
-                                     std::to_string(last));
+            throw Error("IO403", "'" + path + "': frame " + engine::number_text(number) +
+                                     " does not come after frame " + engine::number_text(last));
         last = number;
         take(number, f);
     }
 }
 
-[[noreturn]] void throw_unknown(const std::string& path, const std::string& what, const std::string& name,
+[[noreturn]] void throw_unknown(const std::string& path, double frame, const std::string& what, const std::string& name,
                                 const Json& object) {
     std::vector<std::string> names;
     for (const auto& [key, value] : object.items()) names.push_back(key);
     const std::string near = engine::nearest_name(name, names);
-    throw Error("IO403", "'" + path + "' has no " + what + " '" + name + "'",
+    throw Error("IO403", "'" + path + "' has no " + what + " '" + name + "' at frame " + engine::number_text(frame),
                 near.empty() ? std::string() : "Did you mean '" + near + "'?");
 }
 
@@ -139,7 +140,7 @@ MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, c
     track.fps = fps_of(file);
     for_frames(file, path, [&](double number, const Json& frame) {
         const Json bones = frame.value("bones", Json::object());
-        if (!bones.is_object() || !bones.contains(bone)) throw_unknown(path, "bone", bone, bones);
+        if (!bones.is_object() || !bones.contains(bone)) throw_unknown(path, number, "bone", bone, bones);
         const engine::NumberList m = numbers_of(bones[bone], "the matrix of '" + bone + "'", path);
         if (m.size() != 16)
             throw Error("IO403",
@@ -150,7 +151,7 @@ MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, c
         if (!is_affine(track.matrices.back()))
             throw Error("IO403",
                         "'" + path + "': the last row of the matrix of '" + bone + "' at frame " +
-                            std::to_string(number) + " is not 0 0 0 1",
+                            engine::number_text(number) + " is not 0 0 0 1",
                         "Write matrices row by row, with the translation in the last column.");
     });
     return track;
@@ -165,7 +166,8 @@ NumberTrack parse_number_track(std::string_view text, const std::string& path, c
     NumberTrack track;
     track.fps = fps_of(file);
     for_frames(file, path, [&](double number, const Json& frame) {
-        if (!frame.contains(channel) || !frame[channel].is_number()) throw_unknown(path, "channel", channel, frame);
+        if (!frame.contains(channel) || !frame[channel].is_number())
+            throw_unknown(path, number, "channel", channel, frame);
         track.frames.push_back(number);
         track.values.push_back(frame[channel].get<double>());
     });

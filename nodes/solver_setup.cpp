@@ -329,36 +329,6 @@ Setup read_setup(const Reads& in, const SceneKey* known, const Reads* contact) {
     return setup;
 }
 
-void warn_of_lone_sets(const Reads& in, const Setup& setup) {
-    struct Member {
-        std::size_t body;
-        const solver::ContactRest* rest;
-        solver::ContactValues values;
-    };
-    std::vector<Member> members;
-    for (std::size_t i = setup.forces.size() - setup.contacts.size(); i < setup.forces.size(); ++i) {
-        const Force& f = setup.forces[i];
-        members.push_back({static_cast<std::size_t>(setup.key.reach[i].front()),
-                           static_cast<const solver::ContactRest*>(f.rest.get()),
-                           solver::get_fields<solver::ContactValues>(f.values)});
-    }
-    for (const Member& m : members) {
-        if (m.rest->sets.empty() || m.values.collides < 0.5 || m.values.collides_with_itself >= 0.5) continue;
-        std::size_t others = 0, partners = 0;
-        for (const Member& o : members) {
-            if (o.body == m.body || (setup.body(o.body).is_bone() && setup.body(m.body).is_bone())) continue;
-            ++others, partners += solver::share_a_set(*m.rest, *o.rest) ? 1 : 0;
-        }
-        if (others == 0 || partners > 0) continue;
-        std::string sets;
-        for (const int s : m.rest->sets) sets += (sets.empty() ? "" : " ") + std::to_string(s);
-        in.warn(bodies.name, "FE256",
-                body_name(in, setup, m.body) + ".collisionSets is \"" + sets +
-                    "\", which no other body that could touch it shares, so it touches nothing",
-                "Give both bodies of a pair a number in common, or switch collisions of the body off.");
-    }
-}
-
 solver::SceneDescription describe_scene(const Setup& setup) {
     const double units = setup.key.scale;
     solver::SceneDescription scene;

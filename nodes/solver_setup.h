@@ -65,8 +65,6 @@ std::string attachment_name(const engine::Reads& in, const Setup& setup, int att
 Setup read_setup(const engine::Reads& in, const SceneKey* known, const engine::Reads* contact);
 /// The frame's collisionDetection: `frame`, if it is on.
 const engine::Reads* contact_of(const engine::Reads& frame);
-/// Warns (FE256) of bodies that no other one can touch, because no other one shares a number of their collisionSets.
-void warn_of_lone_sets(const engine::Reads& in, const Setup& setup);
 /// The scene in metres.
 solver::SceneDescription describe_scene(const Setup& setup);
 /// Values of one step out of `steps_per_frame`; metres.

@@ -9,6 +9,7 @@
 #include "nodes/marks.h"
 #include "nodes/simulation_state.h"
 #include "nodes/solver_setup.h"
+#include "nodes/start_warnings.h"
 #include "nodes/worst.h"
 #include "nodes/z_solver_attributes.h"
 #include "solver/integrate/implicit_form.h"
@@ -130,6 +131,7 @@ SimulationState initial(const Reads& in) {
     out.lines = lines;
     warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
     warn_of_lone_sets(in, setup);
+    warn_of_lost_velocities(in, setup, without_inertia(in));
     warn_of_lines_elsewhere(in, setup);
     return out;
 }

@@ -185,6 +185,32 @@ TEST_CASE("initial velocities arrive in any unit, and only at the start", "[node
     for (std::size_t i = 0; i < rest.size(); ++i) CHECK((now[i] - turn * rest[i]).norm() < 0.02);
 }
 
+TEST_CASE("an initial velocity that a body never gets is told", "[nodes]") {
+    const auto told = [](const std::string& tissue, const std::string& solver) {
+        Session s(R"("mesh": {"type": "polyCube", "inputs": {"width": 3, "height": 2, "depth": 2}},
+            "flesh": {"type": "zMaterial"},
+            "tets": {"type": "zTet", "inputs": {"mesh": {"from": "mesh.outMesh"}, "tetSize": 1.2}},
+            "hold": {"type": "zHold", "inputs": {"tissue": {"from": "box.outBody"}}},
+            "box": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh.outMesh"}, "tets": {"from": "tets.outTets"},
+                    "materials": [{"from": "flesh.outMaterial"}])" +
+                  tissue + R"(}}, "solver": {"type": "zSolver", "inputs": {"forces": [{"from": "hold.outForce"}],
+                    "bodies": [{"from": "box.outBody"}])" +
+                  solver + "}}");
+        s.pull("solver", "outMeshes", 1);
+        std::string out;
+        for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
+        return out;
+    };
+    const std::string falls = R"(, "initialVelocity": [0, -1, 0])", turns = R"(, "initialAngularVelocity": [0, 1, 0])",
+                      late = R"(, "enable": {"keys": [[1, false], [2, true]]})",
+                      early = R"(, "enable": {"keys": [[1, true], [2, false]]})";
+    CHECK(told(falls + late, "") ==
+          "FE339 box.initialVelocity is lost: the body is off at the start frame, and comes on at rest\n");
+    CHECK(told(turns, R"(, "integrator": "QuasiStatic")") ==
+          "FE339 box.initialAngularVelocity is lost: QuasiStatic knows no velocities\n");
+    for (const std::string& fine : {falls + early, late, falls + turns}) CHECK(told(fine, "") == "");
+}
+
 TEST_CASE("fibres may be given by a vector, a list or a file, and then need no end points", "[nodes]") {
     const Folder folder;
     const auto muscle = [](const std::string& fibre, const std::string& law = "StVK") {

@@ -238,6 +238,13 @@ TEST_CASE("a motion file that cannot be used says why", "[nodes]") {
     const std::string m = "[1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]";
     CHECK(pulled(R"({"frames": [{"frame": 2, "bones": {"b": )" + m + R"(}}, {"frame": 2, "bones": {"b": )" + m +
                  "}}]}") == Codes{"IO403"});
+    // What is missing in one frame only is looked for there.
+    const std::string path = folder.write("gap.json", R"({"frames": [{"frame": 2, "bones": {"b": )" + m +
+                                                          R"(}}, {"frame": 3.5, "bones": {"c": )" + m + "}}]}");
+    Session gap(R"("t": {"type": "transform", "inputs": {"track": ")" + path + R"(", "trackName": "b"}})");
+    std::string text;
+    CHECK(codes([&] { gap.pull("t", "outMatrix"); }, &text) == Codes{"IO403"});
+    CHECK(text.find("has no bone 'b' at frame 3.5") != std::string::npos);
     CHECK(codes(R"("t": {"type": "transform", "inputs": {"track": ")" + folder.path("none.json") +
                     R"(", "trackName": "b"}})",
                 "t", "outMatrix") == Codes{"IO401"});

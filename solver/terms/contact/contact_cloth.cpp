@@ -84,7 +84,8 @@ void Contacts::make_drags() {
     for (const ClothContact::Press& press : presses_) {
         const ContactPair& pair = cloth_.pair(press.pair);
         if (!rubs(pair) || press.stiffness <= 0) continue;
-        Drag drag{.press = press};
+        Drag drag;
+        drag.press = press;
         const Mat3 across = press.out * press.out.transpose();
         drag.holds = Mat3::Identity() - across;
         const double most = pair.slides ? pair.friction * press.force() : std::numeric_limits<double>::infinity();

@@ -110,6 +110,16 @@ TEST_CASE("a solid whose volume numbers cannot hold is refused", "[parts]") {
     CHECK(volume_of(cube(Vec3::Constant(1e-59)), 0) == Approx(1e-177).epsilon(1e-9));
 }
 
+TEST_CASE("a vertex that went astray, beside which everything is flat, is named", "[parts]") {
+    Shape astray = cube();
+    astray.points[5].z() = 1e39;
+    CHECK(std::string(refusal(astray, 0).what())
+              .ends_with("since vertex 5 (counted from 0) lies far away from the others"));
+    Shape flat = cube();
+    for (Vec3& p : flat.points) p.z() *= 1e-12;
+    CHECK(std::string(refusal(flat, 0).what()) == "the mesh is flat: its bounding box is 1 x 1 x 1e-12");
+}
+
 TEST_CASE("a band with one side only has no inside, and the message says where", "[parts]") {
     const Error e = refusal(moebius(24));
     CHECK(e.code == "FE223");

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/start_warnings.h"
+
+#include "nodes/z_solver_attributes.h"
+#include "solver/terms/contact/contact.h"
+#include "solver/terms/contact/contact_rest.h"
+
+#include <algorithm>
+
+namespace sinew::nodes {
+
+using engine::Reads;
+using namespace z_solver;
+
+namespace {
+
+std::string name_of(const Reads& in, const Setup& setup, std::size_t simulated_index) {
+    return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
+}
+
+} // namespace
+
+void warn_of_lone_sets(const Reads& in, const Setup& setup) {
+    struct Member {
+        std::size_t body;
+        const solver::ContactRest* rest;
+        solver::ContactValues values;
+    };
+    std::vector<Member> members;
+    for (std::size_t i = setup.forces.size() - setup.contacts.size(); i < setup.forces.size(); ++i) {
+        const Force& f = setup.forces[i];
+        members.push_back({static_cast<std::size_t>(setup.key.reach[i].front()),
+                           static_cast<const solver::ContactRest*>(f.rest.get()),
+                           solver::get_fields<solver::ContactValues>(f.values)});
+    }
+    for (const Member& m : members) {
+        if (m.rest->sets.empty() || m.values.collides < 0.5 || m.values.collides_with_itself >= 0.5) continue;
+        std::size_t others = 0, partners = 0;
+        for (const Member& o : members) {
+            if (o.body == m.body || (setup.body(o.body).is_bone() && setup.body(m.body).is_bone())) continue;
+            ++others, partners += solver::share_a_set(*m.rest, *o.rest) ? 1 : 0;
+        }
+        if (others == 0 || partners > 0) continue;
+        std::string sets;
+        for (const int s : m.rest->sets) {
+            if (!sets.empty()) sets += ' ';
+            sets += std::to_string(s);
+        }
+        in.warn(bodies.name, "FE256",
+                name_of(in, setup, m.body) + ".collisionSets is \"" + sets +
+                    "\", which no other body that could touch it shares, so it touches nothing",
+                "Give both bodies of a pair a number in common, or switch collisions of the body off.");
+    }
+}
+
+void warn_of_lost_velocities(const Reads& in, const Setup& setup, bool without_inertia) {
+    for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
+        const solver::InitialMotion& start = setup.body(i).start;
+        if (start.velocity.isZero(0) && start.angular_velocity.isZero(0)) continue;
+        const std::string what =
+            name_of(in, setup, i) + (start.velocity.isZero(0) ? ".initialAngularVelocity" : ".initialVelocity");
+        if (without_inertia)
+            in.warn(integrator.name, "FE339", what + " is lost: QuasiStatic knows no velocities",
+                    "Choose another integrator, or take the velocity out.");
+        else if (!setup.acts(i))
+            in.warn(bodies.name, "FE339", what + " is lost: the body is off at the start frame, and comes on at rest",
+                    "Let it be on at the start frame, or take the velocity out.");
+    }
+}
+
+} // namespace sinew::nodes
