@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 namespace sinew::solver {
 
@@ -70,14 +71,6 @@ std::span<const RideTerm> ClothContact::ride(int corner) const {
     return bodies_[body_of(corner)].free_ride(point_of(corner));
 }
 
-/// The area that a point stands for. The points of both sheets press, and each counts in part, as those of solids do.
-double ClothContact::share(int point, int face) const {
-    double others = 0;
-    for (const int v : faces_[at(face)]) others += areas_[at(v)] / 3;
-    const double own = areas_[at(point)];
-    return own * others * others / (own * own + others * others);
-}
-
 ClothContact::Press ClothContact::press_of_point(int point, const Near& f, double count, const Vec3& place,
                                                  const Vec3& away, double distance) const {
     const Triangle& t = faces_[at(f.face)];
@@ -87,7 +80,7 @@ ClothContact::Press ClothContact::press_of_point(int point, const Near& f, doubl
     p.weights = corner_weights_of(place);
     p.pair = f.pair, p.range = pair.range;
     p.face = f.face, p.side = f.side, p.through = f.through;
-    p.stiffness = count * pair.stiffness * share(point, f.face);
+    p.stiffness = count * pair.stiffness * f.area;
     p.gap = f.through ? -distance : distance, p.away = away;
     if (distance > 0) p.out = (f.through ? -1 : 1) / distance * away;
     return p;
@@ -125,6 +118,31 @@ double ClothContact::standoff_of(const EdgePair& c, const std::array<Vec3, 4>& a
                     [&] { return farthest_way(corners_of(c, start_), at_x, 2); });
 }
 
+/// Whether two sides have gone through each other: what is nearer to where the solve goes on from than the sides were
+/// apart there is as it was there, everything else by the straight way from the start of the step. A straight way that
+/// passes by the end of an edge would else be through here and not there, with an energy that jumps.
+template <class Pair>
+bool ClothContact::is_through(const Pair& c, const std::array<Vec3, 4>& at_x, bool turned, double distance) const {
+    constexpr bool of_point = std::is_same_v<Pair, PointFace>;
+    constexpr std::size_t split = of_point ? 1 : 2;
+    if (!turned && !c.passage.was_through()) return false;
+    if (!accepted_.empty() && farthest_way(corners_of(c, accepted_), at_x, split) < c.passage.apart())
+        return c.passage.was_through();
+    if (!turned) return false;
+    const std::array<Vec3, 4> from = corners_of(c, start_);
+    if (!may_have_met(from, at_x, split, distance)) return false;
+    if constexpr (of_point)
+        return crosses_face(from, at_x);
+    else
+        return crosses_edge(from, at_x);
+}
+
+void ClothContact::accept() {
+    for (PointFace& c : point_faces_) c.passage.accept();
+    for (EdgePair& c : edge_pairs_) c.passage.accept();
+    accepted_ = now_;
+}
+
 /// From where pairs were looked at last to now_.
 void ClothContact::watch_moves() {
     moves_.resize(now_.size()), face_moves_.resize(faces_.size()), edge_moves_.resize(edges_.size());
@@ -146,30 +164,27 @@ void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Po
     const double own_move = at_start ? 0 : moves_[at(point)];
     for (std::size_t i = first; i < end; ++i) {
         PointFace& c = point_faces_[i];
-        if (!at_start && c.standoff.outlasts(own_move + face_moves_[at(c.face)])) continue;
         const ContactPair& pair = pairs_[at(c.pair)];
+        c.passage.leave(pair.range);
+        if (!at_start && c.standoff.outlasts(own_move + face_moves_[at(c.face)])) continue;
         const std::array<Vec3, 4> at_x = corners_of(c, x);
         const Vec3 n = (at_x[2] - at_x[1]).cross(at_x[3] - at_x[1]);
         const double height = n.dot(at_x[0] - at_x[1]);
         const bool turned = c.side * height < 0 && !at_start;
-        if (!turned && height * height >= pair.range * pair.range * n.squaredNorm()) {
+        if (!turned && !c.passage.was_through() && height * height >= pair.range * pair.range * n.squaredNorm()) {
             if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, 0));
             continue;
         }
         const TrianglePoint there = closest_on_triangle(at_x[0], {at_x[1], at_x[2], at_x[3]}, faces_[at(c.face)]);
         const Vec3 away = at_x[0] - there.point;
         const double distance = away.norm();
-        bool through = false;
-        if (turned) {
-            const std::array<Vec3, 4> from = corners_of(c, start_);
-            through = may_have_met(from, at_x, 1, distance) && crosses_face(from, at_x);
-        }
+        const bool through = !at_start && is_through(c, at_x, turned, distance);
         if (!through && distance >= pair.range) {
             if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
             continue;
         }
-        c.standoff.forget();
-        s.near.push_back({c.face, c.pair, c.side, through, there.barycentric, away, distance});
+        c.standoff.forget(), c.passage.meet(through ? -distance : distance);
+        s.near.push_back({c.face, c.pair, c.side, through, there.barycentric, away, distance, c.area});
         any_through = any_through || through;
     }
     if (any_through) {
@@ -269,35 +284,34 @@ void ClothContact::count_once(int point, const Points& x, Scratch& s) const {
 
 void ClothContact::press_of_edges(EdgePair& c, const Points& x, std::vector<Press>& out) const {
     const bool at_start = &x == &start_;
+    const double range = edge_share * pairs_[at(c.pair)].range;
+    c.passage.leave(range);
     if (!at_start && c.standoff.outlasts(edge_moves_[at(c.one)] + edge_moves_[at(c.other)])) return;
     const std::array<Vec3, 4> at_x = corners_of(c, x);
     const Vec3 one = at_x[1] - at_x[0], other = at_x[3] - at_x[2], n = one.cross(other);
-    const double height = n.dot(at_x[2] - at_x[0]), range = edge_share * pairs_[at(c.pair)].range;
+    const double height = n.dot(at_x[2] - at_x[0]);
     const bool turned = c.side * height < 0 && !at_start;
     constexpr double parallel = 1e-12; // squared sine: no plane between them says how far apart they are
     const bool askew = n.squaredNorm() > parallel * one.squaredNorm() * other.squaredNorm();
-    if (!turned && askew && height * height >= range * range * n.squaredNorm()) {
+    if (!turned && !c.passage.was_through() && askew && height * height >= range * range * n.squaredNorm()) {
         if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, 0));
         return;
     }
     const SegmentPair there = closest_of_segments(at_x[0], at_x[1], at_x[2], at_x[3]);
     const double distance = there.away.norm();
-    bool through = false;
-    if (turned) {
-        const std::array<Vec3, 4> from = corners_of(c, start_);
-        through = may_have_met(from, at_x, 2, distance) && crosses_edge(from, at_x);
-    }
+    const bool through = !at_start && is_through(c, at_x, turned, distance);
     if (!through && distance >= range) {
         if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
         return;
     }
-    c.standoff.forget();
+    c.standoff.forget(), c.passage.meet(through ? -distance : distance);
     Press p;
     const auto &e = edges_[at(c.one)], &f = edges_[at(c.other)];
     p.corners = {e[0], e[1], f[0], f[1]};
     p.weights = {1 - there.s, there.s, there.t - 1, -there.t};
     p.split = 2, p.pair = c.pair, p.range = range, p.through = through;
-    p.stiffness = pairs_[at(c.pair)].stiffness * 0.5 * (edge_areas_[at(c.one)] + edge_areas_[at(c.other)]);
+    const double area = edge_areas_[at(c.one)], other_area = edge_areas_[at(c.other)];
+    p.stiffness = pairs_[at(c.pair)].stiffness * 2 * area * other_area / (area + other_area);
     p.gap = through ? -distance : distance, p.away = there.away;
     if (distance > 0) p.out = (through ? -1 : 1) / distance * there.away;
     out.push_back(p);

@@ -19,6 +19,7 @@
 #include "solver/term/point_triangle_element.h"
 #include "solver/term/term.h"
 #include "solver/terms/contact/collision_bodies.h"
+#include "solver/terms/contact/passage.h"
 #include "solver/terms/contact/standoff.h"
 
 #include <algorithm>
@@ -76,6 +77,8 @@ class ClothContact {
     bool covers(const std::vector<Points>& places) const;
     /// What presses where the points are now, in fixed order.
     void find_presses(const std::vector<Points>& places, std::vector<Press>& out);
+    /// A solve goes on from where presses were found last.
+    void accept();
     /// What presses at the start of the step.
     void find_presses_at_start(std::vector<Press>& out);
 
@@ -103,17 +106,20 @@ class ClothContact {
         int point, face, pair;
         int side; ///< of the face's plane at the start: 1, -1, or 0 in it
         Standoff standoff{};
+        Passage passage{};
+        double area = 0; ///< that the point stands for against the face's body [m^2]
     };
     struct EdgePair {
         int one, other, pair, side;
         Standoff standoff{};
+        Passage passage{};
     };
     /// A face that a point is near to.
     struct Near {
         int face, pair, side;
         bool through;
         Vec3 place, away;
-        double distance;
+        double distance, area;
     };
     /// Where a point is nearest to faces, edges and vertices, and how often that counts.
     struct Place {
@@ -138,11 +144,13 @@ class ClothContact {
     int pair_of(int point, int other) const {
         return pair_of_members_[at(member_of_[at(point)]) * members_.size() + at(member_of_[at(other)])];
     }
+    template <class Pair>
+    bool is_through(const Pair& c, const std::array<Vec3, 4>& at_x, bool turned, double distance) const;
     bool is_lost(int point, int target_member) const;
     void drop_inside(int point, std::vector<PointFace>& found, std::size_t first);
     bool is_inside(int face, const TrianglePoint& there, const Vec3& p) const;
     bool is_held(int pair, int corner) const;
-    double share(int point, int face) const;
+    void share(std::span<PointFace> of_pair) const;
     std::array<Vec3, 4> corners_of(const PointFace& c, const Points& x) const;
     std::array<Vec3, 4> corners_of(const EdgePair& c, const Points& x) const;
     void gather(const std::vector<Points>& places, Points& out) const;
@@ -165,8 +173,9 @@ class ClothContact {
     std::vector<int> member_of_;  ///< per point of all members
     std::vector<Triangle> faces_; ///< by points of all members
     std::vector<std::array<int, 2>> edges_;
-    std::vector<double> areas_;      ///< per point [m^2]
-    std::vector<double> edge_areas_; ///< a third of the faces beside each [m^2]
+    std::vector<double> areas_;       ///< per point [m^2]
+    std::vector<double> face_points_; ///< per face: the mean of its points' areas [m^2]
+    std::vector<double> edge_areas_;  ///< a third of the faces beside each [m^2]
     Points modelled_;
     Bvh face_tree_, edge_tree_;
     std::vector<int> last_edges_; ///< per node of the edges' tree: the highest number in it
@@ -184,6 +193,7 @@ class ClothContact {
     std::vector<std::size_t> point_starts_; ///< places of the first of each point that has any; one more
     std::vector<EdgePair> edge_pairs_;
     mutable Points now_;
+    Points accepted_;                                     ///< from where the solve goes on
     Points seen_;                                         ///< where standoffs were brought up to date
     std::vector<double> moves_, face_moves_, edge_moves_; ///< per point, face and edge, from there to now [m]
     std::vector<Scratch> scratch_;

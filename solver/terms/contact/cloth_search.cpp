@@ -105,6 +105,7 @@ ClothContact::ClothContact(const Scene&, const CollisionBodies& bodies)
             sides.push_back({{std::min(v, w), std::max(v, w)}, third});
         low.push_back(p.cwiseMin(q).cwiseMin(r)), high.push_back(p.cwiseMax(q).cwiseMax(r));
     }
+    for (const auto& [a, b, c] : faces_) face_points_.push_back((areas_[at(a)] + areas_[at(b)] + areas_[at(c)]) / 3);
     face_tree_ = build_bvh(low, high);
     std::sort(sides.begin(), sides.end());
     low.clear(), high.clear();
@@ -167,6 +168,7 @@ bool ClothContact::covers(const std::vector<Points>& places) const {
 
 void ClothContact::search(const std::vector<Points>& later) {
     gather(later, later_);
+    accepted_.clear();
     point_faces_.clear(), edge_pairs_.clear();
     double range = 0;
     for (const ContactPair& p : pairs_) range = std::max(range, p.range);
@@ -226,7 +228,21 @@ void ClothContact::find_point_faces(double reach) {
         std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                   [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
         drop_inside(point, out, first);
+        for (std::size_t i = first, end; i < out.size(); i = end) {
+            for (end = i; end < out.size() && out[end].pair == out[i].pair;) ++end;
+            share(std::span(out).subspan(i, end - i));
+        }
     });
+}
+
+/// The area that a point stands for against a body: the points of both sheets press, and each counts in part, as those
+/// of solids do. The same on all of the body's faces that are near, else the energy would jump where the point goes
+/// from one face to the next, and a solve that ends there has no lower place and no balance.
+void ClothContact::share(std::span<PointFace> of_pair) const {
+    double others = 0;
+    for (const PointFace& c : of_pair) others += face_points_[at(c.face)] / static_cast<double>(of_pair.size());
+    const double own = areas_[at(of_pair.front().point)];
+    for (PointFace& c : of_pair) c.area = own * others * others / (own * own + others * others);
 }
 
 /// What of a solid is near to a point that is inside of it at the start of the step says nothing: it got there

@@ -235,6 +235,7 @@ void Contacts::make_tethers() {
 double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
     find_features(x);
+    if (!cloth_pairs_.empty()) cloth_.accept();
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         // Never raised again: where it was followed to is a nearest place, but not always the nearest of all.
         if (now_[i].triangle >= 0 && press(i, now_[i]).depth > 0) clearance_[i] = -1;
