@@ -236,7 +236,7 @@ constexpr CodeInfo table[] = {
     {"FE337", "cloth too thick for its size", "Write it in metres, whatever the scene's scale: 0.001."},
     {"FE338", "field that tears cloth away",
      "On cloth its magnitude is a force per area; list in bodies what it is for."},
-    {"FE339", "initial velocity that is lost", "Let the body be on at the start frame, in a scheme with inertia."},
+    {"FE339", "initial velocity that is lost", "Let the body be on from the start frame on, in a scheme with inertia."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -56,15 +56,17 @@ void warn_of_lone_sets(const Reads& in, const Setup& setup) {
 void warn_of_lost_velocities(const Reads& in, const Setup& setup, bool without_inertia) {
     for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
         const solver::InitialMotion& start = setup.body(i).start;
-        if (start.velocity.isZero(0) && start.angular_velocity.isZero(0)) continue;
-        const std::string what =
-            name_of(in, setup, i) + (start.velocity.isZero(0) ? ".initialAngularVelocity" : ".initialVelocity");
+        const bool moves = !start.velocity.isZero(0), turns = !start.angular_velocity.isZero(0);
+        if (!moves && !turns) continue;
+        const std::string what = name_of(in, setup, i) + (moves ? ".initialVelocity" : "") +
+                                 (moves && turns ? " and " : "") + (turns ? ".initialAngularVelocity" : "") +
+                                 (moves && turns ? " are" : " is");
         if (without_inertia)
-            in.warn(integrator.name, "FE339", what + " is lost: QuasiStatic knows no velocities",
+            in.warn(integrator.name, "FE339", what + " lost: QuasiStatic, in the first step, knows no velocities",
                     "Choose another integrator, or take the velocity out.");
         else if (!setup.acts(i))
-            in.warn(bodies.name, "FE339", what + " is lost: the body is off at the start frame, and comes on at rest",
-                    "Let it be on at the start frame, or take the velocity out.");
+            in.warn(bodies.name, "FE339", what + " lost: the body is off in the first step, and comes on at rest",
+                    "Let it be on from the start frame on, or take the velocity out.");
     }
 }
 

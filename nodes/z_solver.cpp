@@ -131,7 +131,6 @@ SimulationState initial(const Reads& in) {
     out.lines = lines;
     warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
     warn_of_lone_sets(in, setup);
-    warn_of_lost_velocities(in, setup, without_inertia(in));
     warn_of_lines_elsewhere(in, setup);
     return out;
 }
@@ -155,6 +154,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
         setup = read_setup(in, &known, contact);
         if (setup.key != known) known = setup.key;
         if (without_inertia(in)) check_all_tied(in, setup);
+        if (before.state.steps == 0 && inputs.empty()) warn_of_lost_velocities(in, setup, without_inertia(in));
         const double step = 1 / (in[frames_per_second] * static_cast<double>(times.size()));
         const std::vector<solver::LineMemory> lines_before = std::move(lines);
         lines = follow_lines(setup, lines_before, step);

@@ -130,13 +130,17 @@ void forget_sides_at_border(const std::vector<Triangle>& triangles, std::vector<
     const auto away = [&middle](const Vec3& p) { return (p - middle).norm(); };
     std::transform(used.begin(), used.end(), by_size.begin(), away);
     const double usual = median();
-    const Vec3& farthest = *std::max_element(used.begin(), used.end(),
-                                             [&away](const Vec3& a, const Vec3& b) { return away(a) < away(b); });
+    const Vec3 farthest = *std::max_element(used.begin(), used.end(),
+                                            [&away](const Vec3& a, const Vec3& b) { return away(a) < away(b); });
     char text[160];
     std::snprintf(text, sizeof text, "the mesh is flat: its bounding box is %.4g x %.4g x %.4g", size.x(), size.y(),
                   size.z());
     std::string message = text, hint = "a tissue needs a surface with an inside";
-    if (away(farthest) > 1e6 * usual) {
+    // Without it there would be something to fill.
+    Points others(used);
+    std::erase(others, farthest);
+    const Vec3 rest = bounding_box(others).size();
+    if (away(farthest) > 1e6 * usual && rest.minCoeff() > 1e-9 * rest.maxCoeff()) {
         const auto vertex = std::find(points.begin(), points.end(), farthest) - points.begin();
         message += ", since vertex " + std::to_string(vertex) + " (counted from 0) lies far away from the others";
         hint = "repair the coordinates of that vertex";

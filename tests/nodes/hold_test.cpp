@@ -196,19 +196,27 @@ TEST_CASE("an initial velocity that a body never gets is told", "[nodes]") {
                   tissue + R"(}}, "solver": {"type": "zSolver", "inputs": {"forces": [{"from": "hold.outForce"}],
                     "bodies": [{"from": "box.outBody"}])" +
                   solver + "}}");
-        s.pull("solver", "outMeshes", 1);
+        s.pull("solver", "outMeshes", 2);
         std::string out;
         for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
         return out;
     };
     const std::string falls = R"(, "initialVelocity": [0, -1, 0])", turns = R"(, "initialAngularVelocity": [0, 1, 0])",
-                      late = R"(, "enable": {"keys": [[1, false], [2, true]]})",
-                      early = R"(, "enable": {"keys": [[1, true], [2, false]]})";
+                      late = R"(, "enable": {"keys": [[1, false], [3, true]]})",
+                      at_once = R"(, "enable": {"keys": [[1, false], [2, true]]})",
+                      early = R"(, "enable": {"keys": [[1, true], [3, false]]})", still = R"("QuasiStatic")";
+    const auto scheme = [](const std::string& first, const std::string& later) {
+        return R"(, "integrator": {"keys": [[1, )" + first + "], [2, " + later + "]]}";
+    };
     CHECK(told(falls + late, "") ==
-          "FE339 box.initialVelocity is lost: the body is off at the start frame, and comes on at rest\n");
-    CHECK(told(turns, R"(, "integrator": "QuasiStatic")") ==
-          "FE339 box.initialAngularVelocity is lost: QuasiStatic knows no velocities\n");
-    for (const std::string& fine : {falls + early, late, falls + turns}) CHECK(told(fine, "") == "");
+          "FE339 box.initialVelocity is lost: the body is off in the first step, and comes on at rest\n");
+    CHECK(told(turns, scheme(R"("BDF2")", still)) ==
+          "FE339 box.initialAngularVelocity is lost: QuasiStatic, in the first step, knows no velocities\n");
+    CHECK(told(falls + turns, R"(, "integrator": "QuasiStatic")") ==
+          "FE339 box.initialVelocity and .initialAngularVelocity are lost: QuasiStatic, in the first step, knows no "
+          "velocities\n");
+    for (const std::string& fine : {falls + early, falls + at_once, late, falls + turns}) CHECK(told(fine, "") == "");
+    CHECK(told(falls, scheme(still, R"("BDF2")")) == "");
 }
 
 TEST_CASE("fibres may be given by a vector, a list or a file, and then need no end points", "[nodes]") {

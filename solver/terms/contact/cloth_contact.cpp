@@ -118,29 +118,34 @@ double ClothContact::standoff_of(const EdgePair& c, const std::array<Vec3, 4>& a
                     [&] { return farthest_way(corners_of(c, start_), at_x, 2); });
 }
 
-/// Whether two sides have gone through each other: what is nearer to where the solve goes on from than the sides were
-/// apart there is as it was there, everything else by the straight way from the start of the step. A straight way that
-/// passes by the end of an edge would else be through here and not there, with an energy that jumps.
+/// Whether two sides have gone through each other, by the way from the start of the step: the straight one, or where
+/// nothing has moved as far as any pair is apart since the solve went on from somewhere, as it was there. All pairs by
+/// the same way: by different ones a point could be through two faces of a sheet at once, or through none behind it.
 template <class Pair>
 bool ClothContact::is_through(const Pair& c, const std::array<Vec3, 4>& at_x, bool turned, double distance) const {
-    constexpr bool of_point = std::is_same_v<Pair, PointFace>;
-    constexpr std::size_t split = of_point ? 1 : 2;
-    if (!turned && !c.passage.was_through()) return false;
-    if (!accepted_.empty() && farthest_way(corners_of(c, accepted_), at_x, split) < c.passage.apart())
-        return c.passage.was_through();
+    if (holds_) return c.passage.was_through();
     if (!turned) return false;
     const std::array<Vec3, 4> from = corners_of(c, start_);
-    if (!may_have_met(from, at_x, split, distance)) return false;
-    if constexpr (of_point)
-        return crosses_face(from, at_x);
+    if constexpr (std::is_same_v<Pair, PointFace>)
+        return may_have_met(from, at_x, 1, distance) && crosses_face(from, at_x);
     else
-        return crosses_edge(from, at_x);
+        return may_have_met(from, at_x, 2, distance) && crosses_edge(from, at_x);
 }
 
 void ClothContact::accept() {
-    for (PointFace& c : point_faces_) c.passage.accept();
-    for (EdgePair& c : edge_pairs_) c.passage.accept();
+    least_apart_ = std::numeric_limits<double>::infinity();
+    for (PointFace& c : point_faces_) least_apart_ = std::min(least_apart_, c.passage.accept());
+    for (EdgePair& c : edge_pairs_) least_apart_ = std::min(least_apart_, c.passage.accept());
     accepted_ = now_;
+}
+
+/// Whether all has moved less, since the solve went on from somewhere, than any pair was apart there: a straight way
+/// that comes to pass by the end of an edge meanwhile would change who is through, though nothing has met.
+bool ClothContact::holds() const {
+    if (accepted_.empty()) return false;
+    double most = 0;
+    for (std::size_t p = 0; p < now_.size(); ++p) most = std::max(most, (now_[p] - accepted_[p]).squaredNorm());
+    return 4 * most < least_apart_ * least_apart_; // both sides may have moved so far
 }
 
 /// From where pairs were looked at last to now_.
@@ -180,7 +185,7 @@ void ClothContact::presses_of_point(std::size_t first, std::size_t end, const Po
         const double distance = away.norm();
         const bool through = !at_start && is_through(c, at_x, turned, distance);
         if (!through && distance >= pair.range) {
-            if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
+            if (!at_start && !c.passage.was_through()) c.standoff.set(standoff_of(c, at_x, n, height, distance));
             continue;
         }
         c.standoff.forget(), c.passage.meet(through ? -distance : distance);
@@ -301,7 +306,7 @@ void ClothContact::press_of_edges(EdgePair& c, const Points& x, std::vector<Pres
     const double distance = there.away.norm();
     const bool through = !at_start && is_through(c, at_x, turned, distance);
     if (!through && distance >= range) {
-        if (!at_start) c.standoff.set(standoff_of(c, at_x, n, height, distance));
+        if (!at_start && !c.passage.was_through()) c.standoff.set(standoff_of(c, at_x, n, height, distance));
         return;
     }
     c.standoff.forget(), c.passage.meet(through ? -distance : distance);
@@ -340,6 +345,7 @@ void ClothContact::find_presses(const Points& x, std::vector<Press>& out) {
 void ClothContact::find_presses(const std::vector<Points>& places, std::vector<Press>& out) {
     gather(places, now_);
     watch_moves();
+    holds_ = holds();
     find_presses(now_, out);
 }
 

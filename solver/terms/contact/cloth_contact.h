@@ -101,13 +101,16 @@ class ClothContact {
   private:
     struct Member {
         int body, first_point, first_face;
+        double usual_area = 0; ///< of its points [m^2]
     };
     struct PointFace {
-        int point, face, pair;
-        int side; ///< of the face's plane at the start: 1, -1, or 0 in it
+        int point = -1, face = -1, pair = -1;
+        int side = 0; ///< of the face's plane at the start: 1, -1, or 0 in it
         Standoff standoff{};
         Passage passage{};
-        double area = 0; ///< that the point stands for against the face's body [m^2]
+        /// That the point stands for against the face's body [m^2]; while it is searched for, the squared distance at
+        /// the start [m^2].
+        double area = 0;
     };
     struct EdgePair {
         int one, other, pair, side;
@@ -146,6 +149,7 @@ class ClothContact {
     }
     template <class Pair>
     bool is_through(const Pair& c, const std::array<Vec3, 4>& at_x, bool turned, double distance) const;
+    bool holds() const;
     bool is_lost(int point, int target_member) const;
     void drop_inside(int point, std::vector<PointFace>& found, std::size_t first);
     bool is_inside(int face, const TrianglePoint& there, const Vec3& p) const;
@@ -193,7 +197,9 @@ class ClothContact {
     std::vector<std::size_t> point_starts_; ///< places of the first of each point that has any; one more
     std::vector<EdgePair> edge_pairs_;
     mutable Points now_;
-    Points accepted_;                                     ///< from where the solve goes on
+    Points accepted_;                                     ///< from where the solve goes on; empty: not known
+    double least_apart_ = 0;                              ///< of all pairs, there [m]
+    bool holds_ = false;                                  ///< who is through is as it was there
     Points seen_;                                         ///< where standoffs were brought up to date
     std::vector<double> moves_, face_moves_, edge_moves_; ///< per point, face and edge, from there to now [m]
     std::vector<Scratch> scratch_;

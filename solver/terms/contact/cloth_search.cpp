@@ -106,6 +106,11 @@ ClothContact::ClothContact(const Scene&, const CollisionBodies& bodies)
         low.push_back(p.cwiseMin(q).cwiseMin(r)), high.push_back(p.cwiseMax(q).cwiseMax(r));
     }
     for (const auto& [a, b, c] : faces_) face_points_.push_back((areas_[at(a)] + areas_[at(b)] + areas_[at(c)]) / 3);
+    // The mean over its surface.
+    std::vector<double> sums(members_.size()), squares(members_.size());
+    for (std::size_t p = 0; p < areas_.size(); ++p)
+        sums[at(member_of_[p])] += areas_[p], squares[at(member_of_[p])] += areas_[p] * areas_[p];
+    for (std::size_t m = 0; m < members_.size(); ++m) members_[m].usual_area = sums[m] > 0 ? squares[m] / sums[m] : 0;
     face_tree_ = build_bvh(low, high);
     std::sort(sides.begin(), sides.end());
     low.clear(), high.clear();
@@ -214,7 +219,8 @@ void ClothContact::find_point_faces(double reach) {
             for (const int v : t) nearer = std::max(nearer, (way - (later_[at(v)] - start_[at(v)])).squaredNorm());
             const double far = reach + std::sqrt(nearer);
             const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
-            if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
+            const double distance2 = (here - closest_on_triangle(here, c, t).point).squaredNorm();
+            if (distance2 > far * far) return;
             if (is_held(pair, point)) return;
             if (is_lost(point, member_of_[at(t[0])])) return;
             if (member_of_[p] == member_of_[at(t[0])]) {
@@ -223,7 +229,10 @@ void ClothContact::find_point_faces(double reach) {
                 const std::array<Vec3, 3> m{modelled_[at(t[0])], modelled_[at(t[1])], modelled_[at(t[2])]};
                 if ((modelled_[p] - closest_on_triangle(modelled_[p], m, t).point).squaredNorm() < r * r) return;
             }
-            out.push_back({point, f, pair, sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]))});
+            PointFace& found = out.emplace_back();
+            found.point = point, found.face = f, found.pair = pair;
+            found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
+            found.area = distance2;
         });
         std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                   [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
@@ -236,12 +245,17 @@ void ClothContact::find_point_faces(double reach) {
 }
 
 /// The area that a point stands for against a body: the points of both sheets press, and each counts in part, as those
-/// of solids do. The same on all of the body's faces that are near, else the energy would jump where the point goes
-/// from one face to the next, and a solve that ends there has no lower place and no balance.
+/// of solids do. By the points about the place that is nearest at the start of the step, if that is near enough to
+/// press, else by the body's usual ones: the same on all of its faces, else the energy would jump where the point goes
+/// from one face to the next, and a solve that ends there has no lower place and no balance; and the same however far
+/// was searched.
 void ClothContact::share(std::span<PointFace> of_pair) const {
-    double others = 0;
-    for (const PointFace& c : of_pair) others += face_points_[at(c.face)] / static_cast<double>(of_pair.size());
-    const double own = areas_[at(of_pair.front().point)];
+    const PointFace& nearest = *std::ranges::min_element(of_pair, {}, &PointFace::area);
+    const double range = pairs_[at(nearest.pair)].range;
+    const double others = nearest.area < range * range
+                              ? face_points_[at(nearest.face)]
+                              : members_[at(member_of_[at(faces_[at(nearest.face)][0])])].usual_area;
+    const double own = areas_[at(nearest.point)];
     for (PointFace& c : of_pair) c.area = own * others * others / (own * own + others * others);
 }
 

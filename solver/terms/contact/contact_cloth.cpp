@@ -107,11 +107,14 @@ bool Contacts::widen_cloth(const Positions& x) {
     look_at(x);
     if (cloth_.covers(places_)) return false;
     find_features(x);
-    const std::size_t before = presses_.size();
+    const std::vector<ClothContact::Press> before = presses_;
     cloth_.search(places_);
     cloth_.find_presses(places_, presses_);
     looked_at_.clear();
-    return presses_.size() != before;
+    const auto alike = [](const ClothContact::Press& a, const ClothContact::Press& b) {
+        return a.corners == b.corners && a.through == b.through && a.stiffness == b.stiffness;
+    };
+    return !std::ranges::equal(presses_, before, alike);
 }
 
 Contacts::Force Contacts::drag_force(const Drag& drag, double* stored) const {

@@ -12,14 +12,16 @@ class Passage {
     /// They are farther apart than the range, or press with this gap, less than 0 where they are through [m].
     void leave(double range) { now_ = static_cast<float>(range); }
     void meet(double gap) { now_ = static_cast<float>(gap); }
-    /// The solve goes on from here.
-    void accept() { accepted_ = now_; }
-    bool was_through() const { return accepted_ < 0; }
-    /// Rounded down; 0 as long as nothing is known [m].
-    double apart() const { return 0.999 * std::abs(static_cast<double>(accepted_)); }
+    /// The solve goes on from here. Returns how far they are apart, rounded down [m].
+    double accept() {
+        was_through_ = now_ < 0;
+        return 0.999 * std::abs(static_cast<double>(now_));
+    }
+    bool was_through() const { return was_through_; }
 
   private:
-    float now_ = 0, accepted_ = 0;
+    float now_ = 0;
+    bool was_through_ = false;
 };
 
 } // namespace sinew::solver

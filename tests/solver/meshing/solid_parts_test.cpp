@@ -118,6 +118,8 @@ TEST_CASE("a vertex that went astray, beside which everything is flat, is named"
     Shape flat = cube();
     for (Vec3& p : flat.points) p.z() *= 1e-12;
     CHECK(std::string(refusal(flat, 0).what()) == "the mesh is flat: its bounding box is 1 x 1 x 1e-12");
+    flat.points[5].x() = 1e39; // in its plane: it would be flat without
+    CHECK(std::string(refusal(flat, 0).what()) == "the mesh is flat: its bounding box is 1e+39 x 1 x 1e-12");
 }
 
 TEST_CASE("a band with one side only has no inside, and the message says where", "[parts]") {

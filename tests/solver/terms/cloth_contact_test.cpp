@@ -11,6 +11,7 @@
 #include "tests/support/sheets.h"
 
 #include <catch2/catch.hpp>
+#include <random>
 #include <span>
 
 using namespace sinew::solver;
@@ -253,6 +254,50 @@ TEST_CASE("contact of cloth: the energy has no jumps where a point goes from one
     const Way way = energy_on_way(r, moved, Vec3::Zero(), {0.3, 0.05, 0}, 3000);
     CHECK(way.most > 1e-5);
     CHECK(way.off < 1e-4 * way.most);
+}
+
+TEST_CASE("contact of cloth: a point is through one face of a sheet below it, and through none above, on any way",
+          "[contact]") {
+    Run r;
+    Sheet sheet = make_sheet(evenly(-0.1, 0.2, 20), 0.2, 20, Weave::crossed);
+    for (Vec3& p : sheet.points) p.y() -= 0.1;
+    r.add_cloth(sheet, 1e5);
+    r.add_cloth({{{0, 0, 0}, {0.5, 0, 5}, {0, 0.5, 5}}, {{0, 1, 2}}, {}}, 1e5);
+    const Scene scene(r.description);
+    const CollisionBodies bodies(scene);
+    std::vector<ContactPair> pairs;
+    bodies.find_thick_pairs(r.in.parts, pairs);
+    const std::vector<std::array<std::vector<char>, 2>> held(pairs.size());
+    ClothContact contact(scene, bodies);
+    std::mt19937 generator(1);
+    std::uniform_real_distribution<double> random(-1, 1);
+    std::vector<ClothContact::Press> presses;
+    std::size_t below = 0;
+    for (int run = 0; run < 300; ++run) {
+        std::vector<Points> places{scene.surface(0), scene.surface(1)};
+        Vec3& p = places[1][0];
+        p = Vec3(0.03 * random(generator), 0.03 * random(generator), 0.0015 + 0.001 * random(generator));
+        std::vector<Points> later = places;
+        // Sideways over several faces, and hardly below them.
+        later[1][0] += Vec3(0.03 * random(generator), 0.03 * random(generator), -1e-5 - p.z());
+        contact.begin(pairs, held, places, {});
+        contact.search(later);
+        contact.find_presses(places, presses), contact.accept();
+        for (int iteration = 0; iteration < 12; ++iteration) {
+            const double reach = std::array{3e-4, 1e-5, 3e-7}[std::size_t(iteration % 3)];
+            if (iteration == 0)
+                p = later[1][0];
+            else
+                for (double& c : p) c += reach * random(generator);
+            contact.find_presses(places, presses), contact.accept();
+            const auto is_through = [&](const ClothContact::Press& press) {
+                return press.split == 1 && press.through && contact.body_of(press.corners[0]) == 1;
+            };
+            REQUIRE(std::ranges::count_if(presses, is_through) == (p.z() < 0 ? 1 : 0));
+            below += p.z() < 0;
+        }
+    }
+    CHECK(below > 1000);
 }
 
 TEST_CASE("contact of cloth: nor where the straight way from the start comes to pass by the end of an edge",
