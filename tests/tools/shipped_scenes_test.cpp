@@ -24,7 +24,7 @@ TEST_CASE("the scenes of contact and attachments are right and run", "[tools][co
         const Said check = run_program({"check", graph, "--no-cache"});
         CHECK(check.code == 0);
         std::istringstream said(check.err); // what takes longer than a second is named; nothing else is to be said
-        for (std::string line; std::getline(said, line);) CHECK(line.starts_with("computing "));
+        for (std::string line; std::getline(said, line);) CHECK_THAT(line, Catch::Matchers::StartsWith("computing "));
         const Said run = run_program({"run", graph, "--frames", "1-3", "--quiet", "--strict", "--no-cache"});
         CHECK(run.code == 0);
         CHECK(run.err.empty());
