@@ -51,6 +51,15 @@ std::vector<json> Said::lines() const {
     return out_lines;
 }
 
+std::string Said::beside_work() const {
+    std::string beside;
+    std::istringstream in(err);
+    for (std::string line; std::getline(in, line);)
+        if (!line.starts_with("computing ") && !line.starts_with("looking ") && !line.starts_with("reading "))
+            beside += line + "\n";
+    return beside;
+}
+
 Said run_program(const std::vector<std::string>& words) {
     Program program(words);
     const int code = program.exit_code();

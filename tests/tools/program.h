@@ -33,6 +33,8 @@ struct Said {
     std::string out, err;
     /// One JSON object for each line of `out`.
     std::vector<nlohmann::json> lines() const;
+    /// What `err` says besides what takes longer than a second, which hangs on the machine.
+    std::string beside_work() const;
 };
 
 Said run_program(const std::vector<std::string>& words);
