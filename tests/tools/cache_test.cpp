@@ -60,7 +60,7 @@ TEST_CASE("tets are kept beside the graph, or where --cache says, or nowhere", "
     const Said told = run_program({"run", graph, "--frames", "1-2"});
     CHECK(told.code == 0);
     CHECK(told.err.find("IO406") != std::string::npos);
-    CHECK(run_program({"run", graph, "--frames", "1-2"}).err.empty());
+    CHECK(run_program({"run", graph, "--frames", "1-2"}).beside_work().empty());
     CHECK(digest_of(eval({})) == made);
 
     fs::remove(file);
