@@ -25,10 +25,6 @@ using namespace z_solver;
 
 namespace {
 
-std::string body_name(const Reads& in, const Setup& setup, std::size_t simulated_index) {
-    return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
-}
-
 /// The tissue that a subtissue is a part of: its place among all bodies. Fails with FE228 where there is none.
 std::size_t whole_of(const Reads& in, const Setup& setup, std::size_t body) {
     const engine::Digest& wanted = setup.bodies[body].get().subtissue->digest;
@@ -303,6 +299,10 @@ solver::Points to_scene_units(solver::Points points, double units) {
 }
 
 const Reads* contact_of(const Reads& frame) { return frame[collision_detection] ? &frame : nullptr; }
+
+std::string body_name(const Reads& in, const Setup& setup, std::size_t simulated_index) {
+    return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
+}
 
 std::string attachment_name(const Reads& in, const Setup& setup, int attachment) {
     const int entry = setup.attachment_entries[static_cast<std::size_t>(attachment)];

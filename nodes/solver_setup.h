@@ -54,6 +54,8 @@ struct Setup {
     }
 };
 
+/// The node of a body that takes part.
+std::string body_name(const engine::Reads& in, const Setup& setup, std::size_t simulated_index);
 /// The node of an attachment that acts, by its position in `setup.attachments`.
 std::string attachment_name(const engine::Reads& in, const Setup& setup, int attachment);
 

@@ -5,20 +5,10 @@
 #include "solver/terms/contact/contact.h"
 #include "solver/terms/contact/contact_rest.h"
 
-#include <algorithm>
-
 namespace sinew::nodes {
 
 using engine::Reads;
 using namespace z_solver;
-
-namespace {
-
-std::string name_of(const Reads& in, const Setup& setup, std::size_t simulated_index) {
-    return in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[simulated_index]));
-}
-
-} // namespace
 
 void warn_of_lone_sets(const Reads& in, const Setup& setup) {
     struct Member {
@@ -47,7 +37,7 @@ void warn_of_lone_sets(const Reads& in, const Setup& setup) {
             sets += std::to_string(s);
         }
         in.warn(bodies.name, "FE256",
-                name_of(in, setup, m.body) + ".collisionSets is \"" + sets +
+                body_name(in, setup, m.body) + ".collisionSets is \"" + sets +
                     "\", which no other body that could touch it shares, so it touches nothing",
                 "Give both bodies of a pair a number in common, or switch collisions of the body off.");
     }
@@ -58,7 +48,7 @@ void warn_of_lost_velocities(const Reads& in, const Setup& setup, bool without_i
         const solver::InitialMotion& start = setup.body(i).start;
         const bool moves = !start.velocity.isZero(0), turns = !start.angular_velocity.isZero(0);
         if (!moves && !turns) continue;
-        const std::string what = name_of(in, setup, i) + (moves ? ".initialVelocity" : "") +
+        const std::string what = body_name(in, setup, i) + (moves ? ".initialVelocity" : "") +
                                  (moves && turns ? " and " : "") + (turns ? ".initialAngularVelocity" : "") +
                                  (moves && turns ? " are" : " is");
         if (without_inertia)

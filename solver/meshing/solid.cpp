@@ -114,38 +114,24 @@ void forget_sides_at_border(const std::vector<Triangle>& triangles, std::vector<
         }
 }
 
-/// A single vertex that went astray makes everything else flat beside its distance: it is named.
+bool is_flat(const Vec3& size) { return !(size.minCoeff() > 1e-9 * size.maxCoeff()); }
+
+/// A single vertex that went astray makes everything flat beside its distance: it is named.
 [[noreturn]] void refuse_flat(const Points& points, const Points& used, const Vec3& size) {
-    Vec3 middle; // the median by axis, which one vertex does not move
-    std::vector<double> by_size(used.size());
-    const auto median = [&by_size] {
-        const auto half = by_size.begin() + static_cast<std::ptrdiff_t>(by_size.size() / 2);
-        std::nth_element(by_size.begin(), half, by_size.end());
-        return *half;
-    };
-    for (int axis = 0; axis < 3; ++axis) {
-        std::transform(used.begin(), used.end(), by_size.begin(), [axis](const Vec3& p) { return p[axis]; });
-        middle[axis] = median();
-    }
-    const auto away = [&middle](const Vec3& p) { return (p - middle).norm(); };
-    std::transform(used.begin(), used.end(), by_size.begin(), away);
-    const double usual = median();
-    const Vec3 farthest = *std::max_element(used.begin(), used.end(),
-                                            [&away](const Vec3& a, const Vec3& b) { return away(a) < away(b); });
+    Vec3 middle = Vec3::Zero();
+    for (const Vec3& p : used) middle += p / static_cast<double>(used.size());
+    const Vec3 farthest = *std::ranges::max_element(used, {}, [&middle](const Vec3& p) { return (p - middle).norm(); });
     char text[160];
     std::snprintf(text, sizeof text, "the mesh is flat: its bounding box is %.4g x %.4g x %.4g", size.x(), size.y(),
                   size.z());
-    std::string message = text, hint = "a tissue needs a surface with an inside";
-    // Without it there would be something to fill.
     Points others(used);
     std::erase(others, farthest);
-    const Vec3 rest = bounding_box(others).size();
-    if (away(farthest) > 1e6 * usual && rest.minCoeff() > 1e-9 * rest.maxCoeff()) {
-        const auto vertex = std::find(points.begin(), points.end(), farthest) - points.begin();
-        message += ", since vertex " + std::to_string(vertex) + " (counted from 0) lies far away from the others";
-        hint = "repair the coordinates of that vertex";
-    }
-    throw Error("FE223", message, hint);
+    if (is_flat(bounding_box(others).size())) throw Error("FE223", text, "a tissue needs a surface with an inside");
+    const auto vertex = std::find(points.begin(), points.end(), farthest) - points.begin();
+    throw Error("FE223",
+                std::string(text) + ", since vertex " + std::to_string(vertex) +
+                    " (counted from 0) lies far away from the others",
+                "repair the coordinates of that vertex");
 }
 
 } // namespace
@@ -169,7 +155,7 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
     if (!(longest < 1e60)) throw Error("FE224", "the mesh is larger than 1e60 units");
     // Volumes below the smallest numbers there are; a flat or single place is named below.
     if (longest > 0 && longest < 1e-60) throw Error("FE224", "the mesh is smaller than 1e-60 units");
-    if (!(box.size().minCoeff() > 1e-9 * longest)) refuse_flat(points, used, box.size());
+    if (is_flat(box.size())) refuse_flat(points, used, box.size());
     auto border = border_edges_of(kept);
     if (!border.empty()) {
         refuse_one_sided(turn_alike(points, kept));

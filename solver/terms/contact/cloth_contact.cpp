@@ -139,14 +139,15 @@ void ClothContact::accept() {
     accepted_ = now_;
 }
 
+double ClothContact::closed_in(const Points& from) const {
+    double most = 0;
+    for (std::size_t p = 0; p < now_.size(); ++p) most = std::max(most, (now_[p] - from[p]).squaredNorm());
+    return 2 * std::sqrt(most); // both sides may have moved so far
+}
+
 /// Whether all has moved less, since the solve went on from somewhere, than any pair was apart there: a straight way
 /// that comes to pass by the end of an edge meanwhile would change who is through, though nothing has met.
-bool ClothContact::holds() const {
-    if (accepted_.empty()) return false;
-    double most = 0;
-    for (std::size_t p = 0; p < now_.size(); ++p) most = std::max(most, (now_[p] - accepted_[p]).squaredNorm());
-    return 4 * most < least_apart_ * least_apart_; // both sides may have moved so far
-}
+bool ClothContact::holds() const { return !accepted_.empty() && closed_in(accepted_) < least_apart_; }
 
 /// From where pairs were looked at last to now_.
 void ClothContact::watch_moves() {
@@ -316,7 +317,8 @@ void ClothContact::press_of_edges(EdgePair& c, const Points& x, std::vector<Pres
     p.weights = {1 - there.s, there.s, there.t - 1, -there.t};
     p.split = 2, p.pair = c.pair, p.range = range, p.through = through;
     const double area = edge_areas_[at(c.one)], other_area = edge_areas_[at(c.other)];
-    p.stiffness = pairs_[at(c.pair)].stiffness * 2 * area * other_area / (area + other_area);
+    // Of faces without area there may be nothing on either side.
+    p.stiffness = area > 0 ? pairs_[at(c.pair)].stiffness * 2 * area * other_area / (area + other_area) : 0;
     p.gap = through ? -distance : distance, p.away = there.away;
     if (distance > 0) p.out = (through ? -1 : 1) / distance * there.away;
     out.push_back(p);

@@ -108,9 +108,7 @@ class ClothContact {
         int side = 0; ///< of the face's plane at the start: 1, -1, or 0 in it
         Standoff standoff{};
         Passage passage{};
-        /// That the point stands for against the face's body [m^2]; while it is searched for, the squared distance at
-        /// the start [m^2].
-        double area = 0;
+        double area = 0; ///< that the point stands for against the face's body [m^2]
     };
     struct EdgePair {
         int one, other, pair, side;
@@ -149,12 +147,14 @@ class ClothContact {
     }
     template <class Pair>
     bool is_through(const Pair& c, const std::array<Vec3, 4>& at_x, bool turned, double distance) const;
+    /// No two points are nearer than they were there by more than that [m].
+    double closed_in(const Points& from) const;
     bool holds() const;
     bool is_lost(int point, int target_member) const;
-    void drop_inside(int point, std::vector<PointFace>& found, std::size_t first);
+    void judge_by_nearest(int point, std::vector<PointFace>& found, std::size_t first);
     bool is_inside(int face, const TrianglePoint& there, const Vec3& p) const;
     bool is_held(int pair, int corner) const;
-    void share(std::span<PointFace> of_pair) const;
+    double share(int point, const PointFace& nearest, double distance2) const;
     std::array<Vec3, 4> corners_of(const PointFace& c, const Points& x) const;
     std::array<Vec3, 4> corners_of(const EdgePair& c, const Points& x) const;
     void gather(const std::vector<Points>& places, Points& out) const;

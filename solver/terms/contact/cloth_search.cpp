@@ -165,10 +165,7 @@ bool ClothContact::is_held(int pair, int corner) const {
 
 bool ClothContact::covers(const std::vector<Points>& places) const {
     gather(places, now_);
-    double most = 0;
-    for (std::size_t p = 0; p < now_.size(); ++p) most = std::max(most, (now_[p] - later_[p]).squaredNorm());
-    // Both sides may have gone so far.
-    return 4 * most <= margin_ * margin_;
+    return closed_in(later_) <= margin_;
 }
 
 void ClothContact::search(const std::vector<Points>& later) {
@@ -219,8 +216,7 @@ void ClothContact::find_point_faces(double reach) {
             for (const int v : t) nearer = std::max(nearer, (way - (later_[at(v)] - start_[at(v)])).squaredNorm());
             const double far = reach + std::sqrt(nearer);
             const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
-            const double distance2 = (here - closest_on_triangle(here, c, t).point).squaredNorm();
-            if (distance2 > far * far) return;
+            if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
             if (is_held(pair, point)) return;
             if (is_lost(point, member_of_[at(t[0])])) return;
             if (member_of_[p] == member_of_[at(t[0])]) {
@@ -232,15 +228,10 @@ void ClothContact::find_point_faces(double reach) {
             PointFace& found = out.emplace_back();
             found.point = point, found.face = f, found.pair = pair;
             found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
-            found.area = distance2;
         });
         std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
                   [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
-        drop_inside(point, out, first);
-        for (std::size_t i = first, end; i < out.size(); i = end) {
-            for (end = i; end < out.size() && out[end].pair == out[i].pair;) ++end;
-            share(std::span(out).subspan(i, end - i));
-        }
+        judge_by_nearest(point, out, first);
     });
 }
 
@@ -249,19 +240,18 @@ void ClothContact::find_point_faces(double reach) {
 /// press, else by the body's usual ones: the same on all of its faces, else the energy would jump where the point goes
 /// from one face to the next, and a solve that ends there has no lower place and no balance; and the same however far
 /// was searched.
-void ClothContact::share(std::span<PointFace> of_pair) const {
-    const PointFace& nearest = *std::ranges::min_element(of_pair, {}, &PointFace::area);
+double ClothContact::share(int point, const PointFace& nearest, double distance2) const {
     const double range = pairs_[at(nearest.pair)].range;
-    const double others = nearest.area < range * range
+    const double others = distance2 < range * range
                               ? face_points_[at(nearest.face)]
                               : members_[at(member_of_[at(faces_[at(nearest.face)][0])])].usual_area;
-    const double own = areas_[at(nearest.point)];
-    for (PointFace& c : of_pair) c.area = own * others * others / (own * own + others * others);
+    const double own = areas_[at(point)];
+    return own * others * others / (own * own + others * others);
 }
 
-/// What of a solid is near to a point that is inside of it at the start of the step says nothing: it got there
-/// otherwise, and leaves where it likes.
-void ClothContact::drop_inside(int point, std::vector<PointFace>& found, std::size_t first) {
+/// By the place of each body that is nearest at the start of the step. What of a solid is near to a point that is
+/// inside of it then says nothing: it got there otherwise, and leaves where it likes.
+void ClothContact::judge_by_nearest(int point, std::vector<PointFace>& found, std::size_t first) {
     const Vec3& p = start_[at(point)];
     for (std::size_t i = first; i < found.size();) {
         const int member = member_of_[at(faces_[at(found[i].face)][0])];
@@ -269,19 +259,20 @@ void ClothContact::drop_inside(int point, std::vector<PointFace>& found, std::si
         std::size_t end = i;
         double nearest2 = std::numeric_limits<double>::infinity();
         TrianglePoint there;
-        int face = -1;
+        std::size_t nearest = i;
         for (; end < found.size() && member_of_[at(faces_[at(found[end].face)][0])] == member; ++end) {
             const Triangle& t = faces_[at(found[end].face)];
             const TrianglePoint q = closest_on_triangle(p, {start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]}, t);
             const double distance2 = (p - q.point).squaredNorm();
-            if (distance2 < nearest2) nearest2 = distance2, there = q, face = found[end].face;
+            if (distance2 < nearest2) nearest2 = distance2, there = q, nearest = end;
         }
-        if (bodies_.rest(body).is_volume && is_inside(face, there, p)) {
+        if (bodies_.rest(body).is_volume && is_inside(found[nearest].face, there, p)) {
             found.erase(found.begin() + static_cast<std::ptrdiff_t>(i),
                         found.begin() + static_cast<std::ptrdiff_t>(end));
             inside_[at(point)] = 1;
         } else {
-            i = end;
+            const double area = share(point, found[nearest], nearest2);
+            for (; i < end; ++i) found[i].area = area;
         }
     }
 }

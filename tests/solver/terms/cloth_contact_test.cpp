@@ -226,22 +226,24 @@ TEST_CASE("contact of cloth: strips that cross where neither has a vertex are he
 
 TEST_CASE("contact of cloth: a strip that falls onto itself lies in layers, and without selfCollisions passes through",
           "[contact]") {
-    const auto fold = [](bool itself) {
+    const auto fold = [](bool itself, double gravity) {
         Run r;
         Sheet s = make_sheet(evenly(0, 0.6, 24), 0.1, 4, Weave::crossed);
         for (Vec3& p : s.points) p = Vec3(0.02 * std::sin(3 * p.x()), p.y(), p.x() + 0.01);
         const int sheet = r.add_cloth(s, 1e5, itself);
         r.add_bone(box_bone({-1, -1, -0.2}, {2, 2, 0}), 1e6);
-        r.in.gravity = Vec3(0, 0, -9.8), r.in.stiffness_damping = 0.005;
+        r.in.gravity = Vec3(0, 0, -gravity), r.in.stiffness_damping = 0.005;
         std::size_t most = 0;
         for (int i = 0; i < 40; ++i) {
             r.step(1, 0.0125);
+            if (itself) CHECK(r.state.record.halvings == 0);
             most = std::max(most, r.crossings_of(sheet, sheet));
         }
         return most;
     };
-    CHECK(fold(true) == 0);
-    CHECK(fold(false) > 0);
+    // Where folds come to lie hangs on rounding: from more starts than one.
+    for (const double share : {0.0, 1e-5, 2e-5}) CHECK(fold(true, 9.8 * (1 + share)) == 0);
+    CHECK(fold(false, 9.8) > 0);
 }
 
 TEST_CASE("contact of cloth: the energy has no jumps where a point goes from one face to another, of any sizes",
