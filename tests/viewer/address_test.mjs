@@ -82,6 +82,22 @@ test("an address that is changed is followed, and what it does not name is as in
     assert.equal(await page.evaluate(places), await fresh.evaluate(places), "and its camera is back");
 });
 
+test("an address that is changed just as the page is about to write its own is followed", async () => {
+    const page = await openPage(file);
+    await page.evaluate(() => {
+        // What the page does a moment after a change is done here between the new address and the event that tells of it.
+        const later = window.setTimeout, due = [];
+        window.setTimeout = (call, ...rest) => (due.push(call), later(call, ...rest));
+        sinew.setFrame(3);
+        window.setTimeout = later;
+        location.hash = "frame=2&show=fibres";
+        for (const call of due) call();
+    });
+    await page.waitForFunction(() => sinew.frame === 2);
+    assert.deepEqual(await page.evaluate(() => [sinew.state.overlays.fibres, sinew.state.overlays.grid]), [true, false]);
+    assert.equal(await hash(page), "#frame=2&show=fibres");
+});
+
 test("what cannot be followed is told, and the rest is", async () => {
     for (const [words, told, frame] of [["frame=77", /no frame 77/, 1], ["frame=2&camera=1,2,3", /camera/, 2], ["frame=2&camera=1,2,3,1,2,3", /camera/, 2],
         ["frame=3&colour=temperature", /temperature/, 3], ["frame=3&show=marks", /marks/, 3], ["node=nobody&frame=2", /nobody/, 2]]) {

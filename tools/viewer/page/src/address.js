@@ -62,25 +62,31 @@ export function followAddress(text, { scene, store, selection, world }) {
 export function keepAddress(app) {
     const { scene, store, world, say } = app, { stage } = world;
     const fresh = initialState(scene);
-    let timer = 0, own = location.hash.replace(/^#/, "");
+    const fragment = () => location.hash.replace(/^#/, "");
+    // What the address held when it was last written or followed. Where it holds something else, somebody has changed it
+    // and the event that says so is still to come.
+    let timer = 0, known = fragment();
     const write = () => {
-        own = writeAddress(scene, store.state, stage && !stage.isHome ? stage.viewNumbers() : null, fresh);
+        if (fragment() !== known) return;
+        const words = writeAddress(scene, store.state, stage && !stage.isHome ? stage.viewNumbers() : null, fresh);
         try {
-            history.replaceState(null, "", own ? `#${own}` : location.pathname + location.search);
+            history.replaceState(null, "", words ? `#${words}` : location.pathname + location.search);
         } catch {
             // Some browsers refuse it for pages from disk; then the address stays as it is.
         }
+        known = fragment();
     };
     const soon = () => {
         clearTimeout(timer);
         if (!store.state.playing) timer = setTimeout(write, 200);
     };
     const follow = () => {
+        known = fragment();
         const [problem] = followAddress(location.hash, app);
         if (problem) say(problem);
     };
-    if (own) follow();
+    if (known) follow();
     store.on(["frame", "playing", "compare", "colourBy", "overlays", "marksOfSelection", "selectedBodies", "selectedNode"], soon);
     stage?.controls.addEventListener("change", soon);
-    window.addEventListener("hashchange", () => location.hash.replace(/^#/, "") !== own && follow());
+    window.addEventListener("hashchange", () => fragment() !== known && follow());
 }
