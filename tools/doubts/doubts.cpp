@@ -28,6 +28,7 @@ void look_at_solver(Doubting& d, const std::string& name) {
     for (const Member& m : members)
         if (!m.body.subtissue) doubt_tets(d, m);
     doubt_whole_attachments(d, name, members);
+    doubt_contacts(d, name, members, *units);
 }
 
 } // namespace

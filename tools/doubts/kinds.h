@@ -51,4 +51,10 @@ void doubt_hold(Doubting& d, const std::string& node);
 void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 
+// ---- touching.cpp: bodies that contact cannot keep apart ----
+/// Whether two bodies can push each other away at some frame; what is keyed does so then.
+bool may_touch(const Doubting& d, const Member& a, const Member& b);
+/// Open surfaces with hardly a point to stop others by; bodies that begin deep within each other.
+void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units);
+
 } // namespace sinew::doubts

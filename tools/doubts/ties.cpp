@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
 #include "nodes/options.h"
-#include "solver/terms/contact/contact_rest.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
@@ -15,22 +14,6 @@ constexpr double nearly_whole = 0.9;
 
 /// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
 constexpr double least_tie = 1000, least_tie_of_cloth = 10;
-
-/// Whether two bodies can push each other away at some frame; what is keyed does so then.
-bool may_touch(const Doubting& d, const Member& a, const Member& b) {
-    if (!a.body.contact || !b.body.contact) return false;
-    const auto rest = [](const Member& m) -> const solver::ContactRest& {
-        return static_cast<const solver::ContactRest&>(*m.body.contact->rest);
-    };
-    const auto values = [&](const Member& m) {
-        auto out = solver::get_fields<solver::ContactValues>(m.body.contact->values);
-        if (!d.number<bool>(m.name, "collisions")) out.collides = 1;
-        if (!d.number<double>(m.name, "contactStiffness")) out.stiffness = 1;
-        return out;
-    };
-    return solver::may_meet(rest(a), values(a), rest(b), values(b)) &&
-           (solver::has_faces(rest(a)) || solver::has_faces(rest(b)));
-}
 
 void set(std::vector<char>& flags, int i) {
     if (i >= 0) flags[at(i)] = 1;

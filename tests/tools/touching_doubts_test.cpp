@@ -1,0 +1,63 @@
+// What check doubts of bodies that contact cannot keep apart.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/doubting.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew::test;
+using nlohmann::json;
+
+namespace {
+
+/// The ball of `ball()`, let go above a plane of 60 x 60.
+json ball_over_plane() {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    for (const char* gone : {"grip", "top", "plate", "plateMesh", "platePlace"}) nodes.erase(gone);
+    nodes["floorMesh"] = json::parse(R"({"type": "polyPlane", "inputs": {"width": 60, "height": 60,
+        "subdivisionsWidth": 3, "subdivisionsHeight": 3}})");
+    nodes["floorPlace"] = json::parse(R"({"type": "transform", "inputs": {"translate": [0, -12, 0]}})");
+    nodes["floor"] = json::parse(R"({"type": "zBone", "inputs": {"mesh": {"from": "floorMesh.outMesh"},
+        "matrix": {"from": "floorPlace.outMatrix"}}})");
+    nodes["solver"]["inputs"] = json::parse(R"({"bodies": [{"from": "floor.outBody"}, {"from": "ball.outBody"}],
+        "scale": 100, "collisionDetection": true})");
+    return graph;
+}
+
+} // namespace
+
+TEST_CASE("check doubts an open floor through whose points a body falls", "[tools]") {
+    // Its edges are 20 long along the sides, two of three.
+    const std::string falls =
+        "FE340 floor.mesh: bounds no solid, so it stops ball by its points alone, and those lie 20 apart where ball is "
+        "20 wide | close it, as by a polyCube in place of a plane, or test more of its points: "
+        "solver.collisionSubdivision true, collisionPointSpacing 0.02 m\n";
+    CHECK(said_of(ball_over_plane()) == falls);
+    CHECK(said_of(ball_over_plane(), {"floorMesh.subdivisionsWidth=12", "floorMesh.subdivisionsHeight=12"}).empty());
+    CHECK(
+        said_of(ball_over_plane(), {"solver.collisionSubdivision=true", "solver.collisionPointSpacing=0.02"}).empty());
+    json closed = ball_over_plane();
+    closed["nodes"]["floorMesh"] =
+        json::parse(R"({"type": "polyCube", "inputs": {"width": 60, "height": 2, "depth": 60}})");
+    CHECK(said_of(closed).empty());
+}
+
+TEST_CASE("check doubts bodies that collide and begin deep within each other", "[tools]") {
+    json graph = ball_over_plane();
+    json& nodes = graph["nodes"];
+    nodes["floorMesh"] = json::parse(R"({"type": "polySphere", "inputs": {"radius": 4, "subdivisionsAxis": 12,
+        "subdivisionsHeight": 12}})");
+    const std::string inside = "FE341 floor.mesh: begins with 100 % of its points inside ball, up to ";
+    // Its centre 4 below the ball's: its lowest points are 2 from the ball's skin, its highest 10.
+    CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]"}).starts_with(inside));
+    CHECK(said_of(graph, {"floorPlace.translate=[0, -13, 0]"}).empty()); // grazes
+    // What is attached to it belongs there, and what does not collide may lie where it will.
+    CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]", "solver.collisionDetection=false"}).find("FE341") ==
+          std::string::npos);
+    nodes["near"] = json::parse(R"({"type": "weights", "inputs": {"mesh": {"from": "ballMesh.outMesh"}, "mode": "ramp",
+        "axis": "y", "start": -8, "end": -9}})");
+    nodes["tie"] = json::parse(R"({"type": "zAttachment", "inputs": {"source": {"from": "ball.outBody"},
+        "target": {"from": "floor.outBody"}, "weights": {"from": "near.outWeights"}}})");
+    nodes["solver"]["inputs"]["attachments"] = json::parse(R"([{"from": "tie.outAttachment"}])");
+    CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]"}).find("FE341") == std::string::npos);
+}

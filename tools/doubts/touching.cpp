@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
+#include "solver/mesh/closest_point.h"
+#include "solver/mesh/mesh_check.h"
+#include "solver/terms/contact/contact_rest.h"
+#include "tools/doubts/kinds.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sinew::doubts {
+
+namespace {
+
+/// Points of an open surface that lie farther apart than this share of what they are to stop are too few.
+constexpr double widest_spacing = 0.55;
+/// Of a body's points within another: real muscles are modelled into each other at their rims, not by a third.
+constexpr double deep_share = 0.35;
+/// Points of a body that are asked where they are.
+constexpr std::size_t most_asked = 400, most_asked_in_passing = 60;
+
+const solver::ContactRest& rest_of(const Member& m) {
+    return static_cast<const solver::ContactRest&>(*m.body.contact->rest);
+}
+
+/// The middle one of the sides of the box around it.
+double breadth(const solver::Points& points) {
+    const solver::Box box = solver::bounding_box(points);
+    solver::Vec3 sides = box.max - box.min;
+    std::sort(sides.data(), sides.data() + 3);
+    return sides[1];
+}
+
+double median_edge(const nodes::Mesh& mesh) {
+    std::vector<double> edges;
+    for (const solver::Triangle& t : mesh.topology->triangles)
+        for (std::size_t i = 0; i < 3; ++i)
+            edges.push_back(((*mesh.points)[at(t[i])] - (*mesh.points)[at(t[(i + 1) % 3])]).norm());
+    if (edges.empty()) return 0;
+    const auto middle = edges.begin() + static_cast<std::ptrdiff_t>(edges.size() / 2);
+    std::nth_element(edges.begin(), middle, edges.end());
+    return *middle;
+}
+
+/// Whether a body comes to another by falling straight, as far as their boxes tell.
+bool falls_on(const nodes::Mesh& body, const nodes::Mesh& other, const engine::Vec3& gravity) {
+    const solver::Box one = solver::bounding_box(*body.points), two = solver::bounding_box(*other.points);
+    const auto along =
+        std::max_element(gravity.begin(), gravity.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
+        gravity.begin();
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+        if (axis != along && (one.max[axis] < two.min[axis] || two.max[axis] < one.min[axis])) return false;
+    return true;
+}
+
+/// A surface that bounds no solid stops others by its points alone; what is smaller than the gaps between them falls
+/// through. `spacing` of points that are tested, in scene units; 0: vertices alone.
+void open_surface(Doubting& d, const std::string& solver, const Member& surface, const Member& other, double spacing,
+                  double units) {
+    if (has_faces(rest_of(surface)) || !has_faces(rest_of(other)) || !surface.body.is_bone()) return;
+    const auto gravity = d.number<engine::Vec3>(solver, "gravity");
+    if (!gravity || *gravity == engine::Vec3{} || !falls_on(mesh_of(other.body), mesh_of(surface.body), *gravity))
+        return;
+    const double edge = median_edge(mesh_of(surface.body)), gap = spacing > 0 ? std::min(spacing, edge) : edge,
+                 size = breadth(*mesh_of(other.body).points);
+    if (!(gap > widest_spacing * size)) return;
+    d.doubt("FE340", surface.name, "mesh",
+            "bounds no solid, so it stops " + other.name + " by its points alone, and those lie " + rough(gap) +
+                " apart where " + other.name + " is " + rough(size) + " wide",
+            "close it, as by a polyCube in place of a plane, or test more of its points: " + solver +
+                ".collisionSubdivision true, collisionPointSpacing " + rough(size / 10 / units) + " m");
+}
+
+struct Inside {
+    std::size_t count = 0, asked = 0;
+    double deepest = 0;
+    double share() const { return asked ? static_cast<double>(count) / static_cast<double>(asked) : 0; }
+};
+
+Inside points_inside(const Member& body, const Member& other, const solver::SurfaceTree& tree, std::size_t most) {
+    Inside out;
+    const solver::Points& points = *mesh_of(body.body).points;
+    const solver::Box box = solver::bounding_box(*mesh_of(other.body).points);
+    const std::size_t step = points.size() / most + 1;
+    for (std::size_t i = 0; i < points.size(); i += step) {
+        ++out.asked;
+        const solver::Vec3& p = points[i];
+        if (!((p.array() > box.min.array()).all() && (p.array() < box.max.array()).all()) || !tree.inside(p)) continue;
+        ++out.count;
+        out.deepest = std::max(out.deepest, tree.closest(p).distance);
+    }
+    return out;
+}
+
+} // namespace
+
+bool may_touch(const Doubting& d, const Member& a, const Member& b) {
+    if (!a.body.contact || !b.body.contact) return false;
+    const auto values = [&](const Member& m) {
+        auto out = solver::get_fields<solver::ContactValues>(m.body.contact->values);
+        if (!d.number<bool>(m.name, "collisions")) out.collides = 1;
+        if (!d.number<double>(m.name, "contactStiffness")) out.stiffness = 1;
+        return out;
+    };
+    return solver::may_meet(rest_of(a), values(a), rest_of(b), values(b)) &&
+           (has_faces(rest_of(a)) || has_faces(rest_of(b)));
+}
+
+void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units) {
+    if (d.number<bool>(solver, "collisionDetection") == false) return;
+    std::vector<nodes::BodyId> ids;
+    for (const Member& m : members) ids.push_back(id_of(m.body));
+    std::set<std::pair<int, int>> tied; // what attachments hold together is left to them
+    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
+        if (const auto a = d.value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none)
+            tied.insert(std::minmax(find_body(ids, a->source_body), find_body(ids, a->target_body)));
+    // Keyed: at some time points between vertices are tested.
+    const bool subdivided = d.number<bool>(solver, "collisionSubdivision").value_or(true);
+    const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
+    const std::size_t most = d.look() == Look::closely ? most_asked : most_asked_in_passing;
+    for (std::size_t k = 0; k < members.size(); ++k) {
+        const Member& other = members[k];
+        std::unique_ptr<solver::SurfaceTree> tree;
+        for (std::size_t i = 0; i < members.size(); ++i) {
+            const Member& body = members[i];
+            if (i == k || (body.body.is_bone() && other.body.is_bone()) || !may_touch(d, body, other)) continue;
+            open_surface(d, solver, body, other, spacing, units);
+            if (body.body.subtissue || other.body.subtissue || !rest_of(other).is_volume) continue;
+            if (tied.contains(std::minmax(static_cast<int>(i), static_cast<int>(k)))) continue;
+            const nodes::Mesh& mesh = mesh_of(other.body);
+            if (!solver::is_closed(mesh.topology->triangles)) continue;
+            if (!tree) tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
+            const Inside found = points_inside(body, other, *tree, most);
+            if (found.share() < deep_share) continue;
+            // Of two that lie in each other by as much the first is told.
+            if (k > i && d.has_said("FE341", body.name)) continue;
+            d.doubt("FE341", body.name, "mesh",
+                    "begins with " + rough(100 * found.share()) + " % of its points inside " + other.name + ", up to " +
+                        rough(found.deepest) + " scene units deep, and contact is to push it out",
+                    "move it outside; or, if it belongs there, attach the two to each other, or let collisionSets or "
+                    "collisions keep them from colliding");
+        }
+    }
+}
+
+} // namespace sinew::doubts
