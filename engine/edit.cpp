@@ -338,7 +338,7 @@ class Edit::Draft {
         const AttributeInfo* info = input(op.plug);
         if (!info) return;
         const JsonDocument doc = parse_json(op.text);
-        for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text);
+        for (const JsonProblem& p : doc.problems) problem(p.code, op.plug, p.message + " in " + op.text, p.hint);
         if (!doc.problems.empty()) return;
         std::vector<Problem> found;
         auto binding = read_binding(graph_, *info, doc.root, folder_of(graph_.file()), found);
@@ -482,7 +482,7 @@ class Edit::Draft {
 
     void editor(const Op& op) {
         const JsonDocument doc = parse_json(op.text);
-        for (const JsonProblem& p : doc.problems) problem(p.code, {}, p.message + " in the editor's data");
+        for (const JsonProblem& p : doc.problems) problem(p.code, {}, p.message + " in the editor's data", p.hint);
         if (doc.problems.empty() && !doc.root.as<Json::Object>())
             problem("DG008", {}, "the editor's data is an object");
         undo({.kind = Op::Kind::editor, .plug = {}, .text = graph_.editor_json_});

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
-#include <unordered_set>
+#include <optional>
+#include <unordered_map>
 
 namespace sinew::engine {
 
@@ -31,9 +32,38 @@ class Parser {
     }
 
   private:
-    [[noreturn]] void stop(std::string message, std::string_view code = "DG001") {
-        out_.problems.push_back({code, at_, pointer_, std::move(message)});
+    [[noreturn]] void stop(std::string message, std::string_view code = "DG001", std::string hint = {}) {
+        out_.problems.push_back({code, at_, pointer_, std::move(message), std::move(hint)});
         throw Stop{};
+    }
+
+    /// What ends neither a list nor an object, nor goes on with it, but may begin what comes next.
+    [[noreturn]] void no_comma(bool in_list) {
+        constexpr std::size_t most = 40; // of a text that is shown
+        std::string next, cure;
+        const char c = more() ? text_[at_] : '\0';
+        if (c == '"') {
+            const std::size_t close = text_.substr(0, at_ + most).find_first_of("\"\\\n", at_ + 1);
+            const bool is_short = close != std::string_view::npos && text_[close] == '"';
+            next = is_short ? json_quoted(text_.substr(at_ + 1, close - at_ - 1)) : "this text";
+            const std::size_t after = is_short ? text_.find_first_not_of(" \t\r\n", close + 1) : std::string_view::npos;
+            const bool is_key = after != std::string_view::npos && text_[after] == ':';
+            cure = in_list && is_key ? "end the list with ] and put a comma before the key " : "put a comma before ";
+        } else if (in_list && (c == '{' || c == '[' || c == '-' || std::isalnum(static_cast<unsigned char>(c)))) {
+            next = std::string("this ") + c, cure = "put a comma before ";
+        }
+        stop(std::string("expected , or ") + (in_list ? "] in a list, " : "} in an object, ") + found(), "DG001",
+             cure + next);
+    }
+
+    /// For one that is there already; the text's lines are looked for once.
+    void twice(const JsonMember& member, std::size_t first) {
+        if (!lines_) lines_.emplace(text_);
+        const TextPlace place = lines_->at(first);
+        out_.problems.push_back({"DG002", member.key_begin, pointer_,
+                                 "the key " + json_quoted(member.key) + " is written twice, first at line " +
+                                     std::to_string(place.line) + ", column " + std::to_string(place.column),
+                                 "keep one of the two, or give one another name"});
     }
 
     bool more() const { return at_ < text_.size(); }
@@ -144,7 +174,7 @@ class Parser {
             pointer_.resize(pointer_size);
             space();
             if (more() && text_[at_] == ']') return ++at_, out;
-            if (!more() || text_[at_] != ',') stop("expected , or ] in a list, " + found());
+            if (!more() || text_[at_] != ',') no_comma(true);
             ++at_;
             space();
             if (more() && text_[at_] == ']') stop("remove the comma before this ]");
@@ -153,7 +183,7 @@ class Parser {
 
     Json::Object object(int depth) {
         Json::Object out;
-        std::unordered_set<std::string> seen;
+        std::unordered_map<std::string, std::size_t> seen; // where each key stands
         ++at_;
         space();
         if (more() && text_[at_] == '}') return ++at_, out;
@@ -169,9 +199,8 @@ class Parser {
                      found());
             m.key = text();
             pointer_ += pointer_token(m.key);
-            if (!seen.insert(m.key).second)
-                out_.problems.push_back(
-                    {"DG002", m.key_begin, pointer_, "the key " + json_quoted(m.key) + " is written twice"});
+            const auto [before, is_new] = seen.try_emplace(m.key, m.key_begin);
+            if (!is_new) twice(m, before->second);
             space();
             if (!more() || text_[at_] != ':') stop("expected : after a key, " + found());
             ++at_;
@@ -180,7 +209,7 @@ class Parser {
             out.push_back(std::move(m));
             space();
             if (more() && text_[at_] == '}') return ++at_, out;
-            if (!more() || text_[at_] != ',') stop("expected , or } in an object, " + found());
+            if (!more() || text_[at_] != ',') no_comma(false);
             ++at_;
         }
     }
@@ -219,7 +248,7 @@ class Parser {
             const bool zero = text_.substr(begin, at_ - begin).find_first_of("123456789") == std::string_view::npos;
             if (!tiny && !zero)
                 out_.problems.push_back(
-                    {"DG027", begin, pointer_, std::string(first, last) + " is too large for a number"});
+                    {"DG027", begin, pointer_, std::string(first, last) + " is too large for a number", {}});
         }
         out.data = d;
     }
@@ -293,6 +322,7 @@ class Parser {
     std::string_view text_;
     std::size_t at_ = 0;
     std::string pointer_;
+    std::optional<LineIndex> lines_;
     JsonDocument out_;
 };
 

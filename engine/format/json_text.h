@@ -39,7 +39,7 @@ struct JsonMember {
 struct JsonProblem {
     std::string_view code; ///< DG001, DG002, DG003, DG027
     std::size_t offset = 0;
-    std::string pointer, message;
+    std::string pointer, message, hint;
 };
 
 struct JsonComment {

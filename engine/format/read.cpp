@@ -65,7 +65,8 @@ class GraphReader {
                     "write { \"format\": … } below them");
             doc.problems.clear();
         }
-        for (JsonProblem& p : doc.problems) problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message));
+        for (JsonProblem& p : doc.problems)
+            problem(p.code, p.offset, p.pointer, {}, {}, std::move(p.message), std::move(p.hint));
         const FormatNumber format = problems_.empty() ? format_number(doc.root) : FormatNumber();
         if (!format.code.empty()) problem(format.code, format.at, format.pointer, {}, {}, format.message, format.hint);
         if (problems_.empty() && format.number < current_format)
