@@ -19,6 +19,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Of meshes, tets, point caches and what is written as JSON.
+constexpr std::string_view read_endings[] = {".obj", ".ply", ".off", ".stl",  ".glb", ".mesh", ".vtk",
+                                             ".msh", ".veg", ".ele", ".node", ".pc2", ".mdd",  ".json"};
+
 // 3 mm shall be the double nearest to 0.003: a division by 1000 is, a product with 1e-3 often is not.
 double converted(double v, double factor) {
     const double inverse = std::round(1 / factor);
@@ -387,6 +391,19 @@ class BindingReader {
         return Value();
     }
 
+    /// Which file of a folder may be meant.
+    std::string file_in(const fs::path& folder) const {
+        constexpr std::size_t most = 12;
+        std::vector<std::string> inside = files_in(resolved_path(folder.string(), folder_));
+        std::erase_if(inside, [](const std::string& name) {
+            const std::string ending = lower_case(fs::path(name).extension().string());
+            return std::find(std::begin(read_endings), std::end(read_endings), ending) == std::end(read_endings);
+        });
+        if (inside.empty() || inside.size() > most) return "name the file in it that is meant";
+        for (std::string& name : inside) name = json_quoted((folder / name).generic_string());
+        return "name a file in it: " + listed(inside);
+    }
+
     Binding file(const std::string& path, const std::string& below) {
         File out;
         if (path.empty()) return Value::of<File>(out);
@@ -406,17 +423,14 @@ class BindingReader {
         std::error_code ec;
         const auto status = fs::status(out.path, ec);
         if (!fs::exists(status)) {
-            // Of meshes, tets, point caches and what is written as JSON.
-            constexpr std::string_view endings[] = {".obj", ".ply", ".off", ".stl",  ".glb", ".mesh", ".vtk",
-                                                    ".msh", ".veg", ".ele", ".node", ".pc2", ".mdd",  ".json"};
-            const std::string near = near_file(out.path, endings);
+            const std::string near = near_file(out.path, read_endings);
             problem("IO401", "there is no file " + json_quoted(path),
                     near.empty()
                         ? "looked for " + out.path + "; relative paths start at the graph's folder"
                         : "did you mean " + json_quoted(fs::path(path).replace_filename(near).generic_string()) + "?",
                     below);
         }
-        if (fs::is_directory(status)) problem("IO402", json_quoted(path) + " is a folder", {}, below);
+        if (fs::is_directory(status)) problem("IO402", json_quoted(path) + " is a folder", file_in(path), below);
         return Value::of<File>(std::move(out));
     }
 

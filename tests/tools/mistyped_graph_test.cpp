@@ -58,6 +58,49 @@ TEST_CASE("check says why a graph file cannot be opened, and which one may be me
     CHECK(said_of_file(folder / "leg.json") == "IO401 : there is no such graph file | \n"); // all end in .json
 }
 
+TEST_CASE("check says where a key stands that is written twice, and before what a comma is missing", "[tools]") {
+    CHECK(
+        said_of_text("{\"format\": \"sinew 1\", \"nodes\": {\n  \"a\": {\"type\": \"polyCube\"},\n"
+                     "  \"b\": {\"type\": \"polyCube\"},\n  \"a\": {\"type\": \"polyPlane\"}}}") ==
+        "DG002 /nodes/a: the key \"a\" is written twice, first at line 2, column 3 | keep one of the two, or give one "
+        "another name\n");
+    const auto said_of_node = [](const std::string& node) {
+        return said_of_text(R"({"format": "sinew 1", "nodes": {"a": {)" + node + "}}}");
+    };
+    const std::string in_object = "expected , or } in an object, found ", in_list = "expected , or ] in a list, found ";
+    CHECK(said_of_node(R"("type": "polyCube" "inputs": {})") ==
+          "DG001 /nodes/a: " + in_object + R"("\"" | put a comma before "inputs")" + "\n");
+    CHECK(said_of_node(R"("type": "polyCube", "inputs": {} "comment": "b")") ==
+          "DG001 /nodes/a: " + in_object + R"("\"" | put a comma before "comment")" + "\n");
+    CHECK(said_of_node(R"("type": 12 ")" + std::string(60, 'x') + "\": 1") ==
+          "DG001 /nodes/a: " + in_object + R"("\"" | put a comma before this text)" + "\n");
+    CHECK(said_of_node(R"("type": "polyCube" 3)") == "DG001 /nodes/a: " + in_object + "\"3\" | \n");
+    CHECK(said_of_node(R"("b": ["c" "d"])") ==
+          "DG001 /nodes/a/b: " + in_list + R"("\"" | put a comma before "d")" + "\n");
+    CHECK(said_of_node(R"("b": [{} {}])") ==
+          "DG001 /nodes/a/b: " + in_list + R"("{" | put a comma before this {)" + "\n");
+    CHECK(said_of_node(R"("b": [1, 2 "c": 3)") ==
+          "DG001 /nodes/a/b: " + in_list + R"("\"" | end the list with ] and put a comma before the key "c")" + "\n");
+}
+
+TEST_CASE("check says which file of a folder may be meant by an input", "[tools]") {
+    const TemporaryFolder folder;
+    const auto said_of_path = [&](const std::string& path) {
+        std::ofstream(folder / "graph.json")
+            << R"({"format": "sinew 1", "nodes": {"a": {"type": "meshFile", "inputs": {"file": ")" + path + R"("}}}})";
+        return said_of_file(folder / "graph.json");
+    };
+    const std::string is_folder = "IO402 /nodes/a/inputs/file: \"arm\" is a folder | ";
+    fs::create_directory(folder / "arm");
+    CHECK(said_of_path("arm") == is_folder + "name the file in it that is meant\n");
+    for (const char* name : {"ulna.obj", "humerus.OBJ", "read.me"}) std::ofstream(folder / "arm" / name) << "v 0 0 0\n";
+    CHECK(said_of_path("arm") == is_folder + R"(name a file in it: "arm/humerus.OBJ" or "arm/ulna.obj")" + "\n");
+    CHECK(said_of_path("arm/") == "IO402 /nodes/a/inputs/file: \"arm/\" is a folder | name a file in it: "
+                                  "\"arm/humerus.OBJ\" or \"arm/ulna.obj\"\n");
+    for (int i = 0; i < 12; ++i) std::ofstream(folder / "arm" / (std::to_string(i) + ".ply")) << "ply\n";
+    CHECK(said_of_path("arm") == is_folder + "name the file in it that is meant\n");
+}
+
 TEST_CASE("check says which key was probably meant by one that is unknown", "[tools]") {
     CHECK(said_of_text(R"({"format": "sinew 1", "nods": {}})") ==
           "DG007 /nods: unknown key \"nods\" | did you mean \"nodes\"?\n");
