@@ -25,6 +25,15 @@ Digest checksum(std::span<const std::byte> payload) { return Hasher().add_bytes(
 
 } // namespace
 
+FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failure) {
+    std::error_code error;
+    for (std::filesystem::path at = folder; !at.empty() && at != at.root_path(); at = at.parent_path())
+        if (std::filesystem::is_regular_file(at, error))
+            return {"IO407", "'" + at.string() + "' is a file, but a folder is needed", "name a folder by --cache"};
+    const Diagnostic& first = failure.diagnostics().front();
+    return {"IO407", first.message, first.hint};
+}
+
 std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ending_); }
 
 DiskStore::Found DiskStore::read(const Digest& key) const {

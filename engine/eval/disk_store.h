@@ -2,6 +2,7 @@
 // Knows neither nodes nor values; what is kept (outputs today) gives it a key and bytes.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "engine/diagnostics.h"
 #include "engine/digest.h"
 #include "engine/file_access.h"
 
@@ -12,6 +13,9 @@
 #include <vector>
 
 namespace sinew::engine {
+
+/// Why nothing is kept in `folder`: that it, or what it shall be in, is a file; else what the failure says.
+FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failure);
 
 /// Thread-safe. The folder is made when the first file is written.
 class DiskStore {

@@ -146,9 +146,9 @@ void Plan::write_kept(const Item& item, const Entry& entry) {
                                   encode_entry(session_.program->graph()->registry(), *p.type, entry, made_from));
     } catch (const Failure& failure) {
         if (session_.core.disk_has_failed.exchange(true)) return;
-        Diagnostic d = session_.program->about(p, p.type->kept_when, "IO407",
-                                               "nothing is kept on disk: " + failure.diagnostics().front().message,
-                                               failure.diagnostics().front().hint);
+        const FileFault why = why_not_kept(session_.core.disk->folder(), failure);
+        Diagnostic d = session_.program->about(p, p.type->kept_when, why.code,
+                                               "nothing is kept on disk: " + why.message, why.hint);
         d.severity = Severity::warning;
         session_.core.observe([&](Observer& o) { o.warning(d); });
     }

@@ -136,9 +136,8 @@ void Session::keep_frame(int simulation, int at, const Digest& key, const EntryP
         core.frames->write(program->graph()->registry(), *p.type, key, start, kept);
     } catch (const Failure& failure) {
         if (core.disk_has_failed.exchange(true)) return;
-        Diagnostic d =
-            program->about(p, {}, "IO407", "no frames are kept on disk: " + failure.diagnostics().front().message,
-                           failure.diagnostics().front().hint);
+        const FileFault why = why_not_kept(core.disk->folder(), failure);
+        Diagnostic d = program->about(p, {}, why.code, "no frames are kept on disk: " + why.message, why.hint);
         d.severity = Severity::warning;
         core.observe([&](Observer& o) { o.warning(d); });
     }

@@ -120,5 +120,7 @@ TEST_CASE("a folder that cannot be written is warned about once, and all goes on
     CHECK(visit.made() == 1);
     REQUIRE(visit.counter.warnings.size() == 1);
     CHECK(visit.counter.warnings[0].code == "IO407");
+    CHECK(visit.counter.warnings[0].message ==
+          "nothing is kept on disk: '" + in_the_way + "' is a file, but a folder is needed");
     CHECK(bytes_of(in_the_way) == "not a folder");
 }

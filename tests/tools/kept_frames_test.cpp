@@ -251,6 +251,13 @@ TEST_CASE("a folder that frames cannot be written to is told once", "[tools]") {
     const std::size_t at = said.said.find("IO407");
     REQUIRE(at != std::string::npos);
     CHECK(said.said.find("IO407", at + 1) == std::string::npos);
+    for (const fs::path& within : {folder / "file", folder / "file" / "more" / "of it"}) {
+        const Said told = run_program({"run", file, "--cache", within});
+        INFO(told.err);
+        CHECK(told.err.find("no frames are kept on disk: '" + (folder / "file").string() +
+                            "' is a file, but a folder is needed\n  hint: name a folder by --cache\n") !=
+              std::string::npos);
+    }
 }
 
 TEST_CASE("two processes share a folder", "[tools]") {
