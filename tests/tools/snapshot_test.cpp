@@ -37,6 +37,25 @@ void write_program(const fs::path& file, const std::string& text) {
 
 } // namespace
 
+TEST_CASE("where nothing is, a picture and a page say that a folder or a graph is meant", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string out = folder / "nothing", graph = write_graph(folder, small_graph());
+    const std::string told = out +
+                             ": error [IO401] there is neither a folder of a run nor a graph file of this name\n  "
+                             "hint: ";
+    for (const char* command : {"snapshot", "view"}) {
+        const Said said = run_program({command, out, "-o", folder / "p"});
+        CHECK(said.code == 1);
+        CHECK(said.err == told + "`sinew run GRAPH.json --out " + out + "` makes such a folder\n");
+    }
+    CHECK(run_program({"view", graph, "--against", out, "-o", folder / "p"}).err ==
+          told + "`sinew run GRAPH.json --out " + out + "` makes such a folder\n");
+    write_text(out + "s.json", "{}");
+    CHECK(run_program({"snapshot", out, "-o", folder / "p"}).err == told + "did you mean \"" + out + "s.json\"?\n");
+    // Where files are confined, nothing is said of what is elsewhere.
+    CHECK(has(run_program({"snapshot", "/nowhere", "--root", folder.path(), "-o", folder / "p"}).err, "IO410"));
+}
+
 TEST_CASE("a shot has the viewer's bodies where the viewer has them", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph()), out = (folder / "out").string();

@@ -248,6 +248,7 @@ ExitCode snapshot(const Invocation& in) {
     const int fps = arguments.whole_number("--fps", 0, 1);
 
     const fs::path source = arguments.operand(0).value();
+    check_source(source, files);
     if (fs::is_directory(source) && !drawing.overlays.empty())
         throw UsageError("--overlays is for graphs; the files in '" + source.string() + "' hold surfaces only.");
     std::optional<Departure> departure(std::in_place, in.stop, "sinew snapshot", false);

@@ -154,6 +154,8 @@ ExitCode view(const Invocation& in) {
         throw UsageError("--output names the folder '" + page.string() + "'; give the page a name, for example " +
                          (page / "view.html").string() + ".");
     check_writable_file(file, "--output");
+    check_source(source, files);
+    if (const auto against = in.arguments.value("--against")) check_source(*against, files);
     ReadFiles read;
     add_source(in, source, true, read);
     if (const auto against = in.arguments.value("--against")) add_source(in, *against, false, read);

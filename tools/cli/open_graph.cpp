@@ -8,6 +8,7 @@
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
 #include "engine/memory_limit.h"
+#include "engine/near_file.h"
 #include "engine/text.h"
 #include "nodes/mesh_names.h"
 #include "nodes/register_all.h"
@@ -138,6 +139,20 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
         for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));
     }
     return {std::move(loaded.graph), std::move(loaded.notes)};
+}
+
+void check_source(const std::filesystem::path& source, const engine::FileAccess& files) {
+    std::error_code error;
+    if (files.is_confined() || std::filesystem::status(source, error).type() != std::filesystem::file_type::not_found)
+        return;
+    const std::string near = engine::near_file(std::filesystem::path(source).replace_extension(".json"), {});
+    engine::Diagnostic d;
+    d.code = "IO401";
+    d.spot = {source.string(), "", 0, 0, {}};
+    d.message = "there is neither a folder of a run nor a graph file of this name";
+    d.hint = near.empty() ? "`sinew run GRAPH.json --out " + source.string() + "` makes such a folder"
+                          : "did you mean \"" + (source.parent_path() / near).string() + "\"?";
+    throw engine::Failure(std::move(d));
 }
 
 OpenGraph open_graph(const std::string& file, const engine::FileAccess& files) {
