@@ -83,7 +83,7 @@ constexpr CodeInfo table[] = {
     {"DG152", "mesh that seems to be in another unit than the others", "Save all meshes in one unit and one space."},
     {"DG153", "two files with the same mesh", "Remove one of them."},
     {"DG154", "name that is in use", "Rename the file if the name matters."},
-    {"DG155", "muscle's end that reaches nothing, or hardly",
+    {"DG155", "muscle's end that reaches nothing, or hardly, or the bone of the other end",
      "Look at that end; say what it is attached to with --set 'MUSCLE:attachTo=BONE,BONE'."},
     {"DG156", "rig without bones or without muscles", "Name a folder of bones and a folder of muscles."},
     {"DG157", "muscles that are not where the bones are", "Take meshes of one side, pose, unit and space."},
@@ -98,7 +98,7 @@ constexpr CodeInfo table[] = {
      "Discard the changes in the page, or bring back what this one was for."},
     // ---- DG176: graphs made around meshes, once more ----
     {"DG176", "unit in which bodies have an odd size", "Give the unit that the meshes are in, or leave --unit away."},
-    {"DG177", "folders of bones and muscles that seem to be swapped", "Name the bones' folder first."},
+    {"DG177", "bones and muscles that seem to be swapped", "Name the bones, or their folder, first."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
     {"FE202", "number of a mesh or map is not finite",

@@ -386,6 +386,74 @@ TEST_CASE("new muscle: one muscle and its bones", "[tools][rig]") {
               "`sinew new muscle BONE… MUSCLE -o FILE`"));
 }
 
+TEST_CASE("new muscle: both ends at one of two bones are told, with how far the other one is", "[tools][rig]") {
+    const SmallRig rig;
+    const std::string humerus = rig.bones + "/humerus.obj", ulna = rig.bones + "/ulna.obj",
+                      biceps = rig.muscles + "/biceps.obj";
+    // Half of the muscle lies in its bone, from tip to tip.
+    write_text(humerus, box({{-2, -3, -2}, {32, 0, 2}}, {10, 2, 2}));
+    const auto said = [&](std::vector<std::string> words) {
+        words.insert(words.end(), {"-o", rig.graph, "--force"});
+        words.insert(words.begin(), "new");
+        const Said all = run_program(words);
+        CHECK(all.code == 0);
+        return all.err;
+    };
+    const auto put_ulna = [&](double at) { write_text(ulna, box({{at, -2, -2}, {at + 3, 2, 24}}, {2, 2, 10})); };
+    put_ulna(35);
+    const std::string told = said({"muscle", humerus, ulna, biceps});
+    INFO(told);
+    CHECK(has(told, "warning [DG155] biceps: both ends are attached to humerus, none to ulna: the end near "
+                    "(29.2, 0, 0) is 5.8 from it\n  hint: If it shall hold one: --set "
+                    "'biceps:attachTo=humerus,ulna'.\n"));
+    CHECK(has(read_text(rig.graph), "// Not sure: biceps: both ends are attached to humerus"));
+    const std::string said_so = said({"muscle", humerus, ulna, biceps, "--set", "biceps:attachTo=humerus,ulna"});
+    CHECK_FALSE(has(said_so, "both ends"));
+    CHECK(has(read_text(rig.graph), "\"bicepsToUlna\""));
+    CHECK_FALSE(has(said({"muscle", humerus, biceps}), "DG155"));
+    // Of more bones, and in a rig, one may be out of reach; what is hardly missed is told there, too.
+    CHECK_FALSE(has(said({"rig", rig.bones, rig.muscles}), "DG155"));
+    put_ulna(29.2 + 0.5);
+    CHECK(has(said({"rig", rig.bones, rig.muscles}), "the end near (29.2, 0, 0) is 0.5 from it"));
+    put_ulna(29.2 + 0.8);
+    CHECK_FALSE(has(said({"rig", rig.bones, rig.muscles}), "DG155"));
+    write_text(rig.folder / "radius.obj", box({{-8, -2, -2}, {-5, 2, 24}}, {2, 2, 10}));
+    CHECK_FALSE(has(said({"muscle", humerus, ulna, rig.folder / "radius.obj", biceps}), "DG155"));
+}
+
+TEST_CASE("new muscle: meshes in another order than their names tell are doubted", "[tools][rig]") {
+    const SmallRig rig;
+    const std::string humerus = rig.bones + "/humerus.obj", ulna = rig.bones + "/ulna.obj",
+                      biceps = rig.muscles + "/biceps.obj";
+    const auto said = [&](std::vector<std::string> meshes) {
+        meshes.insert(meshes.begin(), {"new", "muscle", "-o", rig.graph, "--force"});
+        return run_program(meshes).err;
+    };
+    write_text(humerus, box({{-2, -3, -2}, {32, 0, 2}}, {10, 2, 2})); // both its ends reach the biceps alone
+    write_text(ulna, box({{35, -2, -2}, {38, 2, 24}}, {2, 2, 10}));
+    const std::string told = said({biceps, ulna, humerus});
+    INFO(told);
+    CHECK(has(told, "warning [DG177] '" + humerus + "' was given as the muscle and '" + biceps +
+                        "' as a bone, but their names tell otherwise: the order seems to be mixed up\n"
+                        "  hint: Name the bones first and the muscle last: sinew new muscle … " +
+                        humerus + " " + biceps + ".\n"));
+    CHECK_FALSE(has(told, "both ends"));
+    CHECK(has(said({biceps, humerus}), "sinew new muscle " + humerus + " " + biceps + "."));
+    CHECK_FALSE(has(said({humerus, ulna, biceps}), "DG177"));
+    // A muscle may hold on to another one, and one whose name tells nothing may be anything.
+    const std::string triceps = rig.muscles + "/triceps.obj", part = rig.folder / "part.obj";
+    write_text(triceps, spindle(0.8, 29.2, 2, 1, false, 1.5));
+    CHECK_FALSE(has(said({humerus, triceps, biceps}), "DG177"));
+    fs::copy_file(humerus, part);
+    CHECK_FALSE(has(said({biceps, ulna, part}), "DG177"));
+}
+
+TEST_CASE("new: the help says for which kinds a flag is", "[tools][rig]") {
+    const std::string help = run_program({"new", "--help"}).out;
+    CHECK(has(help, "--set PATTERN:NAME=VALUE  rig, muscle: of the muscles whose names match"));
+    CHECK(has(help, "--overlaps HOW            rig, muscle: tie (default)"));
+}
+
 TEST_CASE("new cloth: a cloth falls on a body and stays above it", "[tools][rig]") {
     const TemporaryFolder folder;
     const std::string body = folder / "table.obj", cloth = folder / "cloth.obj", graph = folder / "cloth.json";

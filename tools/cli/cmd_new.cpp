@@ -130,8 +130,10 @@ ExitCode finish(const Invocation& in, const std::string& file, const rig::Rig& r
 }
 
 ExitCode write_rig(const Invocation& in, const std::string& file, const std::vector<std::string>& bones,
-                   const std::vector<std::string>& muscles) {
-    rig::Rig made = rig::guess_rig(bones, muscles, guess_options(in));
+                   const std::vector<std::string>& muscles, bool is_one_muscle) {
+    rig::GuessOptions guess = guess_options(in);
+    guess.is_one_muscle = is_one_muscle;
+    rig::Rig made = rig::guess_rig(bones, muscles, guess);
     const rig::TextOptions options = text_options(in, file, made);
     return finish(in, file, made, rig::rig_text(made, options));
 }
@@ -146,7 +148,7 @@ ExitCode new_rig(const Invocation& in) {
             "two folders are meant: `sinew new rig BONES MUSCLES -o FILE`; more with --bones and --muscles.");
     if (!folders.empty()) bones.insert(bones.begin(), folders[0]);
     if (folders.size() > 1) muscles.insert(muscles.begin(), folders[1]);
-    return write_rig(in, file, bones, muscles);
+    return write_rig(in, file, bones, muscles, false);
 }
 
 /// The meshes but for the last one, and the last one.
@@ -166,7 +168,7 @@ ExitCode new_muscle(const Invocation& in) {
     refuse(in, "muscle", {"--bones", "--muscles", "--fascia", "--skin"});
     const std::string file = output_file(in);
     const auto [bones, muscle] = all_and_last(in, "muscle", "BONE… MUSCLE");
-    return write_rig(in, file, bones, {muscle});
+    return write_rig(in, file, bones, {muscle}, true);
 }
 
 ExitCode new_cloth(const Invocation& in) {
@@ -229,11 +231,11 @@ Command new_command() {
          {"--up", "AXIS", "y or z; default: guessed"},
          {"--motion", "FILE", "a motion file with tracks named like the bones, which then move"},
          {"--end", "FRAME", "the last frame; default: that of the motion, else 24"},
-         {"--overlaps", "HOW", "rig: tie (default), slide or none: how it goes with bodies that touch"},
+         {"--overlaps", "HOW", "rig, muscle: tie (default), slide or none: how it goes with bodies that touch"},
          {"--tet-scale", "FACTOR", "multiplies the tet sizes that are guessed: 2 is coarser and quicker"},
          {"--set", "PATTERN:NAME=VALUE",
-          "rig: of the muscles whose names match: tetSize, reach, attachTo, overlaps, preset, law, youngsModulus, "
-          "tendonModulus, massDensity, strength, excitation (docs/concepts/new-rig.md)",
+          "rig, muscle: of the muscles whose names match: tetSize, reach, attachTo, overlaps, preset, law, "
+          "youngsModulus, tendonModulus, massDensity, strength, excitation (docs/concepts/new-rig.md)",
           true}},
         "sinew new rig arm/bones arm/muscles -o arm.json\n"
         "sinew new rig arm/bones arm/muscles -o arm.json --set 'triceps*:tetSize=1.2' --set "

@@ -156,7 +156,12 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
     Rig rig;
     rig.parts = read_parts(mesh_files(bones), mesh_files(muscles), rig.notes);
     check_kinds(rig);
-    if (auto doubt = doubt_of_kinds(rig.parts)) rig.notes.push_back(std::move(*doubt));
+    auto doubt = doubt_of_kinds(rig.parts, options.is_one_muscle);
+    // Two bones that are named for one muscle are meant both. What the ends reach of parts that are mixed up is nothing
+    // to speak of.
+    const bool has_two_bones = options.is_one_muscle && rig.parts.size() == 3;
+    const OneBone one_bone = doubt ? OneBone::is_right : has_two_bones ? OneBone::is_odd : OneBone::is_odd_if_near;
+    if (doubt) rig.notes.push_back(std::move(*doubt));
     if (const auto pattern = unmatched(options.overrides, rig.parts))
         throw std::invalid_argument("--set " + *pattern + ":…: no muscle has such a name.");
     set_space(rig, options);
@@ -180,12 +185,13 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
         all.emplace_back();
         for (std::size_t p = 0; p < rig.parts.size(); ++p) {
             const std::vector<double> none(rig.parts[m.part].points.size(), far_away);
-            const double most = m.options.attach_to.empty() ? 6 * m.reach : 1e300;
+            const bool is_near = m.options.attach_to.empty() && !has_two_bones;
+            const double most = is_near ? 6 * m.reach : 1e300;
             all.back().push_back(p == m.part ? none : distances(rig.parts[m.part], surfaces[p], most));
         }
         if (options.stop && options.stop()) throw solver::Stopped();
     }
-    find_reach(rig, all);
+    find_reach(rig, all, one_bone);
     if (std::none_of(rig.muscles.begin(), rig.muscles.end(), [](const Muscle& m) { return m.is_held(); }))
         throw engine::Failure(say(Severity::error, "DG158", "", "no muscle reaches any bone",
                                   "Bones and muscles must be modelled in one pose, unit and space; --set '*:reach=…' "

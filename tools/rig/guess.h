@@ -67,6 +67,7 @@ struct GuessOptions {
     double tet_scale = 1;
     std::string overlaps = "tie";
     std::vector<Override> overrides;
+    bool is_one_muscle = false; ///< of `new muscle`
     std::function<bool()> stop;
 };
 

@@ -50,16 +50,25 @@ std::optional<Kind> kind_told_by(const std::string& name) {
     return bone ? Kind::bone : Kind::muscle;
 }
 
-std::optional<engine::Diagnostic> doubt_of_kinds(const std::vector<Part>& parts) {
+std::optional<engine::Diagnostic> doubt_of_kinds(const std::vector<Part>& parts, bool is_one_muscle) {
     const Part *told_muscle = nullptr, *told_bone = nullptr; // that were given as the other
     for (const Part& part : parts) {
         auto told = kind_told_by(part.stem);
         if (!told) told = kind_told_by(std::filesystem::path(part.file).parent_path().filename().string());
         if (!told) continue;
-        if (*told == part.kind) return {};
+        if (*told == part.kind) {
+            if (is_one_muscle && part.kind == Kind::bone) continue; // the muscle may be among the right bones
+            return {};
+        }
         (*told == Kind::muscle ? told_muscle : told_bone) = &part;
     }
     if (!told_muscle || !told_bone) return {};
+    if (is_one_muscle)
+        return say(Severity::warning, "DG177", "",
+                   "'" + told_bone->file + "' was given as the muscle and '" + told_muscle->file +
+                       "' as a bone, but their names tell otherwise: the order seems to be mixed up",
+                   "Name the bones first and the muscle last: sinew new muscle " +
+                       std::string(parts.size() > 2 ? "… " : "") + told_bone->file + " " + told_muscle->file + ".");
     return say(Severity::warning, "DG177", "",
                "'" + told_muscle->file + "' was given as a bone and '" + told_bone->file +
                    "' as a muscle, but their names tell otherwise: the two folders seem to be swapped",

@@ -15,6 +15,7 @@ std::optional<Kind> kind_told_by(const std::string& name);
 
 /// A warning (DG177) if the names of the bones tell muscles and those of the muscles tell bones, and none tells what it
 /// was given as: the two folders seem to be swapped.
-std::optional<engine::Diagnostic> doubt_of_kinds(const std::vector<Part>& parts);
+/// \param is_one_muscle of `new muscle`: bones that are right say nothing for the order of the others
+std::optional<engine::Diagnostic> doubt_of_kinds(const std::vector<Part>& parts, bool is_one_muscle);
 
 } // namespace sinew::rig

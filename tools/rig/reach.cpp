@@ -14,11 +14,12 @@ using engine::Severity;
 
 namespace {
 
-constexpr double end_part = 0.35;  ///< of the length: where an end looks for what it may reach
-constexpr double sharpness = 0.05; ///< of the length: what is so much nearer to the tip counts e times as much
-constexpr double tip_part = 0.15;  ///< where it is looked for over a gap
-constexpr double most_gaps = 5;    ///< reaches
-constexpr double as_near = 0.6;    ///< of the best score: worth a word
+constexpr double end_part = 0.35;   ///< of the length: where an end looks for what it may reach
+constexpr double sharpness = 0.05;  ///< of the length: what is so much nearer to the tip counts e times as much
+constexpr double tip_part = 0.15;   ///< where it is looked for over a gap
+constexpr double most_gaps = 5;     ///< reaches
+constexpr double as_near = 0.6;     ///< of the best score: worth a word
+constexpr double hardly_missed = 2; ///< reaches
 
 /// From 0 at the tip of this end to 1 at the other.
 double from_tip(const Muscle& muscle, std::size_t end, std::size_t vertex) {
@@ -199,12 +200,34 @@ void settle_masks(Muscle& muscle, const Part& part, const std::vector<std::vecto
         for (End& end : muscle.ends) end.fibres_by_tip = true;
 }
 
+std::string place_of(const End& end) {
+    return "the end near (" + rough(end.tip.x()) + ", " + rough(end.tip.y()) + ", " + rough(end.tip.z()) + ")";
+}
+
+/// Both ends at one bone, and the other one nearest to an end, if it is no farther than `most`.
+void tell_one_bone(Rig& rig, const Muscle& muscle, const Chosen& chosen, const BothEnds& ends, double most) {
+    if (!chosen[0] || chosen[0] != chosen[1] || rig.parts[*chosen[0]].kind != Kind::bone) return;
+    const Candidate* missed = nullptr;
+    std::size_t at = 0;
+    for (std::size_t e = 0; e < 2; ++e)
+        for (const Candidate& c : ends[e])
+            if (rig.parts[c.part].kind == Kind::bone && c.part != *chosen[0] && c.gap < far_away &&
+                (!missed || c.gap < missed->gap))
+                missed = &c, at = e;
+    if (!missed || missed->gap > most) return;
+    const std::string &name = rig.parts[muscle.part].name, &held = rig.parts[*chosen[0]].name,
+                      &other = rig.parts[missed->part].name;
+    rig.notes.push_back(say(Severity::warning, "DG155", name,
+                            "both ends are attached to " + held + ", none to " + other + ": " +
+                                place_of(muscle.ends[at]) + " is " + rough(missed->gap) + " from it",
+                            "If it shall hold one: --set '" + name + ":attachTo=" + held + "," + other + "'."));
+}
+
 void tell(Rig& rig, const Muscle& muscle) {
     const std::string& name = rig.parts[muscle.part].name;
     for (std::size_t e = 0; e < 2; ++e) {
         const End& end = muscle.ends[e];
-        const solver::Vec3& t = end.tip;
-        const std::string where = "the end near (" + rough(t.x()) + ", " + rough(t.y()) + ", " + rough(t.z()) + ")";
+        const std::string where = place_of(end);
         const std::string hint = "If it shall, --set '" + name + ":attachTo=BONE,BONE', or a larger reach: --set '" +
                                  name + ":reach=" + rough(2 * muscle.reach) + "'.";
         if (end.holds.empty() && muscle.is_tendon) continue; // muscles hold on to it there
@@ -253,7 +276,7 @@ std::vector<std::size_t> painted(const Muscle& muscle, std::size_t end, const Ho
     return out;
 }
 
-void find_reach(Rig& rig, const AllDistances& all) {
+void find_reach(Rig& rig, const AllDistances& all, OneBone one_bone) {
     std::vector<BothEnds> seen;
     for (std::size_t m = 0; m < rig.muscles.size(); ++m) {
         Muscle& muscle = rig.muscles[m];
@@ -287,6 +310,9 @@ void find_reach(Rig& rig, const AllDistances& all) {
         }
         settle_masks(muscle, rig.parts[muscle.part], all[m]);
         tell(rig, muscle);
+        if (one_bone != OneBone::is_right && !is_said)
+            tell_one_bone(rig, muscle, chosen, seen[m],
+                          one_bone == OneBone::is_odd ? far_away : hardly_missed * muscle.reach);
     }
 }
 
