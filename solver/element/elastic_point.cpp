@@ -343,7 +343,7 @@ void point_hessian(const PointInputs& in, const Corners& corners, bool project, 
         }
 }
 
-void point_measures(ElasticLaw law, const TetBatch& batch, const Corners& corners, bool with_measure,
+void point_measures(LawInUse law, const TetBatch& batch, const Corners& corners, bool with_measure,
                     PointMeasures& out) {
     Pack f[9], by_f[9];
     deformation_gradient(batch, corners, f);

@@ -32,13 +32,14 @@ using Law = std::integral_constant<ElasticLaw, law>;
 #pragma GCC diagnostic error "-Wswitch"
 /// Calls visit(formulas, Law<law>).
 template <class Visit>
-inline void visit_law(ElasticLaw law, Visit&& visit) {
-    switch (law) {
+inline void visit_law(LawInUse in_use, Visit&& visit) {
+    switch (in_use.law) {
     case ElasticLaw::stvk:
         return visit(StVK{}, Law<ElasticLaw::stvk>{});
     case ElasticLaw::neo_hookean:
         return visit(StableNeoHookean{}, Law<ElasticLaw::neo_hookean>{});
     case ElasticLaw::log_neo_hookean:
+        if (in_use.continued) return visit(ContinuedLogNeoHookean{}, Law<ElasticLaw::log_neo_hookean>{});
         return visit(LogNeoHookean{}, Law<ElasticLaw::log_neo_hookean>{});
     case ElasticLaw::corotational:
         return visit(Corotational{}, Law<ElasticLaw::corotational>{});
@@ -51,7 +52,7 @@ inline void visit_law(ElasticLaw law, Visit&& visit) {
 /// Energy density and derivatives, with compression resistance where the law takes it. `Form` is Principal with the
 /// principal stretches, or TensorForm with the strains; the latter only where has_tensor_form(law).
 template <class Form, class At, class R>
-inline void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compression, Form& out) {
+inline void evaluate_law(LawInUse law, const At& at, R mu, R lambda, R compression, Form& out) {
     visit_law(law, [&](auto formulas, auto id) {
         if constexpr (requires { formulas.energy(at, mu, lambda, out); }) {
             formulas.energy(at, mu, lambda, out);
@@ -63,7 +64,7 @@ inline void evaluate_law(ElasticLaw law, const At& at, R mu, R lambda, R compres
 
 /// The law's measure of volume.
 template <class Form, class At>
-inline void evaluate_measure(ElasticLaw law, const At& at, Form& out) {
+inline void evaluate_measure(LawInUse law, const At& at, Form& out) {
     visit_law(law, [&](auto formulas, auto id) {
         if constexpr (requires { formulas.measure(at, out); })
             formulas.measure(at, out);

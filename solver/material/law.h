@@ -47,6 +47,16 @@ static_assert(
 
 constexpr const LawFacts& law_facts(ElasticLaw law) { return elastic_laws[static_cast<std::size_t>(law)]; }
 
+/// A law as it is evaluated. `continued`: beyond where it is defined, for laws that know no tets inside out.
+struct LawInUse {
+    ElasticLaw law;
+    bool continued = false;
+    constexpr LawInUse(ElasticLaw l, bool beyond = false)
+        : law(l)
+        , continued(beyond) {}
+    constexpr operator ElasticLaw() const { return law; }
+};
+
 /// Whether each tet needs a direction (TissueRest::stiff_directions).
 constexpr bool needs_direction(ElasticLaw law) { return law_facts(law).form == LawForm::directional; }
 /// Whether nothing but projection needs singular values.

@@ -48,4 +48,58 @@ struct LogNeoHookean {
     }
 };
 
+/// The same with ln J continued below a small J by its second-order Taylor series there, so that it knows tets that are
+/// flat or inside out, and turns them back: for first guesses, never for what is kept.
+struct ContinuedLogNeoHookean {
+    /// Above it the law is its own. Smaller ones turn tets back more surely, and bend the energy more sharply there.
+    static constexpr double least_j = 0.03;
+
+    template <class R>
+    struct Log {
+        R value, first, second;
+        explicit Log(R j) {
+            const auto below = j < R(least_j);
+            const R there = select(below, R(least_j), j), beyond = (j - there) / there;
+            value = log(there) + beyond - R(0.5) * beyond * beyond;
+            first = (R(1.0) - beyond) / there;
+            second = -R(1.0) / (there * there);
+        }
+    };
+    template <class R>
+    static void energy(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
+        clear(out);
+        const Log<R> l(e.j);
+        const R slope = lambda * l.value - mu;
+        out.energy = mu * e.trace + (R(0.5) * lambda * l.value - mu) * l.value;
+        out.uniform = mu;
+        out.by_j = slope * l.first;
+        out.by_jj = lambda * l.first * l.first + slope * l.second;
+    }
+    template <class R>
+    static void energy(const R* s, R mu, R lambda, Principal<R>& out) {
+        clear(out);
+        out.energy = R(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
+        for (int i = 0; i < 3; ++i) {
+            out.first[i] = mu * s[i];
+            out.diagonal[i] = out.flip[i] = out.twist[i] = mu;
+        }
+        const Log<R> l(R(s[0] * s[1] * s[2]));
+        const R slope = lambda * l.value - mu;
+        add_volumetric(s, (R(0.5) * lambda * l.value - mu) * l.value, slope * l.first,
+                       lambda * l.first * l.first + slope * l.second, out);
+    }
+    template <class R>
+    static void measure(const Strains<R>& e, TensorForm<R>& out) {
+        clear(out);
+        const Log<R> l(e.j);
+        out.energy = l.value, out.by_j = l.first, out.by_jj = l.second;
+    }
+    template <class R>
+    static void measure(const R* s, Principal<R>& out) {
+        clear(out);
+        const Log<R> l(R(s[0] * s[1] * s[2]));
+        add_volumetric(s, l.value, l.first, l.second, out);
+    }
+};
+
 } // namespace sinew::solver

@@ -98,6 +98,25 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     return slope;
 }
 
+/// The same where points that went to and fro over edges are taken to rest on them, for whom a step from one face ends
+/// beyond the edge and one from the other back here; 0: there are none, or no such direction. Far from the solution
+/// other edges are nearest soon.
+double find_direction_to_edges(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double residual,
+                               int iteration, const std::vector<double>& x, LinearMemory& memory, bool& definite,
+                               StepRecord& record) {
+    constexpr double near_enough = 0.3; // the residual
+    if (!(residual < near_enough) || !potential.keep_to_edges(true)) return 0;
+    w.gradient_here = w.gradient;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        potential.evaluate(x, &w.gradient, nullptr);
+    }
+    const double slope = find_direction(potential, w, options, residual, iteration, x, memory, definite, record);
+    potential.keep_to_edges(false);
+    w.gradient.swap(w.gradient_here);
+    return slope < 0 ? dot(w.gradient, w.direction) : 0;
+}
+
 /// How one run of Newton's method ended.
 enum class End { converged, out_of_iterations, stalled };
 
@@ -155,36 +174,6 @@ struct ContactsBefore {
     ContactsBefore(const ContactsBefore&) = delete;
     ContactsBefore& operator=(const ContactsBefore&) = delete;
 };
-
-/// A first step of Newton's with the contacts of the start of the step, carried along with bones, where those have
-/// moved and the flesh that hangs on them has yet to follow: what touches there never did, and no step that minds it is
-/// right for the rest. Taken if the potential is lower there. Returns its value at x, with gradient and forces in the
-/// workspace.
-double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
-                        std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
-    if (!potential.contacts_are_early()) return value;
-    double slope = 0;
-    {
-        const ContactsBefore guard(potential);
-        evaluate(potential, w, x, record);
-        bool definite = false;
-        constexpr double far_away = 1; // the residual
-        if (potential.contacts_press())
-            slope = find_direction(potential, w, options, far_away, 0, x, memory, definite, record);
-    }
-    if (!(slope < 0)) return evaluate(potential, w, x, record);
-    ++record.newton_iterations;
-    {
-        const Stopwatch timer(record.seconds_assembly);
-        potential.work(w.gradient, w.direction, w.gain);
-        w.arcs.fit(potential, x, w.direction, w.gain);
-        w.arcs.move(potential, x, w.direction, 1, w.trial);
-    }
-    const double there = evaluate(potential, w, w.trial, record);
-    if (!(there <= value)) return evaluate(potential, w, x, record);
-    x.swap(w.trial);
-    return there;
-}
 
 /// The volume let go while this lives; given back also where a solve is stopped or fails.
 struct RelaxedTerms {
@@ -359,7 +348,10 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         const double change = potential.begin_iteration(x);
         value += change, mean.raise(change);
         double slope = 0;
-        if (sheets) slope = find_truncated(potential, w, options, r, x, how, definite, record);
+        if (sheets)
+            slope = find_truncated(potential, w, options, r, x, how, definite, record);
+        else
+            slope = find_direction_to_edges(potential, w, options, r, iteration, x, memory, definite, record);
         if (!(slope < 0)) slope = find_direction(potential, w, options, r, iteration, x, memory, definite, record);
         if (!(slope < 0))
             throw Error(
@@ -415,6 +407,79 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     }
     definite = definite && !unseen;
     return End::converged;
+}
+
+/// Laws continued to tets inside out while this lives.
+struct ContinuedLaws {
+    Potential& potential;
+    explicit ContinuedLaws(Potential& of)
+        : potential(of) {
+        potential.continue_laws(true);
+    }
+    ~ContinuedLaws() { potential.continue_laws(false); }
+    ContinuedLaws(const ContinuedLaws&) = delete;
+    ContinuedLaws& operator=(const ContinuedLaws&) = delete;
+};
+
+/// Where the step to `w.trial` turns tets inside out that their law does not know so: as often only a few of them do,
+/// for a law that knows them it is as good as any, and a few iterations by that turn them back. Taken if the potential,
+/// `value` at x, is lower there. Returns its value at x, with gradient and forces in the workspace.
+double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
+                         const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    const std::vector<double> start = x;
+    {
+        const ContinuedLaws guard(potential);
+        const double here = evaluate(potential, w, x, record), there = evaluate(potential, w, w.trial, record);
+        if (there <= here) {
+            NewtonOptions rough = options;
+            rough.tolerance = std::max(options.tolerance, 0.1),
+            rough.max_iterations = std::min(8, options.max_iterations);
+            bool definite = false;
+            double r = 0;
+            x.swap(w.trial);
+            try {
+                iterate(potential, w, rough, there, false, control, x, memory, definite, record, r);
+            } catch (const Error&) { // it was a guess
+                x = start;
+            }
+            w.renewed = false; // what presses there is a guess, too
+        }
+    }
+    const double now = evaluate(potential, w, x, record);
+    if (now <= value) return now;
+    x = start;
+    return evaluate(potential, w, x, record);
+}
+
+/// A first step of Newton's with the contacts of the start of the step, carried along with bones, where those have
+/// moved and the flesh that hangs on them has yet to follow: what touches there never did, and no step that minds it is
+/// right for the rest. Taken if the potential is lower there. Returns its value at x, with gradient and forces in the
+/// workspace.
+double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
+                        const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+    if (!potential.contacts_are_early()) return value;
+    double slope = 0;
+    {
+        const ContactsBefore guard(potential);
+        evaluate(potential, w, x, record);
+        bool definite = false;
+        constexpr double far_away = 1; // the residual
+        if (potential.contacts_press())
+            slope = find_direction(potential, w, options, far_away, 0, x, memory, definite, record);
+    }
+    if (!(slope < 0)) return evaluate(potential, w, x, record);
+    ++record.newton_iterations;
+    {
+        const Stopwatch timer(record.seconds_assembly);
+        potential.work(w.gradient, w.direction, w.gain);
+        w.arcs.fit(potential, x, w.direction, w.gain);
+        w.arcs.move(potential, x, w.direction, 1, w.trial);
+    }
+    const double there = evaluate(potential, w, w.trial, record);
+    if (!std::isfinite(there)) return follow_inside_out(potential, w, options, value, control, x, memory, record);
+    if (!(there <= value)) return evaluate(potential, w, x, record);
+    x.swap(w.trial);
+    return there;
 }
 
 /// Flat tets, not turned inside out: det F of a rounding error.
@@ -526,7 +591,7 @@ void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
     const int levels = potential.levels();
     bool definite = false;
     const double start =
-        let_flesh_follow(potential, w, options, choose_start(potential, w, x, record), x, memory, record);
+        let_flesh_follow(potential, w, options, choose_start(potential, w, x, record), control, x, memory, record);
     End end = iterate(potential, w, options, start, levels > 0, control, x, memory, definite, record, r);
     if (end == End::stalled) {
         // Nearly incompressible: a straight step along a curved path changes volumes, so the line search allows only

@@ -29,6 +29,7 @@ struct NewtonWorkspace {
     std::unique_ptr<BlockMatrix> projected; ///< of scenes with sheets: the Hessian is needed beside it
     LinearSolver linear;
     std::vector<double> gradient, direction, trial;
+    std::vector<double> gradient_here;    ///< while the one of a model takes its place
     std::vector<double> springs, elastic; ///< see Potential::add_up_springs
     std::vector<double> gain;             ///< that the direction promises each tissue [J]
     std::vector<char> carried;            ///< deformables that start from where a hold takes them

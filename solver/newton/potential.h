@@ -104,6 +104,12 @@ class Potential {
     /// After evaluate: whether contacts press.
     bool contacts_press() const;
     /// See Term.
+    bool keep_to_edges(bool on) {
+        bool any = false;
+        for (const auto& term : terms_) any = term->keep_to_edges(on) || any;
+        return any;
+    }
+    /// See Term.
     void press_as_before(bool on) {
         for (const auto& term : terms_) term->press_as_before(on);
     }
@@ -111,6 +117,9 @@ class Potential {
     /// See Term.
     int levels() const;
     void relax(int level);
+    void continue_laws(bool on) {
+        for (const auto& term : terms_) term->continue_laws(on);
+    }
 
     /// What the terms keep for the next step, after a step that ended at x.
     void remember(const Positions& x, bool keeps_history, std::vector<TermMemory>& memories) const;

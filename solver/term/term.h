@@ -111,6 +111,9 @@ class Term {
     /// types that press. Energy and gradient are good for a first direction alone: what the carried way turns by is
     /// left out.
     virtual void press_as_before(bool) {}
+    /// After begin_iteration at x, for evaluations there. On: points that went to and fro over an edge between two
+    /// faces are taken to be nearest to that edge. True: there are any.
+    virtual bool keep_to_edges(bool /*on*/) { return false; }
 
     /// From here on deformables with a flag stay where they were when forces were evaluated last, none after an empty
     /// list: what the term found of them there alone holds and need not be found again, and nothing reads their rows of
@@ -125,6 +128,8 @@ class Term {
     /// follows.
     virtual int levels() const { return 0; }
     virtual void relax(int /*level; 0 = not at all*/) {}
+    /// On: laws that know no tets inside out are continued to them (material/law.h), for a first guess.
+    virtual void continue_laws(bool) {}
 
     /// At the end of a step, at x. `keeps_history`: the scheme reads it at the next step.
     virtual void remember(const Positions& /*x*/, bool /*keeps_history*/, TermMemory&) const {}

@@ -48,6 +48,7 @@ class Contacts final : public Term {
         gradient_.raise(scene_.numbering(), largest);
     }
     void press_as_before(bool on) override { as_before_ = on, looked_at_.clear(); }
+    bool keep_to_edges(bool on) override;
     void add_squared_stiffnesses(std::span<double> squares) const override;
     void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
     double stored_energy(const Positions& x) override;
@@ -143,6 +144,12 @@ class Contacts final : public Term {
     Force tether_force(const Tether& tether, double* stored) const;
     double evaluate(const Positions& x, bool with_damping);
     void remember_couplings() const;
+    // Of points near edges, in contact_edges.cpp:
+    bool on_fold(std::size_t touch, const ClosestFeature& f) const;
+    void watch_features();
+    std::array<int, 2> edge_passed(std::size_t touch) const;
+    bool has_room(std::size_t touch, const std::array<int, 2>& edge) const;
+    ClosestFeature on_edge(std::size_t touch) const;
     // Of contact as it was at the start of the step, in contact_carried.cpp:
     bool pressed_before(std::size_t touch) const;
     Press carried_press(std::size_t touch) const;
@@ -202,6 +209,13 @@ class Contacts final : public Term {
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
     mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
     mutable Positions looked_at_;
+    /// Per touch: nearest places at this iteration and the one before, and at the first trial after this one; fewer
+    /// where touches are new.
+    std::vector<ClosestFeature> one_ago_, two_ago_;
+    mutable std::vector<ClosestFeature> tried_;
+    mutable bool tries_ = false;            ///< the next places looked at are that trial's
+    std::vector<std::array<int, 2>> edges_; ///< per touch: that it is to be kept to, or {-1, -1}; empty: none is
+    bool on_edges_ = false;                 ///< keep_to_edges
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
     std::vector<Tether> tethers_;  ///< of contacts of the state, then of touches that came in within the step, in order

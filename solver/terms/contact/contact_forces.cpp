@@ -125,6 +125,7 @@ void Contacts::begin_stage(const Stage& stage) {
     }
     committed_x_ = stage.before.x, iterated_ = false, found_ = false;
     looked_at_.clear();
+    one_ago_.clear(), two_ago_.clear(), tried_.clear(), edges_.clear(), tries_ = on_edges_ = false;
 }
 
 /// Who may touch, once somebody asks for forces: marks need no search.
@@ -242,6 +243,7 @@ double Contacts::begin_iteration(const Positions& x) {
         clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
     }
     committed_x_ = x, iterated_ = true;
+    watch_features();
     follow_friction();
     return 0;
 }
@@ -277,7 +279,7 @@ bool Contacts::look_farther(const Positions& x) {
     for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
     look_at(x);
     for (std::size_t i = known; i < touches_.size(); ++i)
-        if (presses(i, press(i, feature_at(i)).depth)) return true;
+        if (const ClosestFeature f = feature_at(i); !on_fold(i, f) && presses(i, press(i, f).depth)) return true;
     return false;
 }
 
@@ -319,7 +321,10 @@ void Contacts::find_features(const Positions& x) const {
             now_[i].triangle = -1;
         else
             now_[i] = feature_at(i);
+        if (on_fold(i, now_[i])) now_[i].triangle = -1;
+        if (on_edges_ && edges_[i][0] >= 0) now_[i] = on_edge(i);
     });
+    if (tries_ && !on_edges_) tried_ = now_, tries_ = false;
     cloth_.find_presses(places_, presses_);
     looked_at_ = x;
 }

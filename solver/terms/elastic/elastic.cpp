@@ -117,7 +117,7 @@ void Elastic::relax(int level) {
 PointInputs Elastic::point_inputs(std::size_t t, std::size_t i) const {
     const TissueBatches& batches = system_.tissues[t];
     const std::size_t e = batches.first_batch + i;
-    PointInputs in{batches.law, tets(t, i), moduli_[e]};
+    PointInputs in{{batches.law, laws_continued_}, tets(t, i), moduli_[e]};
     if (!anisotropy_[t].empty()) in.anisotropy = &anisotropy_[t][i];
     if (damping_share_ > 0) {
         in.viscosity = damping_share_;

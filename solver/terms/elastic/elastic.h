@@ -46,6 +46,7 @@ class Elastic final : public Term {
     /// How many tenfold steps the stiffness on means and patches lies above a hundred times the shear modulus.
     int levels() const override { return volume_levels_; }
     void relax(int level) override;
+    void continue_laws(bool on) override { laws_continued_ = on; }
     /// The rates of strain at the end of the stage, where it is damped.
     void remember(const Positions& x, bool keeps_history, TermMemory& memory) const override;
     double stored_energy(const Positions& x) override;
@@ -93,6 +94,7 @@ class Elastic final : public Term {
     std::vector<double> reference_strains_; ///< of every point; empty without damping
     int volume_levels_ = 0;
     double volume_share_ = 1;
+    bool laws_continued_ = false; ///< continue_laws
     double elastic_scale_ = 0; ///< sum of modulus x volume [J]
     /// Of one tissue: forces that would strain every tet by 1e-6 [N], and the root of its tets' summed squared
     /// stiffnesses [N/m].
