@@ -98,6 +98,12 @@ double find_direction(Potential& potential, NewtonWorkspace& w, const NewtonOpti
     return slope;
 }
 
+/// Given up when this dies.
+struct KeptToEdges {
+    Potential& potential;
+    ~KeptToEdges() { potential.keep_to_edges(false); }
+};
+
 /// The same where points that went to and fro over edges are taken to rest on them, for whom a step from one face ends
 /// beyond the edge and one from the other back here; 0: there are none, or no such direction. Far from the solution
 /// other edges are nearest soon.
@@ -107,12 +113,15 @@ double find_direction_to_edges(Potential& potential, NewtonWorkspace& w, const N
     constexpr double near_enough = 0.3; // the residual
     if (!(residual < near_enough) || !potential.keep_to_edges(true)) return 0;
     w.gradient_here = w.gradient;
+    double slope = 0;
     {
-        const Stopwatch timer(record.seconds_assembly);
-        potential.evaluate(x, &w.gradient, nullptr);
+        const KeptToEdges guard{potential};
+        {
+            const Stopwatch timer(record.seconds_assembly);
+            potential.evaluate(x, &w.gradient, nullptr);
+        }
+        slope = find_direction(potential, w, options, residual, iteration, x, memory, definite, record);
     }
-    const double slope = find_direction(potential, w, options, residual, iteration, x, memory, definite, record);
-    potential.keep_to_edges(false);
     w.gradient.swap(w.gradient_here);
     return slope < 0 ? dot(w.gradient, w.direction) : 0;
 }
@@ -422,9 +431,9 @@ struct ContinuedLaws {
 };
 
 /// Where the step to `w.trial` turns tets inside out that their law does not know so: as often only a few of them do,
-/// for a law that knows them it is as good as any, and a few iterations by that turn them back. Taken if the potential,
-/// `value` at x, is lower there. Returns its value at x, with gradient and forces in the workspace.
-double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, double value,
+/// for a law that knows them it is as good as any, and a few iterations by that turn them back. Taken if the
+/// potential is lower there. Returns its value at x, with gradient and forces in the workspace.
+double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options,
                          const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     const std::vector<double> start = x;
     {
@@ -437,16 +446,18 @@ double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonO
             bool definite = false;
             double r = 0;
             x.swap(w.trial);
+            w.renewed = true; // what presses there is a guess, too
             try {
                 iterate(potential, w, rough, there, false, control, x, memory, definite, record, r);
             } catch (const Error&) { // it was a guess
                 x = start;
             }
-            w.renewed = false; // what presses there is a guess, too
+            w.renewed = false;
         }
     }
-    const double now = evaluate(potential, w, x, record);
-    if (now <= value) return now;
+    // By what terms have taken in since, at both.
+    const double before = evaluate(potential, w, start, record), now = evaluate(potential, w, x, record);
+    if (now <= before || x == start) return now;
     x = start;
     return evaluate(potential, w, x, record);
 }
@@ -476,7 +487,7 @@ double let_flesh_follow(Potential& potential, NewtonWorkspace& w, const NewtonOp
         w.arcs.move(potential, x, w.direction, 1, w.trial);
     }
     const double there = evaluate(potential, w, w.trial, record);
-    if (!std::isfinite(there)) return follow_inside_out(potential, w, options, value, control, x, memory, record);
+    if (!std::isfinite(there)) return follow_inside_out(potential, w, options, control, x, memory, record);
     if (!(there <= value)) return evaluate(potential, w, x, record);
     x.swap(w.trial);
     return there;

@@ -482,6 +482,12 @@ TEST_CASE("check tells how far paint and attachments reach where a mesh may be i
     CHECK(said_of(graph, {}, 1)
               .find("FE325 top.radius: nothing of ballMesh is in the sphere, so nothing is painted: its "
                     "nearest point is 20 from the centre (ballMesh is 20 long) | ") != std::string::npos);
+    // A ramp that was written for a ball ten times as large.
+    CHECK(
+        said_of(ball(), {"top.start=80", "top.end=90"}, 1)
+            .find("FE325 top.start: nothing of ballMesh lies where it rises from 0 at y = 80 to 1 at 90, so nothing is "
+                  "painted: ballMesh reaches from -10 to 10 | choose start and end within that; they are in scene "
+                  "units. If ballMesh is modelled in another unit, scale it by a transform\n") != std::string::npos);
     // Painted by height, the top of the large ball is 90 and more from the plate of 10.
     const std::vector<std::string> large{"ballMesh.radius=100", "tets.tetSize=80", "top.start=80", "top.end=90"};
     CHECK(said_of(ball(), large) ==

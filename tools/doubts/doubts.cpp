@@ -49,7 +49,7 @@ std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::
         if (type == "zBone") doubt_matrix(d, name);
         if (type == "zCloth") doubt_weight_of_cloth(d, name);
         if (node->type->find_input("materials")) doubt_blank_paint(d, name);
-        if (type == "weights") doubt_reach_of_paint(d, name);
+        if (type == "weights") doubt_reach_of_paint(d, name, false);
         if (type == "zHold") doubt_hold(d, name);
         if (type == "zAttachment") doubt_attachment(d, name);
         if (type == "zSolver") solvers.push_back(name);
@@ -69,7 +69,7 @@ std::vector<engine::Diagnostic> find_unit_doubts(const std::shared_ptr<const eng
     for (const std::string& name : nodes)
         if (const engine::Node* node = graph->find(name); node && node->type) {
             if (node->type->name == "zSolver") doubt_units_of_meshes(d, name);
-            if (node->type->name == "weights") doubt_reach_of_paint(d, name);
+            if (node->type->name == "weights") doubt_reach_of_paint(d, name, true);
         }
     return d.take();
 }

@@ -24,8 +24,9 @@ void doubt_unread_values(Doubting& d);
 void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 
 // ---- paint.cpp: maps that paint nothing ----
-/// Of a weights node: a mesh or a sphere that what is painted does not come near.
-void doubt_reach_of_paint(Doubting& d, const std::string& node);
+/// Of a weights node: a mesh or a sphere that what is painted does not come near; with `ramps` also one that begins and
+/// ends beside it, which may well be meant where nothing fails for it.
+void doubt_reach_of_paint(Doubting& d, const std::string& node, bool ramps);
 /// Of a tissue or cloth: its layers but the first, and its fibres, whose weights are 0 everywhere.
 void doubt_blank_paint(Doubting& d, const std::string& body);
 

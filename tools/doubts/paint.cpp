@@ -44,11 +44,25 @@ void doubt_sphere(Doubting& d, const std::string& node, const std::string& paint
             "widen radius or falloff, or move center; both are in scene units");
 }
 
+void doubt_ramp(Doubting& d, const std::string& node, const std::string& painted, const solver::Points& points) {
+    const auto axis = d.number<std::string>(node, "axis");
+    const auto start = d.number<double>(node, "start"), end = d.number<double>(node, "end");
+    if (!axis || !start || !end || axis->size() != 1 || (*axis)[0] < 'x' || (*axis)[0] > 'z') return;
+    const solver::Box box = solver::bounding_box(points);
+    const double low = box.min[(*axis)[0] - 'x'], high = box.max[(*axis)[0] - 'x'];
+    d.doubt("FE325", node, "start",
+            "nothing of " + painted + " lies where it rises from 0 at " + *axis + " = " + rough(*start, 3) +
+                " to 1 at " + rough(*end, 3) + ", so nothing is painted: " + painted + " reaches from " +
+                rough(low, 3) + " to " + rough(high, 3),
+            "choose start and end within that; they are in scene units. If " + painted +
+                " is modelled in another unit, scale it by a transform");
+}
+
 } // namespace
 
-void doubt_reach_of_paint(Doubting& d, const std::string& node) {
+void doubt_reach_of_paint(Doubting& d, const std::string& node, bool ramps) {
     const auto mode = d.number<std::string>(node, "mode"), on = d.number<std::string>(node, "on");
-    if (mode != "near" && mode != "sphere") return;
+    if (mode != "near" && mode != "sphere" && !(ramps && mode == "ramp")) return;
     const auto map = d.value<engine::NumberList>({node, "outWeights"});
     if (!map || map->empty()) return;
     // Mostly something is painted, and then nothing is to be measured. A map that is turned round or raised says
@@ -60,7 +74,7 @@ void doubt_reach_of_paint(Doubting& d, const std::string& node) {
         if (!mesh || mesh->points->empty()) return;
         const solver::Points points = on == "faces" ? nodes::face_centres(*mesh) : *mesh->points;
         if (points.empty()) return;
-        (mode == "near" ? doubt_near : doubt_sphere)(d, node, plug.node, points);
+        (mode == "near" ? doubt_near : mode == "ramp" ? doubt_ramp : doubt_sphere)(d, node, plug.node, points);
     }
 }
 

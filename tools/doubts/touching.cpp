@@ -48,6 +48,8 @@ bool falls_on(const nodes::Mesh& body, const nodes::Mesh& other, const engine::V
     const auto along =
         std::max_element(gravity.begin(), gravity.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
         gravity.begin();
+    const solver::Vec3 down(gravity[0], gravity[1], gravity[2]);
+    if (!((two.centre() - one.centre()).dot(down) > 0)) return false;
     for (Eigen::Index axis = 0; axis < 3; ++axis)
         if (axis != along && (one.max[axis] < two.min[axis] || two.max[axis] < one.min[axis])) return false;
     return true;
@@ -63,7 +65,7 @@ void open_surface(Doubting& d, const std::string& solver, const Member& surface,
         return;
     const double edge = median_edge(mesh_of(surface.body)), gap = spacing > 0 ? std::min(spacing, edge) : edge,
                  size = breadth(*mesh_of(other.body).points);
-    if (!(gap > widest_spacing * size)) return;
+    if (!(gap > widest_spacing * size) || !d.once("FE340", surface.name)) return;
     d.doubt("FE340", surface.name, "mesh",
             "bounds no solid, so it stops " + other.name + " by its points alone, and those lie " + rough(gap) +
                 " apart where " + other.name + " is " + rough(size) + " wide",
@@ -77,10 +79,9 @@ struct Inside {
     double share() const { return asked ? static_cast<double>(count) / static_cast<double>(asked) : 0; }
 };
 
-Inside points_inside(const Member& body, const Member& other, const solver::SurfaceTree& tree, std::size_t most) {
+Inside points_inside(const Member& body, const solver::Box& box, const solver::SurfaceTree& tree, std::size_t most) {
     Inside out;
     const solver::Points& points = *mesh_of(body.body).points;
-    const solver::Box box = solver::bounding_box(*mesh_of(other.body).points);
     const std::size_t step = points.size() / most + 1;
     for (std::size_t i = 0; i < points.size(); i += step) {
         ++out.asked;
@@ -118,22 +119,31 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
     const bool subdivided = d.number<bool>(solver, "collisionSubdivision").value_or(true);
     const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
     const std::size_t most = d.look() == Look::closely ? most_asked : most_asked_in_passing;
+    const auto box_of = [&](std::size_t i) { return solver::bounding_box(*mesh_of(members[i].body).points); };
+    const auto apart = [](const solver::Box& a, const solver::Box& b) {
+        return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
+    };
+    std::set<std::pair<std::size_t, std::size_t>> told;
     for (std::size_t k = 0; k < members.size(); ++k) {
         const Member& other = members[k];
+        const solver::Box box = box_of(k);
         std::unique_ptr<solver::SurfaceTree> tree;
+        bool solid = !other.body.subtissue && other.body.contact && rest_of(other).is_volume;
         for (std::size_t i = 0; i < members.size(); ++i) {
             const Member& body = members[i];
             if (i == k || (body.body.is_bone() && other.body.is_bone()) || !may_touch(d, body, other)) continue;
-            open_surface(d, solver, body, other, spacing, units);
-            if (body.body.subtissue || other.body.subtissue || !rest_of(other).is_volume) continue;
             if (tied.contains(std::minmax(static_cast<int>(i), static_cast<int>(k)))) continue;
+            open_surface(d, solver, body, other, spacing, units);
+            if (!solid || body.body.subtissue || told.contains(std::minmax(i, k)) || apart(box_of(i), box)) continue;
             const nodes::Mesh& mesh = mesh_of(other.body);
-            if (!solver::is_closed(mesh.topology->triangles)) continue;
-            if (!tree) tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
-            const Inside found = points_inside(body, other, *tree, most);
+            if (!tree) {
+                solid = solver::is_closed(mesh.topology->triangles);
+                if (!solid) continue;
+                tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
+            }
+            const Inside found = points_inside(body, box, *tree, most);
             if (found.share() < deep_share) continue;
-            // Of two that lie in each other by as much the first is told.
-            if (k > i && d.has_said("FE341", body.name)) continue;
+            told.insert(std::minmax(i, k));
             d.doubt("FE341", body.name, "mesh",
                     "begins with " + rough(100 * found.share()) + " % of its points inside " + other.name + ", up to " +
                         rough(found.deepest) + " scene units deep, and contact is to push it out",

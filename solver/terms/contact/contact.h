@@ -145,7 +145,7 @@ class Contacts final : public Term {
     double evaluate(const Positions& x, bool with_damping);
     void remember_couplings() const;
     // Of points near edges, in contact_edges.cpp:
-    bool on_fold(std::size_t touch, const ClosestFeature& f) const;
+    ClosestFeature unfolded(std::size_t touch, const ClosestFeature& f) const;
     void watch_features();
     std::array<int, 2> edge_passed(std::size_t touch) const;
     bool has_room(std::size_t touch, const std::array<int, 2>& edge) const;
@@ -215,6 +215,7 @@ class Contacts final : public Term {
     mutable std::vector<ClosestFeature> tried_;
     mutable bool tries_ = false;            ///< the next places looked at are that trial's
     std::vector<std::array<int, 2>> edges_; ///< per touch: that it is to be kept to, or {-1, -1}; empty: none is
+    bool by_edges_ = false;                 ///< the direction of this iteration was
     bool on_edges_ = false;                 ///< keep_to_edges
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room

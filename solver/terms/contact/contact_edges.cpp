@@ -8,7 +8,6 @@
 #include "solver/terms/contact/contact.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace sinew::solver {
 
@@ -42,35 +41,54 @@ Edge edge_of(const ClosestFeature& f, const Triangle& t) {
 
 } // namespace
 
-/// Whether a point is inside by an edge or vertex alone about which faces lay back to back as the step began. Asked of
-/// then, it is the same for all that the step tries.
-bool Contacts::on_fold(std::size_t i, const ClosestFeature& f) const {
-    constexpr double sharpest = 0.2; // the mean of the normals: two faces at 23 degrees
+/// Where the faces at an edge lay back to back as the step began, they tell which side is which by how they lay then,
+/// for all that the step tries. By the bottom of a crack a point is inside, as deep as below the nearer wall's plane,
+/// so that nothing changes at once where a wall ends; around a blade it is outside. Other features are what they are.
+ClosestFeature Contacts::unfolded(std::size_t i, const ClosestFeature& f) const {
+    constexpr double sharpest = 0.2; // half the sum of the normals: faces at 23 degrees
     const Touch& t = touches_[i];
-    if (f.triangle < 0 || on_face(f) || t.side < 0 || pair_of(i).two_sided || !f.inside()) return false;
+    // What is held by an anchor, or by a thickness, asks for no side here.
+    if (f.triangle < 0 || t.side < 0 || pair_of(i).range > 0 || (t.kept >= 0 && !pair_of(i).slides)) return f;
     const CollisionBody& target = bodies_[t.target];
-    const Triangle& corners = target.triangles()[at(f.triangle)];
-    Edge on = no_edge; // a vertex: its first alone
+    const Edge on = edge_of(f, target.triangles()[at(f.triangle)]);
+    if (on == no_edge) return f;
+    std::array<int, 2> faces{-1, -1};
+    std::array<Vec3, 2> normals, into;
     std::size_t count = 0;
-    for (std::size_t c = 0; c < 3; ++c)
-        if (f.place[static_cast<Eigen::Index>(c)] != 0) on[count++] = corners[c];
-    Vec3 sum = Vec3::Zero();
-    double all = 0;
+    const auto was = [&](int point) { return target.place(point, before_[at(t.target)]); };
+    const Vec3 start = was(on[0]), along = (was(on[1]) - start).normalized();
     for (const int n : target.fan(on[0])) {
         const Triangle& about = target.triangles()[at(n)];
-        if (count == 2 && !has_vertex(about, on[1])) continue;
-        std::array<Vec3, 3> x;
-        std::size_t k = 0;
-        for (std::size_t c = 0; c < 3; ++c) {
-            x[c] = target.place(about[c], before_[at(t.target)]);
-            if (about[c] == on[0]) k = c;
-        }
-        const Vec3 u = x[(k + 1) % 3] - x[k], v = x[(k + 2) % 3] - x[k], normal = u.cross(v);
-        const double length = normal.norm(), weight = count == 2 ? 1 : std::atan2(length, u.dot(v));
-        if (length > 0) sum += weight / length * normal;
-        all += weight;
+        if (!has_vertex(about, on[1])) continue;
+        if (count == 2) return f;
+        const Vec3 a = was(about[0]);
+        normals[count] = (was(about[1]) - a).cross(was(about[2]) - a).normalized();
+        for (const int v : about)
+            if (v != on[0] && v != on[1]) into[count] = was(v) - start - (was(v) - start).dot(along) * along;
+        faces[count++] = n;
     }
-    return sum.norm() < sharpest * all;
+    if (count < 2 || !((normals[0] + normals[1]).norm() < 2 * sharpest)) return f;
+    ClosestFeature out = f;
+    // In a crack each wall lies before the other one.
+    if (!(normals[0].dot(into[1]) > 0)) {
+        out.triangle = -1;
+        return out;
+    }
+    const Points& places = places_[at(t.target)];
+    double deepest = 0;
+    out.triangle = -1;
+    for (const int n : faces) {
+        const Vec3 normal = face_normal(target, places, n);
+        const double depth = -f.away.dot(normal);
+        if (!(depth > deepest)) continue;
+        const std::array<Vec3, 3> c = target.corners(n, places);
+        const Vec3 foot = point_at(t) + depth * normal - c[0], u = c[1] - c[0], v = c[2] - c[0];
+        const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), det = uu * vv - uv * uv;
+        if (!(det > 0)) continue;
+        const double y = (vv * foot.dot(u) - uv * foot.dot(v)) / det, z = (uu * foot.dot(v) - uv * foot.dot(u)) / det;
+        deepest = depth, out = {n, Vec3(1 - y - z, y, z), -depth * normal, normal};
+    }
+    return out;
 }
 
 /// The edge to a face that the first trial of the last iteration, which was refused, or the iteration before ended on.
@@ -108,7 +126,10 @@ bool Contacts::has_room(std::size_t i, const std::array<int, 2>& edge) const {
 
 /// As an iteration begins: who went to and fro over an edge.
 void Contacts::watch_features() {
-    edges_.clear();
+    edges_.clear(), on_edges_ = false;
+    // Where edges were kept to, trials end at them by themselves.
+    if (by_edges_) tried_.assign(tried_.size(), ClosestFeature{});
+    by_edges_ = false;
     if (tried_.size() == touches_.size() && one_ago_.size() == touches_.size()) {
         edges_.assign(touches_.size(), no_edge);
         for (std::size_t i = 0; i < touches_.size(); ++i) {
@@ -137,7 +158,7 @@ ClosestFeature Contacts::on_edge(std::size_t i) const {
 bool Contacts::keep_to_edges(bool on) {
     if (edges_.empty() || edges_.size() != touches_.size()) return false;
     if (on != on_edges_) looked_at_.clear();
-    on_edges_ = on;
+    on_edges_ = on, by_edges_ = true;
     return true;
 }
 

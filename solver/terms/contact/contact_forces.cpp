@@ -125,7 +125,7 @@ void Contacts::begin_stage(const Stage& stage) {
     }
     committed_x_ = stage.before.x, iterated_ = false, found_ = false;
     looked_at_.clear();
-    one_ago_.clear(), two_ago_.clear(), tried_.clear(), edges_.clear(), tries_ = on_edges_ = false;
+    one_ago_.clear(), two_ago_.clear(), tried_.clear(), edges_.clear(), tries_ = on_edges_ = by_edges_ = false;
 }
 
 /// Who may touch, once somebody asks for forces: marks need no search.
@@ -279,7 +279,8 @@ bool Contacts::look_farther(const Positions& x) {
     for (std::size_t p = 0; p < pairs_.size(); ++p) find_touches(p, 0);
     look_at(x);
     for (std::size_t i = known; i < touches_.size(); ++i)
-        if (const ClosestFeature f = feature_at(i); !on_fold(i, f) && presses(i, press(i, f).depth)) return true;
+        if (const ClosestFeature f = unfolded(i, feature_at(i)); f.triangle >= 0 && presses(i, press(i, f).depth))
+            return true;
     return false;
 }
 
@@ -320,8 +321,7 @@ void Contacts::find_features(const Positions& x) const {
         if (surely_outside(i))
             now_[i].triangle = -1;
         else
-            now_[i] = feature_at(i);
-        if (on_fold(i, now_[i])) now_[i].triangle = -1;
+            now_[i] = unfolded(i, feature_at(i));
         if (on_edges_ && edges_[i][0] >= 0) now_[i] = on_edge(i);
     });
     if (tries_ && !on_edges_) tried_ = now_, tries_ = false;
