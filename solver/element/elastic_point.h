@@ -64,8 +64,7 @@ struct PointMeasures {
     Pack measure, j, d_measure[4][3], d_j[4][3];
 };
 /// `with_measure` false leaves the measure out, and with it the singular values.
-void point_measures(LawInUse law, const TetBatch& batch, const Corners& corners, bool with_measure,
-                    PointMeasures& out);
+void point_measures(LawInUse law, const TetBatch& batch, const Corners& corners, bool with_measure, PointMeasures& out);
 
 /// First Piola-Kirchhoff stress and energy density of one deformation gradient (row-major), for tests and users.
 /// `direction` and `transverse` for the anisotropic law only.

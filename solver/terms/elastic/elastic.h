@@ -95,7 +95,7 @@ class Elastic final : public Term {
     int volume_levels_ = 0;
     double volume_share_ = 1;
     bool laws_continued_ = false; ///< continue_laws
-    double elastic_scale_ = 0; ///< sum of modulus x volume [J]
+    double elastic_scale_ = 0;    ///< sum of modulus x volume [J]
     /// Of one tissue: forces that would strain every tet by 1e-6 [N], and the root of its tets' summed squared
     /// stiffnesses [N/m].
     std::vector<double> force_floor_, stiffness_scale_;
