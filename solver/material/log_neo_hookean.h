@@ -8,63 +8,33 @@
 
 namespace sinew::solver {
 
-struct LogNeoHookean {
-    /// Not a number for J <= 0, which the line search refuses.
-    template <class R>
-    static void energy(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
-        clear(out);
-        const R inverse = R(1.0) / e.j, l = log(e.j);
-        out.energy = mu * e.trace + (R(0.5) * lambda * l - mu) * l;
-        out.uniform = mu;
-        out.by_j = (lambda * l - mu) * inverse;
-        out.by_jj = (lambda * (R(1.0) - l) + mu) * inverse * inverse;
-    }
-    template <class R>
-    static void energy(const R* s, R mu, R lambda, Principal<R>& out) {
-        clear(out);
-        out.energy = R(0.5) * mu * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2] - R(3.0));
-        for (int i = 0; i < 3; ++i) {
-            out.first[i] = mu * s[i];
-            out.diagonal[i] = out.flip[i] = out.twist[i] = mu;
-        }
-        const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j, l = log(j);
-        add_volumetric(s, (R(0.5) * lambda * l - mu) * l, (lambda * l - mu) * inverse,
-                       (lambda * (R(1.0) - l) + mu) * inverse * inverse, out);
-    }
+/// ln J and its derivatives; not a number for J <= 0, which the line search refuses.
+template <class R>
+struct PlainLog {
+    R value, first, second;
+    explicit PlainLog(R j)
+        : value(log(j))
+        , first(R(1.0) / j)
+        , second(-first * first) {}
+};
 
-    /// Its measure of volume, ln J: the part with lambda is lambda/2 (ln J)^2.
-    template <class R>
-    static void measure(const Strains<R>& e, TensorForm<R>& out) {
-        clear(out);
-        out.energy = log(e.j);
-        out.by_j = R(1.0) / e.j;
-        out.by_jj = -out.by_j * out.by_j;
-    }
-    template <class R>
-    static void measure(const R* s, Principal<R>& out) {
-        clear(out);
-        const R j = s[0] * s[1] * s[2], inverse = R(1.0) / j;
-        add_volumetric(s, log(j), inverse, -inverse * inverse, out);
+/// The same, continued below a small J by its second-order Taylor series there.
+template <class R>
+struct ContinuedLog {
+    /// Smaller ones would turn tets back more surely, and bend the energy more sharply there.
+    static constexpr double least_j = 0.03;
+    R value, first, second;
+    explicit ContinuedLog(R j) {
+        const auto below = j < R(least_j);
+        const R there = select(below, R(least_j), j), beyond = (j - there) / there;
+        value = log(there) + beyond - R(0.5) * beyond * beyond;
+        first = (R(1.0) - beyond) / there;
+        second = -R(1.0) / (there * there);
     }
 };
 
-/// The same with ln J continued below a small J by its second-order Taylor series there, so that it knows tets that are
-/// flat or inside out, and turns them back: for first guesses, never for what is kept.
-struct ContinuedLogNeoHookean {
-    /// Above it the law is its own. Smaller ones turn tets back more surely, and bend the energy more sharply there.
-    static constexpr double least_j = 0.03;
-
-    template <class R>
-    struct Log {
-        R value, first, second;
-        explicit Log(R j) {
-            const auto below = j < R(least_j);
-            const R there = select(below, R(least_j), j), beyond = (j - there) / there;
-            value = log(there) + beyond - R(0.5) * beyond * beyond;
-            first = (R(1.0) - beyond) / there;
-            second = -R(1.0) / (there * there);
-        }
-    };
+template <template <class> class Log>
+struct LogNeoHookeanBy {
     template <class R>
     static void energy(const Strains<R>& e, R mu, R lambda, TensorForm<R>& out) {
         clear(out);
@@ -88,6 +58,8 @@ struct ContinuedLogNeoHookean {
         add_volumetric(s, (R(0.5) * lambda * l.value - mu) * l.value, slope * l.first,
                        lambda * l.first * l.first + slope * l.second, out);
     }
+
+    /// Its measure of volume, ln J: the part with lambda is lambda/2 (ln J)^2.
     template <class R>
     static void measure(const Strains<R>& e, TensorForm<R>& out) {
         clear(out);
@@ -101,5 +73,9 @@ struct ContinuedLogNeoHookean {
         add_volumetric(s, l.value, l.first, l.second, out);
     }
 };
+
+using LogNeoHookean = LogNeoHookeanBy<PlainLog>;
+/// It knows tets that are flat or inside out, and turns them back: for first guesses, never for what is kept.
+using ContinuedLogNeoHookean = LogNeoHookeanBy<ContinuedLog>;
 
 } // namespace sinew::solver

@@ -98,6 +98,24 @@ Vec3 face_normal(const CarriedSurface& surface, const Points& places, int triang
     return length > 0 ? Vec3(n / length) : Vec3(Vec3::Zero());
 }
 
+Vec3 place_in_plane(const std::array<Vec3, 3>& c, const Vec3& p) {
+    const Vec3 u = c[1] - c[0], v = c[2] - c[0], w = p - c[0];
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v);
+    const double det = uu * vv - uv * uv;
+    constexpr double least_area = 1e-10; // squared, of an upright triangle: beyond, coordinates are mostly rounding
+    if (!(det > least_area * (uu + vv) * (uu + vv))) return Vec3::UnitX();
+    double s = 0, t = 0;
+    for (int round = 0; round < 2; ++round) { // the second takes out what rounding left of a narrow triangle
+        const Vec3 rest = w - s * u - t * v;
+        const double ru = rest.dot(u), rv = rest.dot(v);
+        s += (vv * ru - uv * rv) / det, t += (uu * rv - uv * ru) / det;
+    }
+    Vec3 out(1 - s - t, s, t);
+    for (double& x : out)
+        if (x == 0) x = 1e-300;
+    return out;
+}
+
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, int from_triangle, const Vec3& p,
                               const Vec3& side, const std::vector<char>* allowed) {
     const bool any_side = side.isZero(0);

@@ -17,6 +17,10 @@ struct ClosestFeature {
     bool inside() const { return away.dot(normal) < 0; }
 };
 
+/// Coordinates of what of p lies in the plane of a triangle, none exactly 0, which would mean a border; of one without
+/// area those of its first corner.
+Vec3 place_in_plane(const std::array<Vec3, 3>& corners, const Vec3& p);
+
 /// Faces that look so far away from a side (the cosine) belong to another one, but for those that are nearer than
 /// near_share of a mean edge: there a point slides around a sharp edge. Those that look back by as much always do.
 constexpr double least_facing = 0.3, near_share = 0.5;

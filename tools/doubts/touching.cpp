@@ -119,14 +119,14 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
     const bool subdivided = d.number<bool>(solver, "collisionSubdivision").value_or(true);
     const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
     const std::size_t most = d.look() == Look::closely ? most_asked : most_asked_in_passing;
-    const auto box_of = [&](std::size_t i) { return solver::bounding_box(*mesh_of(members[i].body).points); };
+    std::vector<solver::Box> boxes;
+    for (const Member& m : members) boxes.push_back(solver::bounding_box(*mesh_of(m.body).points));
     const auto apart = [](const solver::Box& a, const solver::Box& b) {
         return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
     };
     std::set<std::pair<std::size_t, std::size_t>> told;
     for (std::size_t k = 0; k < members.size(); ++k) {
         const Member& other = members[k];
-        const solver::Box box = box_of(k);
         std::unique_ptr<solver::SurfaceTree> tree;
         bool solid = !other.body.subtissue && other.body.contact && rest_of(other).is_volume;
         for (std::size_t i = 0; i < members.size(); ++i) {
@@ -134,14 +134,15 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
             if (i == k || (body.body.is_bone() && other.body.is_bone()) || !may_touch(d, body, other)) continue;
             if (tied.contains(std::minmax(static_cast<int>(i), static_cast<int>(k)))) continue;
             open_surface(d, solver, body, other, spacing, units);
-            if (!solid || body.body.subtissue || told.contains(std::minmax(i, k)) || apart(box_of(i), box)) continue;
+            if (!solid || body.body.subtissue || told.contains(std::minmax(i, k)) || apart(boxes[i], boxes[k]))
+                continue;
             const nodes::Mesh& mesh = mesh_of(other.body);
             if (!tree) {
                 solid = solver::is_closed(mesh.topology->triangles);
                 if (!solid) continue;
                 tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
             }
-            const Inside found = points_inside(body, box, *tree, most);
+            const Inside found = points_inside(body, boxes[k], *tree, most);
             if (found.share() < deep_share) continue;
             told.insert(std::minmax(i, k));
             d.doubt("FE341", body.name, "mesh",

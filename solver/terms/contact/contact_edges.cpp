@@ -39,6 +39,34 @@ Edge edge_of(const ClosestFeature& f, const Triangle& t) {
     return no_edge;
 }
 
+/// The two faces at an edge, and the ways into them from it, across it.
+struct FacesAtEdge {
+    std::array<int, 2> face{-1, -1};
+    std::array<Vec3, 2> into{Vec3::Zero(), Vec3::Zero()};
+    bool are_two = false;
+};
+
+/// `place_of` a point of the surface.
+template <class PlaceOf>
+FacesAtEdge faces_at(const CollisionBody& surface, const Edge& edge, const PlaceOf& place_of) {
+    FacesAtEdge out;
+    const Vec3 start = place_of(edge[0]), along = (place_of(edge[1]) - start).normalized();
+    std::size_t count = 0;
+    for (const int n : surface.fan(edge[0])) {
+        const Triangle& corners = surface.triangles()[at(n)];
+        if (!has_vertex(corners, edge[1])) continue;
+        if (count == 2) return out;
+        for (const int v : corners)
+            if (v != edge[0] && v != edge[1]) {
+                const Vec3 way = place_of(v) - start;
+                out.into[count] = (way - way.dot(along) * along).normalized();
+            }
+        out.face[count++] = n;
+    }
+    out.are_two = count == 2;
+    return out;
+}
+
 } // namespace
 
 /// Where the faces at an edge lay back to back as the step began, they tell which side is which by how they lay then,
@@ -52,41 +80,28 @@ ClosestFeature Contacts::unfolded(std::size_t i, const ClosestFeature& f) const 
     const CollisionBody& target = bodies_[t.target];
     const Edge on = edge_of(f, target.triangles()[at(f.triangle)]);
     if (on == no_edge) return f;
-    std::array<int, 2> faces{-1, -1};
-    std::array<Vec3, 2> normals, into;
-    std::size_t count = 0;
-    const auto was = [&](int point) { return target.place(point, before_[at(t.target)]); };
-    const Vec3 start = was(on[0]), along = (was(on[1]) - start).normalized();
-    for (const int n : target.fan(on[0])) {
-        const Triangle& about = target.triangles()[at(n)];
-        if (!has_vertex(about, on[1])) continue;
-        if (count == 2) return f;
-        const Vec3 a = was(about[0]);
-        normals[count] = (was(about[1]) - a).cross(was(about[2]) - a).normalized();
-        for (const int v : about)
-            if (v != on[0] && v != on[1]) into[count] = was(v) - start - (was(v) - start).dot(along) * along;
-        faces[count++] = n;
-    }
-    if (count < 2 || !((normals[0] + normals[1]).norm() < 2 * sharpest)) return f;
+    const auto was = [&](int point) -> Vec3 { return target.place(point, before_[at(t.target)]); };
+    const FacesAtEdge about = faces_at(target, on, was);
+    if (!about.are_two) return f;
+    const auto normal_then = [&](int face) {
+        const Triangle& c = target.triangles()[at(face)];
+        const Vec3 a = was(c[0]);
+        return Vec3((was(c[1]) - a).cross(was(c[2]) - a).normalized());
+    };
+    const Vec3 one = normal_then(about.face[0]), other = normal_then(about.face[1]);
+    if (!((one + other).norm() < 2 * sharpest)) return f;
     ClosestFeature out = f;
+    out.triangle = -1;
     // In a crack each wall lies before the other one.
-    if (!(normals[0].dot(into[1]) > 0)) {
-        out.triangle = -1;
-        return out;
-    }
+    if (!(one.dot(about.into[1]) > 0)) return out;
     const Points& places = places_[at(t.target)];
     double deepest = 0;
-    out.triangle = -1;
-    for (const int n : faces) {
+    for (const int n : about.face) {
         const Vec3 normal = face_normal(target, places, n);
         const double depth = -f.away.dot(normal);
         if (!(depth > deepest)) continue;
-        const std::array<Vec3, 3> c = target.corners(n, places);
-        const Vec3 foot = point_at(t) + depth * normal - c[0], u = c[1] - c[0], v = c[2] - c[0];
-        const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), det = uu * vv - uv * uv;
-        if (!(det > 0)) continue;
-        const double y = (vv * foot.dot(u) - uv * foot.dot(v)) / det, z = (uu * foot.dot(v) - uv * foot.dot(u)) / det;
-        deepest = depth, out = {n, Vec3(1 - y - z, y, z), -depth * normal, normal};
+        deepest = depth;
+        out = {n, place_in_plane(target.corners(n, places), point_at(t)), -depth * normal, normal};
     }
     return out;
 }
@@ -112,16 +127,8 @@ bool Contacts::has_room(std::size_t i, const std::array<int, 2>& edge) const {
     const Touch& t = touches_[i];
     const CollisionBody& target = bodies_[t.target];
     const Points& places = places_[at(t.target)];
-    const Vec3 &start = places[at(edge[0])], along = (places[at(edge[1])] - start).normalized();
-    Vec3 into_faces = Vec3::Zero();
-    int faces = 0;
-    for (const int n : target.fan(edge[0]))
-        for (const int v : target.triangles()[at(n)])
-            if (has_vertex(target.triangles()[at(n)], edge[1]) && v != edge[0] && v != edge[1]) {
-                const Vec3 way = places[at(v)] - start;
-                into_faces += (way - way.dot(along) * along).normalized(), ++faces;
-            }
-    return faces == 2 && into_faces.dot(now_[i].away) < 0;
+    const FacesAtEdge about = faces_at(target, edge, [&](int point) -> Vec3 { return places[at(point)]; });
+    return about.are_two && (about.into[0] + about.into[1]).dot(now_[i].away) < 0;
 }
 
 /// As an iteration begins: who went to and fro over an edge.

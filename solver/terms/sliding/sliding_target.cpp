@@ -19,27 +19,7 @@ int faces_at_edge(const CarriedSurface& surface, int a, int b) {
         std::count_if(fan.begin(), fan.end(), [&](int t) { return has_vertex(surface.triangles()[at(t)], b); }));
 }
 
-/// Coordinates of what of p lies in the plane of a triangle, none exactly 0, which would mean a border; of one without
-/// area those of its first corner.
-Vec3 place_in_plane(const std::array<Vec3, 3>& c, const Vec3& p) {
-    const Vec3 u = c[1] - c[0], v = c[2] - c[0], w = p - c[0];
-    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v);
-    const double det = uu * vv - uv * uv;
-    constexpr double least_area = 1e-10; // squared, of an upright triangle: beyond, coordinates are mostly rounding
-    if (!(det > least_area * (uu + vv) * (uu + vv))) return Vec3::UnitX();
-    double s = 0, t = 0;
-    for (int round = 0; round < 2; ++round) { // the second takes out what rounding left of a narrow triangle
-        const Vec3 rest = w - s * u - t * v;
-        const double ru = rest.dot(u), rv = rest.dot(v);
-        s += (vv * ru - uv * rv) / det, t += (uu * rv - uv * ru) / det;
-    }
-    Vec3 out(1 - s - t, s, t);
-    for (double& x : out)
-        if (x == 0) x = 1e-300;
-    return out;
-}
-
-/// Likewise on the line from a to b: the share of b.
+/// The share of b of what of p lies on the line from a to b, as of place_in_plane never exactly at an end.
 double place_on_line(const Vec3& a, const Vec3& b, const Vec3& p) {
     const double length2 = (b - a).squaredNorm();
     if (!(length2 > 0)) return 0;

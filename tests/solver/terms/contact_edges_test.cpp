@@ -1,6 +1,7 @@
 // Contact near edges of a surface: folds that tell no inside from outside, and dents in which points come to rest.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/contact/contact.h"
+#include "tests/support/contact_parts.h"
 #include "tests/support/solver_scenes.h"
 
 #include <catch2/catch.hpp>
@@ -46,10 +47,7 @@ struct Pressed {
         in.bodies = {values, BoneInputs{block->surface}};
         ContactValues contact;
         contact.stiffness = stiffness;
-        for (int body = 0; body < 2; ++body) {
-            description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
-            put_fields(contact, std::span(in.parts.emplace_back(contact_type.values.size())));
-        }
+        let_collide(description, in, 2, contact);
         scene = std::make_shared<const Scene>(description);
         state = initial_state(*scene, in);
     }

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/primitives.h"
 #include "solver/terms/contact/contact.h"
+#include "tests/support/contact_parts.h"
 #include "tests/support/solver_scenes.h"
 
 #include <Eigen/Geometry>
@@ -37,10 +38,7 @@ struct Leaning {
         in.attachments = {{1e9, 1, 0}};
         ContactValues values;
         values.stiffness = 1e6;
-        for (int body = 0; body < 2; ++body) {
-            description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
-            put_fields(values, std::span(in.parts.emplace_back(contact_type.values.size())));
-        }
+        let_collide(description, in, 2, values);
     }
 };
 

@@ -3,6 +3,7 @@
 #include "solver/marks_of.h"
 #include "solver/mesh/primitives.h"
 #include "solver/terms/contact/contact.h"
+#include "tests/support/contact_parts.h"
 #include "tests/support/solver_scenes.h"
 
 #include <catch2/catch.hpp>
@@ -40,10 +41,7 @@ struct CubeInSlab {
         in.mass_damping = 20;
         ContactValues values;
         values.stiffness = contact_stiffness;
-        for (int body = 0; body < 2; ++body) {
-            description.parts.push_back({&contact_type, {body}, std::make_shared<ContactRest>()});
-            put_fields(values, std::span(in.parts.emplace_back(contact_type.values.size())));
-        }
+        let_collide(description, in, 2, values);
         scene = std::make_shared<const Scene>(description);
         workspace = std::make_unique<Workspace>(scene);
         state = initial_state(*scene, in);
