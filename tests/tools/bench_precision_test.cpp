@@ -177,6 +177,8 @@ TEST_CASE("sinew bench scene runs a graph under each linear solver, to the same 
         CHECK(row["scene"] == "arm.json");
         CHECK(row["last"].get<int>() - row["first"].get<int>() == 2);
         CHECK(row["ms_per_frame"].get<double>() > 0);
+        CHECK(row["cantilever_ms"].is_null()); // of runs that are not quick alone
+        CHECK(row["scaled_ms"].is_null());
         CHECK(row["newton_per_frame"].get<double>() >= 1);
         // Twelve numbers of a tet's forces and as many of its shape are there, whatever solves; what the first solver
         // gave back serves the next ones.
@@ -236,6 +238,15 @@ TEST_CASE("sinew bench scene takes folders, elements and tet sizes, and the firs
     CHECK(tets[1] == tets[3]);
     CHECK(tets[1] > 4 * tets[0]);
     CHECK(unknowns[2] > 4 * unknowns[0]);
+
+    // Beside the yardstick, as times of an hour in which that takes 21 ms.
+    const Said long_one = run_program({"bench", "scene", folder, "--steps", "1", "--json", "--solvers", "Auto"});
+    INFO(long_one.err);
+    REQUIRE(long_one.code == 0);
+    const auto row = nlohmann::json::parse(long_one.out)["rows"][0];
+    REQUIRE(row["cantilever_ms"].get<double>() > 0);
+    CHECK(row["scaled_ms"].get<double>() ==
+          Approx(21 * row["ms_per_frame"].get<double>() / row["cantilever_ms"].get<double>()));
 }
 
 TEST_CASE("sinew bench report writes a page whose pictures are there, with machine and date", "[tools]") {

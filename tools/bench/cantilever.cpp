@@ -90,6 +90,11 @@ CantileverResult run_cantilever(const CantileverOptions& options, std::stop_toke
     return out;
 }
 
+double yardstick_seconds(const RunOptions& options) {
+    options.tell("cantilever, n 40, E 1e5");
+    return run_cantilever({.n = 40, .youngs_modulus = 1e5}, options.stop).seconds_per_step_median;
+}
+
 Table cantilever_table(const std::vector<CantileverRun>& runs) {
     Table t{{"tets", "E [Pa]", "s per step (median)", "Newton per step", "assembly [ms]", "factor [ms]", "solve [ms]",
              "tip y [m]", "worst residual", "unconverged", "digest"},

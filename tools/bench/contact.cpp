@@ -48,17 +48,10 @@ constexpr Peer peers[] = {
     {"g_fast_6k", Stays::body},
     {"g_thin_5.1", Stays::body},
 };
-/// Of this program's yardstick, in the hour in which those times were taken [s].
-constexpr double recorded_cantilever_s = .021;
 
 const Peer* peer_of(const std::string& scene) {
     const auto* it = std::find_if(std::begin(peers), std::end(peers), [&](const Peer& p) { return p.scene == scene; });
     return it == std::end(peers) ? nullptr : it;
-}
-
-double cantilever_step(const RunOptions& options) {
-    options.tell("cantilever, n 40, E 1e5");
-    return run_cantilever({.n = 40, .youngs_modulus = 1e5}, options.stop).seconds_per_step_median;
 }
 
 const solver::TetMesh* tets_of(const nodes::Solved& solved, std::size_t body) {
@@ -265,7 +258,7 @@ ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& option
     row.scene = std::filesystem::path(scene.graph->file()).stem().string();
     const Peer* peer = peer_of(row.scene);
     const bool with_peer = peer && peer->seconds > 0, scaled = with_peer && !options.quick;
-    if (scaled) row.cantilever_s = cantilever_step(options) / 2;
+    if (scaled) row.cantilever_s = yardstick_seconds(options) / 2;
     options.tell(row.scene);
     std::vector<double> seconds;
     try {
@@ -283,9 +276,8 @@ ContactRow run_contact_scene(const ContactScene& scene, const RunOptions& option
         row.longest_s = *std::max_element(seconds.begin(), seconds.end());
     }
     if (with_peer) row.peer_s = peer->seconds, row.peer_newton = peer->newton;
-    if (scaled) *row.cantilever_s += cantilever_step(options) / 2;
-    if (scaled && row.frames > 0)
-        row.ratio = row.median_s / (peer->seconds * *row.cantilever_s / recorded_cantilever_s);
+    if (scaled) *row.cantilever_s += yardstick_seconds(options) / 2;
+    if (scaled && row.frames > 0) row.ratio = row.median_s / (peer->seconds * *row.cantilever_s / recorded_yardstick_s);
     return row;
 }
 
@@ -406,7 +398,7 @@ std::string contact_summary(const std::vector<ContactRow>& rows) {
         out += "; ratio: median over that of stark 0.1.0 (2 threads), scaled by the cantilever beside each, " +
                number(1e3 * *std::min_element(steps.begin(), steps.end()), 3) + " to " +
                number(1e3 * *std::max_element(steps.begin(), steps.end()), 3) + " ms now and " +
-               number(1e3 * recorded_cantilever_s, 3) + " ms when that was recorded";
+               number(1e3 * recorded_yardstick_s, 3) + " ms when that was recorded";
     for (const ContactRow& r : rows) {
         if (r.is_sound()) continue;
         out += "\n" + r.scene + ":";

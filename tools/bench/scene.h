@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ namespace sinew::bench {
 struct SceneRow {
     std::string solver;      ///< value of zSolver.solver
     double ms_per_frame = 0; ///< of the solver, median over the turns of the mean over the frames
+    /// The same if the cantilever took what it did where wanted times were recorded; none of quick runs.
+    std::optional<double> scaled_ms;
     double assembly_ms = 0, factor_ms = 0, solve_ms = 0, other_ms = 0; ///< of it, in the turn that is the median
     double speedup = 1; ///< the yardstick's time / this one's, median over the turns
     double newton_per_frame = 0, linear_per_frame = 0, factors_per_frame = 0, residual_max = 0;
@@ -41,6 +44,8 @@ struct SceneBench {
     double tet_scale = 1;
     int first = 0, last = 0, turns = 0;
     std::int64_t tets = 0, unknowns = 0;
+    /// The cantilever's step (cantilever.h) beside them, mean of before and after; none of quick runs.
+    std::optional<double> cantilever_ms;
     std::vector<SceneRow> rows;
 };
 
