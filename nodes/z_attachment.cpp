@@ -39,7 +39,9 @@ const Input<double> stiffness{
     .def = 1e8,
     .unit = "N/m^3",
     .limits = {.min = 0, .max = 1e14},
-    .doc = "Force per attached area and distance.",
+    .doc =
+        "Force per attached area and distance. Where that is more than flesh in a lattice can bear at each point, the "
+        "mean around each vertex of a tet is held with it.",
 };
 const Input<double> damping{
     .name = "damping",

@@ -32,18 +32,35 @@ const TermType attachment_type{
     .pulls = true,
 };
 
+Attachments::Attachments(const Scene& scene)
+    : scene_(scene) {
+    for (const AttachmentRest& a : scene.description().attachments) sides_.push_back(patch_side(scene, a));
+}
+
 Changes Attachments::take(const StepInputs& inputs, const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
-    wanted_.clear();
-    for (const AttachmentInputs& a : inputs.attachments) wanted_.push_back(a.mode() == AttachmentMode::fixed);
-    if (springs_ && memory && *memory == memory_ && wanted_ == on_) return {};
-    AttachmentView kept = attachments_kept(before.memories);
-    check_kept(scene_, inputs.attachments, kept);
-    for (std::size_t a = 0; a < wanted_.size(); ++a)
-        if (!wanted_[a]) kept.anchors[a] = {};
-    memory_ = *memory, on_ = wanted_;
-    springs_ = std::make_unique<Springs>(scene_, std::move(kept));
-    return {.couplings = true};
+    wanted_.clear(), resistances_.clear();
+    for (std::size_t a = 0; a < inputs.attachments.size(); ++a) {
+        resistances_.push_back(resistance(sides_[a], inputs));
+        // Whatever the envelope is: one that is keyed from nothing to all couples the same vertices at all times.
+        wanted_.push_back(inputs.attachments[a].mode() != AttachmentMode::fixed   ? off
+                          : inputs.attachments[a].stiffness > resistances_.back() ? by_patches
+                                                                                  : by_springs);
+    }
+    const bool same = springs_ && memory && *memory == memory_ && wanted_ == held_;
+    if (!same) {
+        AttachmentView kept = attachments_kept(before.memories);
+        check_kept(scene_, inputs.attachments, kept);
+        std::vector<char> stiff;
+        for (std::size_t a = 0; a < wanted_.size(); ++a) {
+            if (wanted_[a] == off) kept.anchors[a] = {};
+            stiff.push_back(wanted_[a] == by_patches);
+        }
+        springs_ = std::make_unique<Springs>(scene_, std::move(kept), stiff);
+        memory_ = *memory, held_ = wanted_;
+    }
+    springs_->set_resistances(resistances_);
+    return {.couplings = !same};
 }
 
 double Attachments::energy(const Positions& x, bool with_forces) {

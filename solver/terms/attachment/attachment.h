@@ -14,8 +14,7 @@ extern const TermType attachment_type;
 
 class Attachments final : public Term {
   public:
-    explicit Attachments(const Scene& scene)
-        : scene_(scene) {}
+    explicit Attachments(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
     void add_couplings(Couplings& couplings) const override { springs_->add_couplings(couplings); }
@@ -42,7 +41,10 @@ class Attachments final : public Term {
     const Scene& scene_;
     TermMemory memory_; ///< that the springs are made of
     std::unique_ptr<Springs> springs_;
-    std::vector<char> on_, wanted_; ///< per attachment: it has springs, or shall have
+    enum : char { off, by_springs, by_patches };
+    std::vector<char> held_, wanted_; ///< per attachment: how it is held, and how it shall be
+    std::vector<PatchSide> sides_;    ///< per attachment
+    std::vector<double> resistances_; ///< per attachment, of the step
     VertexGradient gradient_;
     mutable std::vector<double> of_body_; ///< squares, per body of the scene
 };

@@ -31,6 +31,7 @@ class SpringBundles {
 
     std::size_t count() const { return bundles_.size(); }
     std::size_t spring_count() const { return anchor_.size(); }
+    double area_weight(std::size_t spring) const { return area_[spring]; } ///< [m^2]
     int attachment(std::size_t bundle) const { return bundles_[bundle].attachment; }
     std::span<const int> vertices(std::size_t bundle) const {
         const auto [first, end] = range(bundle, &Bundle::first_vertex, vertex_.size());

@@ -14,9 +14,9 @@ namespace sinew::solver {
 
 namespace {
 
-/// What one attachment's springs make between a node and another.
+/// What one attachment's springs, or patches, make between a node and another.
 struct Product {
-    int column, attachment;
+    int column, pull; ///< `pull`: as the stage's stiffnesses are numbered
     double product;
 };
 
@@ -35,33 +35,41 @@ class RowProducts {
     /// Adds what a bundle's springs make between its vertex `own` and all of them; attachments must not fall.
     void add(const SpringBundles& bundles, std::size_t bundle, std::size_t own, const std::vector<int>& node_of) {
         const std::span<const int> vertices = bundles.vertices(bundle);
-        const int attachment = bundles.attachment(bundle);
         sum_.assign(vertices.size(), 0);
         bundles.for_each_spring(bundle, [&](const SpringBundles::Spring& s) {
             const double weight = s.area_weight * s.coefficients[own];
             for (std::size_t j = 0; j < vertices.size(); ++j) sum_[j] += weight * s.coefficients[j];
         });
-        for (std::size_t j = 0; j < vertices.size(); ++j) {
-            const int column = node_of[at(vertices[j])];
-            int& place = place_[at(column)];
-            if (place < 0 || products_[at(place)].attachment != attachment) {
-                place = static_cast<int>(products_.size());
-                products_.push_back({column, attachment, 0});
-            }
-            products_[at(place)].product += sum_[j];
-        }
+        for (std::size_t j = 0; j < vertices.size(); ++j)
+            add(node_of[at(vertices[j])], bundles.attachment(bundle), sum_[j]);
     }
 
-    /// By columns, and in each by attachments.
+    /// Adds what a patch makes between a vertex that it pulls by `own` [m^2] and all of its vertices. `pull` rises, and
+    /// is above those of bundles.
+    void add(const SpringPatches& patches, std::size_t patch, double own, int pull, const std::vector<int>& node_of) {
+        for (const SpringPatches::Pull& p : patches.pulls(patch))
+            add(node_of[at(p.vertex)], pull, own * p.area / patches.area(patch));
+    }
+
+    /// By columns, and in each by pulls.
     std::vector<Product> sorted() const {
         std::vector<Product> out = products_;
         std::sort(out.begin(), out.end(), [](const Product& a, const Product& b) {
-            return std::tie(a.column, a.attachment) < std::tie(b.column, b.attachment);
+            return std::tie(a.column, a.pull) < std::tie(b.column, b.pull);
         });
         return out;
     }
 
   private:
+    void add(int column, int pull, double product) {
+        int& place = place_[at(column)];
+        if (place < 0 || products_[at(place)].pull != pull) {
+            place = static_cast<int>(products_.size());
+            products_.push_back({column, pull, 0});
+        }
+        products_[at(place)].product += product;
+    }
+
     std::vector<int> place_; ///< by columns: of the last product, or -1
     std::vector<Product> products_;
     std::vector<double> sum_;
@@ -69,7 +77,7 @@ class RowProducts {
 
 } // namespace
 
-void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles) {
+void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles, const SpringPatches& patches) {
     std::vector<int> node_of(scene.numbering().vertex_count(), -1);
     for (std::size_t b = 0; b < bundles.count(); ++b)
         for (const int vertex : bundles.vertices(b)) node_of[at(vertex)] = 0;
@@ -83,6 +91,11 @@ void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles) {
     }
 
     find_places(bundles, node_of);
+    std::vector<std::vector<std::pair<int, double>>> patches_of(nodes_.size()); // and how each pulls there
+    for (std::size_t p = 0; p < patches.count(); ++p)
+        for (const SpringPatches::Pull& pull : patches.pulls(p))
+            patches_of[at(node_of[at(pull.vertex)])].emplace_back(static_cast<int>(p), pull.area);
+    const int attachments = static_cast<int>(scene.description().attachments.size());
     std::vector<std::vector<Product>> rows(nodes_.size());
     std::vector<std::vector<Load>> row_loads(nodes_.size());
     tbb::enumerable_thread_specific<RowProducts> makers(nodes_.size());
@@ -98,6 +111,8 @@ void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles) {
                 loads.back().area += s.area_weight * std::abs(s.coefficients[own]);
             });
         }
+        for (const auto& [p, own] : patches_of[node])
+            maker.add(patches, at(p), own, attachments + patches.attachment(at(p)), node_of);
         rows[node] = maker.sorted();
     });
 
@@ -113,7 +128,7 @@ void SpringCoupling::make(const Scene& scene, const SpringBundles& bundles) {
                 column_.push_back(column);
                 first_share_.push_back(static_cast<int>(shares_.size()));
             }
-            shares_.push_back({p.attachment, p.product});
+            shares_.push_back({p.pull, p.product});
         }
         first_load_.push_back(loads_.size());
         loads_.insert(loads_.end(), row_loads[node].begin(), row_loads[node].end());
@@ -163,8 +178,8 @@ void SpringCoupling::set_pulls(const std::vector<SpringPull>& pulls) {
     parallel_for(values_.size(), 2048, [&](std::size_t e) {
         double elastic = 0, damped = 0;
         for (int i = first_share_[e]; i < first_share_[e + 1]; ++i) {
-            elastic += pulls[at(shares_[at(i)].attachment)].stiffness * shares_[at(i)].product;
-            damped += pulls[at(shares_[at(i)].attachment)].viscous * shares_[at(i)].product;
+            elastic += pulls[at(shares_[at(i)].pull)].stiffness * shares_[at(i)].product;
+            damped += pulls[at(shares_[at(i)].pull)].viscous * shares_[at(i)].product;
         }
         values_[e] = elastic + damped;
         if (viscous) elastic_values_[e] = elastic;
@@ -172,7 +187,9 @@ void SpringCoupling::set_pulls(const std::vector<SpringPull>& pulls) {
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
         square_stiffness_[n] = 0;
         for (std::size_t l = first_load_[n]; l < first_load_[n + 1]; ++l) {
-            const double stiffness = pulls[at(loads_[l].attachment)].stiffness * loads_[l].area;
+            const auto attachment = at(loads_[l].attachment);
+            const double stiffness =
+                (pulls[attachment].stiffness + pulls[pulls.size() / 2 + attachment].stiffness) * loads_[l].area;
             square_stiffness_[n] += stiffness * stiffness;
         }
     }

@@ -4,6 +4,7 @@
 #include "solver/linear/block_matrix.h"
 #include "solver/scene.h"
 #include "solver/terms/attachment/spring_bundles.h"
+#include "solver/terms/attachment/spring_patches.h"
 #include "solver/types.h"
 
 #include <cstddef>
@@ -29,7 +30,7 @@ class SpringCoupling {
         int bundle, vertex;
     };
 
-    void make(const Scene& scene, const SpringBundles& bundles);
+    void make(const Scene& scene, const SpringBundles& bundles, const SpringPatches& patches);
     const std::vector<Node>& nodes() const { return nodes_; }
     /// By rising bundles, and so by rising attachments.
     std::span<const Place> places(std::size_t node) const {
@@ -37,7 +38,8 @@ class SpringCoupling {
     }
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
     void set_pattern(const BlockPattern& pattern, const std::vector<int>& unknown);
-    /// Takes the stage's stiffnesses, one an attachment.
+    /// Takes the stage's stiffnesses, one an attachment for single springs, then one an attachment for means of
+    /// patches.
     void set_pulls(const std::vector<SpringPull>& pulls);
     void add_hessian(BlockMatrix& a) const;
     /// What add_hessian adds to the diagonals of the pattern's blocks, a number each [N/m].
@@ -51,9 +53,9 @@ class SpringCoupling {
 
   private:
     void find_places(const SpringBundles& bundles, const std::vector<int>& node_of);
-    /// The attachment's stiffness times this goes to the diagonal of a block.
+    /// A stiffness of the stage times this goes to the diagonal of a block.
     struct Share {
-        int attachment;
+        int pull;       ///< of set_pulls
         double product; ///< sum of area x coefficients of the block's row and column [m^2]
     };
     /// How much area of an attachment pulls at a vertex [m^2].

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <span>
 
 namespace sinew::solver {
@@ -19,16 +20,28 @@ constexpr std::size_t grain = 64;
 /// than their result lose two digits of sixteen.
 constexpr double near_share = 0.01;
 
+/// Of what a patch's springs have, by their areas.
+Vec3 mean_of(const SpringPatches& patches, const SpringBundles& bundles, std::size_t patch,
+             const std::vector<Vec3>& by_springs) {
+    Vec3 sum = Vec3::Zero();
+    for (const int s : patches.springs(patch)) sum += bundles.area_weight(at(s)) * by_springs[at(s)];
+    return sum / patches.area(patch);
+}
+
 Vec3 point_of(const std::vector<double>& x, int vertex) { return Eigen::Map<const Vec3>(x.data() + 3 * at(vertex)); }
 
 } // namespace
 
-Springs::Springs(const Scene& scene, AttachmentView kept)
+Springs::Springs(const Scene& scene, AttachmentView kept, std::span<const char> stiff)
     : scene_(scene)
     , kept_(std::move(kept))
-    , bundles_(scene, kept_.anchors) {
-    coupling_.make(scene, bundles_);
-    pulls_.resize(scene.description().attachments.size());
+    , bundles_(scene, kept_.anchors)
+    , patches_(scene, bundles_, kept_.anchors, stiff)
+    , resistances_(scene.description().attachments.size(), std::numeric_limits<double>::infinity()) {
+    coupling_.make(scene, bundles_, patches_);
+    pulls_.resize(2 * scene.description().attachments.size());
+    if (patches_.count() > 0) stretches_.resize(bundles_.spring_count());
+    means_.resize(patches_.count());
     places_.resize(bundles_.spring_count()), of_springs_.resize(bundles_.spring_count());
     const std::size_t nodes = coupling_.nodes().size();
     for (auto* by_node : {&base_, &forces_, &elastic_forces_, &moves_, &products_}) by_node->resize(nodes);
@@ -39,14 +52,19 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
                           const ImplicitForm& form) {
     const auto& attachments = scene_.description().attachments;
     const auto bones = bones_weighed(form, before, bones_after);
-    for (std::size_t a = 0; a < pulls_.size(); ++a) {
+    for (std::size_t a = 0; a < attachments.size(); ++a) {
         const AttachmentInputs& in = inputs.attachments[a];
-        pulls_[a] = {in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
+        const SpringPull all{in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
+        const bool whole = !patches_.has(static_cast<int>(a)) || all.stiffness <= resistances_[a];
+        const double single = whole ? 1 : resistances_[a] / all.stiffness;
+        pulls_[a] = {single * all.stiffness, single * all.viscous};
+        pulls_[attachments.size() + a] = {all.stiffness - pulls_[a].stiffness, all.viscous - pulls_[a].viscous};
     }
     const bool any_viscous =
         std::any_of(pulls_.begin(), pulls_.end(), [](const SpringPull& p) { return p.viscous != 0; });
     references_.resize(any_viscous ? bundles_.spring_count() : 0);
     elastic_of_springs_.resize(references_.size());
+    reference_means_.resize(any_viscous ? patches_.count() : 0);
     parallel_for(bundles_.count(), grain, [&](std::size_t b) {
         const int attachment = bundles_.attachment(b);
         const AttachmentRest& rest = attachments[at(attachment)];
@@ -69,7 +87,7 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             places_[s.number] = place;
             if (!any_viscous) return;
             references_[s.number] = Vec3::Zero();
-            if (pulls_[at(attachment)].viscous == 0) return;
+            if (inputs.attachments[at(attachment)].damping * inputs.attachments[at(attachment)].envelope == 0) return;
             // Relative velocity = sum c (factor x + offset) - velocity of the anchor = factor (stretch - reference).
             Vec3 offset = Vec3::Zero();
             for (std::size_t i = 0; i < vertices.size(); ++i)
@@ -77,6 +95,8 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             references_[s.number] = (velocity - offset) / form.velocity_factor - place;
         });
     });
+    for (std::size_t p = 0; p < reference_means_.size(); ++p)
+        reference_means_[p] = mean_of(patches_, bundles_, p, references_);
     coupling_.set_pulls(pulls_);
     expand(before.x);
 }
@@ -104,21 +124,44 @@ void Springs::gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_
     });
 }
 
+void Springs::find_means(const std::vector<double>& x) const {
+    if (patches_.count() == 0) return;
+    parallel_for(bundles_.count(), grain, [&](std::size_t b) {
+        for_each_stretch(b, x, [&](const SpringBundles::Spring& s, const Vec3& d) { stretches_[s.number] = d; });
+    });
+    parallel_for(patches_.count(), grain,
+                 [&](std::size_t p) { means_[p] = mean_of(patches_, bundles_, p, stretches_); });
+}
+
 void Springs::expand(const std::vector<double>& x) {
+    const std::size_t attachments = resistances_.size();
+    find_means(x);
     energy_ = ordered_sum(bundles_.count(), [&](std::size_t b) {
-        const SpringPull& pull = pulls_[at(bundles_.attachment(b))];
+        const SpringPull& single = pulls_[at(bundles_.attachment(b))];
+        const SpringPull& mean = pulls_[attachments + at(bundles_.attachment(b))];
         double energy = 0;
         for_each_stretch(b, x, [&](const SpringBundles::Spring& s, const Vec3& d) {
-            const Vec3 elastic = s.area_weight * pull.stiffness * d;
-            of_springs_[s.number] = elastic;
+            Vec3 elastic = s.area_weight * single.stiffness * d;
             energy += 0.5 * elastic.dot(d);
+            const int patch = patches_.of_spring(s.number);
+            if (patch >= 0) elastic += s.area_weight * mean.stiffness * means_[at(patch)];
+            of_springs_[s.number] = elastic;
             if (!viscous()) return;
             const Vec3 moved = d - references_[s.number];
             elastic_of_springs_[s.number] = elastic;
-            of_springs_[s.number] += s.area_weight * pull.viscous * moved;
-            energy += 0.5 * s.area_weight * pull.viscous * moved.squaredNorm();
+            of_springs_[s.number] += s.area_weight * single.viscous * moved;
+            energy += 0.5 * s.area_weight * single.viscous * moved.squaredNorm();
+            if (patch >= 0)
+                of_springs_[s.number] +=
+                    s.area_weight * mean.viscous * (means_[at(patch)] - reference_means_[at(patch)]);
         });
         return energy;
+    });
+    energy_ += ordered_sum(patches_.count(), [&](std::size_t p) {
+        const SpringPull& mean = pulls_[attachments + at(patches_.attachment(p))];
+        double energy = 0.5 * mean.stiffness * means_[p].squaredNorm();
+        if (viscous()) energy += 0.5 * mean.viscous * (means_[p] - reference_means_[p]).squaredNorm();
+        return patches_.area(p) * energy;
     });
     const std::vector<SpringCoupling::Node>& nodes = coupling_.nodes();
     for (std::size_t n = 0; n < nodes.size(); ++n) base_[n] = point_of(x, nodes[n].vertex);
@@ -172,7 +215,8 @@ double Springs::longest(const std::vector<double>& x) const {
 }
 
 double Springs::stored_energy(const std::vector<double>& x) const {
-    return ordered_sum(bundles_.count(), [&](std::size_t b) {
+    find_means(x);
+    const double of_springs = ordered_sum(bundles_.count(), [&](std::size_t b) {
         const double stiffness = pulls_[at(bundles_.attachment(b))].stiffness;
         double energy = 0;
         for_each_stretch(b, x, [&](const SpringBundles::Spring& s, const Vec3& d) {
@@ -180,6 +224,10 @@ double Springs::stored_energy(const std::vector<double>& x) const {
         });
         return energy;
     });
+    return of_springs + ordered_sum(patches_.count(), [&](std::size_t p) {
+               return 0.5 * pulls_[resistances_.size() + at(patches_.attachment(p))].stiffness * patches_.area(p) *
+                      means_[p].squaredNorm();
+           });
 }
 
 } // namespace sinew::solver

@@ -14,13 +14,17 @@
 #include "solver/terms/attachment/anchors.h"
 #include "solver/terms/attachment/spring_bundles.h"
 #include "solver/terms/attachment/spring_coupling.h"
+#include "solver/terms/attachment/spring_patches.h"
 
 namespace sinew::solver {
 
 class Springs {
   public:
-    /// Springs of all attachments that pull; bone to bone ones have no effect and are left out.
-    Springs(const Scene& scene, AttachmentView kept);
+    /// Springs of all attachments that pull; bone to bone ones have no effect and are left out. Those with a flag in
+    /// `stiff`, one an attachment, are held by patches (spring_patches.h); empty: none.
+    Springs(const Scene& scene, AttachmentView kept, std::span<const char> stiff = {});
+    /// How much flesh resists what springs of a patch differ by [N/m^3], one an attachment.
+    void set_resistances(const std::vector<double>& resistances) { resistances_ = resistances; }
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const { coupling_.add_couplings(couplings); }
     /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
@@ -53,6 +57,8 @@ class Springs {
     void gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const;
     /// Visits all springs at x.
     void expand(const std::vector<double>& x);
+    /// The springs' stretches, and each patch's mean, at x.
+    void find_means(const std::vector<double>& x) const;
     /// How far the nodes are from where the expansion is made.
     void set_moves(const std::vector<double>& x);
     bool viscous() const { return !references_.empty(); }
@@ -60,16 +66,21 @@ class Springs {
     const Scene& scene_;
     const AttachmentView kept_; ///< without those of attachments that are off or slide
     SpringBundles bundles_;
+    SpringPatches patches_;
     SpringCoupling coupling_;
+    std::vector<double> resistances_;
     // Of the stage:
-    std::vector<SpringPull> pulls_; ///< per attachment
-    std::vector<Vec3> places_;      ///< prescribed points, 0 where both ends are free
-    std::vector<Vec3> references_;  ///< the stretch at which the relative velocity would be zero; empty: none is damped
+    /// Per attachment: of single springs; and then again per attachment: of patches' means, beside that.
+    std::vector<SpringPull> pulls_;
+    std::vector<Vec3> places_;     ///< prescribed points, 0 where both ends are free
+    std::vector<Vec3> references_; ///< the stretch at which the relative velocity would be zero; empty: none is damped
     // Of the expansion, by nodes:
     double energy_ = 0; ///< where it is made [J]
     std::vector<Vec3> base_, forces_, elastic_forces_;
     std::vector<Vec3> moves_, products_;                ///< scratch
     std::vector<Vec3> of_springs_, elastic_of_springs_; ///< scratch, by springs
+    mutable std::vector<Vec3> stretches_;               ///< scratch, by springs
+    mutable std::vector<Vec3> means_, reference_means_; ///< scratch, by patches: of stretches and of references
     std::vector<double> node_square_;                   ///< scratch
 };
 

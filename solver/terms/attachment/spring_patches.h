@@ -1,0 +1,75 @@
+// Stiff springs by lattice vertices. Springs at all samples would hold every tet that they pass through like a rigid
+// piece, as they are more than its corners are free to move. A clamp would so reach up to a tet's thickness into the
+// flesh, which makes thin muscles millimetres too stiff. Where springs are stiffer than flesh is across a tet, those
+// nearest to one vertex make up a patch: their mean stretch meets the whole stiffness, what single ones are longer or
+// shorter than that sixteen times as much as flesh resists itself (E / h). Smaller tets make that stiffer, so in the
+// end both are the same. Where tets end at the surface each vertex there bears what pulls at it, and nothing is put
+// together. Sources: Barbosa and Hughes 1991, Burman and Hansbo 2010, on how many constraints along a surface a mesh
+// bears.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "solver/scene.h"
+#include "solver/step_inputs.h"
+#include "solver/terms/attachment/spring_bundles.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace sinew::solver {
+
+/// Whose vertices make an attachment's patches.
+struct PatchSide {
+    /// Of two tissues the one with larger tets; -1 where neither end rides in tets: each vertex then lies on the
+    /// surface and bears what pulls there.
+    int body = -1;
+    double edge = 0; ///< of a tet of that body's mean volume, at rest [m]
+};
+PatchSide patch_side(const Scene& scene, const AttachmentRest& attachment);
+/// How much the side's flesh resists what varies across one tet [N/m^3]: modulus of its stiffest material over the
+/// edge. Infinite where there is no side.
+double resistance(const PatchSide& side, const StepInputs& inputs);
+
+class SpringPatches {
+  public:
+    /// Patches of all springs of attachments with a flag in `stiff`, one an attachment, but for those that have no
+    /// spring inside of a tet; empty: of none. A spring that ends on a side of its tet is a patch of its own.
+    /// `anchors`: those of the bundles.
+    SpringPatches(const Scene& scene, const SpringBundles& bundles, std::span<const std::span<const Anchor>> anchors,
+                  std::span<const char> stiff);
+
+    /// One vertex's part in the sum of the springs' stretches times areas: area x position.
+    struct Pull {
+        int vertex;
+        double area; ///< signed as the springs' coefficients are [m^2]
+    };
+    /// Patches go by rising attachments.
+    std::size_t count() const { return patches_.size(); }
+    int attachment(std::size_t patch) const { return patches_[patch].attachment; }
+    double area(std::size_t patch) const { return patches_[patch].area; } ///< of its springs [m^2], > 0
+    bool has(int attachment) const { return !patched_.empty() && patched_[static_cast<std::size_t>(attachment)] != 0; }
+    /// The patch of a spring, or -1.
+    int of_spring(std::size_t spring) const { return of_spring_.empty() ? -1 : of_spring_[spring]; }
+    /// By rising numbers.
+    std::span<const int> springs(std::size_t patch) const { return part(spring_, first_spring_, patch); }
+    /// By rising vertices.
+    std::span<const Pull> pulls(std::size_t patch) const { return part(pull_, first_pull_, patch); }
+
+  private:
+    struct Patch {
+        int attachment;
+        double area;
+    };
+    template <class T>
+    static std::span<const T> part(const std::vector<T>& all, const std::vector<int>& first, std::size_t i) {
+        const auto begin = static_cast<std::size_t>(first[i]);
+        return std::span(all).subspan(begin, static_cast<std::size_t>(first[i + 1]) - begin);
+    }
+
+    std::vector<Patch> patches_;
+    std::vector<char> patched_; ///< per attachment
+    std::vector<int> of_spring_, first_spring_, spring_, first_pull_;
+    std::vector<Pull> pull_;
+};
+
+} // namespace sinew::solver

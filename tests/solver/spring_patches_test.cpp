@@ -1,0 +1,271 @@
+// Stiff springs by lattice vertices: which belong together, and what they weigh.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/mesh/embedding.h"
+#include "solver/meshing/lattice.h"
+#include "solver/terms/attachment/spring_patches.h"
+#include "solver/terms/attachment/springs.h"
+#include "tests/support/solver_scenes.h"
+
+#include <catch2/catch.hpp>
+#include <functional>
+#include <map>
+#include <random>
+#include <set>
+
+using namespace sinew::solver;
+using namespace sinew::test;
+
+namespace {
+
+std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+/// A block in a lattice that does not fit it: tets reach out of it on all sides.
+std::shared_ptr<TissueRest> block(const Vec3& corner, double tet_size, ElementKind kind) {
+    const TetMesh shape = box_mesh({0.3, 0.1, 0.1}, 6, 2, 2);
+    auto out = tissue(shape, ElasticLaw::stvk);
+    for (Vec3& x : out->surface) x += corner;
+    LatticeOptions options;
+    options.tet_size = tet_size;
+    options.moments = kind == ElementKind::quadratic ? 4 : 1;
+    out->tets = make_lattice(out->surface, out->triangles, options);
+    out->embedding = embed(out->tets, out->surface);
+    out->element = kind;
+    out->layer_weights = {std::vector<double>(out->tets.tets.size(), 1.0)};
+    return out;
+}
+
+std::vector<double> paint(const Points& points, const std::function<bool(const Vec3&)>& where) {
+    std::vector<double> out(points.size(), 0.0);
+    for (const int v : vertices_where(points, where)) out[at(v)] = 1;
+    return out;
+}
+
+/// Two blocks, one above the other, the lower one with larger tets; a plate behind both.
+struct Blocks {
+    explicit Blocks(ElementKind kind)
+        : scene(describe(kind))
+        , in(values())
+        , state(initial_state(scene, in)) {}
+
+    static SceneDescription describe(ElementKind kind) {
+        auto below = block({0, 0, 0}, 0.07, kind), above = block({0.013, 0.007, 0.1}, 0.045, kind);
+        const auto at_root = [](const Vec3& x) { return x.x() < 1e-9; };
+        AttachmentRest to_bone, up, down, soft;
+        to_bone.source = 0, to_bone.target = 2, to_bone.source_weights = paint(below->surface, at_root);
+        up.source = 0, up.target = 1;
+        up.source_weights = paint(below->surface, [](const Vec3& x) { return x.z() > 0.09; });
+        down.source = 1, down.target = 0;
+        down.source_weights = paint(above->surface, [](const Vec3& x) { return x.z() < 0.11; });
+        soft = to_bone;
+        return {{below, above, bone({{0, -1, -1}, {0, 2, -1}, {0, 0, 2}}, {{0, 2, 1}})}, {to_bone, up, down, soft}};
+    }
+    static StepInputs values() {
+        StepInputs in = still_inputs();
+        in.bodies = {material(3e4, 0.3, 1000), material(6e4, 0.3, 1000),
+                     BoneInputs{{{0, -1, -1}, {0, 2, -1}, {0, 0, 2}}}};
+        in.attachments = {{1e9, 1, 2e6}, {1e8, 0.5, 0}, {1e8, 1, 0}, {1e4, 1, 0}};
+        return in;
+    }
+    Scene scene;
+    StepInputs in;
+    State state;
+};
+
+} // namespace
+
+TEST_CASE("patches: of two tissues the one with larger tets gives the vertices, and resists by its stiffest material") {
+    Blocks b(ElementKind::linear);
+    const auto& attachments = b.scene.description().attachments;
+    for (const AttachmentRest& a : attachments) CHECK(patch_side(b.scene, a).body == 0);
+    const PatchSide side = patch_side(b.scene, attachments[1]);
+    CHECK(side.edge == Approx(0.07).epsilon(0.25));
+    CHECK(resistance(side, b.in) == Approx(16 * 3e4 / side.edge));
+    auto& below = std::get<TissueInputs>(b.in.bodies[0]);
+    below.layers.push_back(below.layers[0]);
+    below.layers[1].youngs_modulus = 7e5;
+    CHECK(resistance(side, b.in) == Approx(16 * 7e5 / side.edge));
+    AttachmentRest bones;
+    bones.source = bones.target = 2;
+    CHECK(patch_side(b.scene, bones).body == -1);
+    CHECK(std::isinf(resistance(patch_side(b.scene, bones), b.in)));
+}
+
+TEST_CASE("patches have every stiff spring once, with those nearest to the same vertex of the larger tets") {
+    for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
+        const Blocks b(kind);
+        const AttachmentView kept = attachments_kept(b.state.memories);
+        const SpringBundles bundles(b.scene, kept.anchors);
+        const std::vector<char> stiff{1, 1, 1, 0};
+        const SpringPatches patches(b.scene, bundles, kept.anchors, stiff);
+        REQUIRE(patches.count() > 30);
+        CHECK(patches.count() < bundles.spring_count() / 4);
+
+        std::vector<double> area(patches.count(), 0.0);
+        std::vector<std::map<int, double>> pulls(patches.count());
+        const int below = static_cast<int>(b.scene.vertex_count(0));
+        std::vector<std::set<int>> common(patches.count()), springs(patches.count());
+        std::size_t alone = 0; // on a side of its tet
+        for (std::size_t k = 0; k < bundles.count(); ++k)
+            bundles.for_each_spring(k, [&](const SpringBundles::Spring& s) {
+                const int p = patches.of_spring(s.number);
+                REQUIRE((p < 0) == (bundles.attachment(k) == 3));
+                if (p < 0) return;
+                CHECK(patches.attachment(at(p)) == bundles.attachment(k));
+                area[at(p)] += s.area_weight;
+                springs[at(p)].insert(static_cast<int>(s.number));
+                // The lower block's vertices come first; it is the target of the third attachment.
+                const double sign = bundles.attachment(k) == 2 ? -1 : 1;
+                double most = -1;
+                for (std::size_t i = 0; i < s.coefficients.size(); ++i) {
+                    const int vertex = bundles.vertices(k)[i];
+                    pulls[at(p)][vertex] += s.area_weight * s.coefficients[i];
+                    if (vertex < below) most = std::max(most, sign * s.coefficients[i]);
+                }
+                std::set<int> nearest; // several where the sample is as near to all
+                for (std::size_t i = 0; i < s.coefficients.size(); ++i)
+                    if (bundles.vertices(k)[i] < below && sign * s.coefficients[i] > most - 2e-5)
+                        nearest.insert(bundles.vertices(k)[i]);
+                if (springs[at(p)].size() == 1)
+                    common[at(p)] = nearest;
+                else
+                    std::erase_if(common[at(p)], [&](int v) { return !nearest.contains(v); });
+            });
+        std::set<std::pair<int, int>> met;
+        for (std::size_t p = 0; p < patches.count(); ++p) {
+            CHECK(patches.area(p) == Approx(area[p]).epsilon(1e-13));
+            CHECK(std::set<int>(patches.springs(p).begin(), patches.springs(p).end()) == springs[p]);
+            REQUIRE_FALSE(common[p].empty());
+            if (!met.insert({patches.attachment(p), *common[p].begin()}).second) ++alone;
+            REQUIRE(patches.pulls(p).size() == pulls[p].size());
+            for (const SpringPatches::Pull& pull : patches.pulls(p))
+                CHECK(pull.area == Approx(pulls[p].at(pull.vertex)).margin(1e-15));
+        }
+        CHECK(alone < bundles.spring_count() / 20);
+        for (const int a : {0, 1, 2}) CHECK(patches.has(a));
+        CHECK_FALSE(patches.has(3));
+        CHECK(SpringPatches(b.scene, bundles, kept.anchors, {}).count() == 0);
+    }
+}
+
+TEST_CASE("where tets end at the surface no springs are put together") {
+    auto t = tissue(box_mesh({0.3, 0.1, 0.1}, 6, 2, 2), ElasticLaw::stvk);
+    AttachmentRest a;
+    a.source = 0, a.target = 1;
+    a.source_weights = paint(t->surface, [](const Vec3& x) { return x.x() < 1e-9; });
+    const Points plate{{0, -1, -1}, {0, 2, -1}, {0, 0, 2}};
+    const Scene scene({{t, bone(plate, {{0, 2, 1}})}, {a}});
+    StepInputs in = still_inputs();
+    in.bodies = {material(3e4, 0.3, 1000), BoneInputs{plate}};
+    in.attachments = {{1e9, 1, 0}};
+    const State s = initial_state(scene, in);
+    const AttachmentView kept = attachments_kept(s.memories);
+    const SpringBundles bundles(scene, kept.anchors);
+    REQUIRE(bundles.spring_count() > 10);
+    const SpringPatches patches(scene, bundles, kept.anchors, std::vector<char>{1});
+    CHECK(patches.count() == 0);
+    CHECK_FALSE(patches.has(0));
+    // All of the stiffness, then, at each.
+    Springs springs(scene, attachments_kept(s.memories), std::vector<char>{1});
+    springs.set_resistances({1e3});
+    ImplicitForm form;
+    quasi_static_form(s, form);
+    springs.begin_stage(in, s, s.bones, form);
+    std::vector<double> x(s.x);
+    for (std::size_t v = 0; v < x.size(); v += 3) x[v] += 0.02 * s.x[v + 1];
+    CHECK(springs.energy(x, nullptr) == Approx(0.5 * 1e9 * 0.02 * 0.02 * 0.1 * 0.001 / 3).epsilon(1e-6));
+}
+
+TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from it sixteen times what flesh is") {
+    for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
+        const Blocks b(kind);
+        const auto& attachments = b.scene.description().attachments;
+        const AttachmentView kept = attachments_kept(b.state.memories);
+        const SpringBundles bundles(b.scene, kept.anchors);
+        const std::vector<char> stiff{1, 1, 1, 0};
+        const SpringPatches patches(b.scene, bundles, kept.anchors, stiff);
+        std::vector<double> resistances;
+        for (const AttachmentRest& a : attachments) resistances.push_back(resistance(patch_side(b.scene, a), b.in));
+        Springs springs(b.scene, attachments_kept(b.state.memories), stiff);
+        springs.set_resistances(resistances);
+        // The step begins with all of them stretched.
+        State begin = b.state;
+        std::mt19937 random(3);
+        std::normal_distribution<double> normal;
+        for (double& x : begin.x) x += 1e-3 * normal(random);
+        ImplicitForm form;
+        backward_euler_form(begin, 0.02, form);
+        springs.begin_stage(b.in, begin, begin.bones, form);
+
+        // Of what `x` is away from `from`, with the stiffness of attachments or their damping over the step.
+        const auto bed = [&](const std::vector<double>& x, const std::vector<double>& from, bool viscous) {
+            std::vector<Vec3> mean(patches.count(), Vec3::Zero());
+            double energy = 0;
+            const auto each = [&](const auto& visit) {
+                for (std::size_t k = 0; k < bundles.count(); ++k)
+                    bundles.for_each_spring(k, [&](const SpringBundles::Spring& s) {
+                        Vec3 d = Vec3::Zero();
+                        for (std::size_t i = 0; i < s.coefficients.size(); ++i)
+                            for (std::size_t c = 0; c < 3; ++c) {
+                                const std::size_t n = 3 * at(bundles.vertices(k)[i]) + c;
+                                d[static_cast<Eigen::Index>(c)] += s.coefficients[i] * (x[n] - from[n]);
+                            }
+                        visit(s, d, bundles.attachment(k), patches.of_spring(s.number));
+                    });
+            };
+            each([&](const SpringBundles::Spring& s, const Vec3& d, int, int p) {
+                if (p >= 0) mean[at(p)] += s.area_weight / patches.area(at(p)) * d;
+            });
+            each([&](const SpringBundles::Spring& s, const Vec3& d, int attachment, int p) {
+                const AttachmentInputs& in = b.in.attachments[at(attachment)];
+                const double k = in.stiffness * in.envelope, single = std::min(k, resistances[at(attachment)]);
+                const double all = viscous ? in.damping * in.envelope / 0.02 / k : 1;
+                const double of_mean = p < 0 ? 0 : (k - single) * mean[at(p)].squaredNorm();
+                energy += 0.5 * all * s.area_weight * (single * d.squaredNorm() + of_mean);
+            });
+            return energy;
+        };
+        const auto expected = [&](const std::vector<double>& x) {
+            return bed(x, b.state.x, false) + bed(x, begin.x, true);
+        };
+        std::vector<double> direction(b.state.x.size());
+        for (double& d : direction) d = normal(random);
+        for (const double far : {1e-2, 1e-6, 1.0}) {
+            const auto moved = [&](double share) {
+                std::vector<double> x(begin.x);
+                for (std::size_t i = 0; i < x.size(); ++i) x[i] += share * far * direction[i];
+                return x;
+            };
+            INFO("element " << static_cast<int>(kind) << ", " << far << " m");
+            std::vector<double> gradient(direction.size(), 0.0);
+            CHECK(springs.energy(moved(1), gradient.data()) == Approx(expected(moved(1))).epsilon(1e-9));
+            CHECK(springs.stored_energy(moved(1)) == Approx(bed(moved(1), b.state.x, false)).epsilon(1e-9));
+            double slope = 0;
+            for (std::size_t i = 0; i < gradient.size(); ++i) slope += gradient[i] * direction[i];
+            CHECK(slope * far == Approx(expected(moved(1.5)) - expected(moved(0.5))).epsilon(1e-8)); // it is quadratic
+        }
+        // As one piece it moves against springs that all are as stiff as told.
+        std::vector<double> aside(b.state.x);
+        for (std::size_t i = 0; i < aside.size(); i += 3) aside[i] += 0.01;
+        CHECK(springs.stored_energy(aside) == Approx(0.5 * (1e9 + 1e4) * 0.01 * 1e-4).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("stiffness and moduli that change take hold of patches as if they had been there from the start") {
+    Blocks b(ElementKind::linear);
+    b.in.step_size = 0.01;
+    b.in.gravity = Vec3(0, 0, -9.8);
+    const auto scene = std::make_shared<const Scene>(b.scene.description());
+    Workspace lasting(scene);
+    State state = initial_state(*scene, b.in);
+    // Springs, then patches, then firmer single springs, then springs again.
+    for (const auto& [stiffness, modulus] : {std::pair{1e5, 3e4}, {1e9, 3e4}, {1e9, 3e6}, {1e5, 3e6}}) {
+        for (std::size_t a = 0; a < 3; ++a) b.in.attachments[a].stiffness = stiffness;
+        std::get<TissueInputs>(b.in.bodies[0]).layers[0].youngs_modulus = modulus;
+        INFO(stiffness << " N/m^3, " << modulus << " Pa");
+        Workspace fresh(scene);
+        const State anew = advance(fresh, state, std::span(&b.in, 1));
+        state = advance(lasting, state, std::span(&b.in, 1));
+        CHECK(state.record.converged);
+        CHECK(state.x == anew.x);
+    }
+}
