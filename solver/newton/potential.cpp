@@ -149,7 +149,10 @@ bool Potential::free_flight(const Positions& x, std::vector<double>& direction, 
 }
 
 void Potential::set_values(const State& before, const StepInputs& inputs) {
-    if (take(before, inputs)) throw std::logic_error("values within a step may not change what is coupled");
+    for (const auto& term : terms_) term->keep_couplings(true);
+    const bool changed = take(before, inputs);
+    for (const auto& term : terms_) term->keep_couplings(false);
+    if (changed) throw std::logic_error("values within a step may not change what is coupled");
     dynamics_.take(inputs);
 }
 

@@ -33,33 +33,37 @@ const TermType attachment_type{
 };
 
 Attachments::Attachments(const Scene& scene)
-    : scene_(scene) {
-    for (const AttachmentRest& a : scene.description().attachments) sides_.push_back(patch_side(scene, a));
-}
+    : scene_(scene)
+    , edges_(tet_edges(scene)) {}
 
 Changes Attachments::take(const StepInputs& inputs, const State& before) {
     const TermMemory* memory = find_memory(before.memories, attachment_type.name);
-    wanted_.clear(), resistances_.clear();
-    for (std::size_t a = 0; a < inputs.attachments.size(); ++a) {
-        resistances_.push_back(resistance(sides_[a], inputs));
-        // Whatever the envelope is: one that is keyed from nothing to all couples the same vertices at all times.
-        wanted_.push_back(inputs.attachments[a].mode() != AttachmentMode::fixed   ? off
-                          : inputs.attachments[a].stiffness > resistances_.back() ? by_patches
-                                                                                  : by_springs);
+    const auto& attachments = scene_.description().attachments;
+    wanted_.clear(), most_single_.clear();
+    for (std::size_t a = 0; a < attachments.size(); ++a) {
+        const AttachmentInputs& in = inputs.attachments[a];
+        most_single_.push_back(single_stiffness(scene_, attachments[a], edges_, inputs));
+        // Whatever the envelope is: one that is keyed from nothing to all couples the same vertices at all times. And
+        // within a step as at its start: patches of softer springs and single stiff ones are right, too.
+        char held = in.mode() != AttachmentMode::fixed   ? off
+                    : in.stiffness > most_single_.back() ? by_patches
+                                                         : by_springs;
+        if (keeps_couplings_ && held != off && held_[a] != off) held = held_[a];
+        wanted_.push_back(held);
     }
     const bool same = springs_ && memory && *memory == memory_ && wanted_ == held_;
     if (!same) {
         AttachmentView kept = attachments_kept(before.memories);
         check_kept(scene_, inputs.attachments, kept);
-        std::vector<char> stiff;
+        std::vector<int> sides;
         for (std::size_t a = 0; a < wanted_.size(); ++a) {
             if (wanted_[a] == off) kept.anchors[a] = {};
-            stiff.push_back(wanted_[a] == by_patches);
+            sides.push_back(wanted_[a] == by_patches ? patch_side(scene_, attachments[a], edges_) : -1);
         }
-        springs_ = std::make_unique<Springs>(scene_, std::move(kept), stiff);
+        springs_ = std::make_unique<Springs>(scene_, std::move(kept), sides);
         memory_ = *memory, held_ = wanted_;
     }
-    springs_->set_resistances(resistances_);
+    springs_->limit_single(most_single_);
     return {.couplings = !same};
 }
 

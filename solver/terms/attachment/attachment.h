@@ -17,6 +17,7 @@ class Attachments final : public Term {
     explicit Attachments(const Scene& scene);
 
     Changes take(const StepInputs& inputs, const State& before) override;
+    void keep_couplings(bool on) override { keeps_couplings_ = on; }
     void add_couplings(Couplings& couplings) const override { springs_->add_couplings(couplings); }
     void bind(const BlockPattern& pattern) override { springs_->set_pattern(pattern, scene_.numbering().unknown); }
     void begin_stage(const Stage& stage) override {
@@ -43,8 +44,9 @@ class Attachments final : public Term {
     std::unique_ptr<Springs> springs_;
     enum : char { off, by_springs, by_patches };
     std::vector<char> held_, wanted_; ///< per attachment: how it is held, and how it shall be
-    std::vector<PatchSide> sides_;    ///< per attachment
-    std::vector<double> resistances_; ///< per attachment, of the step
+    std::vector<double> edges_;       ///< of tets, per body
+    std::vector<double> most_single_; ///< per attachment: stiffness of single springs of patches [N/m^3]
+    bool keeps_couplings_ = false;
     VertexGradient gradient_;
     mutable std::vector<double> of_body_; ///< squares, per body of the scene
 };

@@ -18,25 +18,27 @@
 
 namespace sinew::solver {
 
-/// Whose vertices make an attachment's patches.
-struct PatchSide {
-    /// Of two tissues the one with larger tets; -1 where neither end rides in tets: each vertex then lies on the
-    /// surface and bears what pulls there.
-    int body = -1;
-    double edge = 0; ///< of a tet of that body's mean volume, at rest [m]
-};
-PatchSide patch_side(const Scene& scene, const AttachmentRest& attachment);
-/// How much the side's flesh resists what varies across one tet [N/m^3]: modulus of its stiffest material over the
-/// edge. Infinite where there is no side.
-double resistance(const PatchSide& side, const StepInputs& inputs);
+/// Per body the edge of a regular tet of the mean volume of a tissue's tets at rest [m]; 0 for others.
+std::vector<double> tet_edges(const Scene& scene);
+/// Whose vertices make an attachment's patches: of two tissues the one with larger tets, of equal ones the source; a
+/// subtissue's are those of what carries it. -1 where neither end rides in tets: each vertex then lies on the surface
+/// and bears what pulls there.
+int patch_side(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges);
+/// How stiff single springs of a patch are at most [N/m^3]: sixteen times what flesh is across a tet, E / h. E is the
+/// stiffest material anywhere in the tissue; of two tissues the softer counts. Infinite where there is no tissue.
+double single_stiffness(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges,
+                        const StepInputs& inputs);
 
 class SpringPatches {
   public:
-    /// Patches of all springs of attachments with a flag in `stiff`, one an attachment, but for those that have no
-    /// spring inside of a tet; empty: of none. A spring that ends on a side of its tet is a patch of its own.
-    /// `anchors`: those of the bundles.
+    /// Patches of all springs of the attachments that have a side, one an attachment, -1 or a body as patch_side gives
+    /// it; empty: of none. Attachments without a spring inside of a tet of that body have no patches. A spring that is
+    /// not, as on a side of its tet, or held far outside of it, is a patch of its own; so are those of a patch that
+    /// would couple more than most_vertices. `anchors`: those of the bundles.
     SpringPatches(const Scene& scene, const SpringBundles& bundles, std::span<const std::span<const Anchor>> anchors,
-                  std::span<const char> stiff);
+                  std::span<const int> sides);
+    /// Fine tissue or cloth on coarse tets would couple all of its vertices there to each other.
+    static constexpr std::size_t most_vertices = 128;
 
     /// One vertex's part in the sum of the springs' stretches times areas: area x position.
     struct Pull {
@@ -48,7 +50,7 @@ class SpringPatches {
     int attachment(std::size_t patch) const { return patches_[patch].attachment; }
     double area(std::size_t patch) const { return patches_[patch].area; } ///< of its springs [m^2], > 0
     bool has(int attachment) const { return !patched_.empty() && patched_[static_cast<std::size_t>(attachment)] != 0; }
-    /// The patch of a spring, or -1.
+    /// The patch of a spring, or -1 without one, or without an area to pull with.
     int of_spring(std::size_t spring) const { return of_spring_.empty() ? -1 : of_spring_[spring]; }
     /// By rising numbers.
     std::span<const int> springs(std::size_t patch) const { return part(spring_, first_spring_, patch); }

@@ -32,12 +32,12 @@ Vec3 point_of(const std::vector<double>& x, int vertex) { return Eigen::Map<cons
 
 } // namespace
 
-Springs::Springs(const Scene& scene, AttachmentView kept, std::span<const char> stiff)
+Springs::Springs(const Scene& scene, AttachmentView kept, std::span<const int> sides)
     : scene_(scene)
     , kept_(std::move(kept))
     , bundles_(scene, kept_.anchors)
-    , patches_(scene, bundles_, kept_.anchors, stiff)
-    , resistances_(scene.description().attachments.size(), std::numeric_limits<double>::infinity()) {
+    , patches_(scene, bundles_, kept_.anchors, sides)
+    , most_single_(scene.description().attachments.size(), std::numeric_limits<double>::infinity()) {
     coupling_.make(scene, bundles_, patches_);
     pulls_.resize(2 * scene.description().attachments.size());
     if (patches_.count() > 0) stretches_.resize(bundles_.spring_count());
@@ -55,8 +55,8 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
     for (std::size_t a = 0; a < attachments.size(); ++a) {
         const AttachmentInputs& in = inputs.attachments[a];
         const SpringPull all{in.stiffness * in.envelope, in.damping * in.envelope * form.velocity_factor};
-        const bool whole = !patches_.has(static_cast<int>(a)) || all.stiffness <= resistances_[a];
-        const double single = whole ? 1 : resistances_[a] / all.stiffness;
+        const bool whole = !patches_.has(static_cast<int>(a)) || all.stiffness <= most_single_[a];
+        const double single = whole ? 1 : most_single_[a] / all.stiffness;
         pulls_[a] = {single * all.stiffness, single * all.viscous};
         pulls_[attachments.size() + a] = {all.stiffness - pulls_[a].stiffness, all.viscous - pulls_[a].viscous};
     }
@@ -134,7 +134,7 @@ void Springs::find_means(const std::vector<double>& x) const {
 }
 
 void Springs::expand(const std::vector<double>& x) {
-    const std::size_t attachments = resistances_.size();
+    const std::size_t attachments = most_single_.size();
     find_means(x);
     energy_ = ordered_sum(bundles_.count(), [&](std::size_t b) {
         const SpringPull& single = pulls_[at(bundles_.attachment(b))];
@@ -225,7 +225,7 @@ double Springs::stored_energy(const std::vector<double>& x) const {
         return energy;
     });
     return of_springs + ordered_sum(patches_.count(), [&](std::size_t p) {
-               return 0.5 * pulls_[resistances_.size() + at(patches_.attachment(p))].stiffness * patches_.area(p) *
+               return 0.5 * pulls_[most_single_.size() + at(patches_.attachment(p))].stiffness * patches_.area(p) *
                       means_[p].squaredNorm();
            });
 }

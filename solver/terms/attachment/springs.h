@@ -1,9 +1,10 @@
-// Attachment energy: 1/2 k A w |x_source - x_target|^2 per sample of the source's surface, k [N/m^3] x envelope, plus a
-// viscous part from the relative velocity. Both ends are linear in the unknowns (through embeddings) or prescribed
-// (bones), so what one side gets the other gives, and the energy of a stage is a quadratic function of the positions of
-// the vertices that springs reach. There are some twenty samples to such a vertex: they are visited where the stage
-// begins and where Newton has come much nearer to the minimum; between, the energy is the exact expansion about the
-// last place of visit, by vertices.
+// Attachment energy: 1/2 k A w |x_source - x_target|^2 per sample of the source's surface, k [N/m^3] x envelope, or of
+// means by patches where that is stiffer than a lattice bears at every sample (spring_patches.h), plus a viscous part
+// from the relative velocity. Both ends are linear in the unknowns (through embeddings) or prescribed (bones), so what
+// one side gets the other gives, and the energy of a stage is a quadratic function of the positions of the vertices
+// that springs reach. There are some twenty samples to such a vertex: they are visited where the stage begins and where
+// Newton has come much nearer to the minimum; between, the energy is the exact expansion about the last place of visit,
+// by vertices.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/integrate/implicit_form.h"
@@ -20,11 +21,11 @@ namespace sinew::solver {
 
 class Springs {
   public:
-    /// Springs of all attachments that pull; bone to bone ones have no effect and are left out. Those with a flag in
-    /// `stiff`, one an attachment, are held by patches (spring_patches.h); empty: none.
-    Springs(const Scene& scene, AttachmentView kept, std::span<const char> stiff = {});
-    /// How much flesh resists what springs of a patch differ by [N/m^3], one an attachment.
-    void set_resistances(const std::vector<double>& resistances) { resistances_ = resistances; }
+    /// Springs of all attachments that pull; bone to bone ones have no effect and are left out. Those with a body in
+    /// `sides`, one an attachment or -1, are held by patches (spring_patches.h); empty: none.
+    Springs(const Scene& scene, AttachmentView kept, std::span<const int> sides = {});
+    /// How stiff single springs of patches are at most [N/m^3], one an attachment; until then there is no limit.
+    void limit_single(const std::vector<double>& stiffnesses) { most_single_ = stiffnesses; }
     /// Pairs of vertices that springs couple.
     void add_couplings(std::vector<std::pair<int, int>>& couplings) const { coupling_.add_couplings(couplings); }
     /// Finds where the Hessian's entries go. `unknown[vertex]` = row or -1.
@@ -68,7 +69,7 @@ class Springs {
     SpringBundles bundles_;
     SpringPatches patches_;
     SpringCoupling coupling_;
-    std::vector<double> resistances_;
+    std::vector<double> most_single_;
     // Of the stage:
     /// Per attachment: of single springs; and then again per attachment: of patches' means, beside that.
     std::vector<SpringPull> pulls_;
