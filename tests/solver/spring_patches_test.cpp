@@ -260,9 +260,8 @@ TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from i
     }
 }
 
-TEST_CASE(
-    "a target whose tets end at its surface is held at each point, also from a distance; what weighs nothing pulls "
-    "nothing") {
+TEST_CASE("a target whose tets end at its surface is held at each point, also from a distance, and what weighs nothing "
+          "pulls nothing") {
     auto t = tissue(box_mesh({0.3, 0.1, 0.1}, 6, 2, 2), ElasticLaw::stvk);
     const Points plate{{-0.05, -0.05, 0.12}, {0.35, -0.05, 0.12}, {-0.05, 0.25, 0.12}};
     AttachmentRest a;

@@ -9,7 +9,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <set>
 #include <unordered_map>
 #include <unordered_set>
 #include <variant>
@@ -43,6 +42,63 @@ double stiffest(const TissueInputs& tissue) {
     take(tissue.layers);
     for (const SubtissueInputs& part : tissue.subtissues) take(part.layers);
     return modulus;
+}
+
+/// visit(attachment, vertices of its bundle, spring) for all springs, by rising attachments.
+template <class Visit>
+void for_each(const SpringBundles& bundles, const Visit& visit) {
+    for (std::size_t b = 0; b < bundles.count(); ++b)
+        bundles.for_each_spring(
+            b, [&](const SpringBundles::Spring& s) { visit(bundles.attachment(b), bundles.vertices(b), s); });
+}
+
+/// Of springs that end inside of tets of their attachment's side.
+struct NearestVertices {
+    const Scene& scene;
+    const SpringBundles& bundles;
+    std::span<const std::span<const Anchor>> anchors;
+    std::span<const int> sides;
+
+    /// One a spring; -1 for others.
+    std::vector<int> find() const {
+        std::vector<int> out(bundles.spring_count(), -1);
+        if (sides.empty()) return out;
+        for_each(bundles, [&](int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) {
+            if (sides[at(attachment)] >= 0 && weighs(s)) out[s.number] = nearest(attachment, vertices, s);
+        });
+        return out;
+    }
+
+  private:
+    int nearest(int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) const {
+        const AttachmentRest& rest = scene.description().attachments[at(attachment)];
+        const int side = sides[at(attachment)];
+        const bool at_source = side == scene.carrier_of(rest.source);
+        const Anchor& anchor = anchors[at(attachment)][at(s.anchor)];
+        if (!inside(at_source ? anchor.source : anchor.target)) return -1;
+        const int first = scene.first_vertex(side), end = first + static_cast<int>(scene.vertex_count(side));
+        // Where both ends move, the target's coefficients have the other sign.
+        const double sign = at_source || !scene.deforms(rest.source) ? 1 : -1;
+        // The first of those that are as near, up to rounding: in a lattice many samples lie between two.
+        int out = -1;
+        double most = -std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            if (vertices[i] >= first && vertices[i] < end && sign * s.coefficients[i] > most + near)
+                out = vertices[i], most = sign * s.coefficients[i];
+        return out;
+    }
+};
+
+/// Leaves springs to themselves (-1) whose patch would couple too many vertices.
+void part_large_patches(const SpringBundles& bundles, std::vector<int>& nearest) {
+    std::map<std::pair<int, int>, std::unordered_set<int>> coupled; // by attachment and vertex
+    for_each(bundles, [&](int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) {
+        if (nearest[s.number] >= 0) coupled[{attachment, nearest[s.number]}].insert(vertices.begin(), vertices.end());
+    });
+    for_each(bundles, [&](int attachment, std::span<const int>, const SpringBundles::Spring& s) {
+        int& vertex = nearest[s.number];
+        if (vertex >= 0 && coupled[{attachment, vertex}].size() > SpringPatches::most_vertices) vertex = -1;
+    });
 }
 
 } // namespace
@@ -82,67 +138,21 @@ double single_stiffness(const Scene& scene, const AttachmentRest& attachment, st
 
 SpringPatches::SpringPatches(const Scene& scene, const SpringBundles& bundles,
                              std::span<const std::span<const Anchor>> anchors, std::span<const int> sides) {
-    const auto& attachments = scene.description().attachments;
-    const auto source_is_side = [&](int attachment) {
-        return sides[at(attachment)] == scene.carrier_of(attachments[at(attachment)].source);
-    };
-    const auto is_inside = [&](int attachment, const SpringBundles::Spring& s) {
-        const Anchor& anchor = anchors[at(attachment)][at(s.anchor)];
-        return weighs(s) && inside(source_is_side(attachment) ? anchor.source : anchor.target);
-    };
+    std::vector<int> nearest = NearestVertices{scene, bundles, anchors, sides}.find();
     patched_.assign(sides.size(), 0);
-    for (std::size_t b = 0; b < bundles.count() && !sides.empty(); ++b) {
-        const int attachment = bundles.attachment(b);
-        if (sides[at(attachment)] < 0 || patched_[at(attachment)]) continue;
-        bundles.for_each_spring(b, [&](const SpringBundles::Spring& s) {
-            if (is_inside(attachment, s)) patched_[at(attachment)] = 1;
-        });
-    }
-    if (std::none_of(patched_.begin(), patched_.end(), [](char p) { return p != 0; })) return;
-
-    // Which vertex each spring is nearest to, and what that vertex's springs couple.
-    std::vector<int> nearest_to(bundles.spring_count(), -1);
-    const auto for_each_patched = [&](const auto& visit) {
-        for (std::size_t b = 0; b < bundles.count(); ++b)
-            if (const int attachment = bundles.attachment(b); patched_[at(attachment)])
-                bundles.for_each_spring(b, [&](const SpringBundles::Spring& s) {
-                    if (weighs(s)) visit(attachment, bundles.vertices(b), s);
-                });
-    };
-    std::unordered_map<int, std::unordered_set<int>> coupled; // of the attachment at hand
-    std::set<std::pair<int, int>> too_large;                  // by attachment and vertex
-    int last = -1;
-    const auto part_large_ones = [&](int next) {
-        if (next == last) return;
-        for (const auto& [vertex, others] : coupled)
-            if (others.size() > most_vertices) too_large.insert({last, vertex});
-        coupled.clear();
-        last = next;
-    };
-    for_each_patched([&](int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) {
-        part_large_ones(attachment);
-        if (!is_inside(attachment, s)) return;
-        const int side = sides[at(attachment)];
-        const int first = scene.first_vertex(side), end = first + static_cast<int>(scene.vertex_count(side));
-        // Where both ends move, the target's coefficients have the other sign.
-        const double sign = source_is_side(attachment) || !scene.deforms(attachments[at(attachment)].source) ? 1 : -1;
-        // The first of those that are as near, up to rounding: in a lattice many samples lie between two.
-        double most = -std::numeric_limits<double>::infinity();
-        for (std::size_t i = 0; i < vertices.size(); ++i)
-            if (vertices[i] >= first && vertices[i] < end && sign * s.coefficients[i] > most + near)
-                nearest_to[s.number] = vertices[i], most = sign * s.coefficients[i];
-        coupled[nearest_to[s.number]].insert(vertices.begin(), vertices.end());
+    for_each(bundles, [&](int attachment, std::span<const int>, const SpringBundles::Spring& s) {
+        if (nearest[s.number] >= 0) patched_[at(attachment)] = 1;
     });
-    part_large_ones(-1);
+    if (std::none_of(patched_.begin(), patched_.end(), [](char p) { return p != 0; })) return;
+    part_large_patches(bundles, nearest);
 
     of_spring_.assign(bundles.spring_count(), -1);
     std::map<std::pair<int, int>, int> patch_at; // by attachment and vertex
     std::vector<std::unordered_map<int, double>> sums;
-    for_each_patched([&](int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) {
-        const std::pair key{attachment, nearest_to[s.number]};
-        const int next = static_cast<int>(patches_.size());
-        const bool alone = key.second < 0 || too_large.contains(key);
-        const int patch = alone ? next : patch_at.try_emplace(key, next).first->second;
+    for_each(bundles, [&](int attachment, std::span<const int> vertices, const SpringBundles::Spring& s) {
+        if (!patched_[at(attachment)] || !weighs(s)) return;
+        const int next = static_cast<int>(patches_.size()), vertex = nearest[s.number];
+        const int patch = vertex < 0 ? next : patch_at.try_emplace({attachment, vertex}, next).first->second;
         if (patch == next) patches_.push_back({attachment, 0}), sums.emplace_back();
         of_spring_[s.number] = patch;
         patches_[at(patch)].area += s.area_weight;
