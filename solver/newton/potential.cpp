@@ -40,9 +40,10 @@ Potential::Potential(const Scene& scene)
 
 Potential::~Potential() = default;
 
-bool Potential::take(const State& before, const StepInputs& inputs) {
+bool Potential::take(const State& before, const StepInputs& inputs, bool within_step) {
     Changes all;
     for (const auto& term : terms_) {
+        term->keep_couplings(within_step);
         const Changes changes = term->take(inputs, before);
         all.couplings = all.couplings || changes.couplings;
         all.masses = all.masses || changes.masses;
@@ -149,10 +150,7 @@ bool Potential::free_flight(const Positions& x, std::vector<double>& direction, 
 }
 
 void Potential::set_values(const State& before, const StepInputs& inputs) {
-    for (const auto& term : terms_) term->keep_couplings(true);
-    const bool changed = take(before, inputs);
-    for (const auto& term : terms_) term->keep_couplings(false);
-    if (changed) throw std::logic_error("values within a step may not change what is coupled");
+    if (take(before, inputs, true)) throw std::logic_error("values within a step may not change what is coupled");
     dynamics_.take(inputs);
 }
 

@@ -31,8 +31,8 @@ class Potential {
     ~Potential();
 
     /// Takes the step's values, and the terms' memories in `before`, and makes the pattern for them if it is not there
-    /// yet. Returns true if the pattern is new.
-    bool take(const State& before, const StepInputs& inputs);
+    /// yet. Returns true if the pattern is new. `within_step`: they are other values of a step that was taken.
+    bool take(const State& before, const StepInputs& inputs, bool within_step = false);
     /// Fixes everything that is constant over the step from `before`, after take. `inputs` must outlive the step.
     void begin_step(const State& before, const StepInputs& inputs);
     /// Takes affine momentum out of v at x, as the step's values ask (AffineMomentum).

@@ -49,8 +49,7 @@ class Term {
     /// Takes the values of a step, and the term's memory in `before`. Throws Error with the body or part where a value
     /// cannot be used; then nothing is taken.
     virtual Changes take(const StepInputs& inputs, const State& before) = 0;
-    /// From here on `take` is given other values of the same step, which must not change what is coupled; off: the next
-    /// step's.
+    /// Before each `take`: whether it is given other values of the same step, which must not change what is coupled.
     virtual void keep_couplings(bool) {}
     /// Couplings that stand as long as take reports no others; they make up the matrix's pattern.
     virtual void add_couplings(Couplings&) const {}

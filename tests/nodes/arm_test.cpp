@@ -122,8 +122,7 @@ TEST_CASE("the arm flexes: converged, nothing inverted, muscles on their bones, 
                 if (inner.contains(v)) worst_inner = std::max(worst_inner, off);
             }
             INFO(muscle << " on " << target);
-            // Centimetres; tets are 1.0 to 1.6 wide, and what is held is the mean by their vertices.
-            CHECK(worst_inner < 0.1);
+            CHECK(worst_inner < 0.07); // centimetres
             CHECK(worst < 0.3);
         }
     }

@@ -6,6 +6,7 @@
 #include "solver/newton/potential.h"
 #include "solver/terms/attachment/anchors.h"
 #include "solver/terms/attachment/springs.h"
+#include "tests/support/lattice_tissue.h"
 #include "tests/support/solver_scenes.h"
 
 #include <algorithm>
@@ -111,15 +112,7 @@ double glued(std::shared_ptr<TissueRest> t, PaintedOn painted, Correspondence co
 }
 
 std::shared_ptr<TissueRest> in_lattice(const SurfaceMesh& mesh, double tet_size, ElementKind kind) {
-    auto t = std::make_shared<TissueRest>();
-    t->tets = make_lattice(mesh.points, mesh.triangles,
-                           {.tet_size = tet_size, .moments = kind == ElementKind::quadratic ? 4 : 1});
-    t->triangles = mesh.triangles;
-    t->surface = mesh.points;
-    t->embedding = embed(t->tets, t->surface);
-    t->element = kind;
-    t->layer_weights = {std::vector<double>(t->tets.tets.size(), 1.0)};
-    return t;
+    return lattice_tissue(mesh, tet_size, TissueRest{}.law, kind);
 }
 
 SurfaceMesh bar_surface(int nx, int ny, int nz) {

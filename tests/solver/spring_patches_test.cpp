@@ -1,9 +1,8 @@
 // Stiff springs by lattice vertices: which belong together, and what they weigh.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/mesh/embedding.h"
-#include "solver/meshing/lattice.h"
 #include "solver/terms/attachment/spring_patches.h"
 #include "solver/terms/attachment/springs.h"
+#include "tests/support/lattice_tissue.h"
 #include "tests/support/solver_scenes.h"
 
 #include <catch2/catch.hpp>
@@ -19,19 +18,11 @@ namespace {
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-/// A block in a lattice that does not fit it: tets reach out of it on all sides.
+/// In a lattice that does not fit it.
 std::shared_ptr<TissueRest> block(const Vec3& corner, double tet_size, ElementKind kind) {
-    const TetMesh shape = box_mesh({0.3, 0.1, 0.1}, 6, 2, 2);
-    auto out = tissue(shape, ElasticLaw::stvk);
-    for (Vec3& x : out->surface) x += corner;
-    LatticeOptions options;
-    options.tet_size = tet_size;
-    options.moments = kind == ElementKind::quadratic ? 4 : 1;
-    out->tets = make_lattice(out->surface, out->triangles, options);
-    out->embedding = embed(out->tets, out->surface);
-    out->element = kind;
-    out->layer_weights = {std::vector<double>(out->tets.tets.size(), 1.0)};
-    return out;
+    SurfaceMesh cube = make_cube(0.3, 0.1, 0.1, 6, 2, 2);
+    for (Vec3& x : cube.points) x += corner + Vec3(0.15, 0.05, 0.05);
+    return lattice_tissue(cube, tet_size, ElasticLaw::stvk, kind);
 }
 
 std::vector<double> paint(const Points& points, const std::function<bool(const Vec3&)>& where) {
@@ -82,13 +73,13 @@ TEST_CASE("patches: of two tissues the one with larger tets gives the vertices, 
     CHECK(edges[1] == Approx(0.045).epsilon(0.25));
     CHECK(edges[2] == 0);
     const auto stiffness = [&](std::size_t a) { return single_stiffness(b.scene, attachments[a], edges, b.in); };
-    CHECK(stiffness(0) == Approx(16 * 3e4 / edges[0]));
-    CHECK(stiffness(1) == Approx(16 * 3e4 / edges[0]));
+    CHECK(stiffness(0) == Approx(100 * 3e4 / edges[0]));
+    CHECK(stiffness(1) == Approx(100 * 3e4 / edges[0]));
     auto& below = std::get<TissueInputs>(b.in.bodies[0]);
     below.layers.push_back(below.layers[0]);
     below.layers[1].youngs_modulus = 7e5;
-    CHECK(stiffness(0) == Approx(16 * 7e5 / edges[0]));
-    CHECK(stiffness(1) == Approx(16 * 6e4 / edges[1]));
+    CHECK(stiffness(0) == Approx(100 * 7e5 / edges[0]));
+    CHECK(stiffness(1) == Approx(100 * 6e4 / edges[1]));
     AttachmentRest bones, equal = attachments[1];
     bones.source = bones.target = 2;
     CHECK(patch_side(b.scene, bones, edges) == -1);
@@ -184,7 +175,7 @@ TEST_CASE("where tets end at the surface no springs are put together") {
     CHECK(springs.energy(x, nullptr) == Approx(0.5 * 1e9 * 0.02 * 0.02 * 0.1 * 0.001 / 3).epsilon(1e-6));
 }
 
-TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from it sixteen times what flesh is") {
+TEST_CASE("a patch's mean stretch meets the whole stiffness, what differs from it a hundred times what flesh is") {
     for (const ElementKind kind : {ElementKind::linear, ElementKind::quadratic}) {
         const Blocks b(kind);
         const auto& attachments = b.scene.description().attachments;

@@ -315,8 +315,8 @@ TEST_CASE("without a graph bench elements knows the answer: bodies askew in the 
     CHECK(rows[0]["element"] == "linear");
     CHECK(rows[0]["error"].get<double>() > 0.1); // as large as half the bar is thick: stiff in bending
     // A clamp that held each tet it passes through would reach into the bar: 0.19 and 0.029.
-    CHECK(rows[0]["error"].get<double>() < 0.17);
-    CHECK(rows[1]["error"].get<double>() < 0.015);
+    CHECK(rows[0]["error"].get<double>() < 0.18);
+    CHECK(rows[1]["error"].get<double>() < 0.021);
     CHECK(well_formed(read_text(folder / "elements_0.svg")));
 
     // Panels, where it matters more: 0.080, 0.013; and nearly incompressible 0.147, 0.026.
@@ -325,10 +325,10 @@ TEST_CASE("without a graph bench elements knows the answer: bodies askew in the 
     REQUIRE(cook.code == 0);
     const nlohmann::json panels = nlohmann::json::parse(cook.out).at("rows");
     REQUIRE(panels.size() == 4);
-    CHECK(panels[0]["error"].get<double>() < 0.045);
-    CHECK(panels[1]["error"].get<double>() < 0.009);
-    CHECK(panels[2]["error"].get<double>() < 0.11);
-    CHECK(panels[3]["error"].get<double>() < 0.015);
+    CHECK(panels[0]["error"].get<double>() < 0.048);
+    CHECK(panels[1]["error"].get<double>() < 0.0105);
+    CHECK(panels[2]["error"].get<double>() < 0.12);
+    CHECK(panels[3]["error"].get<double>() < 0.019);
 }
 
 TEST_CASE("bench elements compares elements and sizes with the finest quadratic tets, and plots it", "[tools]") {

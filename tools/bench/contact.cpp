@@ -348,9 +348,6 @@ Table contact_table(const std::vector<ContactRow>& rows) {
 }
 
 nlohmann::ordered_json contact_json(const std::vector<ContactRow>& rows) {
-    const auto or_null = [](const std::optional<double>& value) {
-        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-    };
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const ContactRow& r : rows)
         out.push_back({{"scene", r.scene},

@@ -175,9 +175,6 @@ Table scenes_table(const std::vector<SceneBench>& results) {
 }
 
 nlohmann::ordered_json scene_json(const SceneBench& result) {
-    const auto or_null = [](const std::optional<double>& value) {
-        return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
-    };
     nlohmann::ordered_json out = nlohmann::ordered_json::array();
     for (const SceneRow& r : result.rows)
         out.push_back({{"scene", result.name},

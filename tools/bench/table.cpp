@@ -71,6 +71,10 @@ std::string as_csv(const nlohmann::ordered_json& rows) {
     return out;
 }
 
+nlohmann::ordered_json or_null(const std::optional<double>& value) {
+    return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json();
+}
+
 std::string number(double value, int digits) {
     if (!std::isfinite(value)) return "-";
     char text[40];

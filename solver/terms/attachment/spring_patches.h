@@ -2,7 +2,7 @@
 // piece, as they are more than its corners are free to move. A clamp would so reach up to a tet's thickness into the
 // flesh, which makes thin muscles millimetres too stiff. Where springs are stiffer than flesh is across a tet, those
 // nearest to one vertex make up a patch: their mean stretch meets the whole stiffness, what single ones are longer or
-// shorter than that sixteen times as much as flesh resists itself (E / h). Smaller tets make that stiffer, so in the
+// shorter than that a hundred times as much as flesh resists itself (E / h). Smaller tets make that stiffer, so in the
 // end both are the same. Where tets end at the surface each vertex there bears what pulls at it, and nothing is put
 // together. Sources: Barbosa and Hughes 1991, Burman and Hansbo 2010, on how many constraints along a surface a mesh
 // bears.
@@ -24,7 +24,7 @@ std::vector<double> tet_edges(const Scene& scene);
 /// subtissue's are those of what carries it. -1 where neither end rides in tets: each vertex then lies on the surface
 /// and bears what pulls there.
 int patch_side(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges);
-/// How stiff single springs of a patch are at most [N/m^3]: sixteen times what flesh is across a tet, E / h. E is the
+/// How stiff single springs of a patch are at most [N/m^3]: a hundred times what flesh is across a tet, E / h. E is the
 /// stiffest material anywhere in the tissue; of two tissues the softer counts. Infinite where there is no tissue.
 double single_stiffness(const Scene& scene, const AttachmentRest& attachment, std::span<const double> edges,
                         const StepInputs& inputs);

@@ -40,8 +40,7 @@ Springs::Springs(const Scene& scene, AttachmentView kept, std::span<const int> s
     , most_single_(scene.description().attachments.size(), std::numeric_limits<double>::infinity()) {
     coupling_.make(scene, bundles_, patches_);
     pulls_.resize(2 * scene.description().attachments.size());
-    if (patches_.count() > 0) stretches_.resize(bundles_.spring_count());
-    means_.resize(patches_.count());
+    means_.resize(patches_.count()), place_means_.resize(patches_.count());
     places_.resize(bundles_.spring_count()), of_springs_.resize(bundles_.spring_count());
     const std::size_t nodes = coupling_.nodes().size();
     for (auto* by_node : {&base_, &forces_, &elastic_forces_, &moves_, &products_}) by_node->resize(nodes);
@@ -95,8 +94,10 @@ void Springs::begin_stage(const StepInputs& inputs, const State& before, const s
             references_[s.number] = (velocity - offset) / form.velocity_factor - place;
         });
     });
-    for (std::size_t p = 0; p < reference_means_.size(); ++p)
-        reference_means_[p] = mean_of(patches_, bundles_, p, references_);
+    parallel_for(patches_.count(), grain, [&](std::size_t p) {
+        place_means_[p] = mean_of(patches_, bundles_, p, places_);
+        if (any_viscous) reference_means_[p] = mean_of(patches_, bundles_, p, references_);
+    });
     coupling_.set_pulls(pulls_);
     expand(before.x);
 }
@@ -125,12 +126,11 @@ void Springs::gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_
 }
 
 void Springs::find_means(const std::vector<double>& x) const {
-    if (patches_.count() == 0) return;
-    parallel_for(bundles_.count(), grain, [&](std::size_t b) {
-        for_each_stretch(b, x, [&](const SpringBundles::Spring& s, const Vec3& d) { stretches_[s.number] = d; });
+    parallel_for(patches_.count(), grain, [&](std::size_t p) {
+        Vec3 sum = Vec3::Zero();
+        for (const SpringPatches::Pull& pull : patches_.pulls(p)) sum += pull.area * point_of(x, pull.vertex);
+        means_[p] = sum / patches_.area(p) - place_means_[p];
     });
-    parallel_for(patches_.count(), grain,
-                 [&](std::size_t p) { means_[p] = mean_of(patches_, bundles_, p, stretches_); });
 }
 
 void Springs::expand(const std::vector<double>& x) {

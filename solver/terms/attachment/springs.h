@@ -58,7 +58,7 @@ class Springs {
     void gather(const std::vector<Vec3>& of_springs, std::vector<Vec3>& at_nodes) const;
     /// Visits all springs at x.
     void expand(const std::vector<double>& x);
-    /// The springs' stretches, and each patch's mean, at x.
+    /// Of the patches' stretches at x.
     void find_means(const std::vector<double>& x) const;
     /// How far the nodes are from where the expansion is made.
     void set_moves(const std::vector<double>& x);
@@ -75,13 +75,13 @@ class Springs {
     std::vector<SpringPull> pulls_;
     std::vector<Vec3> places_;     ///< prescribed points, 0 where both ends are free
     std::vector<Vec3> references_; ///< the stretch at which the relative velocity would be zero; empty: none is damped
+    std::vector<Vec3> place_means_, reference_means_; ///< by patches
     // Of the expansion, by nodes:
     double energy_ = 0; ///< where it is made [J]
     std::vector<Vec3> base_, forces_, elastic_forces_;
     std::vector<Vec3> moves_, products_;                ///< scratch
     std::vector<Vec3> of_springs_, elastic_of_springs_; ///< scratch, by springs
-    mutable std::vector<Vec3> stretches_;               ///< scratch, by springs
-    mutable std::vector<Vec3> means_, reference_means_; ///< scratch, by patches: of stretches and of references
+    mutable std::vector<Vec3> means_;                   ///< scratch, by patches: of stretches
     std::vector<double> node_square_;                   ///< scratch
 };
 
