@@ -238,7 +238,8 @@ constexpr CodeInfo table[] = {
      "On cloth its magnitude is a force per area; list in bodies what it is for."},
     {"FE339", "initial velocity that is lost", "Let the body be on from the start frame on, in a scheme with inertia."},
     {"FE340", "open surface whose points are too far apart", "Close it, or test more points by collisionSubdivision."},
-    {"FE341", "body that begins deep inside another", "Move it outside, attach the two, or keep them from colliding."},
+    {"FE341", "body that begins deep inside another, or in its place",
+     "Move it outside, attach the two, or keep them from colliding."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

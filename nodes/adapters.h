@@ -39,14 +39,17 @@ auto guarded(const engine::Reads& in, std::string_view attribute, Call&& call,
 /// Fails with FE204 unless a painted map fits: no entry (= 1 everywhere), one for all, or one per vertex (or face).
 /// \param whose "weights of biceps", for the message
 /// \param what "vertex" or "face"
+/// \param maker the node that the map comes from; empty for one that is typed
 inline void check_map(const engine::Reads& in, std::string_view attribute, const engine::NumberList& map,
-                      std::size_t count, const std::string& whose, std::string_view what = "vertex") {
+                      std::size_t count, const std::string& whose, std::string_view what = "vertex",
+                      const std::string& maker = {}) {
     if (map.size() <= 1 || map.size() == count) return;
     in.fail(attribute, "FE204",
-            whose + ": " + std::to_string(map.size()) + " numbers for a mesh of " + std::to_string(count) +
-                (what == "vertex" ? " vertices" : " faces"),
-            "Give one number per " + std::string(what) +
-                ", one number for all, or none for 1 everywhere; the map may have been made for another mesh.");
+            whose + (maker.empty() ? "" : ", made by " + maker) + ": " + std::to_string(map.size()) +
+                " numbers for a mesh of " + std::to_string(count) + (what == "vertex" ? " vertices" : " faces"),
+            "Give one number per " + std::string(what) + ", one number for all, or none for 1 everywhere; " +
+                (maker.empty() ? "the map may have been made for another mesh."
+                               : maker + " may paint another mesh: let both read the same."));
 }
 
 /// A map of a polygon mesh's faces with one number per triangle.

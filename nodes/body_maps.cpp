@@ -21,7 +21,8 @@ NumberList painted_map(const Reads& in, const Input<NumberList>& map, const Inpu
                     " numbers, as many as the mesh has " + (by_faces ? "vertices" : "faces") + ", for its " +
                     std::to_string(count) + (by_faces ? " faces" : " vertices"),
                 "Set " + std::string(on.name) + " to " + (by_faces ? "vertices" : "faces") + ".");
-    check_map(in, map.name, given, count, std::string(map.name) + " for " + name, by_faces ? "face" : "vertex");
+    check_map(in, map.name, given, count, std::string(map.name) + " for " + name, by_faces ? "face" : "vertex",
+              in.source_name(map.name));
     const NumberList each = per_vertex(given, count);
     return by_faces ? per_triangle(topology, each) : each;
 }

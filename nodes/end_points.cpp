@@ -32,8 +32,8 @@ const Output<NumberList> out_end_points{
 
 void compute(const Reads& in, Writes& out) {
     const std::size_t count = in[mesh].points->size();
-    check_map(in, source.name, in[source], count, "the source map");
-    check_map(in, sink.name, in[sink], count, "the sink map");
+    check_map(in, source.name, in[source], count, "the source map", "vertex", in.source_name(source.name));
+    check_map(in, sink.name, in[sink], count, "the sink map", "vertex", in.source_name(sink.name));
     const NumberList begin = per_vertex(in[source], count), end = per_vertex(in[sink], count);
     const auto is_painted = [](double w) { return w > 0.5; };
     for (const auto& [input, map] : {std::pair(source.name, &begin), std::pair(sink.name, &end)})

@@ -52,7 +52,8 @@ const Output<CurvePoints> out_curve{
 void compute(const Reads& in, Writes& out) {
     const Mesh& m = in[mesh];
     const NumberList& given = in[end_points];
-    check_map(in, end_points.name, given, m.points->size(), "endPoints of the muscle's curve");
+    check_map(in, end_points.name, given, m.points->size(), "endPoints of the muscle's curve", "vertex",
+              in.source_name(end_points.name));
     std::vector<char> painted;
     NumberList ends;
     for (const double e : per_vertex(given, m.points->size())) {

@@ -41,7 +41,8 @@ void add_rest_shapes(const Reads& in, std::string_view attribute,
         if (t.target.topology->digest != rest.mesh.topology->digest)
             in.fail(attribute, "FE285", "the target of " + name + " has other faces than the tissue's mesh",
                     "Sculpt a copy of the tissue's mesh, with its vertices in the same order.");
-        check_map(in, attribute, t.weights, wants, "weights of " + name);
+        check_map(in, attribute, t.weights, wants, "weights of " + name, "vertex",
+                  in.source_behind(attribute, k, "weights"));
         const Digest digest = engine::Hasher()
                                   .add("zRestShape")
                                   .add(solver::rest_shape_type.numerics)

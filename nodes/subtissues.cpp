@@ -56,7 +56,7 @@ void check_layers(const Reads& in, std::string_view attribute,
                 "Connect a zMaterial's outMaterial to materials.");
     for (std::size_t i = 0; i < layers.size(); ++i)
         check_map(in, attribute, layers[i].get().weights, mesh.points->size(),
-                  "weights of " + in.source_name(attribute, i));
+                  "weights of " + in.source_name(attribute, i), "vertex", in.source_behind(attribute, i, "weights"));
 }
 
 void check_fibers(const Reads& in, std::string_view attribute,
@@ -65,9 +65,12 @@ void check_fibers(const Reads& in, std::string_view attribute,
     for (std::size_t i = 0; i < fibers.size(); ++i) {
         const Fiber& f = fibers[i];
         const std::string name = in.source_name(attribute, i);
-        check_map(in, attribute, f.weights, count, "weights of " + name);
+        check_map(in, attribute, f.weights, count, "weights of " + name, "vertex",
+                  in.source_behind(attribute, i, "weights"));
         if (!f.directions.empty()) continue;
-        if (f.end_points.size() > 1) check_map(in, attribute, f.end_points, count, "endPoints of " + name);
+        if (f.end_points.size() > 1)
+            check_map(in, attribute, f.end_points, count, "endPoints of " + name, "vertex",
+                      in.source_behind(attribute, i, "endPoints"));
         const bool begins = std::any_of(f.end_points.begin(), f.end_points.end(), is_source);
         const bool ends = std::any_of(f.end_points.begin(), f.end_points.end(), is_sink);
         if (!begins || !ends)

@@ -54,7 +54,8 @@ void compute(const Reads& in, Writes& out) {
         in.fail(old_weights.name, "FE204",
                 "no numbers for a mesh of " + std::to_string(from.points->size()) + " vertices",
                 "Give one number per vertex of oldMesh.");
-    check_map(in, old_weights.name, map, from.points->size(), "the weights");
+    check_map(in, old_weights.name, map, from.points->size(), "the weights", "vertex",
+              in.source_name(old_weights.name));
     out.set(out_weights, guarded(in, new_mesh.name, [&]() -> NumberList {
                 const solver::MapTransfer places =
                     solver::find_places(*from.points, from.topology->triangles, *to.points, to.topology->triangles);

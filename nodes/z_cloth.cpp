@@ -173,7 +173,8 @@ void compute(const Reads& in, Writes& out) {
                 "Connect a zMaterial's outMaterial to materials.");
     for (std::size_t k = 0; k < layers.size(); ++k)
         check_map(in, materials.name, layers[k].get().weights, modelled.points->size(),
-                  "weights of " + in.source_name(materials.name, k));
+                  "weights of " + in.source_name(materials.name, k), "vertex",
+                  in.source_behind(materials.name, k, "weights"));
     if (vector(in, warp_direction).isZero(0))
         in.fail(warp_direction.name, "FE304", "warpDirection is zero, so the cloth has no warp",
                 "Give it a length above 0; only where it points counts.");

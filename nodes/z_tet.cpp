@@ -133,7 +133,7 @@ TetMeshValue make_tets(const Reads& in) {
     const Mesh* m = in.find(mesh);
     if (!m) in.fail(mesh.name, "DG110", "neither mesh nor tets is connected", "Connect the tissue's mesh.");
     const NumberList& painted = in[weights];
-    check_map(in, weights.name, painted, m->points->size(), "weights");
+    check_map(in, weights.name, painted, m->points->size(), "weights", "vertex", in.source_name(weights.name));
     solver::LatticeOptions options;
     options.tet_size = in[tet_size];
     options.max_resolution = static_cast<int>(in[max_resolution]);

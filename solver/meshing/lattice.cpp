@@ -27,6 +27,12 @@ constexpr std::int64_t most_tets = 20'000'000; // about 4 GB while they are made
 /// Share of the solid's volume that least coverages may add.
 constexpr double most_excess = 0.1;
 
+std::string number(double x) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", x);
+    return text;
+}
+
 double side_or_default(const LatticeOptions& options, double longest) {
     return options.tet_size > 0 ? options.tet_size : longest / 3.5;
 }
@@ -45,11 +51,13 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
     if (!(along <= limit)) {
         const std::string count = along < 1e15 ? std::to_string(static_cast<long long>(along)) : "over 1e15";
         throw Error("FE210",
-                    "the lattice would have " + count + " cubes along the longest side" +
+                    "the lattice would have " + count + " cubes along the longest side of " + number(longest) +
+                        ", with a tet size of " + number(side) +
                         (levels > 0 ? ", refined " + std::to_string(levels) + " times" : "") + "; the limit is " +
                         std::to_string(static_cast<long long>(limit)),
-                    levels > 0 ? "raise the tet size or the maximum resolution, or refine less"
-                               : "raise the tet size or the maximum resolution");
+                    std::string("raise the tet size or the maximum resolution") +
+                        (levels > 0 ? ", or refine less" : "") +
+                        "; if the mesh is in another unit than the tet size, scale it by a transform");
     }
     return side;
 }
@@ -119,12 +127,6 @@ Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, con
 /// Finest cubes may be this many times as long as the solid. Beyond, the least coverage alone is far too heavy, shares
 /// are lost in rounding, and at last volumes overflow.
 constexpr double most_lengths = 1000;
-
-std::string number(double x) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.4g", x);
-    return text;
-}
 
 /// No coarser lattice is sound. Tets at the surface have about its area times their side of volume, and of that the
 /// least coverage counts; four times as much allows for how they lie. Thin sheets need so many tets that there is

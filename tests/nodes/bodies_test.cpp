@@ -74,6 +74,22 @@ TEST_CASE("envelope and weights of the first layer change nothing", "[nodes]") {
     CHECK(s.pull("t", "outBody").digest() == before);
 }
 
+TEST_CASE("paint of another mesh is refused by the node that made it", "[nodes]") {
+    const std::string more = R"(, "plane": {"type": "polyPlane", "inputs": {}},
+        "stray": {"type": "weights", "inputs": {"mesh": {"from": "plane.outMesh"}}})";
+    Session s(tissue(layers) + more);
+    s.set("top", "weights", R"({"from": "stray.outWeights"})");
+    const std::size_t painted = s.get<engine::NumberList>("stray", "outWeights").size();
+    std::string text;
+    CHECK(codes([&] { s.pull("t", "outBody"); }, &text) == Codes{"FE204"});
+    CHECK(text.find("weights of top, made by stray: " + std::to_string(painted) + " numbers for a mesh of ") !=
+          std::string::npos);
+    CHECK(text.find("stray may paint another mesh: let both read the same.") != std::string::npos);
+    Session held(attached(both + R"(, "weights": {"from": "stray.outWeights"})") + more);
+    CHECK(codes([&] { held.pull("a", "outAttachment"); }, &text) == Codes{"FE204"});
+    CHECK(text.find("weights for t, made by stray: ") != std::string::npos);
+}
+
 TEST_CASE("a painted layer is extended into the volume within its range", "[nodes]") {
     Session s(tissue(layers));
     s.set("top", "weights", R"({"from": "right.outWeights"})");

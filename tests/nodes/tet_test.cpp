@@ -95,7 +95,8 @@ TEST_CASE("zTet refuses weights for another mesh and refinement past maxResoluti
     s.set("t", "weights", "[1]");
     s.set("t", "maxResolution", "9");
     CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
-    CHECK(text.find("10 cubes along the longest side, refined 1 times") != std::string::npos);
+    CHECK(text.find("10 cubes along the longest side of 2, with a tet size of 0.4, refined 1 times") !=
+          std::string::npos);
     CHECK(text.find("t.surfaceRefinement") != std::string::npos);
     s.set("t", "maxResolution", "10");
     CHECK(count(s) > 100);
@@ -103,6 +104,9 @@ TEST_CASE("zTet refuses weights for another mesh and refinement past maxResoluti
     s.set("t", "tetSize", "0.01");
     CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
     CHECK(text.find("t.tetSize") != std::string::npos);
+    CHECK(text.find("200 cubes along the longest side of 2, with a tet size of 0.01; the limit is 10") !=
+          std::string::npos);
+    CHECK(text.find("if the mesh is in another unit than the tet size, scale it by a transform") != std::string::npos);
     s.set("t", "tetSize", "1000");
     CHECK(codes([&] { count(s); }, &text) == Codes{"FE210"});
     CHECK(text.find("t.tetSize") != std::string::npos);

@@ -496,6 +496,10 @@ TEST_CASE("new cloth: a cloth falls on a body and stays above it", "[tools][rig]
     const std::string two = run_program({"new", "cloth", body, first, cloth, "-o", graph, "--force"}).err;
     CHECK(has(two, "If first is a cloth, too: only the last mesh is made one"));
     CHECK(run_program({"new", "cloth", body, cloth, "-o", graph, "--force", "--set", "a:b=1"}).code == 2);
+    // A name that the graph has taken already.
+    const std::string skin = folder / "skin.obj";
+    write_text(skin, sheet.str());
+    CHECK(has(run_program({"new", "cloth", body, skin, "-o", graph, "--force"}).err, "is called skinCloth"));
 }
 
 TEST_CASE("new layers: tissue, fascia and skin, the outer two made around the first", "[tools][rig]") {

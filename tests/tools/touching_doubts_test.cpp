@@ -61,3 +61,24 @@ TEST_CASE("check doubts bodies that collide and begin deep within each other", "
     nodes["solver"]["inputs"]["attachments"] = json::parse(R"([{"from": "tie.outAttachment"}])");
     CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]"}).find("FE341") == std::string::npos);
 }
+
+TEST_CASE("check doubts a tissue in the very place of another, with contact or without", "[tools]") {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    nodes["soft"] = json::parse(R"({"type": "zMaterial", "inputs": {"youngsModulus": 10000}})");
+    nodes["twin"] = nodes["ball"];
+    nodes["twin"]["inputs"]["materials"][0]["from"] = "soft.outMaterial";
+    nodes["grip2"] = nodes["grip"];
+    nodes["grip2"]["inputs"]["source"]["from"] = "twin.outBody";
+    nodes["solver"]["inputs"]["bodies"].push_back({{"from", "twin.outBody"}});
+    nodes["solver"]["inputs"]["attachments"].push_back({{"from", "grip2.outAttachment"}});
+    const std::string same =
+        "FE341 twin.mesh: begins exactly where ball does: every point is the same | move one of the two, or give it "
+        "the file that it was to have; or, if they belong together, attach them to each other\n";
+    CHECK(said_of(graph, {"solver.collisionDetection=false"}) == same);
+    CHECK(said_of(graph, {"solver.collisionDetection=true"}) == same);
+    nodes["tie"] = json::parse(R"({"type": "zAttachment", "inputs": {"source": {"from": "twin.outBody"},
+        "target": {"from": "ball.outBody"}, "weights": {"from": "top.outWeights"}}})");
+    nodes["solver"]["inputs"]["attachments"].push_back({{"from", "tie.outAttachment"}});
+    CHECK(said_of(graph).find("FE341") == std::string::npos);
+}

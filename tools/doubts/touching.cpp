@@ -93,6 +93,38 @@ Inside points_inside(const Member& body, const solver::Box& box, const solver::S
     return out;
 }
 
+/// Positions of two bodies, the smaller first.
+using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
+
+/// What attachments hold to each other.
+Pairs tied_pairs(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    std::vector<nodes::BodyId> ids;
+    for (const Member& m : members) ids.push_back(id_of(m.body));
+    Pairs out;
+    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
+        if (const auto a = d.value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none) {
+            const int source = find_body(ids, a->source_body), target = find_body(ids, a->target_body);
+            if (source >= 0 && target >= 0) out.insert(std::minmax(at(source), at(target)));
+        }
+    return out;
+}
+
+/// Bodies whose points are another's: a copy that was to go elsewhere, or one file for two. Bones may begin alike.
+Pairs doubles(Doubting& d, const std::vector<Member>& members, const Pairs& tied) {
+    Pairs out;
+    for (std::size_t k = 0; k < members.size(); ++k)
+        for (std::size_t i = 0; i < k; ++i) {
+            const Member &one = members[i], &other = members[k];
+            if (one.body.subtissue || other.body.subtissue || (one.body.is_bone() && other.body.is_bone())) continue;
+            if (tied.contains({i, k}) || *mesh_of(one.body).points != *mesh_of(other.body).points) continue;
+            out.insert({i, k});
+            d.doubt("FE341", other.name, "mesh", "begins exactly where " + one.name + " does: every point is the same",
+                    "move one of the two, or give it the file that it was to have; or, if they belong together, attach "
+                    "them to each other");
+        }
+    return out;
+}
+
 } // namespace
 
 bool may_touch(const Doubting& d, const Member& a, const Member& b) {
@@ -108,13 +140,9 @@ bool may_touch(const Doubting& d, const Member& a, const Member& b) {
 }
 
 void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units) {
+    const Pairs tied = tied_pairs(d, solver, members); // what attachments hold together is left to them
+    Pairs told = doubles(d, members, tied);
     if (d.number<bool>(solver, "collisionDetection") == false) return;
-    std::vector<nodes::BodyId> ids;
-    for (const Member& m : members) ids.push_back(id_of(m.body));
-    std::set<std::pair<int, int>> tied; // what attachments hold together is left to them
-    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
-        if (const auto a = d.value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none)
-            tied.insert(std::minmax(find_body(ids, a->source_body), find_body(ids, a->target_body)));
     // Keyed: at some time points between vertices are tested.
     const bool subdivided = d.number<bool>(solver, "collisionSubdivision").value_or(true);
     const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
@@ -124,7 +152,6 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
     const auto apart = [](const solver::Box& a, const solver::Box& b) {
         return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
     };
-    std::set<std::pair<std::size_t, std::size_t>> told;
     for (std::size_t k = 0; k < members.size(); ++k) {
         const Member& other = members[k];
         std::unique_ptr<solver::SurfaceTree> tree;
@@ -132,7 +159,7 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
         for (std::size_t i = 0; i < members.size(); ++i) {
             const Member& body = members[i];
             if (i == k || (body.body.is_bone() && other.body.is_bone()) || !may_touch(d, body, other)) continue;
-            if (tied.contains(std::minmax(static_cast<int>(i), static_cast<int>(k)))) continue;
+            if (tied.contains(std::minmax(i, k))) continue;
             open_surface(d, solver, body, other, spacing, units);
             if (!solid || body.body.subtissue || told.contains(std::minmax(i, k)) || apart(boxes[i], boxes[k]))
                 continue;

@@ -193,7 +193,7 @@ Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     if (!files.fascia.empty()) soft.push_back(files.fascia);
     if (!files.skin.empty()) soft.push_back(files.skin);
     Rig& rig = out.rig;
-    rig.parts = read_parts(bones, soft, rig.notes);
+    rig.parts = read_parts(bones, soft, rig.notes, "tissue");
     set_space(rig, options);
     for (std::size_t p = 0; p < rig.parts.size(); ++p) {
         if (rig.parts[p].kind == Kind::bone) continue;

@@ -63,15 +63,14 @@ engine::Digest digest_of(const Part& part) {
     return engine::Hasher().add(mesh.points_digest).add(mesh.topology->digest).finish();
 }
 
-const char* word(Kind kind) { return kind == Kind::bone ? "bone" : "muscle"; }
-
 /// What nodes of a part are called after its own name.
 constexpr const char* endings[] = {"",         "Solved", "Below", "Stuff", "Solver",       "Mesh",
                                    "Polygons", "Move",   "Tets",  "Flesh", "TendonA",      "TendonB",
                                    "TipA",     "TipB",   "Ends",  "Fibre", "TendonAPaint", "TendonBPaint"};
 
 /// Two names that are alike: the later one says what it is, or gets a number.
-void make_unique(std::vector<Part>& parts, std::vector<Diagnostic>& notes) {
+void make_unique(std::vector<Part>& parts, std::string soft, std::vector<Diagnostic>& notes) {
+    soft[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(soft[0])));
     // What graphs of this room call other nodes.
     std::set<std::string> taken{"solver", "flesh", "sinew", "fabric", "fascia", "skin"};
     // And attachments and ties between two parts.
@@ -88,7 +87,7 @@ void make_unique(std::vector<Part>& parts, std::vector<Diagnostic>& notes) {
     for (Part& part : parts) {
         const std::string wanted = part.name;
         if (!is_free(wanted)) {
-            part.name = wanted + (part.kind == Kind::bone ? "Bone" : "Muscle");
+            part.name = wanted + (part.kind == Kind::bone ? "Bone" : soft);
             for (int number = 2; !is_free(part.name); ++number) part.name = wanted + std::to_string(number);
             notes.push_back(say(Severity::note, "DG154", part.name,
                                 "the name '" + wanted + "' is in use; '" + part.file + "' is called " + part.name,
@@ -223,7 +222,7 @@ std::vector<std::string> mesh_files(const std::vector<std::string>& paths) {
 }
 
 std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
-                             std::vector<Diagnostic>& notes) {
+                             std::vector<Diagnostic>& notes, const std::string& soft) {
     std::vector<Part> parts;
     std::vector<Diagnostic> wrong;
     std::map<engine::Digest, std::size_t> known; // by what is in them
@@ -253,7 +252,7 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
         const Part& first = parts[same->second];
         const std::string what = "'" + file + "' is the same mesh as '" + first.file + "'";
         if (first.kind != kind)
-            wrong.push_back(say(Severity::error, "DG153", part.name, what + ", which is a " + word(first.kind),
+            wrong.push_back(say(Severity::error, "DG153", part.name, what + ", which is a " + (first.kind == Kind::bone ? "bone" : soft),
                                 "Keep it in one of the two folders."));
         else
             notes.push_back(
@@ -262,7 +261,7 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
     for (const std::string& file : bones) read(file, Kind::bone);
     for (const std::string& file : muscles) read(file, Kind::muscle);
     if (!wrong.empty()) throw engine::Failure(std::move(wrong));
-    make_unique(parts, notes);
+    make_unique(parts, soft, notes);
     return parts;
 }
 

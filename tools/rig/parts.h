@@ -37,8 +37,9 @@ std::vector<std::string> mesh_files(const std::vector<std::string>& paths);
 /// Reads and names them; does not wrap. Throws engine::Failure with all files that cannot be used: IO4xx, FE2xx, DG153
 /// for a bone and a muscle that are the same mesh. What two files of one kind have in common is left out of the second
 /// with a warning (DG153); a name that two files share is made two (note DG154).
+/// \param soft what one of `muscles` is called there: "muscle", "cloth"
 std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
-                             std::vector<engine::Diagnostic>& notes);
+                             std::vector<engine::Diagnostic>& notes, const std::string& soft = "muscle");
 
 /// Puts a closed surface around each part that is not closed, has edges with over two triangles or is turned inside
 /// out. Warns of wide holes (DG163). Throws engine::Failure (FE2xx) if none can be made, solver::Stopped.
