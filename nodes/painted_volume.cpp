@@ -4,8 +4,10 @@
 #include "nodes/adapters.h"
 #include "solver/error.h"
 #include "solver/mesh/harmonic.h"
+#include "solver/meshing/finer_tets.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace sinew::nodes {
 
@@ -51,16 +53,37 @@ solver::Points given_directions(const std::vector<int>& parent, std::size_t coun
     return out;
 }
 
-solver::Points directions(const PaintedIn& t, const std::vector<int>& parent, std::size_t count, const Fiber& fiber) {
-    if (!fiber.directions.empty()) return given_directions(parent, count, fiber.directions);
-    std::vector<char> painted;
-    NumberList ends;
-    for (const double e : fiber.end_points) {
-        painted.push_back(is_source(e) || is_sink(e));
-        ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
+/// Directions between painted ends, on smaller tets than the simulation's: where fibres leave an end that covers much
+/// of a muscle's side, they turn within a tet.
+class FibreField {
+  public:
+    FibreField(const PaintedIn& t, const solver::MeshingControl& control)
+        : tets_(t.tets)
+        , surface_(t.surface)
+        , triangles_(t.triangles)
+        , finer_(solver::finer_tets(t.tets, t.surface, t.triangles, control))
+        , embedding_(solver::embed(finer_.mesh, t.surface)) {}
+
+    /// Their means in the simulation's tets.
+    solver::Points between(const NumberList& end_points) const {
+        std::vector<char> painted;
+        NumberList ends;
+        for (const double e : end_points) {
+            painted.push_back(is_source(e) || is_sink(e));
+            ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
+        }
+        const solver::Points gradients =
+            solver::fibre_gradients(finer_.mesh, {surface_, triangles_, embedding_}, ends, painted);
+        return solver::fibre_directions(tets_, solver::means_over_parts(finer_, gradients, tets_.tets.size()));
     }
-    return solver::fibre_directions(t.tets, {t.surface, t.triangles, t.embedding}, ends, painted);
-}
+
+  private:
+    const solver::TetMesh& tets_;
+    const solver::Points& surface_;
+    const std::vector<solver::Triangle>& triangles_;
+    solver::FinerTets finer_;
+    solver::Embedding embedding_;
+};
 
 /// The tets that a part holds something of, with the part's share as their coverage: fibres run along its own border.
 struct PartTets {
@@ -95,27 +118,33 @@ bool is_source(double end_point) { return end_point <= 0.1; }
 bool is_sink(double end_point) { return end_point >= 0.9; }
 
 Painted painted_in(const PaintedIn& t, const Layers& materials, const Fibers& fibers, const std::vector<int>& parent,
-                   std::size_t count) {
+                   std::size_t count, const solver::MeshingControl& control) {
     const NumberList everywhere;
     std::vector<const NumberList*> maps;
     for (const Material& m : materials) maps.push_back(maps.empty() ? &everywhere : &m.weights);
     for (const Fiber& f : fibers) maps.push_back(&f.weights);
     Painted out;
     out.layers = per_tet(t, maps);
-    for (std::size_t i = 0; i < fibers.size(); ++i)
-        out.fibers.push_back({directions(t, parent, count, fibers[i]), std::move(out.layers[materials.size() + i])});
+    std::optional<FibreField> field; // one for all
+    for (std::size_t i = 0; i < fibers.size(); ++i) {
+        const Fiber& fiber = fibers[i];
+        if (fiber.directions.empty() && !field) field.emplace(t, control);
+        out.fibers.push_back({fiber.directions.empty() ? field->between(fiber.end_points)
+                                                       : given_directions(parent, count, fiber.directions),
+                              std::move(out.layers[materials.size() + i])});
+    }
     out.layers.resize(materials.size());
     return out;
 }
 
 Painted painted_in_part(const solver::TissueRest& t, const Subtissue& part, const std::vector<double>& shares,
-                        const std::vector<int>& parent, std::size_t count) {
+                        const std::vector<int>& parent, std::size_t count, const solver::MeshingControl& control) {
     const PartTets own = tets_of_part(t.tets, shares);
     const solver::Embedding embedding = solver::embed(own.mesh, *part.mesh.points);
     std::vector<int> own_parent;
     for (const int tet : own.tet) own_parent.push_back(parent[static_cast<std::size_t>(tet)]);
     Painted found = painted_in({own.mesh, *part.mesh.points, part.mesh.topology->triangles, embedding},
-                               references(part.materials), references(part.fibers), own_parent, count);
+                               references(part.materials), references(part.fibers), own_parent, count, control);
     const auto everywhere = [&](const auto& of_own, auto blank) {
         std::vector<decltype(blank)> out(t.tets.tets.size(), blank);
         for (std::size_t i = 0; i < own.tet.size(); ++i) out[static_cast<std::size_t>(own.tet[i])] = of_own[i];

@@ -3,6 +3,7 @@
 #pragma once
 #include "nodes/values.h"
 #include "solver/mesh/embedding.h"
+#include "solver/meshing/meshing_control.h"
 
 #include <functional>
 #include <vector>
@@ -30,10 +31,10 @@ struct Painted {
     std::vector<solver::FiberRest> fibers;
 };
 
-/// Maps are extended harmonically into the volume.
+/// Maps are extended harmonically into the volume; fibres follow a harmonic field on smaller tets (finer_tets.h).
 /// \param parent tet of the given `count` that each of the tets is a part of: what directions are given for
 Painted painted_in(const PaintedIn& t, const Layers& materials, const Fibers& fibers, const std::vector<int>& parent,
-                   std::size_t count);
+                   std::size_t count, const solver::MeshingControl& control);
 
 /// Tets with less of a part than this are left out where its maps are extended: slivers would only make the equations
 /// stiff.
@@ -42,7 +43,7 @@ inline constexpr double least_part_share = 1e-3;
 /// The same of a part of a tissue, found within the tets that it holds something of, and zero in all others.
 /// \param shares of each of the tissue's tets; one at least of least_part_share
 Painted painted_in_part(const solver::TissueRest& tissue, const Subtissue& part, const std::vector<double>& shares,
-                        const std::vector<int>& parent, std::size_t count);
+                        const std::vector<int>& parent, std::size_t count, const solver::MeshingControl& control);
 
 /// References to all of them.
 template <class T>

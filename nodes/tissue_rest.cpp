@@ -102,7 +102,8 @@ void set_stiff_directions(solver::TissueRest& t, const std::vector<std::size_t>&
 
 /// Adds the parts to a tissue whose own layers and fibres are there.
 void add_parts(const std::vector<NestedPart>& nested, std::vector<std::vector<double>>::const_iterator next,
-               const solver::FittedTets& fit, std::size_t given_tets, solver::TissueRest& t, FoundParts& found) {
+               const solver::FittedTets& fit, std::size_t given_tets, const solver::MeshingControl& quiet,
+               solver::TissueRest& t, FoundParts& found) {
     const std::vector<double> volumes = solid_volumes(t.tets);
     std::vector<std::vector<double>> inside;
     auto place = next;
@@ -129,7 +130,7 @@ void add_parts(const std::vector<NestedPart>& nested, std::vector<std::vector<do
                 t.fibers.push_back(
                     {solver::Points(own[i].size(), solver::Vec3(0, 0, 0)), std::vector<double>(own[i].size(), 0.0)});
         } else {
-            Painted painted = painted_in_part(t, *nested[i].part, own[i], fit.parent, given_tets);
+            Painted painted = painted_in_part(t, *nested[i].part, own[i], fit.parent, given_tets, quiet);
             rest.layer_weights = std::move(painted.layers);
             for (solver::FiberRest& f : painted.fibers) t.fibers.push_back(std::move(f));
         }
@@ -211,7 +212,7 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     t->law = parts.law;
     if (parts.tets) t->element = parts.tets->element;
     Painted painted = painted_in({t->tets, t->surface, t->triangles, t->embedding}, parts.materials, parts.fibers,
-                                 fit.parent, given_tets);
+                                 fit.parent, given_tets, quiet);
     t->layer_weights = std::move(painted.layers), t->fibers = std::move(painted.fibers);
     const std::vector<std::vector<double>> shares = border_shares(places, fit, *t, quiet);
     auto next = shares.begin();
@@ -219,7 +220,7 @@ MadeTissue make_tissue_rest(const TissueParts& parts, const solver::MeshingContr
     made.empty_places = bound_layers(parts.materials, next, t->layer_weights);
     std::vector<std::size_t> first_fibers{0, t->fibers.size()};
     if (!nested.empty()) {
-        add_parts(nested, next, fit, given_tets, *t, made.parts);
+        add_parts(nested, next, fit, given_tets, quiet, *t, made.parts);
         for (const NestedPart& n : nested) first_fibers.push_back(first_fibers.back() + n.part->fibers.size());
         weigh_fibers(*t, first_fibers);
     }

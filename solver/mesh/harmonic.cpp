@@ -5,6 +5,7 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/linear/scalar_cholesky.h"
+#include "solver/mesh/paint_pieces.h"
 
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
@@ -63,17 +64,22 @@ std::vector<int> connected_parts(const TetMesh& mesh) {
 /// factorised once; a few cheap corrections of the multipliers then meet v to rounding where it can be met,
 /// and in the least-squares sense where not. Each step solves for a correction only, which also removes the
 /// rounding error of the large W.
+///
+/// v are the painted points, or means over patches of them. A boundary that runs through tets is held too much by
+/// points: all the slopes along it are then one, for those of neighbouring tets meet at vertices beyond it. Maps that
+/// are painted all over tell every slope; a field that is to find its own must be let.
 class HarmonicSolver {
   public:
+    /// \param patches the patch of each painted point, from 0 on; empty: each point is held
     HarmonicSolver(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
-                   const std::vector<char>& painted)
+                   const std::vector<char>& painted, const std::vector<int>& patches = {})
         : mesh_(mesh)
         , surface_(surface) {
         for (std::size_t p = 0; p < painted.size(); ++p)
             if (painted[p]) points_.push_back(p);
         if (points_.empty()) throw Error("FE212", "no point is painted, so there is nothing to extend into the volume");
         number_vertices();
-        assemble(areas);
+        assemble(areas, patches);
     }
 
     std::vector<double> extend(const std::vector<double>& values, HarmonicRange range) const {
@@ -84,7 +90,7 @@ class HarmonicSolver {
                 throw Error("FE202", "the painted value of point " + std::to_string(points_[i]) + " is not finite");
         }
         const double low = v.minCoeff(), high = v.maxCoeff();
-        Vector target = v;
+        Vector target = means_.size() ? Vector(means_ * v) : v;
         Vector f = solve(target);
         if (range == HarmonicRange::painted) {
             const double slack = 1e-12 * (high - low);
@@ -126,7 +132,7 @@ class HarmonicSolver {
         for (std::size_t v = 0; v < part.size(); ++v) nearest_[v] = of_part[at(part[v])];
     }
 
-    void assemble(const std::vector<double>& areas) {
+    void assemble(const std::vector<double>& areas, const std::vector<int>& patches) {
         Entries stiffness, rows;
         for (std::size_t t = 0; t < mesh_.tets.size(); ++t) {
             const Tet& tet = mesh_.tets[t];
@@ -145,18 +151,21 @@ class HarmonicSolver {
 
         const Eigen::Index point_count = static_cast<Eigen::Index>(points_.size());
         W_.resize(point_count);
-        double mean = 0;
         for (Eigen::Index i = 0; i < point_count; ++i) {
             const std::size_t p = points_[at(i)];
             for (std::size_t k = 0; k < 4; ++k)
                 rows.emplace_back(static_cast<int>(i), number_[at(mesh_.tets[at(surface_.tet[p])][k])],
                                   surface_.barycentric[p][k]);
             W_[i] = std::isfinite(areas[p]) ? std::max(areas[p], 0.0) : 0.0;
-            mean += W_[i] / static_cast<double>(point_count);
         }
         B_.resize(point_count, count_);
         B_.setFromTriplets(rows.begin(), rows.end());
+        if (!patches.empty()) {
+            take_means(patches);
+            B_ = Sparse(means_ * B_);
+        }
         // A point without area is still painted: it keeps a small weight.
+        const double mean = W_.mean();
         if (!(mean > 0))
             W_.setOnes();
         else
@@ -166,6 +175,24 @@ class HarmonicSolver {
         W_ *= 1e5 * scale / std::max(Vector(squares.diagonal()).maxCoeff(), 1e-300);
         A_ = K_ + Sparse(B_.transpose() * (W_.asDiagonal() * B_));
         factorize(scale);
+    }
+
+    /// The points' means over patches, by their areas, which become those of the means.
+    void take_means(const std::vector<int>& patches) {
+        const auto rows = static_cast<std::size_t>(*std::max_element(patches.begin(), patches.end())) + 1;
+        std::vector<double> areas(rows, 0.0);
+        std::vector<int> counts(rows, 0);
+        for (std::size_t i = 0; i < patches.size(); ++i)
+            areas[at(patches[i])] += W_[static_cast<Eigen::Index>(i)], ++counts[at(patches[i])];
+        Entries entries;
+        for (std::size_t i = 0; i < patches.size(); ++i) {
+            const double area = areas[at(patches[i])]; // of points without any each counts alike
+            entries.emplace_back(patches[i], static_cast<int>(i),
+                                 area > 0 ? W_[static_cast<Eigen::Index>(i)] / area : 1.0 / counts[at(patches[i])]);
+        }
+        means_.resize(static_cast<Eigen::Index>(rows), static_cast<Eigen::Index>(patches.size()));
+        means_.setFromTriplets(entries.begin(), entries.end());
+        W_ = Eigen::Map<const Vector>(areas.data(), static_cast<Eigen::Index>(rows));
     }
 
     /// A small multiple of the identity keeps pivots above zero. It stands only in the matrix that corrects, so it
@@ -233,6 +260,7 @@ class HarmonicSolver {
     std::vector<std::size_t> nearest_; ///< painted point of each vertex without unknown
     int count_ = 0;
     Sparse K_, B_, A_;
+    Sparse means_; ///< of points; empty: each is held
     Vector W_;
     std::unique_ptr<ScalarCholesky> factor_;
 };
@@ -291,11 +319,12 @@ std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& pe
     return means;
 }
 
-Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex) {
+namespace {
+
+Points gradients_of(const TetMesh& mesh, const std::vector<double>& per_vertex) {
     check_per_vertex(mesh, per_vertex);
     Points gradients;
     gradients.reserve(mesh.tets.size());
-    double largest = 0;
     for (std::size_t tet = 0; tet < mesh.tets.size(); ++tet) {
         const Tet& t = mesh.tets[tet];
         // Differences first: a constant field must give exactly zero.
@@ -303,19 +332,37 @@ Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex
         Vec3 sum = Vec3::Zero();
         for (int k = 1; k < 4; ++k) sum += (per_vertex[at(t[at(k)])] - per_vertex[at(t[0])]) * g.col(k);
         gradients.push_back(sum);
-        largest = std::max(largest, sum.norm());
-    }
-    for (Vec3& g : gradients) {
-        const double length = g.norm();
-        g = length > 1e-9 * largest ? Vec3(g / length) : Vec3::Zero();
     }
     return gradients;
 }
 
-namespace {
+void make_unit(Points& gradients) {
+    double largest = 0;
+    for (const Vec3& g : gradients) largest = std::max(largest, g.norm());
+    for (Vec3& g : gradients) {
+        const double length = g.norm();
+        g = length > 1e-9 * largest ? Vec3(g / length) : Vec3::Zero();
+    }
+}
 
-Points directions_along(const TetMesh& mesh, const std::vector<double>& field) {
-    Points directions = unit_gradients(mesh, field);
+} // namespace
+
+Points unit_gradients(const TetMesh& mesh, const std::vector<double>& per_vertex) {
+    Points gradients = gradients_of(mesh, per_vertex);
+    make_unit(gradients);
+    return gradients;
+}
+
+Points fibre_gradients(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
+                       const std::vector<char>& painted) {
+    const PaintPieces pieces = cut_paint(mesh, surface, values, painted);
+    const HarmonicSolver solver(mesh, pieces.embedding, pieces.areas, std::vector<char>(pieces.size(), 1),
+                                pieces.patches(mesh));
+    return gradients_of(mesh, solver.extend(pieces.values, HarmonicRange::free));
+}
+
+Points fibre_directions(const TetMesh& mesh, Points directions) {
+    make_unit(directions);
     // Round after round, directions spread over shared vertices into the tets that have none.
     std::vector<std::size_t> empty;
     for (std::size_t t = 0; t < directions.size(); ++t)
@@ -338,18 +385,6 @@ Points directions_along(const TetMesh& mesh, const std::vector<double>& field) {
         empty = std::move(still_empty);
     }
     return directions;
-}
-
-} // namespace
-
-Points fibre_directions(const TetMesh& mesh, const Embedding& surface, const std::vector<double>& areas,
-                        const std::vector<double>& values, const std::vector<char>& painted) {
-    return directions_along(mesh, harmonic_extension(mesh, surface, areas, values, painted, HarmonicRange::free));
-}
-
-Points fibre_directions(const TetMesh& mesh, const PaintedSurface& surface, const std::vector<double>& values,
-                        const std::vector<char>& painted) {
-    return directions_along(mesh, harmonic_extensions(mesh, surface, {values}, painted, HarmonicRange::free)[0]);
 }
 
 } // namespace sinew::solver
