@@ -252,7 +252,8 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
         const Part& first = parts[same->second];
         const std::string what = "'" + file + "' is the same mesh as '" + first.file + "'";
         if (first.kind != kind)
-            wrong.push_back(say(Severity::error, "DG153", part.name, what + ", which is a " + (first.kind == Kind::bone ? "bone" : soft),
+            wrong.push_back(say(Severity::error, "DG153", part.name,
+                                what + ", which is a " + (first.kind == Kind::bone ? "bone" : soft),
                                 "Keep it in one of the two folders."));
         else
             notes.push_back(
