@@ -330,7 +330,8 @@ TEST_CASE("refinement that cannot be used is refused with its code", "[refinemen
     REQUIRE(code_of(options) == "none");
     options.max_resolution = 95;
     REQUIRE(code_of(options, &message) == "FE210");
-    REQUIRE(message.find("96 cubes along the longest side, refined 3 times; the limit is 95") != std::string::npos);
+    REQUIRE(message.find("96 cubes along the longest side of 3, with a tet size of 0.25, refined 3 times; the limit is "
+                         "95") != std::string::npos);
     options.max_resolution = 1 << 30;
     options.refinement = {60};
     REQUIRE(code_of(options) == "FE210");
