@@ -49,7 +49,7 @@ inline void check_map(const engine::Reads& in, std::string_view attribute, const
                 " numbers for a mesh of " + std::to_string(count) + (what == "vertex" ? " vertices" : " faces"),
             "Give one number per " + std::string(what) + ", one number for all, or none for 1 everywhere; " +
                 (maker.empty() ? "the map may have been made for another mesh."
-                               : maker + " may paint another mesh: let both read the same."));
+                               : maker + " may be made for another mesh: let what paints it read this one."));
 }
 
 /// A map of a polygon mesh's faces with one number per triangle.

@@ -11,7 +11,7 @@ namespace sinew::solver {
 /// vector and false where it takes it nowhere.
 bool section_middle(const TetMesh& mesh, const std::vector<double>& field, double value, Vec3& middle);
 /// `count` points, two or more: the middle of the painted source, of sections at evenly rising values of the harmonic
-/// field between the painted ends, along whose gradient fibres run, and of the painted sink. Sections that are nowhere
+/// field between the painted ends, with values within theirs, and of the painted sink. Sections that are nowhere
 /// are left out. Any unit of length.
 /// \param ends per vertex of the surface: 0 source, 1 sink; where `painted`, else free
 /// Throws Error as harmonic_extensions does.

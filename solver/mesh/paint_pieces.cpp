@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
+#include <map>
 #include <set>
 
 namespace sinew::solver {
@@ -23,10 +25,12 @@ struct Corner {
     Barycentric4 in_tet;
 };
 
-/// In barycentric coordinates: far above rounding, so that neighbours leave no gap. What both take is as thin.
+/// In barycentric coordinates, so that neighbours leave no gap to speak of. What both take is as thin.
 constexpr double slack = 1e-13;
 /// A piece that is nowhere farther than this from a side lies in it.
 constexpr double on_side = 1e-9;
+/// Pieces with less of their triangle are what rounding leaves: they would be patches of their own.
+constexpr double least_piece = 1e-9;
 /// Share of a triangle that may be missing.
 constexpr double missing = 1e-6;
 
@@ -98,7 +102,7 @@ class TriangleCutter {
         for (const int tet : boxes_.near(low, high)) {
             const std::vector<Corner> polygon = part_in(tet, triangle);
             if (polygon.size() < 3 || lies_in_a_taken_side(tet, polygon, taken)) continue;
-            if (const Piece piece = made(tet, polygon); piece.share > 0) out.push_back(piece);
+            if (const Piece piece = made(tet, polygon); piece.share > least_piece) out.push_back(piece);
         }
         return out;
     }
@@ -172,17 +176,24 @@ void add_samples(PaintPieces& out, const TetMesh& mesh, const PaintedSurface& su
             add(out, samples.embedding.tet[i], samples.embedding.barycentric[i], samples.areas[i], painted[i]);
 }
 
+/// Of corners that are as near but for rounding, the one with the lowest number.
+int nearest_vertex(const Tet& tet, const std::array<double, 4>& barycentric) {
+    constexpr double as_near = 1e-7;
+    const double most = *std::max_element(barycentric.begin(), barycentric.end());
+    int nearest = std::numeric_limits<int>::max();
+    for (std::size_t k = 0; k < 4; ++k)
+        if (barycentric[k] >= most - as_near) nearest = std::min(nearest, tet[k]);
+    return nearest;
+}
+
 } // namespace
 
 std::vector<int> PaintPieces::patches(const TetMesh& mesh) const {
-    std::vector<int> of_vertex(mesh.vertices.size(), -1), out;
-    int count = 0;
+    std::map<std::pair<int, double>, int> numbers; // by vertex and value: the ends of thin bodies share vertices
+    std::vector<int> out;
     for (std::size_t i = 0; i < size(); ++i) {
-        const auto& b = embedding.barycentric[i];
-        const auto nearest = static_cast<std::size_t>(std::max_element(b.begin(), b.end()) - b.begin());
-        int& patch = of_vertex[at(mesh.tets[at(embedding.tet[i])][nearest])];
-        if (patch < 0) patch = count++;
-        out.push_back(patch);
+        const std::pair key(nearest_vertex(mesh.tets[at(embedding.tet[i])], embedding.barycentric[i]), values[i]);
+        out.push_back(numbers.emplace(key, static_cast<int>(numbers.size())).first->second);
     }
     return out;
 }

@@ -16,7 +16,7 @@ struct PaintPieces {
     std::vector<double> values; ///< what is painted
     std::size_t size() const { return areas.size(); }
 
-    /// The patch of each piece, from 0 on: all that are nearest to the same vertex of their tets.
+    /// The patch of each piece, from 0 on: all of one value that are nearest to the same vertex of their tets.
     std::vector<int> patches(const TetMesh& mesh) const;
 };
 

@@ -17,8 +17,8 @@ namespace sinew::solver {
 
 namespace {
 
-/// Fewer tets than this are cut again; more than the other would take seconds.
-constexpr std::size_t few_tets = 3000, most_tets = 100'000;
+/// Where there are no more parts than this they are cut again; more than the other would take seconds.
+constexpr std::size_t few_tets = 4000, most_tets = 100'000;
 /// Parts with less inside would only make equations stiff.
 constexpr double least_share = 1e-3;
 
@@ -78,18 +78,23 @@ TetMesh cut_in_eight(const TetMesh& tets) {
     return out;
 }
 
-/// What of each part is solid: of a tet that is cut the part's own share, where the eight agree with the tet.
-std::vector<double> parts_coverage(const TetMesh& parts, const std::vector<double>& coverage, const Solid* solid,
-                                   const MeshingControl& control) {
+/// What of each part is solid: of a tet that is cut the part's own share. Nothing where the eight do not agree with
+/// what their tets know of themselves: parts of one coverage on both sides of a wall would be worse than the tet as it
+/// is.
+std::optional<std::vector<double>> parts_coverage(const TetMesh& parts, const std::vector<double>& coverage,
+                                                  const std::vector<double>& known, const Solid* solid,
+                                                  const MeshingControl& control) {
     std::vector<double> out(parts.tets.size());
     std::vector<std::size_t> cut;
     for (std::size_t t = 0; t < coverage.size(); ++t) {
         std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(8 * t), 8, coverage[t]);
         if (coverage[t] < 1) cut.push_back(t);
     }
-    if (!solid || cut.empty()) return out;
+    if (cut.empty()) return out;
+    if (!solid) return {};
     constexpr double alike = 1e-6;
     const TriangleFinder finder(*solid);
+    std::vector<char> disagrees(cut.size(), 0);
     MeshingPhase{control, 0, 1, "cutting tets"}.run(cut.size(), 8, [&](std::size_t i) {
         std::array<double, 8> shares;
         for (std::size_t k = 0; k < 8; ++k) {
@@ -97,23 +102,33 @@ std::vector<double> parts_coverage(const TetMesh& parts, const std::vector<doubl
             shares[k] = std::clamp(closed_share(*solid, corners, finder.touching(corners)), 0.0, 1.0);
         }
         const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / 8;
-        if (std::abs(mean - coverage[cut[i]]) > alike) return;
+        disagrees[i] = std::abs(mean - known[cut[i]]) > alike;
         std::copy(shares.begin(), shares.end(), out.begin() + static_cast<std::ptrdiff_t>(8 * cut[i]));
     });
+    // Where parts of a surface cross, shares are not exact: a few tets may keep what they know.
+    constexpr double few = 0.01;
+    const auto count = static_cast<double>(std::count(disagrees.begin(), disagrees.end(), 1));
+    if (count > few * static_cast<double>(cut.size())) return {};
+    for (std::size_t i = 0; i < cut.size(); ++i)
+        if (disagrees[i]) std::fill_n(out.begin() + static_cast<std::ptrdiff_t>(8 * cut[i]), 8, coverage[cut[i]]);
     return out;
 }
 
-FinerTets halved(const FinerTets& from, const Solid* solid, const MeshingControl& control) {
+/// Empty if it cannot be told what of the parts is solid. `known`: of the tets, without what their coverage is raised
+/// by.
+std::optional<FinerTets> halved(const FinerTets& from, const std::vector<double>& known, const Solid* solid,
+                                const MeshingControl& control) {
     TetMesh parts = cut_in_eight(from.mesh);
-    const std::vector<double> coverage = parts_coverage(parts, from.mesh.coverage, solid, control);
+    const auto coverage = parts_coverage(parts, from.mesh.coverage, known, solid, control);
+    if (!coverage) return {};
     FinerTets out;
     for (std::size_t t = 0; t < from.parent.size(); ++t) {
-        const auto first = coverage.begin() + static_cast<std::ptrdiff_t>(8 * t);
-        const auto most = static_cast<std::size_t>(std::max_element(first, first + 8) - coverage.begin());
+        const auto first = coverage->begin() + static_cast<std::ptrdiff_t>(8 * t);
+        const auto most = static_cast<std::size_t>(std::max_element(first, first + 8) - coverage->begin());
         for (std::size_t k = 8 * t; k < 8 * t + 8; ++k) {
-            if (coverage[k] < least_share && k != most) continue;
+            if ((*coverage)[k] < least_share && k != most) continue;
             out.mesh.tets.push_back(parts.tets[k]);
-            out.mesh.coverage.push_back(std::max(coverage[k], 1e-9));
+            out.mesh.coverage.push_back(std::max((*coverage)[k], 1e-9));
             out.parent.push_back(from.parent[t]);
         }
     }
@@ -132,14 +147,20 @@ FinerTets finer_tets(const TetMesh& tets, const Points& surface, const std::vect
     out.mesh.coverage = tets.coverage.empty() ? std::vector<double>(tets.tets.size(), 1.0) : tets.coverage;
     out.parent.resize(tets.tets.size());
     std::iota(out.parent.begin(), out.parent.end(), 0);
+    if (8 * out.parent.size() > most_tets) return out;
     const MeshingControl quiet{control.stop, {}};
     const bool any_cut =
         std::any_of(out.mesh.coverage.begin(), out.mesh.coverage.end(), [](double c) { return c < 1; });
     const std::optional<Solid> solid = any_cut ? tissue_solid(surface, triangles, quiet) : std::optional<Solid>();
+    std::vector<double> known = out.mesh.coverage;
+    for (std::size_t k = 0; k < tets.cut.tets.size(); ++k) known[at(tets.cut.tets[k])] = known_share(tets.cut, k);
     for (int times = 0; times < 2; ++times) {
         const std::size_t count = out.parent.size();
         if (8 * count > most_tets || (times > 0 && count > few_tets)) break;
-        out = halved(out, solid ? &*solid : nullptr, control);
+        auto next = halved(out, known, solid ? &*solid : nullptr, control);
+        if (!next) break;
+        out = std::move(*next);
+        known = out.mesh.coverage;
     }
     return out;
 }

@@ -14,10 +14,10 @@ struct FinerTets {
     std::vector<int> parent; ///< which of the given tets each is a part of; every one of those has a part
 };
 
-/// Each tet cut into eight of an eighth of its volume: once, twice where they are few, not at all where they are many.
-/// Of a tet that the surface cuts, the parts know what of them is inside (tet_share.h), if what is inside of all eight
-/// is what the tet knows of itself; else all have the tet's own coverage, as with surfaces that are open, or that other
-/// tets were made for. Parts with next to nothing inside are left out. The same for any number of threads.
+/// Each tet cut into eight of an eighth of its volume, and again where that leaves no more than 4,000; not at all where
+/// it would make more than 100,000. Of a tet that the surface cuts, the parts know what of them is inside
+/// (tet_share.h). Where that is not what the tets know of themselves, as with surfaces that are open or that other tets
+/// were made for, nothing is cut. Parts with next to nothing inside are left out. The same for any number of threads.
 /// Throws Error as check_and_orient does; Stopped.
 FinerTets finer_tets(const TetMesh& tets, const Points& surface, const std::vector<Triangle>& triangles,
                      const MeshingControl& control = {});

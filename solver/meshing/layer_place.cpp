@@ -12,17 +12,12 @@
 
 namespace sinew::solver {
 
-namespace {
-
-/// Share of the tet that its own surface encloses, as it was found when the tet was made.
 double known_share(const CutTets& cut, std::size_t place) {
     TetMoments inside;
     inside.degree = cut.degree;
     std::copy_n(cut.of(place), moment_count(cut.degree), inside.value.begin());
     return inside.volume();
 }
-
-} // namespace
 
 Solid make_layer_place(const Points& points, const std::vector<Triangle>& triangles, const MeshingControl& control) {
     SurfaceMesh view;

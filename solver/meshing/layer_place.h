@@ -34,6 +34,10 @@ std::vector<double> layer_shares(const TetMesh& tets, const Solid& place, const 
                                  const std::vector<Triangle>& triangles, const MeshingControl& control = {},
                                  const Solid* tissue = nullptr);
 
+/// Share of a tet that its own surface encloses, as it was found when the tet was made.
+/// \param place in `cut.tets`
+double known_share(const CutTets& cut, std::size_t place);
+
 /// 1 for each point inside `place` or on it, within 1e-6 of its longest side; else 0.
 std::vector<double> points_in_layer(const Points& points, const Solid& place);
 

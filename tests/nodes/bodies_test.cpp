@@ -115,7 +115,7 @@ TEST_CASE("paint of another mesh is refused by the node that made it", "[nodes]"
     CHECK(codes([&] { s.pull("t", "outBody"); }, &text) == Codes{"FE204"});
     CHECK(text.find("weights of top, made by stray: " + std::to_string(painted) + " numbers for a mesh of ") !=
           std::string::npos);
-    CHECK(text.find("stray may paint another mesh: let both read the same.") != std::string::npos);
+    CHECK(text.find("stray may be made for another mesh: let what paints it read this one.") != std::string::npos);
     Session held(attached(both + R"(, "weights": {"from": "stray.outWeights"})") + more);
     CHECK(codes([&] { held.pull("a", "outAttachment"); }, &text) == Codes{"FE204"});
     CHECK(text.find("weights for t, made by stray: ") != std::string::npos);

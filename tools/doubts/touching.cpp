@@ -116,6 +116,7 @@ Pairs doubles(Doubting& d, const std::vector<Member>& members, const Pairs& tied
         for (std::size_t i = 0; i < k; ++i) {
             const Member &one = members[i], &other = members[k];
             if (one.body.subtissue || other.body.subtissue || (one.body.is_bone() && other.body.is_bone())) continue;
+            if (one.body.is_cloth() != other.body.is_cloth()) continue; // a skin on what it covers
             if (tied.contains({i, k}) || *mesh_of(one.body).points != *mesh_of(other.body).points) continue;
             out.insert({i, k});
             d.doubt("FE341", other.name, "mesh", "begins exactly where " + one.name + " does: every point is the same",

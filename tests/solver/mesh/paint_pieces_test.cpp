@@ -75,6 +75,32 @@ TEST_CASE("pieces of a surface have its area, and their centroids its first mome
         }
 }
 
+TEST_CASE("pieces are cut, not sampled", "[mesh][pieces]") {
+    // Of y^2 over the cube's sides centroids see all but what is within a piece, corners more than there is.
+    const InTets in(make_cube(2, 2, 2, 1, 1, 1), 0.37);
+    const PaintPieces pieces = in.cut(std::vector<double>(8, 1.0), std::vector<char>(8, 1));
+    double sum = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+        sum += pieces.areas[i] * in.place(pieces, i).y() * in.place(pieces, i).y();
+    const double exact = 8 + 16.0 / 3;
+    CHECK(sum < exact);
+    CHECK(sum > exact - 24 * 0.37 * 0.37 / 12); // a piece is smaller than a cube's side
+}
+
+TEST_CASE("a triangle in the side between two tets counts once", "[mesh][pieces]") {
+    TetMesh tets;
+    tets.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, -1}};
+    tets.tets = {{0, 1, 2, 3}, {0, 2, 1, 4}};
+    check_and_orient(tets);
+    const Points points{{0.1, 0.1, 0}, {0.6, 0.1, 0}, {0.1, 0.6, 0}};
+    const std::vector<Triangle> triangles{{0, 1, 2}};
+    const Embedding embedding = embed(tets, points);
+    const PaintPieces pieces =
+        cut_paint(tets, {points, triangles, embedding}, std::vector<double>(3, 1.0), std::vector<char>(3, 1));
+    REQUIRE(pieces.size() == 1);
+    CHECK(pieces.areas[0] == Approx(0.125));
+}
+
 TEST_CASE("what is painted alike is cut, what lies between is not, and a vertex alone is kept", "[mesh][pieces]") {
     const InTets in(make_cube(2, 2, 2, 4, 4, 4), 0.6);
     std::vector<double> values;
@@ -97,20 +123,28 @@ TEST_CASE("what is painted alike is cut, what lies between is not, and a vertex 
     const auto last = pieces.size() - 1;
     CHECK(pieces.values[last] == 7);
     CHECK(pieces.embedding.tet[last] == in.embedding.tet[at(alone)]);
-    // Patches: numbered without gaps, each of one vertex of the tets.
+    // Patches: numbered without gaps, each of one vertex of the tets and one value.
     const std::vector<int> patches = pieces.patches(in.tets);
     const int count = *std::max_element(patches.begin(), patches.end()) + 1;
-    std::vector<int> vertex(at(count), -1);
+    std::vector<std::pair<int, double>> of_patch(at(count), {-1, 0});
     for (std::size_t i = 0; i < pieces.size(); ++i) {
         const auto& b = pieces.embedding.barycentric[i];
-        const int v = in.tets.tets[at(pieces.embedding.tet[i])]
-                                  [static_cast<std::size_t>(std::max_element(b.begin(), b.end()) - b.begin())];
-        if (vertex[at(patches[i])] < 0) vertex[at(patches[i])] = v;
-        CHECK(vertex[at(patches[i])] == v);
+        const double most = *std::max_element(b.begin(), b.end());
+        const Tet& t = in.tets.tets[at(pieces.embedding.tet[i])];
+        auto& [vertex, value] = of_patch[at(patches[i])];
+        if (vertex < 0) {
+            value = pieces.values[i];
+            for (std::size_t k = 0; k < 4; ++k)
+                if (b[k] > most - 1e-9 && (vertex < 0 || t[k] < vertex)) vertex = t[k];
+        }
+        CHECK(value == pieces.values[i]);
+        const auto k = static_cast<std::size_t>(std::find(t.begin(), t.end(), vertex) - t.begin());
+        REQUIRE(k < 4);
+        CHECK(b[k] == Approx(most).margin(1e-6));
     }
-    std::sort(vertex.begin(), vertex.end());
-    CHECK(vertex.front() >= 0);
-    CHECK(std::adjacent_find(vertex.begin(), vertex.end()) == vertex.end());
+    std::sort(of_patch.begin(), of_patch.end());
+    CHECK(of_patch.front().first >= 0);
+    CHECK(std::adjacent_find(of_patch.begin(), of_patch.end()) == of_patch.end());
 }
 
 TEST_CASE("paint that leaves the tets is taken at samples, and nothing else is", "[mesh][pieces]") {
