@@ -38,6 +38,33 @@ std::vector<double> of_parents(const FinerTets& finer, std::size_t count) {
     return out;
 }
 
+/// A surface with painted ends of fibres.
+struct Muscle {
+    SurfaceMesh skin;
+    std::vector<double> ends;
+    std::vector<char> painted;
+
+    Points gradients(const TetMesh& tets) const {
+        return fibre_gradients(tets, {skin.points, skin.triangles, embed(tets, skin.points)}, ends, painted);
+    }
+    /// By smaller tets.
+    Points fibres(const TetMesh& tets) const {
+        const FinerTets finer = finer_tets(tets, skin.points, skin.triangles);
+        return fibre_directions(tets, means_over_parts(finer, gradients(finer.mesh), tets.tets.size()));
+    }
+};
+
+/// What side_fibres.h has the fibres of.
+Muscle side_strip() {
+    Muscle out{make_cube(4, 1, 1, 32, 8, 8), {}, {}};
+    for (const Vec3& p : out.skin.points) {
+        const bool source = p.y() < -0.5 + 1e-9, sink = !source && p.x() > 2 - 1e-9;
+        out.painted.push_back(source || sink);
+        out.ends.push_back(sink ? 1 : 0);
+    }
+    return out;
+}
+
 } // namespace
 
 TEST_CASE("parts of tets have their volume, and of what is cut the solid's", "[mesh][finer]") {
@@ -112,23 +139,11 @@ TEST_CASE("where the surface is not what cut the tets they stay as they are", "[
 
 TEST_CASE("fibres that begin on a whole side run as the exact field does, in tets as thick as the strip",
           "[mesh][finer]") {
-    const SurfaceMesh strip = make_cube(4, 1, 1, 32, 8, 8);
-    std::vector<double> ends;
-    std::vector<char> painted;
-    for (const Vec3& p : strip.points) {
-        const bool source = p.y() < -0.5 + 1e-9, sink = !source && p.x() > 2 - 1e-9;
-        painted.push_back(source || sink);
-        ends.push_back(sink ? 1 : 0);
-    }
-    const auto on = [&](const TetMesh& tets) {
-        return fibre_gradients(tets, {strip.points, strip.triangles, embed(tets, strip.points)}, ends, painted);
-    };
+    const Muscle strip = side_strip();
     for (const double size : {1.0, 0.7, 0.6, 0.3}) {
-        const TetMesh tets = lattice_of(strip, size);
-        const FinerTets finer = finer_tets(tets, strip.points, strip.triangles);
-        const Points means = means_over_parts(finer, on(finer.mesh), tets.tets.size());
-        const double own = side_fibre_error(tets, fibre_directions(tets, on(tets))),
-                     better = side_fibre_error(tets, fibre_directions(tets, means));
+        const TetMesh tets = lattice_of(strip.skin, size);
+        const double own = side_fibre_error(tets, fibre_directions(tets, strip.gradients(tets))),
+                     better = side_fibre_error(tets, strip.fibres(tets));
         CAPTURE(size, own, better);
         CHECK(better < 5);
         CHECK(better < 0.4 * own);
@@ -139,15 +154,10 @@ TEST_CASE("fibres through a plate thinner than its tets run straight", "[mesh][f
     // From the whole of the lower side to the whole of the upper one, which are nearest to the same vertices.
     for (const auto& [side, height, size, most] :
          {std::array{6.0, 0.2, 1.0, 1.0}, std::array{6.0, 0.3, 1.0, 1.0}, std::array{4.0, 0.1, 2.0, 6.0}}) {
-        const SurfaceMesh plate = make_cube(side, height, side, 12, 1, 12);
-        std::vector<double> ends;
-        for (const Vec3& p : plate.points) ends.push_back(p.y() > 0 ? 1 : 0);
-        const std::vector<char> painted(ends.size(), 1);
-        const TetMesh tets = lattice_of(plate, size);
-        const FinerTets finer = finer_tets(tets, plate.points, plate.triangles);
-        const Embedding embedding = embed(finer.mesh, plate.points);
-        const Points gradients = fibre_gradients(finer.mesh, {plate.points, plate.triangles, embedding}, ends, painted);
-        const Points fibres = fibre_directions(tets, means_over_parts(finer, gradients, tets.tets.size()));
+        Muscle plate{make_cube(side, height, side, 12, 1, 12), {}, {}};
+        for (const Vec3& p : plate.skin.points) plate.ends.push_back(p.y() > 0 ? 1 : 0), plate.painted.push_back(1);
+        const TetMesh tets = lattice_of(plate.skin, size);
+        const Points fibres = plate.fibres(tets);
         double sum = 0, total = 0;
         for (std::size_t t = 0; t < fibres.size(); ++t) {
             const double angle = std::acos(std::clamp(fibres[t].y(), -1.0, 1.0)) * 180 / std::numbers::pi;
@@ -159,25 +169,15 @@ TEST_CASE("fibres through a plate thinner than its tets run straight", "[mesh][f
 }
 
 TEST_CASE("fibres do not hang on where a muscle lies", "[mesh][finer]") {
-    const SurfaceMesh strip = make_cube(4, 1, 1, 32, 8, 8);
-    std::vector<double> ends;
-    std::vector<char> painted;
-    for (const Vec3& p : strip.points) {
-        const bool source = p.y() < -0.5 + 1e-9, sink = !source && p.x() > 2 - 1e-9;
-        painted.push_back(source || sink);
-        ends.push_back(sink ? 1 : 0);
-    }
-    const TetMesh tets = lattice_of(strip, 0.3);
+    const Muscle strip = side_strip();
+    const TetMesh tets = lattice_of(strip.skin, 0.3);
     Points first;
     for (const Vec3& by : {Vec3(0, 0, 0), Vec3(1.1, 2.3, -3.7), Vec3(-170.3, 90.1, 12.7)}) {
-        SurfaceMesh there = strip;
+        Muscle there = strip;
         TetMesh moved = tets;
-        for (Vec3& p : there.points) p += by;
+        for (Vec3& p : there.skin.points) p += by;
         for (Vec3& p : moved.vertices) p += by;
-        const FinerTets finer = finer_tets(moved, there.points, there.triangles);
-        const Embedding embedding = embed(finer.mesh, there.points);
-        const Points gradients = fibre_gradients(finer.mesh, {there.points, there.triangles, embedding}, ends, painted);
-        const Points fibres = fibre_directions(moved, means_over_parts(finer, gradients, moved.tets.size()));
+        const Points fibres = there.fibres(moved);
         if (first.empty()) first = fibres;
         double farthest = 0;
         for (std::size_t t = 0; t < fibres.size(); ++t) farthest = std::max(farthest, (fibres[t] - first[t]).norm());
