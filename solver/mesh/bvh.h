@@ -3,6 +3,7 @@
 #pragma once
 #include "solver/types.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace sinew::solver {
@@ -38,6 +39,23 @@ void refit(const Bvh& tree, std::vector<BvhNode>& nodes, const Fit& fit) {
         node.min = Vec3::Constant(1e300), node.max = Vec3::Constant(-1e300);
         for (int i = node.first; i < node.first + node.count; ++i) fit(tree.order[static_cast<std::size_t>(i)], node);
     }
+}
+
+/// Items whose leaves' boxes meet a box, in increasing order: all that meet it themselves, and some beside it.
+inline std::vector<int> items_near(const Bvh& tree, const Vec3& low, const Vec3& high) {
+    std::vector<int> out, open;
+    if (!tree.nodes.empty()) open.push_back(0);
+    while (!open.empty()) {
+        const int number = open.back();
+        open.pop_back();
+        const BvhNode& node = tree.nodes[static_cast<std::size_t>(number)];
+        if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) continue;
+        for (int i = node.first; i < node.first + node.count; ++i)
+            out.push_back(tree.order[static_cast<std::size_t>(i)]);
+        if (node.count == 0) open.insert(open.end(), {number + 1, node.first});
+    }
+    std::sort(out.begin(), out.end());
+    return out;
 }
 
 /// Squared distance from p to the node's box; 0 inside.

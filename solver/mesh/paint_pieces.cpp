@@ -34,37 +34,16 @@ constexpr double least_piece = 1e-9;
 /// Share of a triangle that may be missing.
 constexpr double missing = 1e-6;
 
-/// Boxes of the tets, to find those near a triangle by.
-class TetBoxes {
-  public:
-    explicit TetBoxes(const TetMesh& mesh) {
-        Points low, high;
-        for (const Tet& t : mesh.tets) {
-            Vec3 least = mesh.vertices[at(t[0])], most = least;
-            for (const int v : t)
-                least = least.cwiseMin(mesh.vertices[at(v)]), most = most.cwiseMax(mesh.vertices[at(v)]);
-            const Vec3 margin = Vec3::Constant(slack * (most - least).maxCoeff());
-            low.push_back(least - margin), high.push_back(most + margin);
-        }
-        tree_ = build_bvh(low, high);
+Bvh tree_of_boxes(const TetMesh& mesh) {
+    Points low, high;
+    for (const Tet& t : mesh.tets) {
+        Vec3 least = mesh.vertices[at(t[0])], most = least;
+        for (const int v : t) least = least.cwiseMin(mesh.vertices[at(v)]), most = most.cwiseMax(mesh.vertices[at(v)]);
+        const Vec3 margin = Vec3::Constant(slack * (most - least).maxCoeff());
+        low.push_back(least - margin), high.push_back(most + margin);
     }
-    /// In increasing order; of those beside the box some are found, too.
-    std::vector<int> near(const Vec3& low, const Vec3& high) const {
-        std::vector<int> out;
-        if (!tree_.nodes.empty()) visit(0, low, high, out);
-        std::sort(out.begin(), out.end());
-        return out;
-    }
-
-  private:
-    void visit(int number, const Vec3& low, const Vec3& high, std::vector<int>& out) const {
-        const BvhNode& node = tree_.nodes[at(number)];
-        if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) return;
-        for (int i = node.first; i < node.first + node.count; ++i) out.push_back(tree_.order[at(i)]);
-        if (node.count == 0) visit(number + 1, low, high, out), visit(node.first, low, high, out);
-    }
-    Bvh tree_;
-};
+    return build_bvh(low, high);
+}
 
 /// What of a polygon lies on the inner side of a tet's side.
 std::vector<Corner> clipped(const std::vector<Corner>& polygon, Eigen::Index side) {
@@ -90,16 +69,16 @@ struct Piece {
 
 class TriangleCutter {
   public:
-    TriangleCutter(const TetMesh& mesh, const TetBoxes& boxes)
+    explicit TriangleCutter(const TetMesh& mesh)
         : mesh_(mesh)
-        , boxes_(boxes) {}
+        , boxes_(tree_of_boxes(mesh)) {}
 
     std::vector<Piece> cut(const std::array<Vec3, 3>& triangle) const {
         Vec3 low = triangle[0], high = low;
         for (const Vec3& p : triangle) low = low.cwiseMin(p), high = high.cwiseMax(p);
         std::vector<Piece> out;
         std::set<std::array<int, 3>> taken; // sides of tets
-        for (const int tet : boxes_.near(low, high)) {
+        for (const int tet : items_near(boxes_, low, high)) {
             const std::vector<Corner> polygon = part_in(tet, triangle);
             if (polygon.size() < 3 || lies_in_a_taken_side(tet, polygon, taken)) continue;
             if (const Piece piece = made(tet, polygon); piece.share > least_piece) out.push_back(piece);
@@ -154,7 +133,7 @@ class TriangleCutter {
     }
 
     const TetMesh& mesh_;
-    const TetBoxes& boxes_;
+    Bvh boxes_;
 };
 
 void add(PaintPieces& out, int tet, const std::array<double, 4>& barycentric, double area, double value) {
@@ -209,8 +188,7 @@ PaintPieces cut_paint(const TetMesh& mesh, const PaintedSurface& surface, const 
         whole.push_back(t);
         is_alone[a] = is_alone[b] = is_alone[c] = 0;
     }
-    const TetBoxes boxes(mesh);
-    const TriangleCutter cutter(mesh, boxes);
+    const TriangleCutter cutter(mesh);
     std::vector<std::vector<Piece>> pieces(whole.size());
     const auto corners = [&](const Triangle& t) {
         return std::array<Vec3, 3>{surface.points[at(t[0])], surface.points[at(t[1])], surface.points[at(t[2])]};

@@ -30,7 +30,7 @@ class TriangleFinder {
         for (const Vec3& c : corners) low = low.cwiseMin(c), high = high.cwiseMax(c);
         const Vec3 margin = Vec3::Constant(4 * touch_slack * (high - low).maxCoeff());
         std::vector<int> found;
-        if (!bvh_.nodes.empty()) visit(0, low - margin, high + margin, found);
+        for (const int item : items_near(bvh_, low - margin, high + margin)) found.push_back(numbers_[at(item)]);
         std::sort(found.begin(), found.end());
         return touching_triangles(solid_, corners, found);
     }
@@ -45,12 +45,6 @@ class TriangleFinder {
             high.push_back(a.cwiseMax(b).cwiseMax(c));
         }
         bvh_ = build_bvh(low, high);
-    }
-    void visit(int number, const Vec3& low, const Vec3& high, std::vector<int>& found) const {
-        const BvhNode& node = bvh_.nodes[at(number)];
-        if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) return;
-        for (int i = 0; i < node.count; ++i) found.push_back(numbers_[at(bvh_.order[at(node.first + i)])]);
-        if (node.count == 0) visit(number + 1, low, high, found), visit(node.first, low, high, found);
     }
     const Solid& solid_;
     std::vector<int> numbers_;
