@@ -328,24 +328,34 @@ struct ContinuedLaws {
 double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options,
                          const StepControl& control, std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
     const std::vector<double> start = x;
+    NewtonOptions rough = options;
+    rough.tolerance = std::max(options.tolerance, 0.1);
+    // After a few whether tets have turned back: some take longer, others never do.
+    constexpr int rounds = 2;
+    rough.max_iterations = std::min(8, options.max_iterations);
+    const auto by_continued_laws = [&] {
+        const ContinuedLaws guard(potential);
+        bool definite = false;
+        double r = 0;
+        return iterate(potential, w, rough, evaluate(potential, w, x, record), false, control, x, memory, definite,
+                       record, r);
+    };
+    bool lower = false;
     {
         const ContinuedLaws guard(potential);
-        const double here = evaluate(potential, w, x, record), there = evaluate(potential, w, w.trial, record);
-        if (there <= here) {
-            NewtonOptions rough = options;
-            rough.tolerance = std::max(options.tolerance, 0.1),
-            rough.max_iterations = std::min(8, options.max_iterations);
-            bool definite = false;
-            double r = 0;
-            x.swap(w.trial);
-            w.renewed = true; // what presses there is a guess, too
-            try {
-                iterate(potential, w, rough, there, false, control, x, memory, definite, record, r);
-            } catch (const Error&) { // it was a guess
-                x = start;
-            }
-            w.renewed = false;
+        const double here = evaluate(potential, w, x, record);
+        lower = evaluate(potential, w, w.trial, record) <= here;
+    }
+    if (lower) {
+        x.swap(w.trial);
+        w.renewed = true; // what presses there is a guess, too
+        try {
+            for (int round = 0; round < rounds; ++round)
+                if (by_continued_laws() == End::converged || std::isfinite(evaluate(potential, w, x, record))) break;
+        } catch (const Error&) { // it was a guess
+            x = start;
         }
+        w.renewed = false;
     }
     // By what terms have taken in since, at both.
     const double before = evaluate(potential, w, start, record), now = evaluate(potential, w, x, record);
