@@ -93,6 +93,7 @@ constexpr CodeInfo table[] = {
     {"DG161", "mesh that can be no cloth", "Take the sheets apart where more than two triangles meet at an edge."},
     {"DG162", "cloth that begins inside a body", "Move it outside."},
     {"DG163", "wide holes that make a wrapped mesh larger", "Close the holes in the mesh."},
+    {"DG164", "name that a graph cannot say", "Rename the file or folder; graphs are written in UTF-8."},
     // ---- DG175: graphs that are edited while they are shown ----
     {"DG175", "change that no longer fits the graph",
      "Discard the changes in the page, or bring back what this one was for."},

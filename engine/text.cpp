@@ -48,11 +48,21 @@ std::size_t utf8_length(std::string_view text, std::size_t i) {
     return length;
 }
 
-std::string json_quoted(std::string_view text) {
-    static constexpr char digits[] = "0123456789abcdef";
-    std::string out = "\"";
+std::string utf8_text(std::string_view text) {
+    std::string out;
     for (std::size_t i = 0; i < text.size();) {
-        const char c = text[i];
+        const std::size_t length = utf8_length(text, i);
+        out += length > 0 ? text.substr(i, length) : "\xEF\xBF\xBD";
+        i += length > 0 ? length : 1;
+    }
+    return out;
+}
+
+std::string json_quoted(std::string_view bytes) {
+    static constexpr char digits[] = "0123456789abcdef";
+    const std::string text = utf8_text(bytes);
+    std::string out = "\"";
+    for (const char c : text) {
         if (c == '"' || c == '\\')
             out += {'\\', c};
         else if (c == '\n')
@@ -63,13 +73,8 @@ std::string json_quoted(std::string_view text) {
             out += "\\r";
         else if (static_cast<unsigned char>(c) < 0x20)
             out += std::string("\\u00") + digits[(c >> 4) & 15] + digits[c & 15];
-        else if (const std::size_t length = utf8_length(text, i)) {
-            out += text.substr(i, length);
-            i += length;
-            continue;
-        } else
-            out += "\xEF\xBF\xBD";
-        ++i;
+        else
+            out += c;
     }
     return out + '"';
 }

@@ -15,6 +15,8 @@ std::string number_text(std::int64_t v);
 std::string rough_text(double v, int digits);
 /// A JSON string with its quotes. Bytes that are not UTF-8 become U+FFFD, so the result is always valid JSON.
 std::string json_quoted(std::string_view text);
+/// The text itself, with U+FFFD for each byte that is not UTF-8.
+std::string utf8_text(std::string_view text);
 /// One reference token of an RFC 6901 pointer, escaped, with its slash.
 std::string pointer_token(std::string_view name);
 /// With small letters for A to Z.

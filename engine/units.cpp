@@ -13,73 +13,86 @@ namespace sinew::engine {
 
 namespace {
 
+/// A unit with its powers of ten apart, so that they cancel without rounding: 0.92 g/cm^3 is 920 kg/m^3.
+struct Decimal {
+    double factor = 1; ///< to SI, times 10^tens
+    int tens = 0;
+    std::array<int, 5> dimension{};
+};
+
 struct Named {
     std::string_view name;
-    Unit unit;
+    Decimal unit;
 };
 
 constexpr double pi = std::numbers::pi;
 
-// Dimension: m, kg, s, rad, frame. Factors are to SI.
+// Factor to SI, tens, dimension: m, kg, s, rad, frame.
 constexpr Named named_units[] = {
-    {"1", {1, {}}},
-    {"%", {0.01, {}}},
-    {"m", {1, {1}}},
-    {"dm", {0.1, {1}}},
-    {"cm", {0.01, {1}}},
-    {"mm", {1e-3, {1}}},
-    {"um", {1e-6, {1}}},
-    {"µm", {1e-6, {1}}},
-    {"km", {1e3, {1}}},
-    {"in", {0.0254, {1}}},
-    {"ft", {0.3048, {1}}},
-    {"L", {1e-3, {3}}},
-    {"mL", {1e-6, {3}}},
-    {"kg", {1, {0, 1}}},
-    {"g", {1e-3, {0, 1}}},
-    {"mg", {1e-6, {0, 1}}},
-    {"t", {1e3, {0, 1}}},
-    {"s", {1, {0, 0, 1}}},
-    {"ms", {1e-3, {0, 0, 1}}},
-    {"us", {1e-6, {0, 0, 1}}},
-    {"min", {60, {0, 0, 1}}},
-    {"Hz", {1, {0, 0, -1}}},
-    {"kHz", {1e3, {0, 0, -1}}},
-    {"N", {1, {1, 1, -2}}},
-    {"mN", {1e-3, {1, 1, -2}}},
-    {"kN", {1e3, {1, 1, -2}}},
-    {"J", {1, {2, 1, -2}}},
-    {"mJ", {1e-3, {2, 1, -2}}},
-    {"kJ", {1e3, {2, 1, -2}}},
-    {"W", {1, {2, 1, -3}}},
-    {"Pa", {1, {-1, 1, -2}}},
-    {"hPa", {1e2, {-1, 1, -2}}},
-    {"kPa", {1e3, {-1, 1, -2}}},
-    {"MPa", {1e6, {-1, 1, -2}}},
-    {"GPa", {1e9, {-1, 1, -2}}},
-    {"bar", {1e5, {-1, 1, -2}}},
-    {"rad", {1, {0, 0, 0, 1}}},
-    {"deg", {pi / 180, {0, 0, 0, 1}}},
-    {"°", {pi / 180, {0, 0, 0, 1}}},
-    {"turn", {2 * pi, {0, 0, 0, 1}}},
-    {"frame", {1, {0, 0, 0, 0, 1}}},
-    {"frames", {1, {0, 0, 0, 0, 1}}},
+    {"1", {1, 0, {}}},
+    {"%", {1, -2, {}}},
+    {"m", {1, 0, {1}}},
+    {"dm", {1, -1, {1}}},
+    {"cm", {1, -2, {1}}},
+    {"mm", {1, -3, {1}}},
+    {"um", {1, -6, {1}}},
+    {"µm", {1, -6, {1}}},
+    {"km", {1, 3, {1}}},
+    {"in", {254, -4, {1}}},
+    {"ft", {3048, -4, {1}}},
+    {"L", {1, -3, {3}}},
+    {"mL", {1, -6, {3}}},
+    {"kg", {1, 0, {0, 1}}},
+    {"g", {1, -3, {0, 1}}},
+    {"mg", {1, -6, {0, 1}}},
+    {"t", {1, 3, {0, 1}}},
+    {"s", {1, 0, {0, 0, 1}}},
+    {"ms", {1, -3, {0, 0, 1}}},
+    {"us", {1, -6, {0, 0, 1}}},
+    {"min", {6, 1, {0, 0, 1}}},
+    {"Hz", {1, 0, {0, 0, -1}}},
+    {"kHz", {1, 3, {0, 0, -1}}},
+    {"N", {1, 0, {1, 1, -2}}},
+    {"mN", {1, -3, {1, 1, -2}}},
+    {"kN", {1, 3, {1, 1, -2}}},
+    {"J", {1, 0, {2, 1, -2}}},
+    {"mJ", {1, -3, {2, 1, -2}}},
+    {"kJ", {1, 3, {2, 1, -2}}},
+    {"W", {1, 0, {2, 1, -3}}},
+    {"Pa", {1, 0, {-1, 1, -2}}},
+    {"hPa", {1, 2, {-1, 1, -2}}},
+    {"kPa", {1, 3, {-1, 1, -2}}},
+    {"MPa", {1, 6, {-1, 1, -2}}},
+    {"GPa", {1, 9, {-1, 1, -2}}},
+    {"bar", {1, 5, {-1, 1, -2}}},
+    {"rad", {1, 0, {0, 0, 0, 1}}},
+    {"deg", {pi / 180, 0, {0, 0, 0, 1}}},
+    {"°", {pi / 180, 0, {0, 0, 0, 1}}},
+    {"turn", {2 * pi, 0, {0, 0, 0, 1}}},
+    {"frame", {1, 0, {0, 0, 0, 0, 1}}},
+    {"frames", {1, 0, {0, 0, 0, 0, 1}}},
 };
 
-Unit power(const Unit& u, int exponent) {
-    Unit out;
-    // Repeated products and one quotient, so that "cm^2" has the factor that a reader computes by hand.
+Decimal power(const Decimal& u, int exponent) {
+    Decimal out;
     for (int i = 0; i < std::abs(exponent); ++i) out.factor *= u.factor;
     if (exponent < 0) out.factor = 1 / out.factor;
+    out.tens = exponent * u.tens;
     for (std::size_t i = 0; i < 5; ++i) out.dimension[i] = u.dimension[i] * exponent;
     return out;
 }
 
-Unit product(const Unit& a, const Unit& b, bool divide) {
-    Unit out;
+Decimal product(const Decimal& a, const Decimal& b, bool divide) {
+    Decimal out;
     out.factor = divide ? a.factor / b.factor : a.factor * b.factor;
+    out.tens = divide ? a.tens - b.tens : a.tens + b.tens;
     for (std::size_t i = 0; i < 5; ++i) out.dimension[i] = a.dimension[i] + (divide ? -b.dimension[i] : b.dimension[i]);
     return out;
+}
+
+/// Rounded once where the power of ten is exact, up to 10^22.
+double times_ten_to(double value, int tens) {
+    return tens < 0 ? value / std::pow(10.0, -tens) : value * std::pow(10.0, tens);
 }
 
 class UnitParser {
@@ -87,14 +100,14 @@ class UnitParser {
     explicit UnitParser(std::string_view text)
         : text_(text) {}
 
-    std::optional<Unit> whole() {
+    std::optional<Decimal> whole() {
         if (text_.size() > 64) return {};
         auto u = terms(0);
         return at_ == text_.size() ? u : std::nullopt;
     }
 
   private:
-    std::optional<Unit> terms(int depth) {
+    std::optional<Decimal> terms(int depth) {
         auto left = factor(depth);
         while (left && at_ < text_.size()) {
             const bool dot = text_.substr(at_, 2) == "·";
@@ -108,8 +121,8 @@ class UnitParser {
         return left;
     }
 
-    std::optional<Unit> factor(int depth) {
-        std::optional<Unit> base;
+    std::optional<Decimal> factor(int depth) {
+        std::optional<Decimal> base;
         if (at_ < text_.size() && text_[at_] == '(' && depth < 4) {
             ++at_;
             base = terms(depth + 1);
@@ -160,12 +173,16 @@ std::string name_meant(std::string_view name) {
 
 } // namespace
 
-std::optional<Unit> parse_unit(std::string_view text) { return UnitParser(text).whole(); }
+std::optional<Unit> parse_unit(std::string_view text) {
+    const std::optional<Decimal> u = UnitParser(text).whole();
+    if (!u) return {};
+    return Unit{times_ten_to(u->factor, u->tens), u->dimension};
+}
 
 std::optional<double> unit_factor(std::string_view from, std::string_view to) {
-    const auto a = parse_unit(from), b = parse_unit(to);
+    const auto a = UnitParser(from).whole(), b = UnitParser(to).whole();
     if (!a || !b || a->dimension != b->dimension) return {};
-    return a->factor / b->factor;
+    return times_ten_to(a->factor / b->factor, a->tens - b->tens);
 }
 
 std::string unit_meant(std::string_view text, std::string_view unit) {

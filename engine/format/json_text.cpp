@@ -2,6 +2,7 @@
 #include "engine/format/json_text.h"
 
 #include "engine/text.h"
+#include "engine/units.h"
 
 #include <algorithm>
 #include <cctype>
@@ -38,6 +39,26 @@ class Parser {
     }
 
     /// What ends neither a list nor an object, nor goes on with it, but may begin what comes next.
+    /// "12 kPa" where that stands without quotes and the letters are what is next; else empty.
+    std::string number_with_unit() const {
+        constexpr std::size_t most = 16; // letters
+        std::size_t end = at_;
+        while (end < text_.size() && end - at_ <= most &&
+               (std::isalnum(static_cast<unsigned char>(text_[end])) || std::string_view("%/^*-").find(text_[end]) < 5))
+            ++end;
+        std::size_t last = at_;
+        while (last > 0 && text_[last - 1] == ' ') --last;
+        std::size_t begin = last;
+        while (begin > 0 && std::string_view("+-.0123456789eE").find(text_[begin - 1]) != std::string_view::npos)
+            --begin;
+        const std::string unit(text_.substr(at_, end - at_));
+        const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+        if (begin == last || !(is_digit(text_[begin]) || text_[begin] == '-') || unit.empty() || is_digit(unit[0]) ||
+            !parse_unit(unit))
+            return {};
+        return std::string(text_.substr(begin, last - begin)) + " " + unit;
+    }
+
     [[noreturn]] void no_comma(bool in_list) {
         constexpr std::size_t most = 40; // of a text that is shown
         std::string next, cure;
@@ -52,8 +73,10 @@ class Parser {
         } else if (in_list && (c == '{' || c == '[' || c == '-' || std::isalnum(static_cast<unsigned char>(c)))) {
             next = std::string("this ") + c, cure = "put a comma before ";
         }
+        const std::string meant = number_with_unit();
         stop(std::string("expected , or ") + (in_list ? "] in a list, " : "} in an object, ") + found(), "DG001",
-             cure + next);
+             meant.empty() ? cure + next
+                           : std::string("a number with its unit is written in quotes: ") + json_quoted(meant));
     }
 
     /// For one that is there already; the text's lines are looked for once.
@@ -166,14 +189,21 @@ class Parser {
         Json::List out;
         ++at_;
         space();
-        if (more() && text_[at_] == ']') return ++at_, out;
+        if (more() && text_[at_] == ']') {
+            ++at_;
+            return out;
+        }
         const std::size_t pointer_size = pointer_.size();
         while (true) {
-            pointer_ += "/" + std::to_string(out.size());
+            pointer_ += '/';
+            pointer_ += std::to_string(out.size());
             out.push_back(value(depth + 1));
             pointer_.resize(pointer_size);
             space();
-            if (more() && text_[at_] == ']') return ++at_, out;
+            if (more() && text_[at_] == ']') {
+                ++at_;
+                return out;
+            }
             if (!more() || text_[at_] != ',') no_comma(true);
             ++at_;
             space();
@@ -186,7 +216,10 @@ class Parser {
         std::unordered_map<std::string, std::size_t> seen; // where each key stands
         ++at_;
         space();
-        if (more() && text_[at_] == '}') return ++at_, out;
+        if (more() && text_[at_] == '}') {
+            ++at_;
+            return out;
+        }
         const std::size_t pointer_size = pointer_.size();
         while (true) {
             space();
@@ -208,7 +241,10 @@ class Parser {
             pointer_.resize(pointer_size);
             out.push_back(std::move(m));
             space();
-            if (more() && text_[at_] == '}') return ++at_, out;
+            if (more() && text_[at_] == '}') {
+                ++at_;
+                return out;
+            }
             if (!more() || text_[at_] != ',') no_comma(false);
             ++at_;
         }
@@ -305,7 +341,10 @@ class Parser {
         while (true) {
             if (!more()) stop("a string is not closed");
             const char c = text_[at_];
-            if (c == '"') return ++at_, out;
+            if (c == '"') {
+                ++at_;
+                return out;
+            }
             if (static_cast<unsigned char>(c) < 0x20) stop("a string holds a control character or a line break");
             if (c == '\\') {
                 ++at_;

@@ -1,6 +1,7 @@
 // Names of mesh sequences, and what their first lines say of a body.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/cli/body_files.h"
+#include "tools/cli/open_graph.h"
 
 #include "solver/mesh/primitives.h"
 #include "tests/tools/temporary_folder.h"
@@ -11,6 +12,12 @@ using namespace sinew;
 using namespace sinew::test;
 
 TEST_CASE("files of a sequence carry their frame with its sign, four digits at least", "[tools]") {
+    CHECK(cli::file_name("arm/biceps 2") == "arm_biceps_2");
+    // Long ones are cut and stay apart.
+    CHECK(cli::file_name(std::string(200, 'b')) == std::string(200, 'b'));
+    const std::string one = cli::file_name(std::string(300, 'b')), other = cli::file_name(std::string(300, 'b') + 'c');
+    CHECK((one.size() == 200 && other.size() == 200 && one != other));
+    CHECK(one.substr(182, 2) == "b_");
     CHECK(cli::frame_file_name("biceps", 7, "obj") == "biceps.0007.obj");
     CHECK(cli::frame_file_name("biceps", 0, "ply") == "biceps.0000.ply");
     CHECK(cli::frame_file_name("biceps", 12345, "obj") == "biceps.12345.obj");

@@ -108,6 +108,15 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
     // What ties it is there and does nothing, at any frame.
     const std::string idle = "; attachments without stiffness or envelope tie nothing: grip";
     CHECK(said_of(ball(), {"grip.envelope=0"}).find("FE260 solver.bodies: ball falls") == 0);
+    // Two bones of one mesh in one place, which part later: either holds it.
+    json twins = ball();
+    twins["nodes"]["twin"] = twins["nodes"]["plate"];
+    twins["nodes"]["twin"]["inputs"]["matrix"] = {{"from", "twinPlace.outMatrix"}};
+    twins["nodes"]["twinPlace"] = twins["nodes"]["platePlace"];
+    twins["nodes"]["twinPlace"]["inputs"]["translate"] =
+        json::parse(R"({"keys": [[1, [0, 10, 0]], [9, [0, 10, 0]], [24, [0, 60, 0]]]})");
+    twins["nodes"]["solver"]["inputs"]["bodies"].push_back({{"from", "twin.outBody"}});
+    CHECK(said_of(twins).find("FE260") == std::string::npos);
     CHECK(said_of(ball(), {"grip.envelope=0"}).find(idle) != std::string::npos);
     CHECK(said_of(ball(), {"grip.stiffness=0"}).find(idle) != std::string::npos);
     CHECK(said_of(ball(), {R"(grip.envelope={"keys": [[1, 0], [5, 1]]})"}).empty());
@@ -177,6 +186,27 @@ TEST_CASE("check doubts scales that mirror", "[tools]") {
     CHECK(said_of(ball(), {"platePlace.scale=[-1, -1, 1]"}).empty()); // half a turn
     const std::string keyed = R"(platePlace.scale={"keys": [[1, [1, 1, -1]], [2, [1, 1, -1]]]})";
     CHECK(said_of(ball(), {keyed}).starts_with("FE265 platePlace.scale: the scale mirrors"));
+    // Only later: a body that is turned inside out on its way.
+    const std::string later = R"(platePlace.scale={"keys": [[1, [1, 1, 1]], [12, [1, 1, 0.5]], [24, [1, 1, -1]]]})";
+    CHECK(said_of(ball(), {later}).starts_with("FE265 platePlace.scale: the scale at frame 24 mirrors, "));
+    const std::string grows = R"(platePlace.scale={"keys": [[1, [1, 1, 1]], [24, [2, 2, 2]]]})";
+    CHECK(said_of(ball(), {grows}).empty());
+}
+
+TEST_CASE("check doubts a tissue's mesh that moves, which run refuses", "[tools]") {
+    json graph = ball();
+    graph["timing"] = {{"start", 1}, {"end", 24}};
+    graph["nodes"]["way"] = {{"type", "transform"}, {"inputs", {{"mesh", {{"from", "ballMesh.outMesh"}}}}}};
+    graph["nodes"]["ball"]["inputs"]["mesh"] = {{"from", "way.outMesh"}};
+    CHECK(said_of(graph).empty());
+    // There and back again.
+    const std::string keys =
+        R"(way.translate={"keys": [[1, [0, 0, 0]], [5, [0, 0, 0]], [12, [0, 1, 0]], [24, [0, 0, 0]]]})";
+    CHECK(said_of(graph, {keys})
+              .starts_with("FE211 ball.mesh: its mesh is another one at frame 12.5, and the run ends where the rest "
+                           "shape changes | "));
+    CHECK(said_of(graph, {R"(way.translate={"keys": [[1, [0, 0, 0]], [2, [0, 1, 0]]]})"})
+              .starts_with("FE211 ball.mesh: its mesh is another one at frame 2, "));
 }
 
 TEST_CASE("check doubts matrices that mirror where they come in, and once", "[tools]") {

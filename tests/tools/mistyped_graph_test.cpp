@@ -75,6 +75,11 @@ TEST_CASE("check says where a key stands that is written twice, and before what 
     CHECK(said_of_node(R"("type": 12 ")" + std::string(60, 'x') + "\": 1") ==
           "DG001 /nodes/a: " + in_object + R"("\"" | put a comma before this text)" + "\n");
     CHECK(said_of_node(R"("type": "polyCube" 3)") == "DG001 /nodes/a: " + in_object + "\"3\" | \n");
+    CHECK(said_of_node(R"("type": 12  kPa)") ==
+          "DG001 /nodes/a: " + in_object + "\"k\" | a number with its unit is written in quotes: \"12 kPa\"\n");
+    CHECK(said_of_node(R"("b": [-0.5 m/s])") ==
+          "DG001 /nodes/a/b: " + in_list + "\"m\" | a number with its unit is written in quotes: \"-0.5 m/s\"\n");
+    CHECK(said_of_node(R"("b": [2 1])") == "DG001 /nodes/a/b: " + in_list + "\"1\" | put a comma before this 1\n");
     CHECK(said_of_node(R"("b": ["c" "d"])") ==
           "DG001 /nodes/a/b: " + in_list + R"("\"" | put a comma before "d")" + "\n");
     CHECK(said_of_node(R"("b": [{} {}])") ==

@@ -170,6 +170,30 @@ TEST_CASE("new rig: a mesh turned inside out is made anew, one that is only spli
     CHECK(rig.is_right());
 }
 
+TEST_CASE("new rig: overrides take units", "[tools][rig]") {
+    const SmallRig rig;
+    const Said said = rig.make(
+        {"--set", "biceps:strength=60kPa", "--set", "biceps:massDensity=1.1 g/cm3", "--set", "b*:youngsModulus=2e4"});
+    INFO(said.err);
+    REQUIRE(said.code == 0);
+    const auto nodes = json::parse(read_text(rig.graph), nullptr, true, true).at("nodes");
+    CHECK(nodes.at("bicepsFibre").at("inputs").at("strength") == 60000);
+    CHECK(nodes.at("bicepsFlesh").at("inputs").at("massDensity") == 1100);
+    CHECK(nodes.at("bicepsFlesh").at("inputs").at("youngsModulus") == 20000);
+}
+
+TEST_CASE("new rig: muscles in cm on bones in mm, which they lie within, are doubted", "[tools][rig]") {
+    const SmallRig rig(10);
+    write_text(rig.bones + "/ulna.obj", box({{1.2, -2, -2}, {4.2, 2, 24}}, {2, 2, 10}, 10));
+    CHECK_FALSE(has(rig.make().err, "DG152"));
+    write_text(rig.muscles + "/biceps.obj", spindle(0.8, 29.2, 2.5));
+    const Said said = rig.make({"--force"});
+    INFO(said.err);
+    CHECK(has(said.err,
+              "warning [DG152] biceps: the muscles are 8.91 % as large as the bones, among which they would be 10 times "
+              "larger, too"));
+}
+
 TEST_CASE("new rig: what stands in the way is said, and no file is written", "[tools][rig]") {
     SmallRig rig;
     const auto fails = [&](const char* code, const std::string& words, std::vector<std::string> more = {}) {
@@ -213,6 +237,14 @@ TEST_CASE("new rig: what stands in the way is said, and no file is written", "[t
         write_text(rig.muscles + "/triceps.obj", spindle(0.8, 29.2, 2, 10));
         fails("DG152", "triceps.obj");
     }
+    SECTION("a file that a graph cannot name") {
+        fs::rename(rig.bones + "/ulna.obj", rig.bones + "/ell\xe9.obj");
+        fails("DG164", "cannot name 'bones/ell\xEF\xBF\xBD.obj'");
+        write_text(rig.graph, "of before");
+        CHECK(rig.make({"--force"}).code == 1);
+        CHECK(read_text(rig.graph) == "of before");
+        fs::remove(rig.graph);
+    }
     SECTION("muscles of the other side") {
         write_text(rig.bones + "/humerus.obj", box({{98, -2, -2}, {101, 2, 30}}, {2, 2, 10}));
         write_text(rig.bones + "/ulna.obj", box({{129, -2, -2}, {132, 2, 24}}, {2, 2, 10}));
@@ -231,9 +263,9 @@ TEST_CASE("new rig: what stands in the way is said, and no file is written", "[t
         fails("IO403", "motion.json", {"--motion", motion});
     }
     SECTION("overrides that mean nothing") {
-        for (const char* word :
-             {"biceps:tetSize=0", "biceps:tetSize=x", "biceps:colour=red", "biceps", "triceps:tetSize=1",
-              "biceps:law=Hooke", "biceps:attachTo=femur", "biceps:attachTo=a,b,c"}) {
+        for (const char* word : {"biceps:tetSize=0", "biceps:tetSize=x", "biceps:colour=red", "biceps",
+                                 "triceps:tetSize=1", "biceps:law=Hooke", "biceps:strength=60kg", "biceps:tetSize=1cm",
+                                 "biceps:attachTo=femur", "biceps:attachTo=a,b,c"}) {
             const Said said = rig.make({"--set", word});
             INFO(word << ": " << said.err);
             CHECK(said.code == 2);

@@ -40,6 +40,15 @@ TEST_CASE("where memory is tight the program says so and does not wait for it", 
         CHECK((said.code == 0 || said.code == 1 || said.code == 3));
         CHECK((said.code == 0 || said.err.find("memory") != std::string::npos));
     }
+    // A long list in the file, whose reading and letting go of takes the most.
+    nlohmann::json long_list = small_graph();
+    long_list["nodes"]["flesh"]["inputs"]["weights"] = std::vector<double>(1000000, 0.5);
+    const std::string check = "check '" + write_graph(folder, long_list, "long.json") + "' --threads 1";
+    for (int megabytes = 200; megabytes <= 440; megabytes += 16) {
+        CAPTURE(megabytes);
+        const Said said = within(megabytes, check, folder);
+        CHECK((said.code == 0 || said.code == 1));
+    }
     // Room for one thread's buffer and not for eight; and what solves nothing needs none.
     CHECK(within(700, run + "1", folder).code == 0);
     const Said eight = within(700, run + "8", folder);

@@ -12,6 +12,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <exception>
 #include <iostream>
 #include <malloc.h>
 #include <new>
@@ -47,6 +48,23 @@ void begin_without_blas_threads(char** words) {
     execv("/proc/self/exe", words); // goes on where that cannot be
 }
 
+/// Where the library ends the program itself: memory that is refused while a JSON document is let go of, which takes
+/// some. Only calls that need none.
+[[noreturn]] void end_without_memory() {
+    try {
+        if (const std::exception_ptr e = std::current_exception()) std::rethrow_exception(e);
+    } catch (const std::bad_alloc&) {
+        constexpr std::string_view text = "sinew: there is not enough memory for this\n";
+        if (write(STDERR_FILENO, text.data(), text.size()) < 0) _exit(internal_error);
+        _exit(graph_wrong);
+    } catch (...) {
+    }
+    std::abort();
+}
+
+/// What oneTBB says where a thread cannot be started; it has no type of its own.
+bool is_of_threads(const std::exception& e) { return std::string_view(e.what()).starts_with("pthread_create"); }
+
 /// Arrays of that size go back to the system as soon as they are let go. By default glibc keeps larger and larger ones,
 /// which go to pieces in its heap: of a large rig a twentieth of the report's peak_bytes. Smaller ones stay, since
 /// fresh pages cost time.
@@ -68,7 +86,15 @@ void check_space(const Command& command, const Arguments& arguments) {
     if (const int had = solver::take_blas_buffers(wanted); had < wanted) throw NoSpace{had};
 }
 
+ExitCode tell_no_thread(const std::string& name) {
+    std::cerr << name
+              << ": a thread could not be started: there is not enough memory for it, or no more are allowed "
+                 "(ulimit -u, -v)\n";
+    return graph_wrong;
+}
+
 ExitCode tell_bug(const std::string& name, const std::exception& e) {
+    if (is_of_threads(e)) return tell_no_thread(name);
     std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
     return internal_error;
 }
@@ -113,10 +139,7 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         return graph_wrong;
     } catch (const std::system_error& e) {
         if (e.code() != std::errc::resource_unavailable_try_again) return tell_bug(name, e);
-        std::cerr << name
-                  << ": a thread could not be started: there is not enough memory for it, or no more are allowed "
-                     "(ulimit -u, -v)\n";
-        return graph_wrong;
+        return tell_no_thread(name);
     } catch (const std::exception& e) {
         return tell_bug(name, e);
     }
@@ -150,6 +173,7 @@ ExitCode dispatch(std::vector<std::string> words, std::stop_token stop) {
 } // namespace
 
 int main(int count, char** words) {
+    std::set_terminate(end_without_memory);
     begin_without_blas_threads(words);
     give_back_large_arrays();
     solver::choose_blas_kernel();
@@ -162,5 +186,5 @@ int main(int count, char** words) {
     const bool is_known = write(STDOUT_FILENO, "\n", 1) < 0;
     std::cerr << "sinew: the output could not be written" << (is_known ? std::string(": ") + std::strerror(errno) : "")
               << "\n";
-    return code == done ? internal_error : code;
+    return code == done ? graph_wrong : code;
 }

@@ -243,6 +243,7 @@ std::optional<MeshReport> report_of_file(const std::string& path, const engine::
         engine::Diagnostic d;
         d.code = e.code;
         d.message = e.what();
+        if (d.message.find(path) == std::string::npos) d.message = path + ": " + d.message;
         d.hint = e.hint;
         throw engine::Failure(d);
     }

@@ -5,6 +5,7 @@
 #include "tools/cli/machine.h"
 
 #include "engine/check.h"
+#include "engine/digest.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
 #include "engine/memory_limit.h"
@@ -108,6 +109,10 @@ BodyLabel label_of(const Graph& graph, std::string name, const std::string& node
 std::string file_name(const std::string& node) {
     std::string out;
     for (const char c : node) out += std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_' ? c : '_';
+    // File systems take 255 bytes; the frame, an ending and what numbers names apart come after it.
+    constexpr std::size_t most = 200, hash = 16;
+    if (out.size() > most)
+        out = out.substr(0, most - hash - 1) + "_" + engine::Hasher().add(node).finish().hex().substr(0, hash);
     return out;
 }
 

@@ -87,7 +87,8 @@ struct BodyLabel {
     render::Appearance appearance = {};
 };
 
-/// The node's name with everything that a file name had better not hold replaced by '_'.
+/// The node's name with everything that a file name had better not hold replaced by '_', at most 200 letters: what is
+/// longer is cut and ends with a hash of the name.
 std::string file_name(const std::string& node);
 
 /// Names, kinds and looks for the `count` meshes that `plug` gives: the nodes connected to the list that the node

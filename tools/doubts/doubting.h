@@ -35,8 +35,12 @@ class Doubting {
     /// Empty where it cannot be had.
     template <class T>
     std::optional<T> value(const engine::Plug& plug) {
+        return value<T>(plug, frame_);
+    }
+    template <class T>
+    std::optional<T> value(const engine::Plug& plug, double frame) {
         try {
-            const engine::Value v = evaluator_.pull({graph_, plug, frame_, stop_, failures_});
+            const engine::Value v = evaluator_.pull({graph_, plug, frame, stop_, failures_});
             if (v.is<T>()) return v.as<T>();
         } catch (const engine::Failure&) {
         }
@@ -58,12 +62,17 @@ class Doubting {
         return {};
     }
 
+    /// Null where it is not keyed.
+    const engine::Curve* keys(const std::string& node, std::string_view attribute) const {
+        const auto& inputs = graph_->find(node)->inputs;
+        const auto it = inputs.find(attribute);
+        return it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
+    }
+
     /// The same of vectors and matrices, with the value that keys give at the start.
     template <class T>
     std::optional<T> at_start(const std::string& node, std::string_view attribute) const {
-        const auto& inputs = graph_->find(node)->inputs;
-        const auto it = inputs.find(attribute);
-        const auto* curve = it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
+        const engine::Curve* curve = keys(node, attribute);
         if (!curve) return number<T>(node, attribute);
         if constexpr (std::is_same_v<T, engine::Matrix4>) return curve->matrix_at(frame_);
         const std::vector<double> numbers = curve->at(frame_);

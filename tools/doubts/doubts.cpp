@@ -24,6 +24,8 @@ void look_at_solver(Doubting& d, const std::string& name) {
     doubt_floating(d, name, members);
     doubt_sizes(d, name, members, *units);
     for (const Member& m : members)
+        if (!m.body.is_bone()) doubt_moving_mesh(d, m.name);
+    for (const Member& m : members)
         if (!m.body.subtissue) doubt_mesh(d, m), doubt_bone(d, m, members), doubt_thickness(d, m, *units);
     for (const Member& m : members)
         if (!m.body.subtissue) doubt_tets(d, m);

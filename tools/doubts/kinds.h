@@ -40,6 +40,8 @@ void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Membe
 void doubt_units_of_meshes(Doubting& d, const std::string& solver);
 
 // ---- meshes.cpp: flaws of a mesh, tets that do not suit it, sheets that are none ----
+/// Of a tissue or cloth, which is modelled once: a mesh that is another one at a later frame.
+void doubt_moving_mesh(Doubting& d, const std::string& body);
 void doubt_mesh(Doubting& d, const Member& member);
 /// After mirrors are told. `all`: the solver's bodies.
 void doubt_bone(Doubting& d, const Member& member, const std::vector<Member>& all);

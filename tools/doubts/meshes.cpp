@@ -63,6 +63,28 @@ void doubt_inside_out(Doubting& d, const Member& m) {
 
 } // namespace
 
+void doubt_moving_mesh(Doubting& d, const std::string& body) {
+    const engine::Timing& timing = d.graph().timing();
+    for (const engine::Plug& plug : d.plugs(body, "mesh")) {
+        const auto first = d.value<nodes::Mesh>(plug);
+        if (!first) continue;
+        // Halfway as well: what comes back at the end has moved, too.
+        for (const double frame : {timing.start + 1.0, 0.5 * (timing.start + timing.end), 1.0 * timing.end}) {
+            if (!(frame > timing.start) || frame > timing.end) continue;
+            const auto later = d.value<nodes::Mesh>(plug, frame);
+            if (!later ||
+                (later->points_digest == first->points_digest && later->topology->digest == first->topology->digest))
+                continue;
+            d.doubt("FE211", body, "mesh",
+                    "its mesh is another one at frame " + engine::number_text(frame) +
+                        ", and the run ends where the rest shape changes",
+                    "meshes, tets and painted maps must not change over time; move what it is attached to, or key "
+                    "zSolver.translate and rotate for a frame that moves");
+            break;
+        }
+    }
+}
+
 void doubt_mesh(Doubting& d, const Member& m) {
     if (m.body.is_bone()) return;
     const auto& triangles = m.body.rest->mesh.topology->triangles;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
 #include "nodes/matrices.h"
 #include "tools/doubts/kinds.h"
 
@@ -28,6 +29,8 @@ class Mirrors {
 
     /// Told where the mirroring comes in, not of all that goes along.
     void look_at(const std::string& name) {
+        if (const auto frame = turns_over_at(name))
+            return mirrored(d_, name, "scale", "the scale at frame " + engine::number_text(*frame));
         if (!mirrors(name)) return;
         if (const std::string next = above(name); !next.empty() && mirrors(next)) return;
         if (is_negative(d_.at_start<engine::Vec3>(name, "scale")))
@@ -39,6 +42,15 @@ class Mirrors {
     }
 
   private:
+    /// The first key of a scale that mirrors where the start does not.
+    std::optional<double> turns_over_at(const std::string& name) const {
+        const engine::Curve* keys = d_.keys(name, "scale");
+        if (!keys || keys->width() != 3 || is_negative(d_.at_start<engine::Vec3>(name, "scale"))) return {};
+        for (const engine::Key& key : keys->keys)
+            if (key.value[0] * key.value[1] * key.value[2] < 0) return key.frame;
+        return {};
+    }
+
     /// The transform whose outMatrix is applied after this one; empty if there is none.
     std::string above(const std::string& name) const {
         for (const engine::Plug& plug : d_.plugs(name, "offsetParentMatrix"))

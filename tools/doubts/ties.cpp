@@ -15,8 +15,13 @@ constexpr double nearly_whole = 0.9;
 /// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
 constexpr double least_tie = 1000, least_tie_of_cloth = 10;
 
-void set(std::vector<char>& flags, int i) {
-    if (i >= 0) flags[at(i)] = 1;
+/// The body, or where several are alike (bones of one mesh in one place) all that may be meant.
+std::vector<int> bodies_meant(const std::vector<nodes::BodyId>& ids, const nodes::BodyId& wanted) {
+    if (const int one = find_body(ids, wanted); one >= 0) return {one};
+    std::vector<int> out;
+    for (std::size_t i = 0; i < ids.size(); ++i)
+        if (ids[i].rest == wanted.rest) out.push_back(static_cast<int>(i));
+    return out;
 }
 
 /// Attachments that are there but pull at nothing, at all frames.
@@ -99,7 +104,8 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
     for (const Member& m : members) ids.push_back(id_of(m.body)), held.push_back(m.body.is_bone());
     for (const engine::Plug& plug : d.plugs(solver, "forces"))
         if (const auto force = d.value<nodes::Force>(plug); force && force->type->ties)
-            for (const nodes::BodyId& id : force->bodies) set(held, find_body(ids, id));
+            for (const nodes::BodyId& id : force->bodies)
+                for (const int i : bodies_meant(ids, id)) held[at(i)] = 1;
     std::string idle;
     std::vector<std::array<int, 2>> links; // a part of a tissue goes with it
     for (std::size_t i = 0; i < members.size(); ++i)
@@ -112,7 +118,8 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
             if (is_idle(d, plug.node))
                 idle += (idle.empty() ? "" : ", ") + plug.node;
             else
-                links.push_back({find_body(ids, a->source_body), find_body(ids, a->target_body)});
+                for (const int one : bodies_meant(ids, a->source_body))
+                    for (const int other : bodies_meant(ids, a->target_body)) links.push_back({one, other});
         }
     const bool collides = d.number<bool>(solver, "collisionDetection").value_or(true); // keyed: later
     for (std::size_t i = 0; i < members.size() && collides; ++i)
@@ -122,7 +129,7 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
     for (bool grows = true; grows;) {
         grows = false;
         for (const auto& [a, b] : links)
-            if (a >= 0 && b >= 0 && held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
+            if (held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
     }
     for (std::size_t i = 0; i < members.size(); ++i)
         if (!held[i] && !members[i].body.subtissue)

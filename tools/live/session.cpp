@@ -292,7 +292,8 @@ std::vector<std::string> ways_to_write(const std::string& text, const engine::Gr
     if (!c.frame) ways.push_back(engine::with_input(text, c.input, c.json));
     if (c.frame && is_keyed(before, c.input)) {
         const auto unit = engine::keys_unit(text, c.input);
-        const auto factor = unit ? engine::unit_factor(*unit, info.unit) : std::nullopt;
+        std::optional<double> factor;
+        if (unit) factor = engine::unit_factor(*unit, info.unit);
         const Json value = Json::parse(c.json);
         if (factor && value.is_number()) {
             char rounded[32]; // 1.2, not 1.2000000000000002, where that reads the same

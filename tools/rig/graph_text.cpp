@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/graph_text.h"
 
+#include "engine/diagnostics.h"
 #include "engine/format/layout.h"
-
+#include "engine/text.h"
 #include "tools/cli/json_text.h"
+#include "tools/rig/parts.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -87,14 +89,20 @@ std::string GraphText::file(const std::string& head, int start, int end, int fps
         if (items_[i].is_node) last = i;
     for (std::size_t i = 0; i < items_.size(); ++i)
         out += items_[i].is_node ? items_[i].text + (i == last ? "\n" : ",\n") : items_[i].text;
-    return engine::laid_out(out + "  }\n}\n");
+    // Comments name files and options as they were typed.
+    return engine::laid_out(engine::utf8_text(out + "  }\n}\n"));
 }
 
 std::string path_from(const std::string& folder, const std::string& file) {
     namespace fs = std::filesystem;
     const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder), to = fs::weakly_canonical(file);
     const fs::path relative = to.lexically_relative(from);
-    return (relative.empty() ? to : relative).generic_string();
+    std::string out = (relative.empty() ? to : relative).generic_string();
+    if (const std::string shown = engine::utf8_text(out); shown != out)
+        throw engine::Failure(say(engine::Severity::error, "DG164", "",
+                                  "a graph is written in UTF-8 and cannot name '" + shown + "'",
+                                  "Rename the file or folder, or convert its name to UTF-8 (convmv)."));
+    return out;
 }
 
 } // namespace sinew::rig

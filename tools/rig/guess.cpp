@@ -141,6 +141,7 @@ std::vector<double> distances(const Part& from, const Surface& to, double most) 
 
 void set_space(Rig& rig, const GuessOptions& options) {
     check_same_space(rig.parts);
+    if (auto doubt = doubt_of_scale(rig.parts)) rig.notes.push_back(std::move(*doubt));
     if (options.unit.empty())
         rig.unit = guess_unit(rig.parts);
     else if (const auto unit = unit_of(options.unit)) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/overrides.h"
 
+#include "engine/units.h"
 #include "solver/material/law.h"
 
 #include <algorithm>
@@ -16,11 +17,22 @@ namespace {
     throw std::invalid_argument("--set " + o.pattern + ":" + o.name + "=" + o.value + ": " + what);
 }
 
-double number(const Override& o, double least, bool may_be_least, double most = 1e300) {
+/// With or without a unit, if it has one: "60000", "60kPa".
+double number(const Override& o, double least, bool may_be_least, double most = 1e300, std::string_view unit = {}) {
     double out = 0;
     const char* const end = o.value.data() + o.value.size();
     const auto [at, error] = std::from_chars(o.value.data(), end, out);
-    const bool is_number = error == std::errc() && at == end;
+    bool is_number = error == std::errc() && at == end;
+    if (!unit.empty() && error == std::errc() && at != end) {
+        std::string written(at, end);
+        written.erase(0, written.find_first_not_of(' '));
+        const std::string meant = engine::unit_meant(written, unit);
+        const auto factor = engine::unit_factor(meant.empty() ? written : meant, unit);
+        if (!factor)
+            refuse(o, "'" + written + "' is no unit of it: write " + engine::usual_units(unit) + ", or a number in " +
+                          std::string(unit) + ".");
+        out *= *factor, is_number = true;
+    }
     if (!is_number || !(out > least || (may_be_least && out == least)) || out > most)
         refuse(o, "'" + o.value + "' is no number " + (may_be_least ? "from " : "above ") +
                       std::to_string(static_cast<int>(least)) +
@@ -75,13 +87,13 @@ constexpr Setting settings[] = {
     {"law", "the elastic law, zTissue.material",
      [](MuscleOptions& m, const Override& o) { m.law = one_of(o, laws()); }},
     {"youngsModulus", "stiffness [Pa]",
-     [](MuscleOptions& m, const Override& o) { m.youngs_modulus = number(o, 0, false, 1e13); }},
+     [](MuscleOptions& m, const Override& o) { m.youngs_modulus = number(o, 0, false, 1e13, "Pa"); }},
     {"tendonModulus", "stiffness where the muscle gets thin towards its ends [Pa]",
-     [](MuscleOptions& m, const Override& o) { m.tendon_modulus = number(o, 0, false, 1e13); }},
+     [](MuscleOptions& m, const Override& o) { m.tendon_modulus = number(o, 0, false, 1e13, "Pa"); }},
     {"massDensity", "mass per volume [kg/m^3]",
-     [](MuscleOptions& m, const Override& o) { m.density = number(o, 0, false); }},
+     [](MuscleOptions& m, const Override& o) { m.density = number(o, 0, false, 1e300, "kg/m^3"); }},
     {"strength", "pull of the fibres [Pa]; 0: no fibres",
-     [](MuscleOptions& m, const Override& o) { m.strength = number(o, 0, true); }},
+     [](MuscleOptions& m, const Override& o) { m.strength = number(o, 0, true, 1e300, "Pa"); }},
     {"excitation", "of the fibres, 0 to 1",
      [](MuscleOptions& m, const Override& o) { m.excitation = number(o, 0, true, 1); }},
 };

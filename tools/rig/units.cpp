@@ -197,6 +197,29 @@ void check_same_space(const std::vector<Part>& parts) {
                               "Save all meshes in one unit and one space."));
 }
 
+std::optional<engine::Diagnostic> doubt_of_scale(const std::vector<Part>& parts) {
+    std::optional<solver::Box> bones, muscles;
+    const Part* first = nullptr;
+    for (const Part& part : parts) {
+        std::optional<solver::Box>& all = part.kind == Kind::bone ? bones : muscles;
+        all = all ? joined(*all, part.box) : part.box;
+        if (part.kind != Kind::bone && !first) first = &part;
+    }
+    if (!bones || !muscles) return {};
+    constexpr double tiny = 0.12; // of the bones: a muscle goes from one to another
+    const double ratio = muscles->size().norm() / bones->size().norm();
+    if (!(ratio < tiny)) return {};
+    for (const double factor : {10.0, 100.0, 1000.0})
+        if (const double then = factor * ratio;
+            then > 0.2 && then < 2 && apart(scaled(*muscles, factor), *bones) < 0.05)
+            return say(Severity::warning, "DG152", first->name,
+                       "the muscles are " + rough(100 * ratio) +
+                           " % as large as the bones, among which they would be " + rough(factor) +
+                           " times larger, too: they seem to be in another unit",
+                       "Save all meshes in one unit and one space.");
+    return {};
+}
+
 Up guess_up(const std::vector<Part>& parts) {
     solver::Box all = parts.front().box;
     for (const Part& part : parts) all = joined(all, part.box);

@@ -33,6 +33,10 @@ std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, 
 /// among them mirrored.
 void check_same_space(const std::vector<Part>& parts);
 
+/// A warning (DG152) if all muscles together are tiny beside the bones, among which they would still be ten, a hundred
+/// or a thousand times larger: such a muscle lies inside a bone, where it is near to what it is attached to.
+std::optional<engine::Diagnostic> doubt_of_scale(const std::vector<Part>& parts);
+
 struct Up {
     char axis = 'y'; ///< 'y' or 'z'
     std::string how_known;
