@@ -189,9 +189,10 @@ TEST_CASE("new rig: muscles in cm on bones in mm, which they lie within, are dou
     write_text(rig.muscles + "/biceps.obj", spindle(0.8, 29.2, 2.5));
     const Said said = rig.make({"--force"});
     INFO(said.err);
-    CHECK(has(said.err,
-              "warning [DG152] biceps: the muscles are 8.91 % as large as the bones, among which they would be 10 times "
-              "larger, too"));
+    CHECK(
+        has(said.err,
+            "warning [DG152] biceps: the muscles are 8.91 % as large as the bones, among which they would be 10 times "
+            "larger, too"));
 }
 
 TEST_CASE("new rig: what stands in the way is said, and no file is written", "[tools][rig]") {

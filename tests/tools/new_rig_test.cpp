@@ -130,7 +130,8 @@ TEST_CASE("new rig: the graph of an arm is right and runs, its bones moved by a 
     INFO(made.err);
     REQUIRE(made.code == 0);
     CHECK(made.out.find("biceps") != std::string::npos);
-    CHECK(made.err.empty()); // nothing that it is not sure of
+    // Nothing that it is not sure of; on a busy machine it says what takes so long.
+    CHECK((made.err.empty() || made.err == "looking at the meshes\n"));
     const Said checked = run_program({"check", graph, "--no-cache", "--json"});
     CHECK(checked.code == 0);
     CHECK(checked.lines().size() == 1); // no warnings
