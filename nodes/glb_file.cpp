@@ -4,6 +4,7 @@
 #include "nodes/json_file.h"
 #include "solver/error.h"
 
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <string>
@@ -26,6 +27,22 @@ std::uint32_t word(std::string_view bytes, std::size_t at) {
 
 } // namespace
 
+std::size_t whole(const nlohmann::json& number, std::string_view name) {
+    // 3.0 is as good as 3.
+    if (const double* v = number.get_ptr<const double*>(); v && *v >= 0 && *v < 9e15 && *v == std::floor(*v))
+        return static_cast<std::size_t>(*v);
+    if (!number.is_number_unsigned()) {
+        const std::string found = number.is_primitive() ? number.dump(-1, ' ', true).substr(0, 40) : number.type_name();
+        fail(std::string(name) + " is no whole number from 0 on: " + found);
+    }
+    return number.get<std::size_t>();
+}
+
+std::size_t whole(const nlohmann::json& object, const char* key, std::size_t otherwise) {
+    const auto found = object.find(key);
+    return found == object.end() ? otherwise : whole(*found, key);
+}
+
 GlbFile::GlbFile(std::string_view bytes) {
     if (bytes.size() < 12 || word(bytes, 0) != magic) fail("the file does not begin with glTF");
     if (word(bytes, 4) != 2) fail("it is of version " + std::to_string(word(bytes, 4)) + "; version 2 can be read");
@@ -46,18 +63,20 @@ GlbFile::GlbFile(std::string_view bytes) {
 GlbNumbers GlbFile::numbers(std::size_t accessor, std::string_view type, std::size_t width) const {
     const nlohmann::json& a = document_.at("accessors").at(accessor);
     const std::string name = "accessor " + std::to_string(accessor);
-    if (a.contains("sparse") || !a.contains("bufferView")) throw Error("IO404", name + " is sparse", "save it without");
-    const nlohmann::json& view = document_.at("bufferViews").at(a.at("bufferView").get<std::size_t>());
-    const auto buffer = view.at("buffer").get<std::size_t>();
+    if (a.contains("sparse")) throw Error("IO404", name + " is sparse", "save it without");
+    if (!a.contains("bufferView"))
+        throw Error("IO404", name + " has no bufferView, so all its numbers are 0", "save it with its numbers");
+    const nlohmann::json& view = document_.at("bufferViews").at(whole(a.at("bufferView"), "bufferView"));
+    const auto buffer = whole(view.at("buffer"), "buffer");
     if (buffer != 0 || document_.at("buffers").at(0).contains("uri"))
         throw Error("IO404", "its numbers lie in another file", "save it as one .glb");
     GlbNumbers n{};
-    n.component = a.at("componentType").get<std::size_t>();
+    n.component = whole(a.at("componentType"), "componentType");
     n.size = n.component == 5121 ? 1 : n.component == 5123 ? 2 : 4;
-    n.count = a.at("count").get<std::size_t>();
-    n.stride = view.value("byteStride", n.size * width);
-    const auto start = view.value("byteOffset", std::size_t{0}), length = view.at("byteLength").get<std::size_t>();
-    const auto offset = a.value("byteOffset", std::size_t{0});
+    n.count = whole(a.at("count"), "count");
+    n.stride = whole(view, "byteStride", n.size * width);
+    const auto start = whole(view, "byteOffset", 0), length = whole(view.at("byteLength"), "byteLength");
+    const auto offset = whole(a, "byteOffset", 0);
     if (a.at("type") != type) fail(name + " is not of type " + std::string(type));
     const bool fits =
         start <= binary_.size() && length <= binary_.size() - start && offset <= length && n.stride >= n.size * width &&

@@ -15,6 +15,12 @@ struct GlbNumbers {
     std::size_t size;          ///< of a component [bytes]
 };
 
+/// A count or an index of the description, which JSON may spell as anything: solver::Error IO403 where it is no whole
+/// number from 0 on. `name`: what it is, for the message.
+std::size_t whole(const nlohmann::json& number, std::string_view name);
+/// The same of a key of an object that may be missing.
+std::size_t whole(const nlohmann::json& object, const char* key, std::size_t otherwise);
+
 class GlbFile {
   public:
     /// Reads the chunks of `bytes`, which must outlive this. Throws solver::Error IO403 with the reason, without the

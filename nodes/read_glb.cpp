@@ -34,9 +34,9 @@ class GlbReader {
         const Json& scenes = document_.value("scenes", Json::array());
         if (scenes.empty()) fail("it has no scene");
         seen_.assign(document_.value("nodes", Json::array()).size(), 0);
-        const Json& scene = scenes.at(document_.value("scene", std::size_t{0}));
+        const Json& scene = scenes.at(whole(document_, "scene", 0));
         for (const Json& node : scene.value("nodes", Json::array()))
-            visit(node.get<std::size_t>(), Motion::Identity(), 0);
+            visit(whole(node, "a node of the scene"), Motion::Identity(), 0);
         return solver::SurfaceMesh::from_triangles(std::move(welder_.points), std::move(triangles_));
     }
 
@@ -63,12 +63,12 @@ class GlbReader {
         if (depth > most_depth || seen_.at(index)++) fail("its nodes are no tree");
         const Motion here = above * motion_of(node);
         if (node.contains("mesh")) {
-            const Json& mesh = document_.at("meshes").at(node.at("mesh").get<std::size_t>());
+            const Json& mesh = document_.at("meshes").at(whole(node.at("mesh"), "mesh"));
             for (const Json& primitive : mesh.at("primitives"))
                 take(primitive, node.contains("skin") ? Motion(Motion::Identity()) : here);
         }
         for (const Json& child : node.value("children", Json::array()))
-            visit(child.get<std::size_t>(), here, depth + 1);
+            visit(whole(child, "a child of a node"), here, depth + 1);
     }
 
     void take_on(std::size_t count) {
@@ -101,7 +101,7 @@ class GlbReader {
             for (std::size_t i = 0; i < vertex_count; ++i) out.push_back(i);
             return out;
         }
-        const GlbNumbers p = glb_.numbers(primitive.at("indices").get<std::size_t>(), "SCALAR", 1);
+        const GlbNumbers p = glb_.numbers(whole(primitive.at("indices"), "indices"), "SCALAR", 1);
         if (p.component != 5121 && p.component != 5123 && p.component != 5125) fail("indices are no whole numbers");
         take_on(p.count);
         for (std::size_t i = 0; i < p.count; ++i) {
@@ -116,10 +116,10 @@ class GlbReader {
     }
 
     void take(const Json& primitive, const Motion& motion) {
-        const int mode = primitive.value("mode", 4);
+        const std::size_t mode = whole(primitive, "mode", 4);
         if (mode < 4) return; // points and lines
         if (mode > 6) fail("a primitive has mode " + std::to_string(mode));
-        const std::vector<int> v = vertices(primitive.at("attributes").at("POSITION").get<std::size_t>(), motion);
+        const std::vector<int> v = vertices(whole(primitive.at("attributes").at("POSITION"), "POSITION"), motion);
         const std::vector<std::size_t> c = corners(primitive, v.size());
         const bool turned = motion.topLeftCorner<3, 3>().determinant() < 0; // mirrored: the other way round
         const auto add = [&](std::size_t i, std::size_t j, std::size_t k) {
