@@ -38,13 +38,13 @@ class Parser {
         throw Stop{};
     }
 
-    /// What ends neither a list nor an object, nor goes on with it, but may begin what comes next.
     /// "12 kPa" where that stands without quotes and the letters are what is next; else empty.
     std::string number_with_unit() const {
         constexpr std::size_t most = 16; // letters
         std::size_t end = at_;
         while (end < text_.size() && end - at_ <= most &&
-               (std::isalnum(static_cast<unsigned char>(text_[end])) || std::string_view("%/^*-").find(text_[end]) < 5))
+               (std::isalnum(static_cast<unsigned char>(text_[end])) ||
+                std::string_view("%/^*-").find(text_[end]) != std::string_view::npos))
             ++end;
         std::size_t last = at_;
         while (last > 0 && text_[last - 1] == ' ') --last;
@@ -59,6 +59,7 @@ class Parser {
         return std::string(text_.substr(begin, last - begin)) + " " + unit;
     }
 
+    /// What ends neither a list nor an object, nor goes on with it, but may begin what comes next.
     [[noreturn]] void no_comma(bool in_list) {
         constexpr std::size_t most = 40; // of a text that is shown
         std::string next, cure;
@@ -179,6 +180,13 @@ class Parser {
         stop("expected a value, " + found());
     }
 
+    /// Goes past a letter if that is next.
+    bool skip(char c) {
+        if (!more() || text_[at_] != c) return false;
+        ++at_;
+        return true;
+    }
+
     bool word(std::string_view w) {
         if (text_.substr(at_, w.size()) != w) return false;
         at_ += w.size();
@@ -189,10 +197,7 @@ class Parser {
         Json::List out;
         ++at_;
         space();
-        if (more() && text_[at_] == ']') {
-            ++at_;
-            return out;
-        }
+        if (skip(']')) return out;
         const std::size_t pointer_size = pointer_.size();
         while (true) {
             pointer_ += '/';
@@ -200,10 +205,7 @@ class Parser {
             out.push_back(value(depth + 1));
             pointer_.resize(pointer_size);
             space();
-            if (more() && text_[at_] == ']') {
-                ++at_;
-                return out;
-            }
+            if (skip(']')) return out;
             if (!more() || text_[at_] != ',') no_comma(true);
             ++at_;
             space();
@@ -216,10 +218,7 @@ class Parser {
         std::unordered_map<std::string, std::size_t> seen; // where each key stands
         ++at_;
         space();
-        if (more() && text_[at_] == '}') {
-            ++at_;
-            return out;
-        }
+        if (skip('}')) return out;
         const std::size_t pointer_size = pointer_.size();
         while (true) {
             space();
@@ -241,10 +240,7 @@ class Parser {
             pointer_.resize(pointer_size);
             out.push_back(std::move(m));
             space();
-            if (more() && text_[at_] == '}') {
-                ++at_;
-                return out;
-            }
+            if (skip('}')) return out;
             if (!more() || text_[at_] != ',') no_comma(false);
             ++at_;
         }
@@ -341,10 +337,7 @@ class Parser {
         while (true) {
             if (!more()) stop("a string is not closed");
             const char c = text_[at_];
-            if (c == '"') {
-                ++at_;
-                return out;
-            }
+            if (skip('"')) return out;
             if (static_cast<unsigned char>(c) < 0x20) stop("a string holds a control character or a line break");
             if (c == '\\') {
                 ++at_;

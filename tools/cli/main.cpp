@@ -94,7 +94,6 @@ ExitCode tell_no_thread(const std::string& name) {
 }
 
 ExitCode tell_bug(const std::string& name, const std::exception& e) {
-    if (is_of_threads(e)) return tell_no_thread(name);
     std::cerr << name << ": internal error: " << e.what() << "\nThis is a bug in Sinew; please report it.\n";
     return internal_error;
 }
@@ -141,7 +140,7 @@ ExitCode run(const Command& command, const std::vector<std::string>& words, std:
         if (e.code() != std::errc::resource_unavailable_try_again) return tell_bug(name, e);
         return tell_no_thread(name);
     } catch (const std::exception& e) {
-        return tell_bug(name, e);
+        return is_of_threads(e) ? tell_no_thread(name) : tell_bug(name, e);
     }
 }
 

@@ -4,6 +4,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
 #include "tools/doubts/kinds.h"
+#include "tools/embed/graph_walk.h"
 
 #include <algorithm>
 
@@ -66,6 +67,8 @@ void doubt_inside_out(Doubting& d, const Member& m) {
 void doubt_moving_mesh(Doubting& d, const std::string& body) {
     const engine::Timing& timing = d.graph().timing();
     for (const engine::Plug& plug : d.plugs(body, "mesh")) {
+        // Nothing is simulated for a doubt.
+        if (!embed::simulations(d.graph(), embed::upstream_of(d.graph(), {plug.node})).empty()) continue;
         const auto first = d.value<nodes::Mesh>(plug);
         if (!first) continue;
         // Halfway as well: what comes back at the end has moved, too.

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/overrides.h"
 
+#include "engine/format/typed_text.h"
 #include "engine/units.h"
 #include "solver/material/law.h"
 
 #include <algorithm>
 #include <cctype>
-#include <charconv>
 #include <stdexcept>
 
 namespace sinew::rig {
@@ -19,20 +19,18 @@ namespace {
 
 /// With or without a unit, if it has one: "60000", "60kPa".
 double number(const Override& o, double least, bool may_be_least, double most = 1e300, std::string_view unit = {}) {
-    double out = 0;
-    const char* const end = o.value.data() + o.value.size();
-    const auto [at, error] = std::from_chars(o.value.data(), end, out);
-    bool is_number = error == std::errc() && at == end;
-    if (!unit.empty() && error == std::errc() && at != end) {
-        std::string written(at, end);
-        written.erase(0, written.find_first_not_of(' '));
-        const std::string meant = engine::unit_meant(written, unit);
-        const auto factor = engine::unit_factor(meant.empty() ? written : meant, unit);
+    const auto read = engine::parse_quantity(o.value);
+    double out = read ? read->number : 0;
+    const bool has_unit = read && !unit.empty() && !read->unit.empty();
+    if (has_unit) {
+        const std::string meant = engine::unit_meant(read->unit, unit);
+        const auto factor = engine::unit_factor(meant.empty() ? read->unit : meant, unit);
         if (!factor)
-            refuse(o, "'" + written + "' is no unit of it: write " + engine::usual_units(unit) + ", or a number in " +
-                          std::string(unit) + ".");
-        out *= *factor, is_number = true;
+            refuse(o, "'" + read->unit + "' is no unit of it: write " + engine::usual_units(unit) +
+                          ", or a number in " + std::string(unit) + ".");
+        out *= *factor;
     }
+    const bool is_number = read && (has_unit || read->unit.empty());
     if (!is_number || !(out > least || (may_be_least && out == least)) || out > most)
         refuse(o, "'" + o.value + "' is no number " + (may_be_least ? "from " : "above ") +
                       std::to_string(static_cast<int>(least)) +
