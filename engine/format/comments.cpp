@@ -49,4 +49,10 @@ std::vector<CommentOwner> comment_owners(std::string_view text, const std::vecto
     return out;
 }
 
+bool is_nothing_but_comments(std::string text, const std::vector<JsonComment>& comments) {
+    for (const JsonComment& c : comments)
+        std::fill_n(text.begin() + static_cast<std::ptrdiff_t>(c.begin), c.end - c.begin, ' ');
+    return !comments.empty() && text.find_first_not_of("\xEF\xBB\xBF \t\r\n") == std::string::npos;
+}
+
 } // namespace sinew::engine

@@ -28,4 +28,7 @@ struct CommentOwner {
 std::vector<CommentOwner> comment_owners(std::string_view text, const std::vector<JsonComment>& comments,
                                          const std::vector<Anchor>& anchors);
 
+/// Whether a file holds comments and beside them blanks alone.
+bool is_nothing_but_comments(std::string text, const std::vector<JsonComment>& comments);
+
 } // namespace sinew::engine

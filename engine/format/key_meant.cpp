@@ -41,7 +41,8 @@ bool is_known(std::string_view key, Level level) {
 std::span<const std::string> keys_of(Level level) {
     static const std::vector<std::string> document{"$schema",  "format", "comment", "timing",
                                                    "includes", "nodes",  "editor"},
-        timing{"fps", "start", "end"}, node{"type", "comment", "inputs"}, include{"file", "comment", "overrides"};
+        timing{"fps", "start", "end", "comment"}, node{"type", "comment", "inputs"},
+        include{"file", "comment", "overrides"};
     switch (level) {
     case Level::document:
         return document;

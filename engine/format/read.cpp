@@ -60,7 +60,7 @@ class GraphReader {
     Part read() {
         Part out;
         JsonDocument doc = parse_json(source_->text);
-        if (!doc.problems.empty() && !doc.comments.empty() && is_nothing_but(doc.comments)) {
+        if (!doc.problems.empty() && is_nothing_but_comments(source_->text, doc.comments)) {
             problem("DG004", 0, "", {}, {}, "there is nothing but comments in the file",
                     "write { \"format\": … } below them");
             doc.problems.clear();
@@ -108,13 +108,6 @@ class GraphReader {
         return problems_.back();
     }
 
-    bool is_nothing_but(const std::vector<JsonComment>& comments) const {
-        std::string rest = source_->text;
-        for (const JsonComment& c : comments)
-            std::fill_n(rest.begin() + static_cast<std::ptrdiff_t>(c.begin), c.end - c.begin, ' ');
-        return rest.find_first_not_of("\xEF\xBB\xBF \t\r\n") == std::string::npos;
-    }
-
     /// \param inputs of the node's type, for keys of a node
     void unknown_keys(const Json::Object& object, Level level, const std::string& pointer, std::string_view node,
                       std::span<const std::string> inputs = {}) {
@@ -148,7 +141,8 @@ class GraphReader {
             return;
         }
         if (!all->as<Json::Object>()) return wrong_kind(*all, "/nodes", {}, "an object, one entry a node");
-        for (const JsonMember& m : *all->as<Json::Object>()) node(m);
+        for (const JsonMember& m : *all->as<Json::Object>())
+            if (!is_comment_on("nodes", m)) node(m);
         for (const Pending& p : pending_) bindings(p);
         if (const Json* i = root.find("includes")) overrides(*i);
         if (!is_outermost_) return; // who includes it may connect what is missing here
@@ -160,6 +154,14 @@ class GraphReader {
             const auto spot = graph_.spot(first);
             problem("DG030", 0, "", first, {}, "connections form a cycle: " + cycle).spot = spot;
         }
+    }
+
+    /// Of all nodes or all includes, where no object can be meant: a node or a prefix may be called "comment".
+    bool is_comment_on(const char* list, const JsonMember& m) {
+        if (m.key != "comment" || m.value.as<Json::Object>()) return false;
+        anchors_.push_back({m.key_begin, m.value.end, std::string::npos, "", list});
+        graph_.remarks_[list].json = raw(m.value);
+        return true;
     }
 
     std::string raw(const Json& json) const { return source_->text.substr(json.begin, json.end - json.begin); }
@@ -201,6 +203,7 @@ class GraphReader {
         const auto* object = json.as<Json::Object>();
         if (!object) return wrong_kind(json, "/timing", {}, "an object");
         unknown_keys(*object, Level::timing, "/timing", {});
+        if (const Json* comment = json.find("comment")) graph_.remarks_["timing"].json = raw(*comment);
         const auto number = [&](const char* key, bool whole, double fallback) {
             const Json* j = json.find(key);
             if (!j) return fallback;
@@ -246,14 +249,9 @@ class GraphReader {
         const auto* name = type ? type->as<std::string>() : nullptr;
         if (!name) {
             const JsonMember* meant = meant_as(m.value, "type", Level::node);
-            problem("DG008",
-                    type    ? type->begin
-                    : meant ? meant->key_begin
-                            : m.key_begin,
-                    pointer + (type    ? "/type"
-                               : meant ? pointer_token(meant->key)
-                                       : ""),
-                    m.key, {}, "a node needs a \"type\" in quotes",
+            const std::size_t at = type ? type->begin : meant ? meant->key_begin : m.key_begin;
+            const std::string below = type ? "/type" : meant ? pointer_token(meant->key) : "";
+            problem("DG008", at, pointer + below, m.key, {}, "a node needs a \"type\" in quotes",
                     meant ? "write \"type\" instead of " + json_quoted(meant->key) : "");
             return;
         }
@@ -315,6 +313,7 @@ class GraphReader {
     void includes(const Json& json, const Json* nodes) {
         if (!json.as<Json::Object>()) return wrong_kind(json, "/includes", {}, "an object, one entry a prefix");
         for (const JsonMember& m : *json.as<Json::Object>()) {
+            if (is_comment_on("includes", m)) continue;
             std::string fault;
             if (m.key.empty())
                 fault = "the nodes of an included graph need a prefix";
@@ -322,7 +321,8 @@ class GraphReader {
                 fault = "the prefix holds a dot, which separates it from the node";
             else if (!name_fault(m.key).empty())
                 fault = "the prefix holds a control character";
-            else if (nodes && nodes->find(m.key))
+            else if (const Json* node = nodes ? nodes->find(m.key) : nullptr;
+                     node && (m.key != "comment" || node->as<Json::Object>()))
                 fault = "there is a node of this name, too";
             if (!fault.empty())
                 problem("DG131", m.key_begin, "/includes" + pointer_token(m.key), m.key, {}, fault,

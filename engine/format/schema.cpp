@@ -67,6 +67,9 @@ Tree with_comment(Tree properties, std::vector<std::string> required) {
     return object(std::move(properties), std::move(required));
 }
 
+/// The key "comment" of a list by name: one of what it lists may be called so, anything else is a comment.
+Tree comment_or(const Tree& listed) { return {{"comment", {{"if", {{"type", "object"}}}, {"then", listed}}}}; }
+
 Tree input(const AttributeInfo& a) {
     const Tree connection = {{"$ref", "#/$defs/connection"}};
     std::string doc(a.doc);
@@ -140,10 +143,12 @@ Tree includes_definition() {
     const Tree file = {{"type", "string"},
                        {"minLength", 1},
                        {"description", "The graph file to include; its path starts at this file's folder."}};
+    const Tree include = with_comment({{"file", file}, {"overrides", overrides}}, {"file"});
     return {{"type", "object"},
             {"description", "Other graphs, each under a prefix: their node \"biceps\" is \"prefix.biceps\" here."},
+            {"properties", comment_or(include)},
             {"propertyNames", {{"pattern", "^[^.]+$"}}},
-            {"additionalProperties", with_comment({{"file", file}, {"overrides", overrides}}, {"file"})}};
+            {"additionalProperties", include}};
 }
 
 } // namespace
@@ -161,22 +166,22 @@ std::string graph_schema(const Registry& registry) {
     // The choice by type keeps an editor's messages to the one type that was meant.
     Tree any_node = {{"type", "object"}, {"required", {"type"}}};
     if (!types.empty()) any_node["oneOf"] = types;
-    const Tree timing = {{"type", "object"},
-                         {"description", "Frames of a run; those of included graphs do not count."},
-                         {"properties",
-                          {{"fps", {{"type", "number"}, {"minimum", 0.001}, {"maximum", 1e6}, {"default", 24}}},
-                           {"start", {{"type", "integer"}, {"default", 1}}},
-                           {"end", {{"type", "integer"}, {"description", "The last frame; default: the first."}}}}},
-                         {"additionalProperties", false}};
-    Tree root = with_comment(
-        {{"$schema", {{"type", "string"}}},
-         {"format", {{"const", "sinew " + std::to_string(current_format)}}},
-         {"timing", timing},
-         {"includes", includes_definition()},
-         {"nodes",
-          {{"type", "object"}, {"propertyNames", {{"pattern", "^[^.]+$"}}}, {"additionalProperties", any_node}}},
-         {"editor", {{"type", "object"}}}},
-        {"format", "nodes"});
+    const Tree numbers = {{"fps", {{"type", "number"}, {"minimum", 0.001}, {"maximum", 1e6}, {"default", 24}}},
+                          {"start", {{"type", "integer"}, {"default", 1}}},
+                          {"end", {{"type", "integer"}, {"description", "The last frame; default: the first."}}}};
+    Tree timing = with_comment(numbers, {});
+    timing["description"] = "Frames of a run; those of included graphs do not count.";
+    Tree root = with_comment({{"$schema", {{"type", "string"}}},
+                              {"format", {{"const", "sinew " + std::to_string(current_format)}}},
+                              {"timing", timing},
+                              {"includes", includes_definition()},
+                              {"nodes",
+                               {{"type", "object"},
+                                {"properties", comment_or(any_node)},
+                                {"propertyNames", {{"pattern", "^[^.]+$"}}},
+                                {"additionalProperties", any_node}}},
+                              {"editor", {{"type", "object"}}}},
+                             {"format", "nodes"});
     Tree out = {{"$schema", "https://json-schema.org/draft/2020-12/schema"}, {"title", "Sinew graph"}};
     out.update(root);
     out["$defs"] = definitions;

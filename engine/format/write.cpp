@@ -168,10 +168,17 @@ std::string write_graph(const Graph& graph) {
     own("$schema");
     member("format", json_quoted("sinew " + std::to_string(current_format)));
     own("comment");
+    const auto comment_on = [&](std::string_view key) -> const std::string& {
+        return remark_of(graph.remarks(), key).json;
+    };
+    const auto begin_list = [&](std::string_view key) {
+        return comment_on(key).empty() ? std::string() : "\n    \"comment\": " + comment_on(key);
+    };
     member("timing", "{ \"fps\": " + number_text(t.fps) + ", \"start\": " + std::to_string(t.start) +
-                         ", \"end\": " + std::to_string(t.end) + " }");
+                         ", \"end\": " + std::to_string(t.end) +
+                         (comment_on("timing").empty() ? "" : ", \"comment\": " + comment_on("timing")) + " }");
     const std::string folder = folder_of(graph.file());
-    std::string includes;
+    std::string includes = begin_list("includes");
     for (const auto& [prefix, include] : graph.includes())
         includes += (includes.empty() ? "" : ",") + lines_of(include->remark.lines, "    ") + "\n    " +
                     json_quoted(prefix) + ": " + include_text(graph, prefix, *include, folder);
@@ -179,7 +186,7 @@ std::string write_graph(const Graph& graph) {
         includes += lines_of(remark_of(graph.remarks(), "includes").last, "    ");
         member("includes", "{" + includes + "\n  }");
     }
-    std::string nodes;
+    std::string nodes = begin_list("nodes");
     for (const std::string& name : graph.node_names()) {
         if (is_included(name)) continue;
         const Node& n = *graph.find(name);

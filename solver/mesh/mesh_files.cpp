@@ -67,10 +67,7 @@ Error unknown_ending(const std::string& path, const std::string& ending, const s
     if (ending.empty())
         return Error("IO404", path + ": its name has no ending, which tells how it is to be read",
                      "give it the one that it is: " + known);
-    // What other programs keep scenes in.
-    constexpr std::string_view scenes[] = {".gltf",  ".fbx", ".dae", ".abc", ".usd", ".usda", ".usdc", ".usdz",
-                                           ".blend", ".ma",  ".mb",  ".3ds", ".max", ".c4d",  ".hip"};
-    const bool is_scene = std::find(std::begin(scenes), std::end(scenes), ending) != std::end(scenes);
+    const bool is_scene = is_scene_ending(ending);
     return Error("IO404", path + ": '" + ending + "' is not " + what + " that can be read",
                  std::string(is_scene ? "export it from the program that it is of; " : "use ") + known +
                      (is_scene ? " can be read" : ""));
@@ -109,6 +106,12 @@ TetMesh finish_tets(const std::string& file, Points vertices, std::vector<Tet> t
         check_and_orient(mesh);
         return mesh;
     });
+}
+
+bool is_scene_ending(std::string_view ending) {
+    constexpr std::string_view scenes[] = {".gltf",  ".fbx", ".dae", ".abc", ".usd", ".usda", ".usdc", ".usdz",
+                                           ".blend", ".ma",  ".mb",  ".3ds", ".max", ".c4d",  ".hip"};
+    return std::find(std::begin(scenes), std::end(scenes), ending) != std::end(scenes);
 }
 
 std::vector<std::string> surface_endings() {

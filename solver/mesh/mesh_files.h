@@ -23,6 +23,8 @@ TetMesh read_tets(const std::string& node_path, const std::string& ele_path);
 /// The endings that they know, lower case with the dot.
 std::vector<std::string> surface_endings();
 std::vector<std::string> tet_endings();
+/// What other programs keep scenes in, which is not read.
+bool is_scene_ending(std::string_view ending);
 /// The same from the bytes of a file; the ending of `path` tells the format, messages begin with `path`.
 SurfaceMesh parse_surface(std::string_view bytes, const std::string& path);
 TetMesh parse_tets(std::string_view bytes, const std::string& path); ///< IO404 for .node and .ele

@@ -221,6 +221,7 @@ TEST_CASE("comments are kept beside what they belong to and change nothing else"
   "$schema": "graph.schema.json",
   "format": "sinew 1", // behind a value
   "comment": ["what", { "people": "like" }],
+  "timing": { "comment": "one frame" },
   "nodes": {
     // of a node
     "a": { /* of its type */ "type": "number", "comment": "a number", "inputs": {
@@ -233,6 +234,7 @@ TEST_CASE("comments are kept beside what they belong to and change nothing else"
       } }, // behind the node
     "odd": { "type": "strange", /* kept */ "inputs": {} },
     "r": { "type": "relay", "inputs": { "in": { "from": "a.out", "comment": 4 } } },
+    "comment": ["of", "all"], // what follows
     "s": { "type": "sum", "inputs": { "terms": [ { "from": "a.out" }, // first
       { "from": "r.out" } ] } }
     // "b": { "type": "number" }
@@ -246,8 +248,10 @@ TEST_CASE("comments are kept beside what they belong to and change nothing else"
   // behind a value
   "format": "sinew 1",
   "comment": ["what", { "people": "like" }],
-  "timing": { "fps": 24, "start": 1, "end": 1 },
+  "timing": { "fps": 24, "start": 1, "end": 1, "comment": "one frame" },
+  // what follows
   "nodes": {
+    "comment": ["of", "all"],
     // of a node
     /* of its type */
     // "mode": "double"
@@ -303,4 +307,10 @@ TEST_CASE("comments that are none and where a comment key cannot be kept") {
           "DG025 expected a connection, found an object | write { \"from\": \"n.out\" }");
     CHECK(answer("{\"format\": \"sinew 1\", \"coment\": 1, \"nodes\": {}}") ==
           "DG007 unknown key \"coment\" | did you mean \"comment\"?");
+    // A node may be called so.
+    CHECK(
+        answer("{\"format\": \"sinew 1\", \"nodes\": {\"comment\": {\"type\": \"number\"}, \"s\": {\"type\": \"sum\", "
+               "\"inputs\": {\"terms\": [{\"from\": \"comment.out\"}]}}}}") == "taken");
+    CHECK(answer("{\"format\": \"sinew 1\", \"nodes\": {\"comment\": {\"inputs\": {}}}}") ==
+          "DG008 a node needs a \"type\" in quotes");
 }

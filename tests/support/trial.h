@@ -92,11 +92,27 @@ struct Trial {
             potential.begin_step(before, t.in);
             potential.begin_stage(before, form, t.state.bones);
         }
+        /// Small forces that Newton's exact step, made anew and taken whole, does not halve are rounding's.
         bool is_in_balance(const Trial& t) {
             std::vector<double> gradient;
             std::vector<BodyForces> forces;
+            const double tolerance = 1e-6 * t.in.tolerance_factor;
             potential.evaluate(t.state.x, &gradient, &forces);
-            return potential.balance(t.state.x, forces, 1e-6 * t.in.tolerance_factor).reached;
+            const Balance here = potential.balance(t.state.x, forces, tolerance);
+            if (here.reached || here.residual > 1e-4) return here.reached;
+            BlockMatrix hessian(potential.pattern());
+            potential.assemble(t.state.x, false, hessian);
+            ComponentFactors factors(potential.pattern());
+            if (!factors.factorize(hessian)) return false;
+            std::vector<double> step(gradient.size());
+            factors.solve(gradient.data(), step.data());
+            Positions there = t.state.x;
+            const std::vector<int>& vertex_of = potential.numbering().vertex_of_unknown;
+            for (std::size_t u = 0; u < vertex_of.size(); ++u)
+                for (std::size_t d = 0; d < 3; ++d)
+                    there[3 * static_cast<std::size_t>(vertex_of[u]) + d] -= step[3 * u + d];
+            potential.evaluate(there, &gradient, &forces);
+            return potential.balance(there, forces, tolerance).residual > 0.5 * here.residual;
         }
         bool is_minimum(const Trial& t) {
             BlockMatrix hessian(potential.pattern());

@@ -326,6 +326,13 @@ TEST_CASE("run doubts frames outside of the graph's timing", "[tools]") {
           "recorded may not be meant for them\n  hint: run --frames 2-4, or change timing.start and "
           "timing.end in the graph\n");
     CHECK(said("5").starts_with("warning [FE333] frame 5 lies outside of the graph's timing, 2 to 4"));
+    const Said shot = run_program({"snapshot", write_graph(folder, graph), "--no-cache", "--frames", "5", "--output",
+                                   (folder.path() / "shot.png").string()});
+    CHECK(shot.code == 0);
+    CHECK(shot.err.starts_with(
+        "warning [FE333] frame 5 lies outside of the graph's timing, 2 to 4: what is keyed and recorded may "
+        "not be meant for it\n  hint: snapshot --frames 2-4, or change timing.start and timing.end in the "
+        "graph\n"));
 }
 
 TEST_CASE("check names the bone that is attached to but none of the bodies", "[tools]") {

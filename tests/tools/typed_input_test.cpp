@@ -65,6 +65,10 @@ TEST_CASE("a file that is neither graph nor mesh is refused by its ending", "[to
     CHECK(has(said.err, "error [IO404]"));
     CHECK(has(said.err, "'.fbx' is not a surface format that can be read"));
     CHECK(has(said.err, "hint: export it from the program that it is of; .obj, "));
+    const Said scene = run_program({"check", put(folder, "body.gltf", R"({"asset": {"version": "2.0"}})")});
+    CHECK(scene.code == 1);
+    CHECK(has(scene.err,
+              "body.gltf: '.gltf' is not a surface format that can be read\n  hint: export it from the program"));
     const Said bare = run_program({"check", put(folder, "body", "solid")});
     CHECK(bare.code == 1);
     CHECK(has(

@@ -184,25 +184,8 @@ class Run {
                                    doubts::Look::in_passing, in_.stop, failures);
     }
 
-    /// A graph of a single frame says nothing of how long it is.
     void warn_of_timing() {
-        const engine::Timing& timing = plan_.graph->timing();
-        if (plan_.frames.empty() || timing.start == timing.end) return;
-        std::vector<int> outside;
-        for (const int f : plan_.frames)
-            if (f < timing.start || f > timing.end) outside.push_back(f);
-        if (outside.empty()) return;
-        engine::Diagnostic d;
-        d.severity = engine::Severity::warning;
-        d.code = "FE333";
-        const bool one = outside.size() == 1;
-        d.message = std::string(one ? "frame " : "frames ") + viewer::frame_list(outside) + (one ? " lies" : " lie") +
-                    " outside of the graph's timing, " + std::to_string(timing.start) + " to " +
-                    std::to_string(timing.end) + ": what is keyed and recorded may not be meant for " +
-                    (one ? "it" : "them");
-        d.hint = "run --frames " + std::to_string(timing.start) + "-" + std::to_string(timing.end) +
-                 ", or change timing.start and timing.end in the graph";
-        progress_.warning(d);
+        if (const auto doubt = find_timing_doubt(plan_.graph->timing(), plan_.frames, "run")) progress_.warning(*doubt);
     }
 
     void warn_of_motion() {

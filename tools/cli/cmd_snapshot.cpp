@@ -7,6 +7,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/long_task.h"
+#include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
 #include "tools/cli/read_files.h"
@@ -21,6 +22,7 @@
 #include <optional>
 #include <ostream>
 #include <set>
+#include <span>
 
 namespace sinew::cli {
 
@@ -96,6 +98,8 @@ Album album_of_graph(const Invocation& in) {
     std::vector<int> all;
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
+    if (const auto doubt = find_timing_doubt(open.graph->timing(), frames, "snapshot"))
+        print_diagnostics(std::span(&*doubt, 1), false, in.out, in.err);
     WarningCollector warnings(open.graph, *std::max_element(frames.begin(), frames.end()), false, in.err);
     engine::Evaluator evaluator(store_policy(in.arguments, *open.graph),
                                 in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);

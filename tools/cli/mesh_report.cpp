@@ -227,7 +227,8 @@ std::optional<MeshReport> report_of_file(const std::string& path, const engine::
     };
     const bool surface = is_one_of(nodes::mesh_endings());
     const bool tets = is_one_of(solver::tet_endings());
-    if (!surface && !tets && (ending == ".json" || may_be_graph(path))) return std::nullopt;
+    const bool scene = solver::is_scene_ending(ending) && std::filesystem::exists(path); // also one that is JSON
+    if (!surface && !tets && !scene && (ending == ".json" || may_be_graph(path))) return std::nullopt;
     try {
         MeshReport report;
         if (!tets) { // an ending that nobody knows is refused there, with those that are known

@@ -5,6 +5,7 @@
 #include "engine/text.h"
 #include "nodes/motion_track.h"
 #include "solver/error.h"
+#include "tools/viewer/recorder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -235,6 +236,26 @@ std::vector<Diagnostic> find_motion_doubts(const Graph& graph, const std::vector
             if (node->type->name == f.type) look_at_track(graph, name, *node, f, search);
     }
     return search.finish();
+}
+
+std::optional<Diagnostic> find_timing_doubt(const engine::Timing& timing, const std::vector<int>& frames,
+                                            const std::string& command) {
+    if (frames.empty() || timing.start == timing.end) return {};
+    std::vector<int> outside;
+    for (const int f : frames)
+        if (f < timing.start || f > timing.end) outside.push_back(f);
+    if (outside.empty()) return {};
+    Diagnostic d;
+    d.severity = engine::Severity::warning;
+    d.code = "FE333";
+    const bool one = outside.size() == 1;
+    const std::string range = std::to_string(timing.start) + " to " + std::to_string(timing.end);
+    d.message = std::string(one ? "frame " : "frames ") + viewer::frame_list(outside) + (one ? " lies" : " lie") +
+                " outside of the graph's timing, " + range + ": what is keyed and recorded may not be meant for " +
+                (one ? "it" : "them");
+    d.hint = command + " --frames " + std::to_string(timing.start) + "-" + std::to_string(timing.end) +
+             ", or change timing.start and timing.end in the graph";
+    return d;
 }
 
 } // namespace sinew::cli

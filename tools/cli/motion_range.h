@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/graph.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,5 +21,10 @@ namespace sinew::cli {
 /// \param last the last one
 std::vector<engine::Diagnostic> find_motion_doubts(const engine::Graph& graph, const std::vector<std::string>& nodes,
                                                    int first, int last);
+
+/// Warning FE333, if some of the `frames` lie outside of the graph's timing. A graph of a single frame says nothing of
+/// how long it is. The hint names the `command` that shows them.
+std::optional<engine::Diagnostic> find_timing_doubt(const engine::Timing& timing, const std::vector<int>& frames,
+                                                    const std::string& command);
 
 } // namespace sinew::cli
