@@ -15,7 +15,7 @@ namespace sinew::nodes {
 /// 3: paint holds on triangles, not only at vertices, where they are larger than the tets. 4: maps and fibre
 /// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts. 6: tets
 /// are fitted to the borders of layers. 7: fibres follow a field on smaller tets.
-constexpr int tissue_numerics = 7;
+constexpr int tissue_numerics = 8;
 
 /// What is noticed of a tissue's parts, each in the order of BodyRest::parts.
 struct FoundParts {

@@ -176,7 +176,7 @@ void add_z_iso_mesh(Registry& registry) {
     NodeType type;
     type.name = "zIsoMesh";
     // 2: doubled faces do not count for isoValue <= 0; made near the origin
-    type.numerics = 3; // sheets thinner than triangles are followed, or refused, in place of crumbs
+    type.numerics = 4; // made about the surface's middle, in its size
     type.doc = "Wraps or remeshes polygons: triangles without small angles on the surface at a distance from them.";
     type.inputs = {describe(meshes),     describe(iso_value), describe(triangle_size),
                    describe(resolution), describe(max_time),  describe(produce_manifold_mesh)};

@@ -162,6 +162,30 @@ ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowe
     return impl_->closest(p, max_distance, [&](int t) { return allowed[at(t)] != 0; });
 }
 
+std::vector<int> SurfaceTree::all_closest(const Vec3& p, double slack) const {
+    const ClosestPoint nearest = closest(p);
+    std::vector<int> found;
+    if (nearest.triangle < 0) return found;
+    const double reach2 = (nearest.distance + slack) * (nearest.distance + slack);
+    const Bvh& tree = impl_->tree;
+    int stack[64];
+    int size = 0;
+    stack[size++] = 0;
+    while (size > 0) {
+        const std::size_t n = at(stack[--size]);
+        const BvhNode& node = tree.nodes[n];
+        if (squared_distance(node, p) > reach2) continue;
+        if (node.count == 0) stack[size++] = node.first, stack[size++] = static_cast<int>(n) + 1;
+        for (int i = node.first; i < node.first + node.count; ++i) {
+            const int t = tree.order[at(i)];
+            const Vec3 place = closest_on_triangle(p, impl_->corners[at(t)], impl_->triangles[at(t)]).point;
+            if ((place - p).squaredNorm() <= reach2) found.push_back(t);
+        }
+    }
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
 double SurfaceTree::winding_number(const Vec3& p) const {
     const Bvh& tree = impl_->tree;
     if (tree.nodes.empty() || !p.allFinite()) return 0;

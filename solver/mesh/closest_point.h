@@ -28,6 +28,8 @@ class SurfaceTree {
     ClosestPoint closest(const Vec3& p, double max_distance = 1e300) const;
     /// The same, over triangles whose `allowed` flag is set. Throws Error FE204 if the count differs.
     ClosestPoint closest(const Vec3& p, const std::vector<char>& allowed, double max_distance = 1e300) const;
+    /// All triangles that come as near as the closest one, but for `slack`, in increasing order.
+    std::vector<int> all_closest(const Vec3& p, double slack) const;
     /// Generalised winding number (Jacobson 2013, fast version Barill 2018): about 1 inside, 0 outside; works
     /// on soups. Error below `winding_error`.
     double winding_number(const Vec3& p) const;

@@ -19,6 +19,8 @@ Vec3 area_vector(const Solid& solid, int triangle) {
     return 0.5 * (solid.points[at(t[1])] - a).cross(solid.points[at(t[2])] - a);
 }
 
+Vec3 unit_normal(const Solid& solid, int triangle) { return area_vector(solid, triangle).normalized(); }
+
 std::vector<Triangle> some_triangles(const Solid& solid, const std::vector<int>& numbers) {
     std::vector<Triangle> out;
     for (const int t : numbers) out.push_back(solid.triangles[at(t)]);
@@ -54,17 +56,25 @@ BorderPatch::BorderPatch(const Solid& solid, std::vector<int> triangles)
     , finder_(solid, triangles_) {}
 
 double BorderPatch::height(const Vec3& p) const {
-    const ClosestPoint nearest = tree_.closest(p);
-    if (nearest.triangle < 0) return 0;
-    const Vec3 normal = area_vector(*solid_, triangles_[at(nearest.triangle)]).normalized();
+    double sum = 0;
+    const std::vector<int> nearest = nearest_to(p);
     // From a corner of the triangle, so that a plane has the same heights wherever its closest points lie.
-    return (p - solid_->points[at(solid_->triangles[at(triangles_[at(nearest.triangle)])][0])]).dot(normal);
+    for (const int t : nearest)
+        sum += (p - solid_->points[at(solid_->triangles[at(t)][0])]).dot(unit_normal(*solid_, t));
+    return nearest.empty() ? 0 : sum / static_cast<double>(nearest.size());
 }
 
 Vec3 BorderPatch::normal(const Vec3& p) const {
-    const ClosestPoint nearest = tree_.closest(p);
-    if (nearest.triangle < 0) return Vec3::Zero();
-    return area_vector(*solid_, triangles_[at(nearest.triangle)]).normalized();
+    Vec3 sum = Vec3::Zero();
+    for (const int t : nearest_to(p)) sum += unit_normal(*solid_, t);
+    return sum.normalized();
+}
+
+/// Above an edge or a vertex rounding would choose one of several.
+std::vector<int> BorderPatch::nearest_to(const Vec3& p) const {
+    std::vector<int> nearest = tree_.all_closest(p, 1e-10 * solid_->box.size().maxCoeff());
+    for (int& t : nearest) t = triangles_[at(t)];
+    return nearest;
 }
 
 double BorderPatch::crossing(const Vec3& a, const Vec3& b) const {

@@ -12,9 +12,10 @@ using BarycentricPolygon = std::vector<Barycentric>;
 class BorderPatch {
   public:
     BorderPatch(const Solid& solid, std::vector<int> triangles);
-    /// Height above the plane of the closest triangle, which goes on where the patch ends.
+    /// Height above the plane of the closest triangle, which goes on where the patch ends; the mean of several that are
+    /// equally near.
     double height(const Vec3& p) const;
-    /// Unit normal of the closest triangle.
+    /// Unit normal of the closest triangle, or the mean direction of those of several.
     Vec3 normal(const Vec3& p) const;
     /// Where between a and b, 0 to 1, the height is zero. Those at a and b have opposite signs.
     double crossing(const Vec3& a, const Vec3& b) const;
@@ -24,6 +25,7 @@ class BorderPatch {
     BarycentricPolygon part_in_tet(const std::array<Vec3, 4>& corners, int triangle) const;
 
   private:
+    std::vector<int> nearest_to(const Vec3& p) const;
     const Solid* solid_;
     std::vector<int> triangles_;
     SurfaceTree tree_;

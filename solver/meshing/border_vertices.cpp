@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/tet_quality.h"
 #include "solver/meshing/tet_fitting.h"
+#include "solver/meshing/ties.h"
 
 #include <cmath>
 
@@ -90,7 +91,9 @@ void TetFitting::move_vertices(const BorderPatch& patch, int number) {
             if (share < near_share)
                 goals.push_back({share, vertices_[at(v)] + share * (vertices_[at(along)] - vertices_[at(v)]), along});
         }
-        std::stable_sort(goals.begin(), goals.end(), [](const Goal& a, const Goal& b) { return a.share < b.share; });
+        std::stable_sort(goals.begin(), goals.end(), [](const Goal& a, const Goal& b) {
+            return rounded_off(a.share, 1) < rounded_off(b.share, 1);
+        });
         if (!goals.empty()) {
             const Vec3 place = foot(v, patch);
             const double moved = (place - vertices_[at(v)]).norm();

@@ -2,6 +2,7 @@
 #include "solver/meshing/edge_splits.h"
 
 #include "solver/index.h"
+#include "solver/meshing/ties.h"
 
 #include <algorithm>
 #include <numeric>
@@ -14,8 +15,10 @@ EdgeSplits::EdgeSplits(std::vector<EdgeSplit> splits)
     std::sort(by_edge_.begin(), by_edge_.end(), [](const auto& a, const auto& b) { return a.edge < b.edge; });
     std::vector<int> order(by_edge_.size());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return by_edge_[at(a)].length > by_edge_[at(b)].length; });
+    double longest = 0;
+    for (const EdgeSplit& s : by_edge_) longest = std::max(longest, s.length);
+    const auto length = [&](int i) { return rounded_off(by_edge_[at(i)].length, longest); };
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return length(a) > length(b); });
     rank_.resize(order.size());
     for (std::size_t i = 0; i < order.size(); ++i) rank_[at(order[i])] = static_cast<int>(i);
 }

@@ -75,23 +75,27 @@ class Watch {
     Clock::time_point begin_;
 };
 
-/// The coordinates in which the mesh is made: near the surface's middle, the level set's size within 2^33 of 1.
-/// Far from the origin there is nothing left of the numbers' precision for circumcentres and offsets, and
-/// far from size 1 products overflow. Shifts are whole multiples of a power of two, some thousand times the size,
-/// scales whole powers of 2^64: no number is rounded, and ordinary meshes near the origin keep theirs.
+/// The coordinates in which the mesh is made: about the surface's middle, in its size. So the same surface gives the
+/// same triangles wherever it stands and in whatever unit, as far as rounding there changes it by less than the steps
+/// that coordinates are rounded to; and far from the origin or from size 1 nothing is lost or overflows.
 struct Frame {
-    Vec3 shift = Vec3::Zero();
-    int exponent = 0;
+    Vec3 middle = Vec3::Zero();
+    double size = 1;
     double farthest = 0; ///< largest coordinate, in size
 
-    double in(double length) const { return std::ldexp(length, exponent); }
+    double in(double length) const {
+        int exponent = 0;
+        const double digits = std::frexp(length / size, &exponent);
+        return std::ldexp(std::round(digits * steps), exponent) / steps;
+    }
     Vec3 in(const Vec3& p) const {
-        return (p - shift).unaryExpr([this](double x) { return in(x); });
+        return ((p - middle) / size).unaryExpr([](double x) { return std::round(x * steps) / steps; });
     }
-    double out(double length) const { return std::ldexp(length, -exponent); }
-    Vec3 out(const Vec3& p) const {
-        return Vec3(p.unaryExpr([this](double x) { return out(x); })) + shift;
-    }
+    double out(double length) const { return length * size; }
+    Vec3 out(const Vec3& p) const { return p * size + middle; }
+
+  private:
+    static constexpr double steps = 0x1p40;
 };
 
 Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {
@@ -107,9 +111,7 @@ Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, do
         throw Error("FE224", "the mesh is larger than 1e60 units", "Repair the coordinates.");
     if (size == 0) return frame; // nothing but triangles without an area, which the soup refuses
     if (size < 1e-60) throw Error("FE224", "the mesh is smaller than 1e-60 units", "Repair the coordinates.");
-    frame.exponent = -64 * static_cast<int>(std::lround(std::ilogb(size) / 64.0));
-    const double stride = std::ldexp(4096.0, std::ilogb(size));
-    for (int d = 0; d < 3; ++d) frame.shift[d] = std::round(box.centre()[d] / stride) * stride;
+    frame.middle = box.centre(), frame.size = size;
     return frame;
 }
 
@@ -216,7 +218,7 @@ SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, 
     try {
         return mesh_level_set(in);
     } catch (const Endless& endless) {
-        refuse_endless(frame.out(endless.newest), scales);
+        refuse_endless(frame.out(endless.densest), scales);
     }
 }
 

@@ -17,6 +17,7 @@
 #include <CGAL/make_surface_mesh.h>
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <unordered_map>
 
@@ -124,12 +125,16 @@ SurfaceMesherOutput extract(const Complex& complex, const SurfaceMesherInput& in
     return out;
 }
 
-Vec3 newest_vertex(const Triangulation& triangulation) {
-    auto newest = triangulation.finite_vertices_begin();
-    for (auto v = newest; v != triangulation.finite_vertices_end(); ++v)
-        if (v->time_stamp() > newest->time_stamp()) newest = v;
-    if (newest == triangulation.finite_vertices_end()) return Vec3::Zero();
-    return {newest->point().x(), newest->point().y(), newest->point().z()};
+/// The middle of the shortest edge.
+Vec3 densest_place(const Triangulation& triangulation) {
+    double shortest = std::numeric_limits<double>::infinity();
+    Point middle(0, 0, 0);
+    for (auto e = triangulation.finite_edges_begin(); e != triangulation.finite_edges_end(); ++e) {
+        const Point &a = e->first->vertex(e->second)->point(), &b = e->first->vertex(e->third)->point();
+        const double length2 = CGAL::to_double(CGAL::squared_distance(a, b));
+        if (length2 < shortest) shortest = length2, middle = CGAL::midpoint(a, b);
+    }
+    return {middle.x(), middle.y(), middle.z()};
 }
 
 } // namespace
@@ -154,7 +159,7 @@ SurfaceMesherOutput mesh_level_set(const SurfaceMesherInput& in) {
             CGAL::make_surface_mesh(complex, surface, criteria, CGAL::Non_manifold_tag(), 0);
         return extract(complex, in, seeds);
     } catch (Endless& endless) {
-        endless.newest = newest_vertex(triangulation);
+        endless.densest = densest_place(triangulation);
         throw;
     }
 }

@@ -7,9 +7,10 @@
 
 namespace sinew::solver {
 
-/// What `field` throws to end a refinement that has no end; comes out of mesh_level_set with the vertex made last.
+/// What `field` throws to end a refinement that has no end; comes out of mesh_level_set with the place where
+/// vertices are densest.
 struct Endless {
-    Vec3 newest = Vec3::Zero();
+    Vec3 densest = Vec3::Zero();
 };
 
 struct SurfaceMesherInput {

@@ -77,6 +77,24 @@ TEST_CASE("an iso mesh does not depend on the unit of length", "[iso][limits]") 
     }
 }
 
+TEST_CASE("an iso mesh has the same triangles wherever the surface stands, and in every unit", "[iso][limits]") {
+    const Shape ball = shape("ball", make_sphere(1, 24, 16));
+    const IsoMesh here = mesh_of(ball, 0.05, 0.2);
+    REQUIRE(here.triangles.size() > 500);
+    for (const double unit : {1.0, 100.0, 0.01, 39.37})
+        for (const Vec3& by : {Vec3(0, 0, 0), Vec3(0.37, 11.1, -7.7), Vec3(1.0 / 3, 100, 20)}) {
+            CAPTURE(unit, by.x());
+            Shape other = ball;
+            for (Vec3& p : other.points) p = unit * (p + by);
+            const IsoMesh there = mesh_of(other, 0.05 * unit, 0.2 * unit);
+            REQUIRE(there.triangles == here.triangles);
+            double worst = 0;
+            for (std::size_t v = 0; v < here.points.size(); ++v)
+                worst = std::max(worst, (there.points[v] / unit - by - here.points[v]).norm());
+            CHECK(worst < 1e-9);
+        }
+}
+
 TEST_CASE("sizes and places that numbers cannot hold are refused at once", "[iso][limits]") {
     const auto begin = std::chrono::steady_clock::now();
     CHECK(refusal(cube(1e70), 0, 1e69).code == "FE224");

@@ -249,6 +249,30 @@ TEST_CASE("lattices: what is solid stays, each part of it on one side", "[layers
             }
 }
 
+TEST_CASE("layers part a body into the same tets wherever it stands", "[layers]") {
+    // Symmetric, so that lattice, edges and heights tie everywhere.
+    const SurfaceMesh skin = make_cube(2.4, 0.6, 0.6, 24, 6, 6);
+    SurfaceMesh muscle = make_sphere(0.24, 24, 16);
+    for (Vec3& p : muscle.points) p.x() *= 4;
+    const Fit here(lattice_of(skin, 0.2), muscle, skin);
+    REQUIRE(here.tets.mesh.tets.size() > 2000);
+    for (const Vec3& by : {Vec3(0.1, 0, 0), Vec3(1, 2, 3), Vec3(0.37, 11.1, -7.7)}) {
+        CAPTURE(by.x());
+        SurfaceMesh there_skin = skin, there_muscle = muscle;
+        for (Vec3& p : there_skin.points) p += by;
+        for (Vec3& p : there_muscle.points) p += by;
+        const Fit there(lattice_of(there_skin, 0.2), there_muscle, there_skin);
+        REQUIRE(there.tets.mesh.tets == here.tets.mesh.tets);
+        double farthest = 0, most = 0;
+        for (std::size_t v = 0; v < here.tets.mesh.vertices.size(); ++v)
+            farthest = std::max(farthest, (there.tets.mesh.vertices[v] - by - here.tets.mesh.vertices[v]).norm());
+        for (std::size_t t = 0; t < here.shares.size(); ++t)
+            most = std::max(most, std::abs(there.shares[t] - here.shares[t]));
+        CHECK(farthest < 1e-9);
+        CHECK(most < 1e-8);
+    }
+}
+
 TEST_CASE("two layers in one mesh", "[layers]") {
     const TetMesh block = box_mesh({1, 1, 1}, 5, 4, 6);
     const SurfaceMesh one = turned_box({0.5, 0.5, 0.5}),
