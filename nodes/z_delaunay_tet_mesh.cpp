@@ -57,7 +57,7 @@ void compute(const Reads& in, Writes& out) {
 void add_z_delaunay_tet_mesh(Registry& registry) {
     NodeType type;
     type.name = "zDelaunayTetMesh";
-    type.numerics = 2; // vertices inside where all of the surface's lie on a sphere; flat tets mended
+    type.numerics = 3; // made about the surface's middle, in its size
     type.doc = "Fills a closed surface with tets whose boundary is exactly that surface.";
     type.inputs = {describe(mesh), describe(refinement_quality)};
     type.outputs = {describe(out_tets)};

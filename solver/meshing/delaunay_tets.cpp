@@ -8,6 +8,7 @@
 #include "solver/mesh/tet_quality.h"
 #include "solver/meshing/guarded_delaunay.h"
 #include "solver/meshing/inner_points.h"
+#include "solver/meshing/mesh_frame.h"
 #include "solver/meshing/self_intersections.h"
 #include "solver/meshing/starved_points.h"
 #include "solver/meshing/tet_improve.h"
@@ -130,12 +131,16 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
     if (found.volume < 0)
         for (Triangle& t : outward) std::swap(t[1], t[2]);
 
+    const Box box = bounding_box(points);
+    const MeshFrame frame{box.centre(), box.size().maxCoeff()};
+    Points near = points;
+    for (Vec3& p : near) p = frame.in(p);
     constexpr std::size_t most_inner = 5000000;
     const double growth = 1.2 * (1 - options.refinement_quality);
     const InnerPoints inner = options.refinement_quality > 0
-                                  ? inner_points(points, outward, growth, most_inner, part(control, 0, 0.2))
+                                  ? inner_points(near, outward, growth, most_inner, part(control, 0, 0.2))
                                   : InnerPoints{};
-    GuardedDelaunay filled = guarded_delaunay(points, outward, inner.points, part(control, 0.2, 0.35));
+    GuardedDelaunay filled = guarded_delaunay(near, outward, inner.points, part(control, 0.2, 0.35));
     if (!filled.missing.empty()) refuse_missing(filled.missing);
     refuse_wrong_sides(filled.tets, outward);
     TetMesh mesh;
@@ -149,6 +154,8 @@ TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& tr
     add_starved_points(mesh, left_out, part(control, 0.35, 0.4));
     constexpr int passes = 6;
     improve_tets(mesh, passes, part(control, 0.4, 1));
+    for (Vec3& p : mesh.vertices) p = frame.out(p);
+    std::copy(points.begin(), points.end(), mesh.vertices.begin());
     if (canonical(boundary_triangles(mesh.tets)) != canonical(outward))
         throw Error("FE237", "the boundary of the tets came out different from the mesh",
                     "Remesh the surface by zIsoMesh, and report the mesh: this is a fault of the program.");

@@ -7,6 +7,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/distance_grid.h"
 #include "solver/meshing/iso_seeds.h"
+#include "solver/meshing/mesh_frame.h"
 #include "solver/meshing/shells.h"
 #include "solver/meshing/soup.h"
 #include "solver/meshing/surface_mesher.h"
@@ -75,37 +76,14 @@ class Watch {
     Clock::time_point begin_;
 };
 
-/// The coordinates in which the mesh is made: about the surface's middle, in its size. So the same surface gives the
-/// same triangles wherever it stands and in whatever unit, as far as rounding there changes it by less than the steps
-/// that coordinates are rounded to; and far from the origin or from size 1 nothing is lost or overflows.
-struct Frame {
-    Vec3 middle = Vec3::Zero();
-    double size = 1;
-    double farthest = 0; ///< largest coordinate, in size
-
-    double in(double length) const {
-        int exponent = 0;
-        const double digits = std::frexp(length / size, &exponent);
-        return std::ldexp(std::round(digits * steps), exponent) / steps;
-    }
-    Vec3 in(const Vec3& p) const {
-        return ((p - middle) / size).unaryExpr([](double x) { return std::round(x * steps) / steps; });
-    }
-    double out(double length) const { return length * size; }
-    Vec3 out(const Vec3& p) const { return p * size + middle; }
-
-  private:
-    static constexpr double steps = 0x1p40;
-};
-
-Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {
+MeshFrame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {
     check_usable(SurfaceMesh::from_triangles(points, triangles));
     Points used;
     for (const Triangle& t : triangles)
         for (const int v : t) used.push_back(points[static_cast<std::size_t>(v)]);
     const Box box = bounding_box(used);
     const double size = box.size().maxCoeff() + 2 * std::max(iso, 0.0);
-    Frame frame;
+    MeshFrame frame;
     frame.farthest = std::max(box.max.cwiseAbs().maxCoeff(), box.min.cwiseAbs().maxCoeff());
     if (!(size < 1e60) || !(frame.farthest < 1e60))
         throw Error("FE224", "the mesh is larger than 1e60 units", "Repair the coordinates.");
@@ -116,7 +94,7 @@ Frame frame_for(const Points& points, const std::vector<Triangle>& triangles, do
 }
 
 /// Refuses what the numbers cannot hold once the result is back at its place.
-void check_precision(const Frame& frame, double size) {
+void check_precision(const MeshFrame& frame, double size) {
     const double spacing = frame.farthest * std::numeric_limits<double>::epsilon();
     if (spacing > 1e-5 * size)
         throw Error("FE224",
@@ -191,7 +169,7 @@ struct Scales {
 }
 
 SurfaceMesherOutput run_mesher(const DistanceGrid& grid, const IsoSeeds& seeds, double size, const Scales& scales,
-                               const Frame& frame, Watch& watch) {
+                               const MeshFrame& frame, Watch& watch) {
     SurfaceMesherInput in;
     in.seeds = seeds.points;
     in.inside = seeds.inside;
@@ -267,7 +245,7 @@ std::vector<int> torn_components(const IsoSeeds& seeds, const SurfaceMesherOutpu
     return torn;
 }
 
-[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const Frame& frame,
+[[noreturn]] void refuse_torn(const IsoSeeds& seeds, const std::vector<int>& torn, const MeshFrame& frame,
                               const Scales& scales) {
     std::size_t first = 0;
     while (seeds.component[first] != torn.front()) ++first;
@@ -326,7 +304,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                       const MeshingControl& control) {
     check(options);
     Watch watch(control, options.most_seconds);
-    const Frame frame = frame_for(points, triangles, options.iso_value);
+    const MeshFrame frame = frame_for(points, triangles, options.iso_value);
     Points near = points;
     for (Vec3& p : near) p = frame.in(p);
     Soup soup = make_soup(near, triangles);

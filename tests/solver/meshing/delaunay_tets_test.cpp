@@ -158,6 +158,25 @@ TEST_CASE("more quality gives more tets, and none gives no lattice inside", "[de
     }
 }
 
+TEST_CASE("a surface is filled with the same tets wherever it stands, and in every unit", "[delaunay]") {
+    const SurfaceMesh bar = make_cube(2, 1, 1, 8, 4, 4);
+    const TetMesh here = make_delaunay_tets(bar.points, bar.triangles, {0.8});
+    REQUIRE(here.vertices.size() > bar.points.size());
+    for (const double unit : {1.0, 0.01, 39.37})
+        for (const Vec3& by : {Vec3(0, 0, 0), Vec3(0.37, 11.1, -7.7)}) {
+            CAPTURE(unit, by.x());
+            Points points = bar.points;
+            for (Vec3& p : points) p = unit * (p + by);
+            const TetMesh there = make_delaunay_tets(points, bar.triangles, {0.8});
+            REQUIRE(there.tets == here.tets);
+            CHECK(std::equal(points.begin(), points.end(), there.vertices.begin()));
+            double farthest = 0;
+            for (std::size_t v = 0; v < here.vertices.size(); ++v)
+                farthest = std::max(farthest, (there.vertices[v] / unit - by - here.vertices[v]).norm());
+            CHECK(farthest < 1e-9);
+        }
+}
+
 TEST_CASE("a cavity stays empty and an inside-out surface is filled", "[delaunay]") {
     const Shape hollow = remeshed(ten_shapes()[5], 0.05);
     require_exact(hollow, fill(hollow));
