@@ -40,26 +40,49 @@ void choose_carried(Potential& potential, NewtonWorkspace& w, std::vector<double
         w.carried.clear();
 }
 
-/// Moves x along with what holds it, and what is not held to free flight, along arcs, if the potential is lower there.
-double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
-    choose_carried(potential, w, x, record);
-    if (!potential.free_flight(x, w.direction, w.gain)) return evaluate(potential, w, x, record);
-    for (std::size_t d = 0; d < w.carried.size(); ++d) {
-        if (!w.carried[d]) continue;
+/// Takes bodies with a flag out of the direction that w.arcs goes along.
+void leave(const Potential& potential, NewtonWorkspace& w, const std::vector<char>& bodies) {
+    for (std::size_t d = 0; d < bodies.size(); ++d) {
+        if (!bodies[d]) continue;
         const Deformable& body = potential.numbering().deformables[d];
         std::fill_n(w.direction.begin() + static_cast<std::ptrdiff_t>(3 * body.first_unknown), 3 * body.unknown_count,
                     0.0);
         w.gain[d] = 0;
     }
-    double here;
-    {
+}
+
+/// Moves x along with what holds it, and what is not held to free flight, along arcs, if the potential is lower there:
+/// all of it, or the bodies whose forces in flight are next to nothing, while others hang, rest or press.
+double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+    constexpr double next_to_nothing = 0.1; // of the force without
+    choose_carried(potential, w, x, record);
+    if (!potential.free_flight(x, w.direction, w.gain)) return evaluate(potential, w, x, record);
+    leave(potential, w, w.carried);
+    const auto fly = [&] {
         const Stopwatch timer(record.seconds_assembly);
         w.arcs.fit(potential, x, w.direction, w.gain);
         w.arcs.move(potential, x, w.direction, 1, w.trial);
+    };
+    fly();
+    double here;
+    {
+        const Stopwatch timer(record.seconds_assembly);
         here = potential.evaluate(x, nullptr, nullptr);
     }
-    const double flight = evaluate(potential, w, w.trial, record);
-    if (!(flight <= here)) return evaluate(potential, w, x, record);
+    double flight = evaluate(potential, w, w.trial, record);
+    if (!(flight <= here)) {
+        w.forces_here.swap(w.forces);
+        here = evaluate(potential, w, x, record);
+        std::vector<char> stay(w.gain.size());
+        for (std::size_t d = 0; d < stay.size(); ++d)
+            stay[d] = !(w.gain[d] > 0 && w.forces_here[d].sum < next_to_nothing * w.forces[d].sum);
+        const auto staying = std::count(stay.begin(), stay.end(), 1);
+        if (staying == 0 || staying == std::ssize(stay)) return here;
+        leave(potential, w, stay);
+        fly();
+        flight = evaluate(potential, w, w.trial, record);
+        if (!(flight <= here)) return evaluate(potential, w, x, record);
+    }
     x.swap(w.trial);
     return flight;
 }
