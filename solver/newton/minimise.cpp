@@ -73,7 +73,8 @@ double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double
     if (!(flight <= here)) {
         w.forces_here.swap(w.forces);
         here = evaluate(potential, w, x, record);
-        std::vector<char> stay(w.gain.size());
+        std::vector<char>& stay = w.staying;
+        stay.resize(w.gain.size());
         for (std::size_t d = 0; d < stay.size(); ++d)
             stay[d] = !(w.gain[d] > 0 && w.forces_here[d].sum < next_to_nothing * w.forces[d].sum);
         const auto staying = std::count(stay.begin(), stay.end(), 1);

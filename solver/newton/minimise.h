@@ -33,6 +33,7 @@ struct NewtonWorkspace {
     std::vector<double> springs, elastic; ///< see Potential::add_up_springs
     std::vector<double> gain;             ///< that the direction promises each tissue [J]
     std::vector<char> carried;            ///< deformables that start from where a hold takes them
+    std::vector<char> staying;            ///< that do not start in flight, where others do; scratch
     Arcs arcs;
     std::vector<BodyForces> forces, forces_here; ///< at the last evaluation with gradient; before a look elsewhere
     RoundingFloor floor;
@@ -48,9 +49,8 @@ struct NewtonWorkspace {
 };
 
 /// Moves x (3 a vertex) to the minimum, starting from x, from where holds take their bodies or from free flight,
-/// whichever has the lower value. Adds to the
-/// record's iterations and seconds; residual and converged are kept at the worst over several calls. Throws Error FE302
-/// on NaN, Stopped when asked to.
+/// whichever has the lower value, some bodies in flight and others not. Adds to the record's iterations and seconds;
+/// residual and converged are kept at the worst over several calls. Throws Error FE302 on NaN, Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record);
 
