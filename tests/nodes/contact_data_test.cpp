@@ -101,6 +101,29 @@ TEST_CASE("contacts say who touches whom, where, how deep and how hard, in any s
     }
 }
 
+TEST_CASE("a body that begins exactly on another presses with all of its points", "[nodes][contact]") {
+    // Rounding puts some of them inside and some outside.
+    for (const double degrees : {0.0, 20.0, 27.2, 28.0, 45.0}) {
+        CAPTURE(degrees);
+        const double turn = degrees * EIGEN_PI / 180, up = 0.5 * std::cos(turn), aside = 0.5 * std::sin(turn);
+        const auto place = [&](double along) {
+            return R"("translate": [)" + number(-along * aside) + ", " + number(along * up) +
+                   R"(, 0], "rotate": [0, 0, )" + number(degrees) + "]";
+        };
+        std::string text = falling(on, "", "", 0);
+        const auto replace = [&](const std::string& from, const std::string& to) {
+            REQUIRE(text.find(from) != std::string::npos);
+            text.replace(text.find(from), from.size(), to);
+        };
+        replace(R"("translate": [0, -0.5, 0])", place(-1));
+        replace(R"("translate": [0, 0.5, 0])", place(1));
+        Session s(text);
+        std::size_t vertices = 0;
+        for (const ContactPoint& c : contacts(s, 4).contacts) vertices += c.source == 1 && c.point < 98;
+        CHECK(vertices == 25);
+    }
+}
+
 TEST_CASE("friction and the hold of what does not slide are in a contact's force", "[nodes][contact]") {
     // Down and along x as on a slope of 1 : 4; friction of .5 holds it, and so does a fixed contact.
     const std::string slope = on + R"(, "gravity": [2.4, -9.6, 0])";

@@ -17,6 +17,9 @@ namespace {
 /// How far along the surface at rest a point and what it may touch of its own body must be from each other, in mean
 /// edges and in spacings of the points.
 constexpr double own_edges = 3;
+/// Nearer than this share of the mean edge a point lies on a surface, and rounding says on which side: it has not
+/// come in.
+constexpr double on_surface = 1e-7;
 /// Up to this share of the mean edge of what it is inside of, a point's nearest place is surely of the side that it
 /// came in by; from twice this on it may be of any.
 constexpr double surely_its_side = 0.25;
@@ -143,6 +146,7 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, const std::v
     std::vector<Known>& known = known_[at(pair.source) * bodies_.count() + at(pair.target)].points;
     const Points &now = boxes_[at(pair.source)].places(), &later = later_[at(pair.source)];
     const BodyMotion& sweep = ahead_[at(pair.target)];
+    const double edge = target.mean_edge();
     const double apart = own_edges * std::max(source.mean_edge(), bodies_.rest(pair.source).spacing);
     const std::vector<std::vector<int>>* elsewhere = nullptr;
     if (pair.source == pair.target) {
@@ -179,7 +183,8 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, const std::v
         const double look = std::max(look_farther * distance, 2 * target.mean_edge());
         const ClosestFeature f =
             find_feature(target, boxes_[at(pair.target)], now[p], look, far_along, known[p].triangle);
-        const bool inside = !pair.two_sided && f.inside();
+        const bool inside =
+            !pair.two_sided && f.inside() && f.away.squaredNorm() > on_surface * on_surface * edge * edge;
         const double far = f.triangle < 0 ? look : inside ? 0 : f.away.norm();
         known[p] = {std::min(far, std::sqrt(turned_away)), f.triangle};
         if (f.triangle >= 0 && far <= distance && !inside) found_[p] = f;
