@@ -8,6 +8,7 @@
 #include "solver/meshing/meshing_control.h"
 
 #include <initializer_list>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -50,6 +51,17 @@ inline void check_map(const engine::Reads& in, std::string_view attribute, const
             "Give one number per " + std::string(what) + ", one number for all, or none for 1 everywhere; " +
                 (maker.empty() ? "the map may have been made for another mesh."
                                : maker + " may be made for another mesh: let what paints it read this one."));
+}
+
+/// Fails with FE213 where a node is connected twice to a list whose entries add up.
+/// \param again what it would do twice: "pull"
+inline void refuse_twice(const engine::Reads& in, std::string_view attribute, std::size_t count,
+                         const std::string& again) {
+    std::set<std::string> names;
+    for (std::size_t i = 0; i < count; ++i)
+        if (const std::string name = in.source_name(attribute, i); !names.insert(name).second)
+            in.fail(attribute, "FE213", name + " is connected twice, so it would " + again + " twice",
+                    "Remove one of the two connections.");
 }
 
 /// A map of a polygon mesh's faces with one number per triangle.

@@ -29,6 +29,7 @@ std::vector<double> paint_of_tets(const solver::TissueRest& t, const engine::Num
 void add_rest_shapes(const Reads& in, std::string_view attribute,
                      const std::vector<std::reference_wrapper<const RestShapeTarget>>& targets, const BodyRest& rest,
                      std::vector<Force>& forces) {
+    refuse_twice(in, attribute, targets.size(), "count");
     for (std::size_t k = 0; k < targets.size(); ++k) {
         const RestShapeTarget& t = targets[k];
         const std::string name = in.source_name(attribute, k);

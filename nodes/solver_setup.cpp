@@ -1,6 +1,7 @@
 // Resolves zSolver's wires, checks the rules across them, and converts units.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/solver_setup.h"
+#include "nodes/adapters.h"
 
 #include "nodes/contact_inputs.h"
 #include "nodes/lines_of_action.h"
@@ -152,12 +153,9 @@ MissingBody body_of_force(const Reads& in, std::size_t entry, std::size_t body) 
 
 void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
     const auto all = in[attachments];
-    std::set<std::string> names;
+    refuse_twice(in, attachments.name, all.size(), "pull");
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Attachment& a = all[i];
-        if (const std::string name = in.source_name(attachments.name, i); !names.insert(name).second)
-            in.fail(attachments.name, "FE213", name + " is connected twice, so it would pull twice",
-                    "Remove one of the two connections.");
         const std::size_t next = setup.key.links.size();
         const std::array<int, 2> hint = known && next < known->links.size() ? known->links[next] : std::array{-1, -1};
         const int from = resolve(in, setup, attachments.name, i, a.source_body, hint[0], !known, "source");
@@ -184,6 +182,7 @@ void take_force(Setup& setup, const Force& f, int entry, std::vector<int> bodies
 /// Bodies are found as those of attachments are. A force all of whose bodies are disabled takes no part.
 void take_forces(const Reads& in, Setup& setup, const SceneKey* known, const Reads* contact) {
     const auto all = in[z_solver::forces];
+    refuse_twice(in, z_solver::forces.name, all.size(), "act");
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Force& f = all[i];
         const std::size_t next = setup.key.reach.size();
@@ -264,6 +263,21 @@ void refuse_changes(const Reads& in, const Setup& setup, const SceneKey& now, co
                         body_name(in, setup, static_cast<std::size_t>(now.reach[i].front())) +
                         " is not that of the start frame",
                     "Targets do not move over time; key zRestShape.targetWeight, or blend two targets.");
+    for (std::size_t i = 0; i < now.forces.size() && i < known.forces.size(); ++i)
+        if (now.forces[i] != known.forces[i] && setup.forces[i].get().type == &solver::contact_type) {
+            const auto b = static_cast<std::size_t>(now.reach[i].front());
+            const Mesh& mesh = mesh_of(setup.body(b));
+            const bool inside_out = solver::is_closed(mesh.topology->triangles) &&
+                                    solver::enclosed_volume(*mesh.points, mesh.topology->triangles) < 0;
+            in.fail(bodies.name, "FE211",
+                    inside_out ? "the surface of " + body_name(in, setup, b) +
+                                     " is inside out, which it was not at the start frame, so it bounds no solid that "
+                                     "others could collide with"
+                               : "what " + body_name(in, setup, b) + " collides by is not that of the start frame",
+                    inside_out ? "Scale it by positive numbers and let nothing turn its flesh inside out, or set its "
+                                 "collisionVolume to off."
+                               : hint);
+        }
     if (now.forces != known.forces)
         in.fail(z_solver::forces.name, "FE211",
                 "the painted weights or options of a force are not those of the start frame", hint);

@@ -62,6 +62,7 @@ void check_layers(const Reads& in, std::string_view attribute,
 void check_fibers(const Reads& in, std::string_view attribute,
                   const std::vector<std::reference_wrapper<const Fiber>>& fibers, const Mesh& mesh) {
     const std::size_t count = mesh.points->size();
+    refuse_twice(in, attribute, fibers.size(), "pull");
     for (std::size_t i = 0; i < fibers.size(); ++i) {
         const Fiber& f = fibers[i];
         const std::string name = in.source_name(attribute, i);

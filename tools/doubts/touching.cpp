@@ -16,6 +16,8 @@ namespace {
 constexpr double widest_spacing = 0.55;
 /// Of a body's points within another: real muscles are modelled into each other at their rims, not by a third.
 constexpr double deep_share = 0.35;
+/// Nor is a tenth of them ever a quarter of the body's breadth deep: such bodies go on through each other.
+constexpr double some_share = 0.1, deep_way = 0.25;
 /// Points of a body that are asked where they are.
 constexpr std::size_t most_asked = 400, most_asked_in_passing = 60;
 
@@ -171,7 +173,9 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
                 tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
             }
             const Inside found = points_inside(body, boxes[k], *tree, most);
-            if (found.share() < deep_share) continue;
+            if (found.share() < deep_share &&
+                !(found.share() > some_share && found.deepest > deep_way * breadth(*mesh_of(body.body).points)))
+                continue;
             told.insert(std::minmax(i, k));
             d.doubt("FE341", body.name, "mesh",
                     "begins with " + rough(100 * found.share()) + " % of its points inside " + other.name + ", up to " +
