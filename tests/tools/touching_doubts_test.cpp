@@ -51,6 +51,8 @@ TEST_CASE("check doubts bodies that collide and begin deep within each other", "
     // Its centre 4 below the ball's: its lowest points are 2 from the ball's skin, its highest 10.
     CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]"}).starts_with(inside));
     CHECK(said_of(graph, {"floorPlace.translate=[0, -13, 0]"}).empty()); // grazes
+    // Less than a third of its points, but a quarter of its breadth and more: 2.4 of 8.
+    CHECK(said_of(graph, {"floorPlace.translate=[0, -11.5, 0]"}).starts_with("FE341 floor.mesh: begins with 2"));
     // What is attached to it belongs there, and what does not collide may lie where it will.
     CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]", "solver.collisionDetection=false"}).find("FE341") ==
           std::string::npos);

@@ -23,6 +23,33 @@ TEST_CASE("check doubts values of a material that its bodies do not read", "[too
     CHECK(said_of(graph).find("FE327") == std::string::npos);
 }
 
+TEST_CASE("check doubts values that another attribute of their node switches off", "[tools]") {
+    CHECK(said_of(ball(), {"ball.transverseAnisotropy=3"}) ==
+          "FE342 ball.transverseAnisotropy: does nothing while material is StVK | set material to Anisotropic, or take "
+          "transverseAnisotropy out\n");
+    CHECK(said_of(ball(), {"ball.transverseAnisotropy=1"}).empty()); // as if it were not there
+    CHECK(said_of(ball(), {"ball.compressionResistance=5000"}).empty());
+    CHECK(said_of(ball(), {"ball.compressionResistance=5000", "ball.material=Corotational"}) ==
+          "FE342 ball.compressionResistance: does nothing while material is Corotational | set material to StVK or "
+          "NeoHookean, or take compressionResistance out\n");
+    CHECK(said_of(ball(), {"ball.contactFriction=0.5", "ball.contactSliding=false"}) ==
+          "FE342 ball.contactFriction: does nothing while contactSliding is off | set contactSliding to true, or take "
+          "contactFriction out\n");
+    CHECK(said_of(ball(), {"ball.contactFriction=0.5"}).empty());
+    json graph = ball();
+    graph["nodes"]["fibre"] = {
+        {"type", "zFiber"},
+        {"inputs", {{"direction", {0, 1, 0}}, {"strength", 60000}, {"excitation", 1}, {"muscleGrowthScale", 3}}}};
+    graph["nodes"]["ball"]["inputs"]["fibers"] = {{{"from", "fibre.outFiber"}}};
+    CHECK(said_of(graph) == "FE342 fibre.muscleGrowthScale: does nothing while enableMuscleGrowth is off | set "
+                            "enableMuscleGrowth to true, or take muscleGrowthScale out\n");
+    CHECK(said_of(graph, {"fibre.enableMuscleGrowth=true"}).empty());
+    CHECK(said_of(graph, {R"(fibre.enableMuscleGrowth={"keys": [[1, false], [12, true]]})"}).empty());
+    CHECK(said_of(graph, {"fibre.enableMuscleGrowth=true", "fibre.strength=0"}) ==
+          "FE342 fibre.excitation: does nothing while strength is 0 | give it a strength: muscles have 100 to 300 kPa, "
+          "or take excitation out\n");
+}
+
 TEST_CASE("check doubts layers and fibres that are painted nowhere", "[tools]") {
     json graph = ball();
     graph["nodes"]["stiff"] = {{"type", "zMaterial"},

@@ -47,6 +47,7 @@ std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::
         const std::string_view type = node->type->name;
         if (type == "zMaterial") doubt_material(d, name);
         if (type == "zFiber") doubt_fiber(d, name);
+        doubt_idle_values(d, name);
         if (type == "transform") transforms.push_back(name);
         if (type == "zBone") doubt_matrix(d, name);
         if (type == "zCloth") doubt_weight_of_cloth(d, name);

@@ -23,6 +23,10 @@ void doubt_unread_values(Doubting& d);
 /// Where none of the muscles among `nodes` has anything to pull by.
 void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 
+// ---- idle.cpp ----
+/// Of a node: values that are given and do nothing, since another of its attributes says so.
+void doubt_idle_values(Doubting& d, const std::string& name);
+
 // ---- paint.cpp: maps that paint nothing ----
 /// Of a weights node: a mesh or a sphere that what is painted does not come near; with `ramps` also one that begins and
 /// ends beside it, which may well be meant where nothing fails for it.

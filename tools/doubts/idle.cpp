@@ -1,0 +1,81 @@
+// Values that are given and do nothing, since another attribute of the same node says so.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/text.h"
+#include "tools/doubts/kinds.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace sinew::doubts {
+
+namespace {
+
+/// An attribute, and what of the node switches it off, whatever it is.
+struct Idle {
+    std::string_view type, attribute, by;
+    engine::Value off; ///< of `by`, all the time …
+    bool unless;       ///< … or anything else
+    std::string_view cure;
+};
+
+const std::vector<Idle>& all() {
+    const auto flag = [](bool on) { return engine::Value::of<bool>(on); };
+    const auto text = [](const char* word) { return engine::Value::of<std::string>(word); };
+    static const std::vector<Idle> out{
+        {"zFiber", "muscleGrowthScale", "enableMuscleGrowth", flag(false), false, "set enableMuscleGrowth to true"},
+        {"zFiber", "useLoaForMuscleGrowth", "enableMuscleGrowth", flag(false), false, "set enableMuscleGrowth to true"},
+        {"zFiber", "excitation", "strength", engine::Value::of<double>(0), false,
+         "give it a strength: muscles have 100 to 300 kPa"},
+        {"zTissue", "transverseAnisotropy", "material", text("Anisotropic"), true, "set material to Anisotropic"},
+        {"zTissue", "compressionResistance", "material", text("Corotational"), false,
+         "set material to StVK or NeoHookean"},
+        {"zTissue", "compressionResistance", "material", text("LogNeoHookean"), false,
+         "set material to StVK or NeoHookean"},
+        {"zTissue", "compressionResistance", "material", text("Anisotropic"), false,
+         "set material to StVK or NeoHookean"},
+        {"zTissue", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
+        {"zBone", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
+        {"zCloth", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
+    };
+    return out;
+}
+
+/// Whether it stands in the node with another value than the default.
+bool is_given(const Doubting& d, const std::string& name, std::string_view attribute) {
+    const auto& inputs = d.graph().find(name)->inputs;
+    const auto it = inputs.find(attribute);
+    if (it == inputs.end()) return false;
+    const auto* literal = std::get_if<engine::Value>(&it->second);
+    const engine::AttributeInfo& info = *d.graph().find(name)->type->find_input(attribute);
+    return !literal || literal->digest() != engine::default_value(info, d.graph().timing()).digest();
+}
+
+/// The value of an attribute that is neither keyed nor connected.
+std::optional<engine::Value> literal(const Doubting& d, const std::string& name, std::string_view attribute) {
+    const engine::Node& node = *d.graph().find(name);
+    const auto it = node.inputs.find(attribute);
+    if (it == node.inputs.end()) return engine::default_value(*node.type->find_input(attribute), d.graph().timing());
+    const auto* value = std::get_if<engine::Value>(&it->second);
+    return value ? std::optional(*value) : std::nullopt;
+}
+
+} // namespace
+
+void doubt_idle_values(Doubting& d, const std::string& name) {
+    for (const Idle& idle : all()) {
+        if (d.graph().find(name)->type->name != idle.type || !is_given(d, name, idle.attribute)) continue;
+        const auto value = literal(d, name, idle.by);
+        if (!value || (value->digest() == idle.off.digest()) == idle.unless) continue;
+        std::string what = std::string(idle.by);
+        if (const auto* on = value->is<bool>() ? &value->as<bool>() : nullptr)
+            what += *on ? " is on" : " is off";
+        else if (value->is<std::string>())
+            what += " is " + value->as<std::string>();
+        else
+            what += " is 0";
+        d.doubt("FE342", name, idle.attribute, "does nothing while " + what,
+                std::string(idle.cure) + ", or take " + std::string(idle.attribute) + " out");
+    }
+}
+
+} // namespace sinew::doubts
