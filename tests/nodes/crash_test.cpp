@@ -79,7 +79,7 @@ TEST_CASE("cubes that crash into each other are solved step by step, though near
         }
     }
     CAPTURE(iterations, halvings);
-    // 3 and 643. Where jumps of the energy end solves, 15 and 887, and one step fails all the same.
+    // 3 and 628. Where jumps of the energy end solves, 15 and 887, and one step fails all the same.
     CHECK(halvings <= 6);
     CHECK(iterations < 760);
 }

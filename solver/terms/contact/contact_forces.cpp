@@ -256,9 +256,9 @@ bool Contacts::renew(const Positions& x) {
 /// Following has jumps: where a place is a hair nearer to a dent of another face, and far beyond the rim of the faces
 /// that it keeps to, where an edge's or vertex's normal says nothing of the side. An energy that jumps up in front of a
 /// solve has no minimum that it could go to. So the place is followed from where it is now; and what is outside, and
-/// would be deep inside of the same place or is far from any, is let go for this stage.
+/// would be deep inside of the same place, is let go for this stage.
 bool Contacts::settle(const Positions& x, bool stuck) {
-    constexpr int most = 50;
+    constexpr int most = 8;
     if (!stuck || !found_ || settled_ == most || x != looked_at_ || former_.size() != touches_.size()) return false;
     bool any = false;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
@@ -268,11 +268,9 @@ bool Contacts::settle(const Positions& x, bool stuck) {
         // The refused trial lies as far from here as the place where the iteration began.
         const double way = moves_[at(t.source)] + moves_[at(t.target)], depth = press(i, here).depth;
         if (!(press(i, there).depth - depth > 4 * way)) continue;
-        const bool same = here.triangle == there.triangle;
-        if (depth <= 0 && (same || here.away.norm() > near_share * bodies_[t.target].mean_edge())) {
+        if (here.triangle == there.triangle) {
+            if (depth > 0) continue;
             let_go_.resize(touches_.size(), 0), let_go_[i] = 1;
-        } else if (same) {
-            continue;
         } else {
             starts_[i] = start_of(here, bodies_[t.target].corners(here.triangle, places_[at(t.target)]));
         }
