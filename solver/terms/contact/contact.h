@@ -34,8 +34,6 @@ class Contacts final : public Term {
     void bind(const BlockPattern& pattern) override;
     void begin_stage(const Stage& stage) override;
     double begin_iteration(const Positions& x) override;
-    /// Where a step was cut to next to nothing, nearest places that jump there are followed from where they are.
-    bool settle(const Positions& x, bool stuck) override;
     bool renew(const Positions& x) override;
     bool widen(const Positions& x) override;
     double energy(const Positions& x, bool with_forces) override;
@@ -209,10 +207,7 @@ class Contacts final : public Term {
     bool as_before_ = false;            ///< press_as_before
     bool iterated_ = false;             ///< since the stage began: bones are where they will be
     mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
-    mutable std::vector<ClosestFeature> now_;    ///< per touch, at looked_at_; triangle = -1: surely outside
-    mutable std::vector<ClosestFeature> former_; ///< where it was looked before
-    int settled_ = 0;                            ///< how often nearest places were followed from elsewhere
-    std::vector<char> let_go_;                   ///< touches that take no part any more in the stage; empty: none
+    mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
     mutable Positions looked_at_;
     /// Per touch: nearest places at this iteration and the one before, and at the first trial after this one; fewer
     /// where touches are new.

@@ -123,7 +123,7 @@ void Contacts::begin_stage(const Stage& stage) {
         }
         expected_.push_back(carriers_expected(static_cast<int>(b)));
     }
-    committed_x_ = stage.before.x, iterated_ = false, found_ = false, settled_ = 0, let_go_.clear();
+    committed_x_ = stage.before.x, iterated_ = false, found_ = false;
     looked_at_.clear();
     one_ago_.clear(), two_ago_.clear(), tried_.clear(), edges_.clear(), tries_ = on_edges_ = by_edges_ = false;
 }
@@ -253,33 +253,6 @@ bool Contacts::renew(const Positions& x) {
     return renew_friction(x);
 }
 
-/// Following has jumps: where a place is a hair nearer to a dent of another face, and far beyond the rim of the faces
-/// that it keeps to, where an edge's or vertex's normal says nothing of the side. An energy that jumps up in front of a
-/// solve has no minimum that it could go to. So the place is followed from where it is now; and what is outside, and
-/// would be deep inside of the same place, is let go for this stage.
-bool Contacts::settle(const Positions& x, bool stuck) {
-    constexpr int most = 8;
-    if (!stuck || !found_ || settled_ == most || x != looked_at_ || former_.size() != touches_.size()) return false;
-    bool any = false;
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-        const Touch& t = touches_[i];
-        const ClosestFeature &here = now_[i], &there = former_[i];
-        if (here.triangle < 0 || there.triangle < 0) continue;
-        // The refused trial lies as far from here as the place where the iteration began.
-        const double way = moves_[at(t.source)] + moves_[at(t.target)], depth = press(i, here).depth;
-        if (!(press(i, there).depth - depth > 4 * way)) continue;
-        if (here.triangle == there.triangle) {
-            if (depth > 0) continue;
-            let_go_.resize(touches_.size(), 0), let_go_[i] = 1;
-        } else {
-            starts_[i] = start_of(here, bodies_[t.target].corners(here.triangle, places_[at(t.target)]));
-        }
-        any = true;
-    }
-    if (any) ++settled_, looked_at_.clear();
-    return any;
-}
-
 bool Contacts::widen(const Positions& x) {
     find_all_touches();
     const bool more_cloth = widen_cloth(x), more = look_farther(x);
@@ -344,9 +317,8 @@ Contacts::Force Contacts::tether_force(const Tether& tether, double* stored) con
 void Contacts::find_features(const Positions& x) const {
     if (x == looked_at_ && !x.empty()) return;
     look_at(x);
-    former_.swap(now_), now_.resize(touches_.size());
     parallel_for(touches_.size(), 64, [&](std::size_t i) {
-        if (surely_outside(i) || (i < let_go_.size() && let_go_[i]))
+        if (surely_outside(i))
             now_[i].triangle = -1;
         else
             now_[i] = unfolded(i, feature_at(i));
