@@ -22,7 +22,11 @@ std::string rough_text(double v, int digits) {
     const auto end = std::to_chars(buffer, buffer + sizeof buffer, v, std::chars_format::scientific, digits - 1).ptr;
     double rounded = 0;
     // Of the largest there may be none with fewer digits.
-    return number_text(std::from_chars(buffer, end, rounded).ec == std::errc{} ? rounded : v);
+    if (std::from_chars(buffer, end, rounded).ec != std::errc{}) rounded = v;
+    if (std::abs(rounded) < 1e5 || std::abs(rounded) >= 1e7) return number_text(rounded);
+    // Which the shortest text would have as 1e+06.
+    const auto whole = std::to_chars(buffer, buffer + sizeof buffer, rounded, std::chars_format::fixed, 0).ptr;
+    return std::string(buffer, whole);
 }
 
 std::size_t utf8_length(std::string_view text, std::size_t i) {

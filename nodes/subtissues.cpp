@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/subtissues.h"
 
+#include "engine/text.h"
 #include "nodes/adapters.h"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace sinew::nodes {
 
@@ -13,11 +13,7 @@ using engine::Reads;
 
 namespace {
 
-std::string percent(double share) {
-    char out[32];
-    std::snprintf(out, sizeof out, "%.2g %%", 100 * share);
-    return out;
-}
+std::string percent(double share) { return engine::rough_text(100 * share, 2) + " %"; }
 
 /// "biceps", or "a part of biceps".
 std::string name_of(const Reads& in, const NestedPart& part) {

@@ -210,7 +210,9 @@ inline const Input<double> max_contact_length{
     .def = 0,
     .unit = "m",
     .limits = {.min = 0},
-    .doc = "A contact that is deeper is dropped; 0 keeps all. In metres, whatever the scale.",
+    .doc = "A contact that is deeper as a step begins is dropped, and what it held falls through if nothing else holds "
+           "it; "
+           "within a step points may press in deeper. 0 keeps all. In metres, whatever the scale.",
     .when = "collisionDetection",
 };
 inline const Input<double> contact_damping{

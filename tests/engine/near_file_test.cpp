@@ -34,6 +34,8 @@ TEST_CASE("numbers in messages have as many digits as are asked for", "[engine]"
     CHECK(rough_text(1.2345, 2) == "1.2");
     CHECK(rough_text(-0.00012345, 3) == "-0.000123");
     CHECK(rough_text(123456, 2) == "120000");
+    CHECK(rough_text(1e6, 2) == "1000000");
+    CHECK(rough_text(2.04e5, 2) == "200000");
     CHECK(rough_text(0, 2) == "0");
     CHECK(rough_text(std::numeric_limits<double>::max(), 2) == number_text(std::numeric_limits<double>::max()));
     CHECK(rough_text(std::numeric_limits<double>::infinity(), 2) == "inf");

@@ -162,7 +162,9 @@ TEST_CASE("rest shapes that are none are refused at the attribute that asks for 
     CHECK_THAT(text, Catch::Contains("box.restScaleEnvelope") && Catch::Contains("scales the tissue at rest by 4096"));
     std::string twice = box(1, "", "", R"(, "enableMuscleGrowth": true, "muscleGrowthScale": 100)");
     const std::string one = R"([{"from": "fibre.outFiber"}])";
-    twice.replace(twice.find(one), one.size(), R"([{"from": "fibre.outFiber"}, {"from": "fibre.outFiber"}])");
+    twice.replace(twice.find(one), one.size(), R"([{"from": "fibre.outFiber"}, {"from": "other.outFiber"}])");
+    twice += R"(, "other": {"type": "zFiber", "inputs": {"direction": [1, 0, 0], "enableMuscleGrowth": true,
+        "muscleGrowthScale": 100}})";
     CHECK(codes(twice, "box", "outBody", &text) == Codes{"FE247"});
     CHECK_THAT(text, Catch::Contains("box.fibers") && Catch::Contains("10000"));
 }

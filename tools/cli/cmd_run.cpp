@@ -244,6 +244,16 @@ class Run {
         }
     }
 
+    /// What another solver that the frame needed did for it.
+    static void add_solver(const solver::StepRecord& other, solver::StepRecord& all) {
+        all.residual = std::max(all.residual, other.residual), all.converged = all.converged && other.converged;
+        all.newton_iterations += other.newton_iterations, all.linear_iterations += other.linear_iterations;
+        all.factorizations += other.factorizations, all.halvings += other.halvings;
+        all.seconds_assembly += other.seconds_assembly, all.seconds_factor += other.seconds_factor;
+        all.seconds_solve += other.seconds_solve, all.seconds_other += other.seconds_other;
+        all.min_j = std::min(all.min_j, other.min_j), all.inverted += other.inverted;
+    }
+
     void evaluate(int frame) {
         {
             const auto here = departure_.hold();
@@ -272,8 +282,7 @@ class Run {
                 const engine::Value other = evaluator_.pull(
                     {plan_.graph, {plan_.solvers[k], "outReport"}, static_cast<double>(frame), in_.stop});
                 const solver::StepRecord& record = other.as<nodes::SolveReport>().record;
-                if (!record.converged && f.step->converged) f.step->residual = record.residual;
-                f.step->converged = f.step->converged && record.converged;
+                add_solver(record, *f.step);
             }
         }
         f.wall_s = seconds_since(start);
