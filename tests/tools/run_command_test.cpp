@@ -591,9 +591,8 @@ TEST_CASE("several solvers without --pull are an error that lists them", "[tools
     };
     // The second is the first beside a bone that does nothing.
     const json both = frame_of("second.outMeshes"), first = frame_of("solver.outMeshes");
-    CHECK(first["newton"].get<int>() > 0);
     CHECK(both["newton"].get<int>() == 2 * first["newton"].get<int>());
-    CHECK(both["min_J"] == first["min_J"]);
+    CHECK((first["newton"].get<int>() > 0 && both["min_J"] == first["min_J"]));
     CHECK(run_program({"run", write_graph(folder, graph), "--frames", "1-2", "--quiet"}).code == 0);
     graph["nodes"].erase("second"), graph["nodes"].erase("layer"), graph["nodes"].erase("pick");
     graph["nodes"].erase("solver");
