@@ -40,6 +40,22 @@ struct SurfaceTree::Impl {
     }
     template <class Allowed>
     ClosestPoint closest(const Vec3& p, double max_distance, const Allowed& allowed) const;
+    /// visit(leaf) for the leaves below nodes all of which opens(place of the node).
+    template <class Opens, class Visit>
+    void walk(const Opens& opens, const Visit& visit) const {
+        int stack[64]; // the tree of 2^31 triangles is 30 levels deep
+        int size = 0;
+        stack[size++] = 0;
+        while (size > 0) {
+            const std::size_t n = at(stack[--size]);
+            const BvhNode& node = tree.nodes[n];
+            if (!opens(n)) continue;
+            if (node.count > 0)
+                visit(node);
+            else
+                stack[size++] = node.first, stack[size++] = static_cast<int>(n) + 1;
+        }
+    }
 };
 
 void SurfaceTree::Impl::build_far_fields() {
@@ -167,45 +183,29 @@ std::vector<int> SurfaceTree::all_closest(const Vec3& p, double slack) const {
     std::vector<int> found;
     if (nearest.triangle < 0) return found;
     const double reach2 = (nearest.distance + slack) * (nearest.distance + slack);
-    const Bvh& tree = impl_->tree;
-    int stack[64];
-    int size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-        const std::size_t n = at(stack[--size]);
-        const BvhNode& node = tree.nodes[n];
-        if (squared_distance(node, p) > reach2) continue;
-        if (node.count == 0) stack[size++] = node.first, stack[size++] = static_cast<int>(n) + 1;
-        for (int i = node.first; i < node.first + node.count; ++i) {
-            const int t = tree.order[at(i)];
-            const Vec3 place = closest_on_triangle(p, impl_->corners[at(t)], impl_->triangles[at(t)]).point;
-            if ((place - p).squaredNorm() <= reach2) found.push_back(t);
-        }
-    }
+    impl_->walk([&](std::size_t n) { return squared_distance(impl_->tree.nodes[n], p) <= reach2; },
+                [&](const BvhNode& leaf) {
+                    for (int i = leaf.first; i < leaf.first + leaf.count; ++i) {
+                        const int t = impl_->tree.order[at(i)];
+                        const Vec3 place = closest_on_triangle(p, impl_->corners[at(t)], impl_->triangles[at(t)]).point;
+                        if ((place - p).squaredNorm() <= reach2) found.push_back(t);
+                    }
+                });
     std::sort(found.begin(), found.end());
     return found;
 }
 
 double SurfaceTree::winding_number(const Vec3& p) const {
-    const Bvh& tree = impl_->tree;
-    if (tree.nodes.empty() || !p.allFinite()) return 0;
+    if (impl_->tree.nodes.empty() || !p.allFinite()) return 0;
     double sum = 0;
-    int stack[64];
-    int size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-        const std::size_t n = at(stack[--size]);
-        const BvhNode& node = tree.nodes[n];
-        const FarField& f = impl_->far[n];
-        if ((p - f.centre).squaredNorm() > far_ratio * far_ratio * f.radius * f.radius) {
+    impl_->walk(
+        [&](std::size_t n) {
+            const FarField& f = impl_->far[n];
+            if (!((p - f.centre).squaredNorm() > far_ratio * far_ratio * f.radius * f.radius)) return true;
             sum += f.winding(p);
-        } else if (node.count > 0) {
-            sum += impl_->exact_winding(node, p);
-        } else {
-            stack[size++] = node.first;
-            stack[size++] = static_cast<int>(n) + 1;
-        }
-    }
+            return false;
+        },
+        [&](const BvhNode& leaf) { sum += impl_->exact_winding(leaf, p); });
     return sum;
 }
 
@@ -224,22 +224,16 @@ std::vector<double> SurfaceTree::winding_numbers(const Points& points) const {
     for (const Vec3& p : points) radius2 = std::max(radius2, (p - middle).squaredNorm());
     const double radius = std::sqrt(radius2);
     WindingSums sums(points);
-    int stack[64];
-    int size = 0;
-    stack[size++] = 0;
-    while (size > 0) {
-        const std::size_t n = at(stack[--size]);
-        const BvhNode& node = tree.nodes[n];
-        const FarField& f = impl_->far[n];
-        if ((middle - f.centre).norm() - radius > far_ratio * f.radius) {
+    impl_->walk(
+        [&](std::size_t n) {
+            const FarField& f = impl_->far[n];
+            if (!((middle - f.centre).norm() - radius > far_ratio * f.radius)) return true;
             sums.add(f);
-        } else if (node.count > 0) {
-            for (int i = node.first; i < node.first + node.count; ++i) sums.add(impl_->corners[at(tree.order[at(i)])]);
-        } else {
-            stack[size++] = node.first;
-            stack[size++] = static_cast<int>(n) + 1;
-        }
-    }
+            return false;
+        },
+        [&](const BvhNode& leaf) {
+            for (int i = leaf.first; i < leaf.first + leaf.count; ++i) sums.add(impl_->corners[at(tree.order[at(i)])]);
+        });
     return sums.finish();
 }
 

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/tet_quality.h"
 #include "solver/meshing/tet_fitting.h"
-#include "solver/meshing/ties.h"
+#include "solver/ties.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 #include "solver/meshing/edge_splits.h"
 
 #include "solver/index.h"
-#include "solver/meshing/ties.h"
+#include "solver/ties.h"
 
 #include <algorithm>
 #include <numeric>

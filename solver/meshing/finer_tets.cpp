@@ -6,6 +6,7 @@
 #include "solver/meshing/layer_place.h"
 #include "solver/meshing/tet_share.h"
 #include "solver/meshing/triangle_finder.h"
+#include "solver/ties.h"
 
 #include <algorithm>
 #include <array>
@@ -52,7 +53,7 @@ std::array<Tet, 8> eighths(const Tet& t, const Points& points, const Middles& mi
     const auto length = [&](const std::array<int, 6>& d) { return (points[at(d[0])] - points[at(d[1])]).norm(); };
     std::size_t best = 0;
     for (std::size_t k = 1; k < 3; ++k)
-        if (length(diagonals[k]) < (1 - 1e-9) * length(diagonals[best])) best = k;
+        if (clearly_less(length(diagonals[k]), length(diagonals[best]))) best = k;
     const std::array<int, 6>& d = diagonals[best];
     return {{{t[0], m01, m02, m03},
              {m01, t[1], m12, m13},

@@ -2,6 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/tet_share.h"
 
+#include "solver/ties.h"
+
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -188,8 +190,8 @@ std::array<Part, 8> split(const Part& whole) {
     std::size_t a = m01, b = m23;
     std::array<std::size_t, 4> ring{m02, m12, m13, m03};
     const auto length = [&](std::size_t i, std::size_t j) { return (point[i] - point[j]).squaredNorm(); };
-    if (length(m02, m13) < (1 - 1e-9) * length(a, b)) a = m02, b = m13, ring = {m01, m03, m23, m12};
-    if (length(m03, m12) < (1 - 1e-9) * length(a, b)) a = m03, b = m12, ring = {m01, m13, m23, m02};
+    if (clearly_less(length(m02, m13), length(a, b))) a = m02, b = m13, ring = {m01, m03, m23, m12};
+    if (clearly_less(length(m03, m12), length(a, b))) a = m03, b = m12, ring = {m01, m13, m23, m02};
     std::array<std::array<std::size_t, 4>, 8> numbers{
         {{0, m01, m02, m03}, {m01, 1, m12, m13}, {m02, m12, 2, m23}, {m03, m13, m23, 3}, {}, {}, {}, {}}};
     for (std::size_t k = 0; k < 4; ++k) {

@@ -4,6 +4,7 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/parallel.h"
+#include "solver/ties.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,9 +40,6 @@ std::uint64_t key_of(int a, int b) {
             std::to_string(most_triangles) + " triangles",
         "paint a smaller part of it, choose larger tets or a larger spacing");
 }
-
-/// Lengths that rounding alone tells apart are equal: a surface is cut alike wherever it stands.
-constexpr double more_than = 1 + 1e-9;
 
 /// How many triangles without a longer edge an area takes at least: none is larger than the equilateral one.
 double least_count(const SampledSurface& s, double longest_edge) {
@@ -114,10 +112,10 @@ class Cutter {
                 std::size_t longest = 0;
                 double of_cuts = 0;
                 for (std::size_t i = 0; i < 3; ++i) {
-                    if (squared(t, i) > more_than * squared(t, longest)) longest = i;
+                    if (clearly_less(squared(t, longest), squared(t, i))) longest = i;
                     if (is_cut.contains(key_of(t[i], t[(i + 1) % 3]))) of_cuts = std::max(of_cuts, squared(t, i));
                 }
-                if (of_cuts == 0 || squared(t, longest) <= 2 * more_than * of_cuts) continue;
+                if (of_cuts == 0 || !clearly_less(2 * of_cuts, squared(t, longest))) continue;
                 const std::uint64_t key = key_of(t[longest], t[(longest + 1) % 3]);
                 is_cut.insert(key), short_.erase(key), cuts.push_back(key);
                 more = true;
@@ -161,7 +159,7 @@ class Cutter {
             return (s_.points[at(vertex[p])] - s_.points[at(vertex[q])]).squaredNorm();
         };
         const double one = squared(a, bc), other = squared(b, ca);
-        if (more_than * one < other || (one < more_than * other && vertex[a] < vertex[b])) {
+        if (clearly_less(one, other) || (!clearly_less(other, one) && vertex[a] < vertex[b])) {
             add(a, b, bc);
             add(a, bc, ca);
         } else {
@@ -180,13 +178,13 @@ class Cutter {
 
 bool SurfaceDensity::too_long(const Vec3& a, const Vec3& b) const {
     const double length = (b - a).norm();
-    if (longest_edge > 0 && length > more_than * longest_edge) return true;
+    if (longest_edge > 0 && clearly_less(longest_edge, length)) return true;
     const bool may_be = std::any_of(carriers.begin(), carriers.end(),
                                     [&](const Carrier& c) { return length > widths * c.tets->least_width(); });
     if (!may_be) return false;
     const Vec3 direction = (b - a) / length;
     for (const double share : {0.5, 0.25, 0.75, 0.0, 1.0})
-        if (length > more_than * widths * width_at(carriers, (1 - share) * a + share * b, direction)) return true;
+        if (clearly_less(widths * width_at(carriers, (1 - share) * a + share * b, direction), length)) return true;
     return false;
 }
 
@@ -200,8 +198,8 @@ int SurfaceDensity::degree(const Vec3& a, const Vec3& b, const Vec3& c) const {
         const double share = quadratic ? 0.5 * one_point_share : one_point_share;
         for (const Vec3& edge : {Vec3(b - a), Vec3(c - b), Vec3(a - c)}) {
             const double length = edge.norm();
-            if (length > more_than * share * carrier.tets->least_width() &&
-                length > more_than * share * carrier.tets->width(centre, edge / length))
+            if (clearly_less(share * carrier.tets->least_width(), length) &&
+                clearly_less(share * carrier.tets->width(centre, edge / length), length))
                 degree = std::max(degree, quadratic ? 4 : 2);
         }
     }

@@ -4,6 +4,7 @@
 #pragma once
 #include "engine/evaluator.h"
 #include "engine/format/graph_file.h"
+#include "engine/text.h"
 #include "nodes/register_all.h"
 #include "nodes/values.h"
 
@@ -77,6 +78,9 @@ inline std::vector<std::string> codes(const std::string& nodes, const std::strin
 }
 
 using Codes = std::vector<std::string>;
+
+/// As graphs have it, with all of its digits.
+inline std::string number(double v) { return engine::number_text(v); }
 
 /// A folder that goes away with the test.
 class Folder {

@@ -10,12 +10,6 @@ using solver::Vec3;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A cube of one metre and 1000 kg above the flat top of a bone at y = 0, `u` scene units a metre.
 std::string falling(const std::string& solver, const std::string& block = "", const std::string& ground = "",
                     double gap = 0.01, double u = 1) {

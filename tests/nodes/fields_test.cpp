@@ -8,11 +8,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
 std::string triple(double x, double y, double z) { return "[" + number(x) + ", " + number(y) + ", " + number(z) + "]"; }
 
 /// A field node "f".

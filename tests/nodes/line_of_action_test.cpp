@@ -11,12 +11,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A box of 8 x 4 x 4 cm that nothing holds, and a line of 10 cm through it whose second point moves along it by keys:
 /// in 5 frames it shortens by 2 cm, then stands. `u` scene units a metre.
 std::string muscle(double u, const std::string& line, const std::string& fiber, const std::string& solver = "") {

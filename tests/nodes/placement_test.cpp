@@ -7,16 +7,10 @@ using namespace bench;
 
 namespace {
 
-std::string text(double v) {
-    char out[40];
-    std::snprintf(out, sizeof out, "%.17g", v);
-    return out;
-}
-
 /// A muscle with fibres and a part inside, that hangs with its cap on a plate; `unit` scene units a centimetre, moved
 /// by `by` centimetres along each axis.
 std::string muscle(double unit, double by) {
-    const auto cm = [&](double length) { return text(unit * length); };
+    const auto cm = [&](double length) { return number(unit * length); };
     const std::string moved = R"("translate": [)" + cm(by) + ", " + cm(2 * by) + ", " + cm(-3 * by) + "]";
     return R"("round": {"type": "polyCylinder", "inputs": {"radius": )" + cm(3) + R"(, "height": )" + cm(20) +
            R"(, "subdivisionsAxis": 16, "subdivisionsHeight": 10}},
@@ -52,7 +46,7 @@ std::string muscle(double unit, double by) {
         "tendon": {"type": "zAttachment", "inputs": {"source": {"from": "belly.outBody"}, "target": {"from": "plate.outBody"},
             "weights": {"from": "upper.outWeights"}}},
         "solver": {"type": "zSolver", "inputs": {"scale": )" +
-           text(100 * unit) + R"(, "maxNewtonIterations": 60,
+           number(100 * unit) + R"(, "maxNewtonIterations": 60,
             "bodies": [{"from": "plate.outBody"}, {"from": "belly.outBody"}, {"from": "part.outBody"}],
             "attachments": [{"from": "tendon.outAttachment"}]}})";
 }

@@ -9,12 +9,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A box of 8 x 4 x 4 cm in its lattice that nothing holds, in steps so long that it comes to rest in a few; `u` scene
 /// units a metre.
 std::string box(double u, const std::string& material, const std::string& tissue, const std::string& fiber = "",

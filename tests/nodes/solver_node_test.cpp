@@ -7,12 +7,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A soft beam of 1 m x 0.25 m x 0.25 m, tied at its -x end to a bone block that can move; `u` scene units a
 /// metre.
 std::string beam(double u, const std::string& solver_inputs = "", const std::string& extra = "") {

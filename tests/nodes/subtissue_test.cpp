@@ -10,12 +10,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A box from x0 to x1 of 1 x 1 about the x axis, as the nodes NAMEShape and NAMEMesh (its outMesh).
 std::string box(const std::string& name, double x0, double x1, int parts) {
     return "\"" + name + R"(Shape": {"type": "polyCube", "inputs": {"width": )" + number(x1 - x0) +

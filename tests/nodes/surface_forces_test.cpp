@@ -9,12 +9,6 @@ using namespace bench;
 
 namespace {
 
-std::string number(double v) {
-    char text[40];
-    std::snprintf(text, sizeof text, "%.17g", v);
-    return text;
-}
-
 /// A ball of 5 cm in its lattice that nothing holds; `u` scene units a metre.
 std::string ball(double u, const std::string& material, const std::string& tissue = "",
                  const std::string& element = "linear", const std::string& more_materials = "") {

@@ -5,6 +5,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/long_task.h"
+#include "tools/cli/motion_range.h"
 #include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/problems.h"
@@ -38,9 +39,7 @@ std::string counted(std::size_t count, const std::string& one, const std::string
 }
 
 void note_outside(const engine::Timing& timing, const std::vector<int>& frames, viewer::ViewScene& scene) {
-    std::vector<int> outside;
-    for (const int f : frames)
-        if (f < timing.start || f > timing.end) outside.push_back(f);
+    const std::vector<int> outside = frames_outside(timing, frames);
     if (!outside.empty())
         scene.notes.push_back({true, "Frame" + std::string(outside.size() == 1 ? " " : "s ") +
                                          viewer::frame_list(outside) + (outside.size() == 1 ? " lies" : " lie") +

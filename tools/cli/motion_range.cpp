@@ -238,13 +238,17 @@ std::vector<Diagnostic> find_motion_doubts(const Graph& graph, const std::vector
     return search.finish();
 }
 
+std::vector<int> frames_outside(const engine::Timing& timing, const std::vector<int>& frames) {
+    std::vector<int> out;
+    for (const int f : frames)
+        if (f < timing.start || f > timing.end) out.push_back(f);
+    return out;
+}
+
 std::optional<Diagnostic> find_timing_doubt(const engine::Timing& timing, const std::vector<int>& frames,
                                             const std::string& command) {
-    if (frames.empty() || timing.start == timing.end) return {};
-    std::vector<int> outside;
-    for (const int f : frames)
-        if (f < timing.start || f > timing.end) outside.push_back(f);
-    if (outside.empty()) return {};
+    const std::vector<int> outside = frames_outside(timing, frames);
+    if (outside.empty() || timing.start == timing.end) return {};
     Diagnostic d;
     d.severity = engine::Severity::warning;
     d.code = "FE333";

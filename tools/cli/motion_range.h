@@ -22,6 +22,9 @@ namespace sinew::cli {
 std::vector<engine::Diagnostic> find_motion_doubts(const engine::Graph& graph, const std::vector<std::string>& nodes,
                                                    int first, int last);
 
+/// Those of some frames that lie outside of the graph's timing.
+std::vector<int> frames_outside(const engine::Timing& timing, const std::vector<int>& frames);
+
 /// Warning FE333, if some of the `frames` lie outside of the graph's timing. A graph of a single frame says nothing of
 /// how long it is. The hint names the `command` that shows them.
 std::optional<engine::Diagnostic> find_timing_doubt(const engine::Timing& timing, const std::vector<int>& frames,

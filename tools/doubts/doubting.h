@@ -48,17 +48,17 @@ class Doubting {
     }
 
     /// A literal; the default if nothing stands there; empty if it is keyed or connected, or there is no such input.
-    template <class T>
-    std::optional<T> number(const std::string& node, std::string_view attribute) const {
+    std::optional<engine::Value> literal(const std::string& node, std::string_view attribute) const {
         const engine::Node& n = *graph_->find(node);
         if (!n.type || !n.type->find_input(attribute)) return {};
         const auto it = n.inputs.find(attribute);
-        engine::Value v;
-        if (it == n.inputs.end())
-            v = engine::default_value(*n.type->find_input(attribute), graph_->timing());
-        else if (const auto* literal = std::get_if<engine::Value>(&it->second))
-            v = *literal;
-        if (v.is<T>()) return v.as<T>();
+        if (it == n.inputs.end()) return engine::default_value(*n.type->find_input(attribute), graph_->timing());
+        const auto* literal = std::get_if<engine::Value>(&it->second);
+        return literal ? std::optional(*literal) : std::nullopt;
+    }
+    template <class T>
+    std::optional<T> number(const std::string& node, std::string_view attribute) const {
+        if (const auto v = literal(node, attribute); v && v->is<T>()) return v->as<T>();
         return {};
     }
 

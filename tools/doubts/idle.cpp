@@ -1,9 +1,7 @@
 // Values that are given and do nothing, since another attribute of the same node says so.
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "engine/text.h"
 #include "tools/doubts/kinds.h"
 
-#include <algorithm>
 #include <vector>
 
 namespace sinew::doubts {
@@ -42,21 +40,11 @@ const std::vector<Idle>& all() {
 
 /// Whether it stands in the node with another value than the default.
 bool is_given(const Doubting& d, const std::string& name, std::string_view attribute) {
-    const auto& inputs = d.graph().find(name)->inputs;
-    const auto it = inputs.find(attribute);
-    if (it == inputs.end()) return false;
-    const auto* literal = std::get_if<engine::Value>(&it->second);
-    const engine::AttributeInfo& info = *d.graph().find(name)->type->find_input(attribute);
-    return !literal || literal->digest() != engine::default_value(info, d.graph().timing()).digest();
-}
-
-/// The value of an attribute that is neither keyed nor connected.
-std::optional<engine::Value> literal(const Doubting& d, const std::string& name, std::string_view attribute) {
     const engine::Node& node = *d.graph().find(name);
-    const auto it = node.inputs.find(attribute);
-    if (it == node.inputs.end()) return engine::default_value(*node.type->find_input(attribute), d.graph().timing());
-    const auto* value = std::get_if<engine::Value>(&it->second);
-    return value ? std::optional(*value) : std::nullopt;
+    if (!node.inputs.contains(attribute)) return false;
+    const auto value = d.literal(name, attribute);
+    return !value ||
+           value->digest() != engine::default_value(*node.type->find_input(attribute), d.graph().timing()).digest();
 }
 
 } // namespace
@@ -64,7 +52,7 @@ std::optional<engine::Value> literal(const Doubting& d, const std::string& name,
 void doubt_idle_values(Doubting& d, const std::string& name) {
     for (const Idle& idle : all()) {
         if (d.graph().find(name)->type->name != idle.type || !is_given(d, name, idle.attribute)) continue;
-        const auto value = literal(d, name, idle.by);
+        const auto value = d.literal(name, idle.by);
         if (!value || (value->digest() == idle.off.digest()) == idle.unless) continue;
         std::string what = std::string(idle.by);
         if (const auto* on = value->is<bool>() ? &value->as<bool>() : nullptr)

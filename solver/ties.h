@@ -13,4 +13,7 @@ inline double rounded_off(double value, double unit) {
     return std::round(value / unit * steps);
 }
 
+/// Of two of any size.
+inline bool clearly_less(double a, double b) { return a < (1 - 1e-9) * b; }
+
 } // namespace sinew::solver
