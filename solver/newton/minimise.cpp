@@ -8,6 +8,7 @@
 #include "solver/stopwatch.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -15,8 +16,8 @@ namespace sinew::solver {
 
 namespace {
 
-/// At a residual below this what presses presses about as hard as it will at the end of the stage.
-constexpr double roughly_solved = 0.03;
+/// At residuals below these what presses presses more and more as hard as it will at the end of the stage.
+constexpr std::array<double, 3> roughly_solved{0.3, 0.1, 0.03};
 
 /// How one run of Newton's method ended.
 enum class End { converged, out_of_iterations, stalled };
@@ -239,9 +240,9 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         return true;
     };
     const auto renew = [&] {
-        if (w.renewed || !(converged || r <= roughly_solved)) return false;
-        w.renewed = true;
-        if (!potential.renew(x)) return false;
+        const std::size_t before = w.renewals;
+        while (w.renewals < roughly_solved.size() && (converged || r <= roughly_solved[w.renewals])) ++w.renewals;
+        if (w.renewals == before || !potential.renew(x)) return false;
         value = evaluate(potential, w, x, record);
         w.floor.forget();
         judge();
@@ -372,14 +373,14 @@ double follow_inside_out(Potential& potential, NewtonWorkspace& w, const NewtonO
     }
     if (lower) {
         x.swap(w.trial);
-        w.renewed = true; // what presses there is a guess, too
+        w.renewals = roughly_solved.size(); // what presses there is a guess, too
         try {
             for (int round = 0; round < rounds; ++round)
                 if (by_continued_laws() == End::converged || std::isfinite(evaluate(potential, w, x, record))) break;
         } catch (const Error&) { // it was a guess
             x = start;
         }
-        w.renewed = false;
+        w.renewals = 0;
     }
     // By what terms have taken in since, at both.
     const double before = evaluate(potential, w, start, record), now = evaluate(potential, w, x, record);
@@ -521,7 +522,7 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
 
 void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
-    w.renewed = false;
+    w.renewals = 0;
     potential.add_up_springs(w.springs, w.elastic);
     w.linear.begin_step(w.springs, w.elastic);
     double r = 0;

@@ -39,7 +39,7 @@ struct NewtonWorkspace {
     RoundingFloor floor;
     Islands islands;
     std::vector<char> resting; ///< flags of deformables
-    bool renewed = false;      ///< whether terms have been asked to renew what they took from the step before
+    std::size_t renewals = 0;  ///< of roughly_solved, how many residuals terms have been asked to renew at
     double worst_residual = 0; ///< of all calls since it was last set to 0
     int worst_deformable = -1; ///< whose that is
     explicit NewtonWorkspace(const Potential& potential)

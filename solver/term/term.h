@@ -75,8 +75,8 @@ class Term {
     /// the energy at x. A term must become false for good after some times within a stage.
     virtual bool settle(const Positions&, bool /*stuck*/) { return false; }
 
-    /// Called once a stage, where it is roughly solved at x: takes anew what it took from the end of the step before,
-    /// such as how hard things press that rub. True: that changes the energy at x.
+    /// Called a few times a stage, the closer it is to being solved at x the more it is worth: takes anew what it took
+    /// from the end of the step before, such as how hard things press that rub. True: that changes the energy at x.
     virtual bool renew(const Positions&) { return false; }
 
     /// Where a solve has come to rest at x: takes in what the term left out because it was too far away at the start of

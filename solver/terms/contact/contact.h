@@ -20,8 +20,8 @@ extern const TermType contact_type;
 /// bodies, A the area that the point stands for. Friction is Coulomb's, by a spring of the same stiffness along the
 /// surface whose end slips where it would pull with more than mu times the force that the contact presses with: it
 /// neither creeps nor drags below that. A stage begins with the forces of the end of the step before, and without
-/// friction of what comes in; where that turns out to be wrong by much, once the stage is roughly solved, the solve
-/// goes on with those that it found.
+/// friction of what comes in; where that turns out to be wrong by much, while the stage is being solved roughly, the
+/// solve goes on with those that it found.
 ///
 /// Which points may come in is settled at the start of a step: those whose way comes near to what the other body's
 /// triangles sweep. Where a solution has moved bodies elsewhere, the set is made larger, and the solve goes on.
@@ -219,11 +219,12 @@ class Contacts final : public Term {
     bool on_edges_ = false;                 ///< keep_to_edges
     std::vector<Force> forces_, tether_forces_;
     std::vector<PointTriangleElement> elements_, tether_elements_; ///< kept for their room
-    std::vector<Tether> tethers_;  ///< of contacts of the state, then of touches that came in within the step, in order
-    std::size_t first_ties_ = 0;   ///< where the latter begin
-    std::vector<double> limits_;   ///< scratch: per tether the renewed force at which it slips [N]
-    std::vector<Rubbing> rubbing_; ///< likewise, per pair
-    std::vector<Points> flown_;    ///< per body: where its points would be without forces
+    std::vector<Tether> tethers_; ///< of contacts of the state, then of touches that came in within the step, in order
+    std::size_t first_ties_ = 0;  ///< where the latter begin
+    std::vector<Tether> ties_before_; ///< scratch: the ties of the renewal before
+    std::vector<double> limits_;      ///< scratch: per tether the renewed force at which it slips [N]
+    std::vector<Rubbing> rubbing_;    ///< likewise, per pair
+    std::vector<Points> flown_;       ///< per body: where its points would be without forces
     VertexGradient gradient_;
 
     // Of layers of cloth:

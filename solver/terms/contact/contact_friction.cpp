@@ -46,24 +46,31 @@ void Contacts::follow_friction() {
     for (Drag& d : drags_) d.followed.follow(d.spring, d.holds * (way_between(d.press) - d.way));
 }
 
-/// Once a stage, where it has been solved roughly with all that touches; whether that changes friction enough to count.
-/// Until they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way
-/// there.
+/// Where a stage has been solved roughly with all that touches; whether that changes friction enough to count. Until
+/// they touch, bodies fly on as they did: what they do after that turns them aside, and is no part of their way there.
 bool Contacts::renew_friction(const Positions& x) {
     find_features(x);
     bool flown = false;
     rubbing_.assign(pairs_.size(), {}), limits_.clear();
+    ties_before_.assign(tethers_.begin() + static_cast<std::ptrdiff_t>(first_ties_), tethers_.end());
+    tethers_.resize(first_ties_);
     for (const Tether& tether : tethers_) limits_.push_back(tether.spring.most);
-    std::size_t known = 0;
+    std::size_t known = 0, tied = 0;
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const Touch& t = touches_[i];
         const ContactPair& pair = pair_of(i);
+        Rubbing& sum = rubbing_[pair_of_touch_[i]];
         while (known < first_ties_ && tethers_[known].touch < i) ++known;
-        if (now_[i].triangle < 0 || (pair.slides ? pair.friction <= 0 : t.kept >= 0)) continue;
+        const bool is_tied = tied < ties_before_.size() && ties_before_[tied].touch == i;
+        const Tether* before = is_tied ? &ties_before_[tied++] : nullptr;
+        const Vec3 rubbed = before ? tether_force(*before, nullptr).by_point : Vec3(Vec3::Zero());
+        if (now_[i].triangle < 0 || (pair.slides ? pair.friction <= 0 : t.kept >= 0)) {
+            sum.change += rubbed.norm();
+            continue;
+        }
         const Press pressed = press(i, now_[i]);
         const double presses = pressed.depth > 0 ? stiffness(i) * pressed.depth : 0;
         const double most = pair.slides ? pair.friction * presses : std::numeric_limits<double>::infinity();
-        Rubbing& sum = rubbing_[pair_of_touch_[i]];
         sum.could += pair.slides ? most : presses;
         if (known < first_ties_ && tethers_[known].touch == i && tethers_[known].spring.stiffness > 0) {
             Tether renewed = tethers_[known];
@@ -72,9 +79,14 @@ bool Contacts::renew_friction(const Positions& x) {
                 (tether_force(renewed, nullptr).by_point - tether_force(tethers_[known], nullptr).by_point).norm();
             continue;
         }
-        if (!(presses > 0)) continue;
+        if (!(presses > 0)) {
+            sum.change += rubbed.norm();
+            continue;
+        }
         Tether tie;
-        if (t.kept >= 0) {
+        if (before) {
+            tie = *before;
+        } else if (t.kept >= 0) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
             tie.triangle = was.anchor_triangle, tie.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
         } else {
@@ -86,15 +98,17 @@ bool Contacts::renew_friction(const Positions& x) {
         }
         tie.touch = i, tie.spring = {stiffness(i), most};
         tie.holds = Mat3::Identity() - pressed.out * pressed.out.transpose();
-        sum.change += tether_force(tie, nullptr).by_point.norm();
+        sum.change += (tether_force(tie, nullptr).by_point - rubbed).norm();
         tethers_.push_back(tie), limits_.push_back(most);
     }
     const bool counts = std::any_of(rubbing_.begin(), rubbing_.end(),
                                     [](const Rubbing& r) { return r.change > least_share * r.could; });
-    if (counts)
+    if (counts) {
         for (std::size_t k = 0; k < tethers_.size(); ++k) tethers_[k].spring.most = limits_[k];
-    else
+    } else {
         tethers_.resize(first_ties_);
+        tethers_.insert(tethers_.end(), ties_before_.begin(), ties_before_.end());
+    }
     tether_forces_.resize(tethers_.size());
     if (tether_elements_.size() < tethers_.size()) tether_elements_.resize(tethers_.size());
     return counts;
