@@ -180,12 +180,20 @@ ClosestFeature follow_feature(const CarriedSurface& surface, const Points& place
                side = turned_along(surface, places, start, start.normal);
     const double longest = std::max(was.away.norm(), 0.5 * surface.mean_edge());
     const int steps = static_cast<int>(std::clamp(std::ceil(way.norm() / std::max(longest, 1e-300)), 1.0, most_steps));
-    int triangle = was.triangle;
-    for (int s = 1; s < steps; ++s)
-        triangle =
-            follow_feature(surface, places, triangle, from + (s / static_cast<double>(steps)) * way, side, allowed)
-                .triangle;
-    return follow_feature(surface, places, triangle, p, side, allowed);
+    const auto follow_in = [&](int count) {
+        int triangle = was.triangle;
+        for (int s = 1; s < count; ++s)
+            triangle =
+                follow_feature(surface, places, triangle, from + (s / static_cast<double>(count)) * way, side, allowed)
+                    .triangle;
+        return follow_feature(surface, places, triangle, p, side, allowed);
+    };
+    const ClosestFeature f = follow_in(steps);
+    // Just inside it may have to slide around an edge, which is near for a small part of a long way alone.
+    const double near = near_share * surface.mean_edge();
+    if (!f.inside() || f.away.squaredNorm() < near * near) return f;
+    const int finer = static_cast<int>(std::min(std::ceil(way.norm() / near), most_steps));
+    return finer > steps ? follow_in(finer) : f;
 }
 
 ClosestFeature nearest_allowed(const CarriedSurface& surface, const Points& places, const ClosestFeature& nearest,

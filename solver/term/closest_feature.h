@@ -45,7 +45,8 @@ Vec3 turned_along(const CarriedSurface& surface, const Points& places, const Fea
 /// Where the point would be had it moved along with the surface.
 Vec3 moved_along(const CarriedSurface& surface, const Points& places, const FeatureStart& start);
 /// From where the point was at the start, moved along with the surface, straight to p, in steps so short that it does
-/// not jump over faces: a function of where things are now alone.
+/// not jump over faces, nor, where it ends deep inside, past an edge that it slides around: a function of where things
+/// are now alone.
 ClosestFeature follow_feature(const CarriedSurface& surface, const Points& places, const FeatureStart& start,
                               const Vec3& p, const std::vector<char>* allowed = nullptr);
 /// The nearest place on triangles that are allowed, for a point that is beyond their rim: of those that one reaches

@@ -134,6 +134,7 @@ class Contacts final : public Term {
     Vec3 held_before(const Tether& tether) const;
     bool look_farther(const Positions& x);
     // Of friction within the step, in contact_friction.cpp:
+    ClosestFeature first_place(std::size_t i, const Vec3& out) const;
     void follow_friction();
     bool renew_friction(const Positions& x);
     void place_flown();

@@ -13,7 +13,9 @@ namespace {
 
 /// Of the most that friction between two bodies could do: where it is off by less it may be so until the next step, so
 /// that what slides evenly, or rests and has points come and go at its rim, is not solved twice.
-constexpr double least_share = 0.3;
+constexpr double least_share = 0.1;
+/// What a contact has turned aside is off its free fall along the normal, up to this share.
+constexpr double off_normal = 0.2;
 
 } // namespace
 
@@ -38,6 +40,26 @@ void Contacts::place_flown() {
         const double* carriers = carriers_expected(static_cast<int>(b));
         for (std::size_t p = 0; p < flown_[b].size(); ++p) flown_[b][p] = body.place(static_cast<int>(p), carriers);
     }
+}
+
+/// Where a point that presses at x came in on its way until then: as it flew on and gravity made it fall, if that is
+/// where it would be but for the contact; else, what something else holds, as it flew on; else straight to where it is.
+ClosestFeature Contacts::first_place(std::size_t i, const Vec3& out) const {
+    const Touch& t = touches_[i];
+    const Vec3 flown = flown_[at(t.source)][at(t.point)];
+    const Points& places = flown_[at(t.target)];
+    if (stage_->form.mass_factor > 0 && bodies_[t.source].deforms() != bodies_[t.target].deforms()) {
+        const Vec3 fall = (bodies_[t.source].deforms() ? 1 : -1) / stage_->form.mass_factor * stage_->inputs.gravity;
+        Vec3 pushed = point_at(t) - flown - fall;
+        const Triangle& corners = bodies_[t.target].triangles()[at(now_[i].triangle)];
+        for (int c = 0; c < 3; ++c)
+            pushed -= now_[i].place[c] * (places_[at(t.target)][at(corners[at(c)])] - places[at(corners[at(c)])]);
+        const double along = out.dot(pushed);
+        if ((pushed - along * out).norm() < off_normal * along)
+            if (const ClosestFeature in = way_in(i, places, flown + fall); in.triangle >= 0) return in;
+    }
+    const ClosestFeature in = way_in(i, places, flown);
+    return in.triangle >= 0 ? in : way_in(i, places_[at(t.target)], point_at(t));
 }
 
 /// Before an iteration, after find_features.
@@ -91,8 +113,7 @@ bool Contacts::renew_friction(const Positions& x) {
             tie.triangle = was.anchor_triangle, tie.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
         } else {
             if (!flown) place_flown(), flown = true;
-            ClosestFeature in = way_in(i, flown_[at(t.target)], flown_[at(t.source)][at(t.point)]);
-            if (in.triangle < 0) in = way_in(i, places_[at(t.target)], point_at(t));
+            const ClosestFeature in = first_place(i, pressed.out);
             if (in.triangle < 0) continue;
             tie.triangle = in.triangle, tie.place = in.place;
         }

@@ -14,7 +14,8 @@ namespace {
 
 constexpr double side = 0.2, thick = 0.02, density = 1000, mass = density * side * side * thick;
 
-/// A plate that lies or flies above a bone's flat top at y = 0: flat, so that it does not tip over, and stiff.
+/// What lies or flies above a bone's flat top at y = 0: a plate, flat, so that it does not tip over, and stiff, or
+/// another body.
 struct Landing {
     SceneDescription description;
     StepInputs in = still_inputs();
@@ -22,13 +23,17 @@ struct Landing {
     std::unique_ptr<Workspace> workspace;
     State state;
 
-    Landing(double height, const Vec3& velocity, const ContactValues& values) {
-        TetMesh plate = box_mesh({side, thick, side}, 4, 1, 4), ground = box_mesh({3, 0.2, 3}, 1, 1, 1);
+    Landing(double height, const Vec3& velocity, const ContactValues& values)
+        : Landing(box_mesh({side, thick, side}, 4, 1, 4), 1e9, height, velocity, values) {}
+    Landing(TetMesh plate, double young, double height, const Vec3& velocity, const ContactValues& values,
+            TetMesh ground = box_mesh({3, 0.2, 3}, 1, 1, 1)) {
+        Vec3 high = Vec3::Zero();
+        for (const Vec3& p : ground.vertices) high = high.cwiseMax(p);
         for (Vec3& p : plate.vertices) p += Vec3(0.31, height, 0.27);
-        for (Vec3& p : ground.vertices) p += Vec3(-1.5, -0.2, -1.5);
+        for (Vec3& p : ground.vertices) p -= Vec3(high.x() / 2, high.y(), high.z() / 2);
         const auto below = tissue(ground, ElasticLaw::stvk);
         description.bodies.emplace_back(tissue(plate, ElasticLaw::stvk));
-        in.bodies.emplace_back(material(1e9, 0, density));
+        in.bodies.emplace_back(material(young, 0, density));
         description.bodies.emplace_back(bone(below->surface, below->triangles));
         in.bodies.emplace_back(BoneInputs{below->surface});
         for (const int body : {0, 1}) {
@@ -86,6 +91,77 @@ TEST_CASE("contact: what lands sliding loses mu times as much momentum along as 
                 CHECK(lost.x() == Approx(-mu * lost.y() * along.x() / along.norm()).epsilon(0.01));
                 CHECK(lost.z() == Approx(-mu * lost.y() * along.z() / along.norm()).epsilon(0.01).margin(1e-3));
             }
+}
+
+TEST_CASE("contact: a soft body that hits the ground sliding loses mu times as much along as across, over the impact",
+          "[contact][friction]") {
+    // How hard it presses changes from step to step, by the most where it hits, and friction is renewed as it does.
+    constexpr double mu = 0.3;
+    TetMesh cube = box_mesh({side, side, side}, 4, 4, 4);
+    const Mat3 turn =
+        (Eigen::AngleAxisd(0.6, Vec3::UnitX()) * Eigen::AngleAxisd(0.4, Vec3::UnitZ())).toRotationMatrix();
+    for (Vec3& p : cube.vertices) p = turn * p;
+    double lowest = 0;
+    for (const Vec3& p : cube.vertices) lowest = std::min(lowest, p.y());
+    Landing l(cube, 1e5, 0.01 - lowest, Vec3(6, -3, 0), with(mu));
+    const Vec3 before = l.mean(l.state.v);
+    l.step(6); // it is off the ground again
+    const Vec3 change = l.mean(l.state.v) - before;
+    CHECK(change.y() > 3);
+    CHECK(-change.x() / change.y() == Approx(mu).epsilon(0.01));
+}
+
+TEST_CASE("contact: what falls onto the ground within the step that it begins to fall in is braked there too",
+          "[contact][friction]") {
+    // At the start of the step nothing moves towards the ground: gravity alone brings it there.
+    constexpr double mu = 0.3, g = 9.8, along = 0.5;
+    for (const Integrator integrator : {Integrator::backward_euler, Integrator::bdf2})
+        for (const double height : {0.001, 0.005}) {
+            Landing l(height, Vec3(along, 0, 0), with(mu));
+            l.in.integrator = integrator, l.in.gravity = Vec3(0, -g, 0);
+            l.step();
+            const Vec3 v = l.mean(l.state.v);
+            const double pushed = v.y() + g * l.in.step_size;
+            INFO("integrator " << static_cast<int>(integrator) << ", from " << height << " m: " << v.transpose());
+            CHECK(pushed > 0.2);
+            CHECK(along - v.x() == Approx(mu * pushed).epsilon(0.01));
+        }
+}
+
+TEST_CASE("contact: what falls onto a slope that is rough enough stays where it came down", "[contact][friction]") {
+    // Gravity turned: the ground is a slope of 18 degrees, and straight down is not along its normal.
+    constexpr double g = 9.8, slope = 18 * 3.14159265358979 / 180, height = 0.0005;
+    for (const bool slides : {true, false}) {
+        Landing l(height, Vec3(0, 0, 0), with(0.6, slides));
+        l.in.gravity = g * Vec3(std::sin(slope), -std::cos(slope), 0);
+        const double before = l.mean(l.state.x).x();
+        l.step();
+        INFO((slides ? "sliding" : "fixed"));
+        const double down = height * std::tan(slope), give = mass * g * std::sin(slope) / (1e6 * side * side);
+        CHECK(l.mean(l.state.x).x() - before == Approx(down).margin(2 * give));
+    }
+}
+
+TEST_CASE("contact: ground of fine triangles that sweeps by below a body drags it by mu times its weight",
+          "[contact][friction]") {
+    // In a step the ground moves several of the body's edges far, so its points come in by the body's side, a hair
+    // above the bottom that they slide along from there.
+    constexpr double mu = 0.3, g = 9.8, speed = 3;
+    Landing l(box_mesh({side, thick, side}, 8, 1, 8), 1e9, 0, Vec3(0, 0, 0), with(mu),
+              box_mesh({9, 0.2, 1.2}, 180, 1, 24));
+    l.in.gravity = Vec3(0, -g, 0);
+    l.step(20);
+    auto& ground = std::get<BoneInputs>(l.in.bodies[1]).positions;
+    constexpr int steps = 10;
+    const Vec3 before = l.mean(l.state.v);
+    for (int k = 0; k < steps; ++k) {
+        for (Vec3& p : ground) p.x() += speed * l.in.step_size;
+        l.step();
+    }
+    const Vec3 change = l.mean(l.state.v) - before;
+    CHECK(change.x() == Approx(mu * g * steps * l.in.step_size).epsilon(0.01));
+    CHECK(std::abs(change.z()) < 1e-4);
+    CHECK(std::abs(change.y()) < 1e-4);
 }
 
 TEST_CASE("contact: what lands and need not slide is pushed back to where it came in", "[contact][friction]") {
