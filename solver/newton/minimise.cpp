@@ -17,7 +17,7 @@ namespace sinew::solver {
 namespace {
 
 /// At residuals below these what presses presses more and more as hard as it will at the end of the stage.
-constexpr std::array<double, 3> roughly_solved{0.3, 0.1, 0.03};
+constexpr std::array<double, 2> roughly_solved{0.3, 0.03};
 
 /// How one run of Newton's method ended.
 enum class End { converged, out_of_iterations, stalled };

@@ -50,6 +50,21 @@ TEST_CASE("check doubts values that another attribute of their node switches off
           "or take excitation out\n");
 }
 
+TEST_CASE("check doubts a pressure on the mesh of a part that no solver has", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["core"] = {
+        {"type", "zSubtissue"},
+        {"inputs", {{"mesh", {{"from", "coreMesh.outMesh"}}}, {"materials", {{{"from", "inner.outMaterial"}}}}}}};
+    graph["nodes"]["coreMesh"] = {{"type", "polySphere"}, {"inputs", {{"radius", 1}}}};
+    graph["nodes"]["inner"] = {{"type", "zMaterial"}, {"inputs", {{"pressure", 20000}}}};
+    graph["nodes"]["ball"]["inputs"]["subtissues"] = {{{"from", "core.outBody"}}};
+    CHECK(said_of(graph) == "FE342 inner.pressure: does nothing on the mesh of core, which is not among the solver's "
+                            "bodies | connect core.outBody to zSolver.bodies beside its tissue\n");
+    CHECK(said_of(graph, {"inner.pressure=0"}).empty());
+    graph["nodes"]["solver"]["inputs"]["bodies"].push_back({{"from", "core.outBody"}});
+    CHECK(said_of(graph).find("FE342") == std::string::npos);
+}
+
 TEST_CASE("check doubts layers and fibres that are painted nowhere", "[tools]") {
     json graph = ball();
     graph["nodes"]["stiff"] = {{"type", "zMaterial"},

@@ -60,6 +60,7 @@ std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::
     doubt_transforms(d, transforms);
     for (const std::string& name : solvers) look_at_solver(d, name);
     doubt_unread_values(d);
+    doubt_idle_parts(d);
     doubt_passive_muscles(d, nodes);
     return d.take();
 }

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/doubts/kinds.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace sinew::doubts {
@@ -63,6 +64,26 @@ void doubt_idle_values(Doubting& d, const std::string& name) {
             what += " is 0";
         d.doubt("FE342", name, idle.attribute, "does nothing while " + what,
                 std::string(idle.cure) + ", or take " + std::string(idle.attribute) + " out");
+    }
+}
+
+void doubt_idle_parts(Doubting& d) {
+    std::vector<std::string> simulated;
+    for (const std::string& name : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(name);
+        if (!node->type || node->type->name != "zSolver") continue;
+        for (const engine::Plug& plug : d.plugs(name, "bodies")) simulated.push_back(plug.node);
+    }
+    for (const std::string& part : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(part);
+        if (!node->type || node->type->name != "zSubtissue") continue;
+        if (std::find(simulated.begin(), simulated.end(), part) != simulated.end()) continue;
+        for (const engine::Plug& material : d.plugs(part, "materials"))
+            for (const std::string_view attribute : {"pressure", "surfaceTension"})
+                if (is_given(d, material.node, attribute))
+                    d.doubt("FE342", material.node, attribute,
+                            "does nothing on the mesh of " + part + ", which is not among the solver's bodies",
+                            "connect " + part + ".outBody to zSolver.bodies beside its tissue");
     }
 }
 

@@ -26,6 +26,8 @@ void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 // ---- idle.cpp ----
 /// Of a node: values that are given and do nothing, since another of its attributes says so.
 void doubt_idle_values(Doubting& d, const std::string& name);
+/// Forces on the mesh of parts of tissues that no solver has the mesh of.
+void doubt_idle_parts(Doubting& d);
 
 // ---- paint.cpp: maps that paint nothing ----
 /// Of a weights node: a mesh or a sphere that what is painted does not come near; with `ramps` also one that begins and

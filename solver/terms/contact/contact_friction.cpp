@@ -106,9 +106,8 @@ bool Contacts::renew_friction(const Positions& x) {
             continue;
         }
         Tether tie;
-        if (before) {
-            tie = *before;
-        } else if (t.kept >= 0) {
+        if (before) tie.followed = before->followed;
+        if (t.kept >= 0) {
             const KeptContact& was = kept_.contacts[at(t.kept)];
             tie.triangle = was.anchor_triangle, tie.place = Vec3(was.anchor[0], was.anchor[1], was.anchor[2]);
         } else {
