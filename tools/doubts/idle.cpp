@@ -1,4 +1,4 @@
-// Values that are given and do nothing, since another attribute of the same node says so.
+// Values that are given and do nothing, since another attribute of the same node, or what is connected, says so.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/doubts/kinds.h"
 

@@ -113,7 +113,10 @@ bool Contacts::renew_friction(const Positions& x) {
         } else {
             if (!flown) place_flown(), flown = true;
             const ClosestFeature in = first_place(i, pressed.out);
-            if (in.triangle < 0) continue;
+            if (in.triangle < 0) {
+                sum.change += rubbed.norm();
+                continue;
+            }
             tie.triangle = in.triangle, tie.place = in.place;
         }
         tie.touch = i, tie.spring = {stiffness(i), most};

@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 
 using namespace sinew::solver;
 using namespace sinew::test;
@@ -130,7 +131,7 @@ TEST_CASE("contact: what falls onto the ground within the step that it begins to
 
 TEST_CASE("contact: what falls onto a slope that is rough enough stays where it came down", "[contact][friction]") {
     // Gravity turned: the ground is a slope of 18 degrees, and straight down is not along its normal.
-    constexpr double g = 9.8, slope = 18 * 3.14159265358979 / 180, height = 0.0005;
+    constexpr double g = 9.8, slope = 18 * std::numbers::pi / 180, height = 0.0005;
     for (const bool slides : {true, false}) {
         Landing l(height, Vec3(0, 0, 0), with(0.6, slides));
         l.in.gravity = g * Vec3(std::sin(slope), -std::cos(slope), 0);
