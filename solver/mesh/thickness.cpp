@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <numbers>
 
 namespace sinew::solver {
 
@@ -47,9 +48,11 @@ double enters_at(const Vec3& origin, const Vec3& inverse, const BvhNode& box) {
     return first <= last ? first : infinite;
 }
 
+enum class Towards { inside, outside };
+
 class Rays {
   public:
-    Rays(const Points& points, const std::vector<Triangle>& triangles)
+    Rays(const Points& points, const std::vector<Triangle>& triangles, Towards side)
         : points_(points)
         , triangles_(triangles) {
         Points least, most;
@@ -64,60 +67,85 @@ class Rays {
             most.push_back(c.a.cwiseMax(c.b).cwiseMax(c.c));
             six_volumes += c.a.dot(c.b.cross(c.c));
         }
-        is_turned_ = six_volumes < 0;
+        is_turned_ = (six_volumes < 0) == (side == Towards::inside);
         bvh_ = build_bvh(least, most);
     }
 
     Corners corners(int triangle) const {
         const Triangle& t = triangles_[static_cast<std::size_t>(triangle)];
         const auto at = [&](std::size_t k) { return points_[static_cast<std::size_t>(t[k])]; };
-        // All normals outwards.
+        // All normals away from the side that the rays go to.
         return is_turned_ ? Corners{at(0), at(2), at(1)} : Corners{at(0), at(1), at(2)};
     }
 
-    double first_exit(const Vec3& origin, const Vec3& direction, int from) {
-        double nearest = infinite;
+    /// Of those that are nearer than `out` says.
+    void meet(const Vec3& origin, const Vec3& direction, Thickness& out) {
         const Vec3 inverse = direction.cwiseInverse();
         open_.assign(1, 0);
         while (!open_.empty()) {
             const int at = open_.back();
             open_.pop_back();
             const BvhNode& node = bvh_.nodes[static_cast<std::size_t>(at)];
-            if (!(enters_at(origin, inverse, node) < nearest)) continue;
+            if (!(enters_at(origin, inverse, node) < out.distance)) continue;
             if (node.count == 0) {
                 open_.push_back(node.first);
                 open_.push_back(at + 1);
             }
             for (int i = node.first; i < node.first + node.count; ++i)
-                if (const int t = bvh_.order[static_cast<std::size_t>(i)]; t != from)
-                    nearest = std::min(nearest, leaves_at(origin, direction, corners(t)));
+                if (const int t = bvh_.order[static_cast<std::size_t>(i)]; t != out.triangle)
+                    if (const double distance = leaves_at(origin, direction, corners(t)); distance < out.distance)
+                        out.distance = distance, out.opposite = t;
         }
-        return nearest;
     }
 
   private:
     const Points& points_;
     const std::vector<Triangle>& triangles_;
     Bvh bvh_;
-    bool is_turned_ = false; ///< inside out
+    bool is_turned_ = false;
     std::vector<int> open_;
 };
 
-} // namespace
+/// The normal alone, or with six more at 30 degrees about it: two rounded parts face each other on a narrow strip,
+/// which normals of a coarse mesh all miss.
+std::vector<Vec3> around(const Vec3& normal, Towards side) {
+    std::vector<Vec3> out = {normal};
+    if (side == Towards::inside) return out;
+    const Vec3 across = normal.unitOrthogonal(), third = normal.cross(across);
+    for (int k = 0; k < 6; ++k) {
+        const double turn = k * std::numbers::pi / 3;
+        out.push_back(std::sqrt(0.75) * normal + 0.5 * (std::cos(turn) * across + std::sin(turn) * third));
+    }
+    return out;
+}
 
-std::vector<Thickness> thickness(const Points& points, const std::vector<Triangle>& triangles, std::size_t most) {
+std::vector<Thickness> measured(const Points& points, const std::vector<Triangle>& triangles, std::size_t most,
+                                Towards side) {
     std::vector<Thickness> out;
     if (triangles.empty() || most == 0) return out;
-    Rays rays(points, triangles);
+    Rays rays(points, triangles, side);
     const std::size_t count = std::min(most, triangles.size());
     for (std::size_t i = 0; i < count; ++i) {
         const int t = static_cast<int>(i * triangles.size() / count);
         const Corners c = rays.corners(t);
         const Vec3 normal = c.normal();
         const double area = normal.norm() / 2;
-        if (area > 0) out.push_back({t, area, rays.first_exit((c.a + c.b + c.c) / 3, -normal / (2 * area), t)});
+        if (!(area > 0)) continue;
+        out.push_back({t, area, -1, infinite});
+        for (const Vec3& direction : around(-normal / (2 * area), side))
+            rays.meet((c.a + c.b + c.c) / 3, direction, out.back());
     }
     return out;
+}
+
+} // namespace
+
+std::vector<Thickness> thickness(const Points& points, const std::vector<Triangle>& triangles, std::size_t most) {
+    return measured(points, triangles, most, Towards::inside);
+}
+
+std::vector<Thickness> gaps(const Points& points, const std::vector<Triangle>& triangles, std::size_t most) {
+    return measured(points, triangles, most, Towards::outside);
 }
 
 } // namespace sinew::solver

@@ -84,3 +84,17 @@ TEST_CASE("check doubts a tissue in the very place of another, with contact or w
     nodes["solver"]["inputs"]["attachments"].push_back({{"from", "tie.outAttachment"}});
     CHECK(said_of(graph).find("FE341") == std::string::npos);
 }
+
+TEST_CASE("check doubts tets that tie parts of a tissue which only lie near to each other", "[tools]") {
+    // A spring, 4 from turn to turn; along it 60. Of a coarse mesh no normal hits the next turn.
+    json graph = ball();
+    graph["nodes"]["ballMesh"] =
+        json::parse(R"({"type": "polyHelix", "inputs": {"coils": 2.5, "height": 30, "width": 20,
+        "radius": 4, "subdivisionsAxis": 8, "subdivisionsCoil": 24}})");
+    const std::string said = said_of(graph, {"tets.tetSize=6"});
+    CHECK(
+        said.starts_with("FE262 tets.tetSize: 30 % of the surface of ball lies about 5 from another part of it, less "
+                         "than the tets there (6), which tie the two together | choose a tetSize of at most 2.5, or"));
+    CHECK(said_of(graph, {"tets.tetSize=4"}).empty());
+    CHECK(said_of(graph, {"tets.tetSize=6", "ballMesh.height=50"}).empty());
+}

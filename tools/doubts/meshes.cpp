@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
+#include "solver/mesh/edge_ways.h"
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
@@ -7,6 +8,7 @@
 #include "tools/embed/graph_walk.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace sinew::doubts {
 
@@ -14,6 +16,9 @@ namespace {
 
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
 constexpr double thin_part = 0.25, thin_share = 0.25;
+/// Parts are tied by a lattice where they lie less than a tet's length from each other and more than this many along
+/// the surface (in a crease they are near both ways); rounded parts face each other on little of their surface.
+constexpr double far_along = 4, tied_share = 0.05;
 /// A body that is shorter than one of its tets; as long as one is what a block as a mass on a spring is.
 constexpr double least_tets_along = 0.95;
 /// Of its length; a cloth that is thicker is none.
@@ -31,29 +36,59 @@ double longest_edge(const solver::TissueRest& rest, int tet) {
     return longest;
 }
 
-/// What of a surface is thinner than the tets there.
-struct Thin {
-    std::vector<std::pair<double, double>> parts; ///< thickness, area
-    double area = 0, thin_area = 0, largest = 0, largest_thin = 0;
+/// What of a surface is thinner than the tets there, or nearer to another part of it.
+struct Narrow {
+    std::vector<std::pair<double, double>> parts; ///< thickness or gap, area
+    double area = 0, narrow_area = 0, largest = 0, largest_narrow = 0;
 
-    void add(const solver::Thickness& t, double tet_length) {
+    void add(const solver::Thickness& t, double tet_length, bool is_narrow) {
         area += t.area;
         largest = std::max(largest, tet_length);
-        if (!(t.distance < thin_part * tet_length)) return;
+        if (!is_narrow) return;
         parts.emplace_back(t.distance, t.area);
-        thin_area += t.area;
-        largest_thin = std::max(largest_thin, tet_length);
+        narrow_area += t.area;
+        largest_narrow = std::max(largest_narrow, tet_length);
     }
 
-    /// Half of what is thin is thinner.
+    double share() const { return narrow_area / area; }
+
+    /// Half of what is narrow is narrower.
     double usual() {
         std::sort(parts.begin(), parts.end());
-        double passed = 0, thickness = 0;
-        for (std::size_t i = 0; i < parts.size() && passed < thin_area / 2; ++i)
-            passed += parts[i].second, thickness = parts[i].first;
-        return thickness;
+        double passed = 0, width = 0;
+        for (std::size_t i = 0; i < parts.size() && passed < narrow_area / 2; ++i)
+            passed += parts[i].second, width = parts[i].first;
+        return width;
     }
 };
+
+/// Length of the tets at a triangle.
+double tet_length(const solver::TissueRest& rest, int triangle) {
+    return longest_edge(rest, rest.embedding.tet[at(rest.triangles[at(triangle)][0])]);
+}
+
+Narrow thin_parts(const solver::TissueRest& rest, std::size_t most) {
+    Narrow out;
+    for (const solver::Thickness& t : solver::thickness(rest.surface, rest.triangles, most)) {
+        const double length = tet_length(rest, t.triangle);
+        out.add(t, length, t.distance < thin_part * length);
+    }
+    return out;
+}
+
+/// Parts that tets reach across to from others.
+Narrow tied_parts(const solver::TissueRest& rest, std::size_t most) {
+    Narrow out;
+    std::optional<solver::EdgeWays> ways;
+    const auto vertex = [&](int triangle) { return at(rest.triangles[at(triangle)][0]); };
+    for (const solver::Thickness& t : solver::gaps(rest.surface, rest.triangles, most)) {
+        const double length = tet_length(rest, t.triangle);
+        const bool is_near = t.distance < length;
+        if (is_near && !ways) ways.emplace(rest.surface, rest.triangles);
+        out.add(t, length, is_near && ways->are_farther(vertex(t.triangle), vertex(t.opposite), far_along * length));
+    }
+    return out;
+}
 
 /// Where no transform is told to mirror it.
 void doubt_inside_out(Doubting& d, const Member& m) {
@@ -148,28 +183,33 @@ void doubt_tets(Doubting& d, const Member& m) {
     if (!of_tissue) return;
     const solver::TissueRest& rest = **of_tissue;
     if (rest.tets.coverage.empty()) return; // tets that fit the surface
-    Thin found;
-    for (const solver::Thickness& t : solver::thickness(rest.surface, rest.triangles,
-                                                        d.look() == Look::closely ? most_rays : most_rays_in_passing)) {
-        const int vertex = rest.triangles[at(t.triangle)][0];
-        found.add(t, longest_edge(rest, rest.embedding.tet[at(vertex)]));
-    }
+    const std::size_t most = d.look() == Look::closely ? most_rays : most_rays_in_passing;
+    Narrow thin = thin_parts(rest, most);
     const std::vector<engine::Plug> tets = d.plugs(m.name, "tets");
     const bool sized = !tets.empty() && d.graph().find(tets.front().node)->type_name == "zTet";
     const std::string node = sized ? tets.front().node : m.name, attribute = sized ? "tetSize" : "tets";
     const std::string take = sized ? "choose" : "connect a zTet with";
     const double length = extent(rest.surface);
-    if (length < least_tets_along * found.largest)
+    if (length < least_tets_along * thin.largest) {
         d.doubt("FE262", node, attribute,
-                m.name + " is " + rough(length) + " long and its tets are " + rough(found.largest) +
+                m.name + " is " + rough(length) + " long and its tets are " + rough(thin.largest) +
                     ", so it cannot bend",
                 take + " a tetSize of about " + rough(length / 8));
-    else if (found.thin_area > thin_share * found.area)
+        return;
+    }
+    if (thin.share() > thin_share)
         d.doubt("FE262", node, attribute,
-                rough(100 * found.thin_area / found.area) + " % of the surface of " + m.name +
-                    " belongs to parts about " + rough(found.usual()) +
-                    " thick, less than a quarter of the tets there (" + rough(found.largest_thin) + ")",
-                take + " a tetSize of about " + rough(found.usual()) +
+                rough(100 * thin.share()) + " % of the surface of " + m.name + " belongs to parts about " +
+                    rough(thin.usual()) + " thick, less than a quarter of the tets there (" +
+                    rough(thin.largest_narrow) + ")",
+                take + " a tetSize of about " + rough(thin.usual()) +
+                    ", or refine there by weights and surfaceRefinement");
+    if (Narrow tied = tied_parts(rest, most); tied.share() > tied_share)
+        d.doubt("FE262", node, attribute,
+                rough(100 * tied.share()) + " % of the surface of " + m.name + " lies about " + rough(tied.usual()) +
+                    " from another part of it, less than the tets there (" + rough(tied.largest_narrow) +
+                    "), which tie the two together",
+                take + " a tetSize of at most " + rough(tied.usual() / 2) +
                     ", or refine there by weights and surfaceRefinement");
 }
 

@@ -2,6 +2,7 @@
 #include "tools/rig/muscle_shape.h"
 
 #include "solver/index.h"
+#include "solver/mesh/edge_ways.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
 
@@ -9,7 +10,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <queue>
 
 namespace sinew::rig {
 
@@ -18,42 +18,7 @@ namespace {
 using solver::Points;
 using solver::Triangle;
 
-constexpr double unreached = std::numeric_limits<double>::infinity();
-
-struct Neighbour {
-    std::size_t vertex;
-    double length;
-};
-using Edges = std::vector<std::vector<Neighbour>>;
-
-Edges edges_of(const Points& points, const std::vector<Triangle>& triangles) {
-    Edges out(points.size());
-    for (const Triangle& t : triangles)
-        for (std::size_t i = 0; i < 3; ++i) {
-            const auto a = static_cast<std::size_t>(t[i]), b = static_cast<std::size_t>(t[(i + 1) % 3]);
-            const double length = (points[a] - points[b]).norm();
-            out[a].push_back({b, length});
-            out[b].push_back({a, length});
-        }
-    return out;
-}
-
-std::vector<double> distances_from(std::size_t start, const Edges& edges) {
-    std::vector<double> out(edges.size(), unreached);
-    using Entry = std::pair<double, std::size_t>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-    open.emplace(out[start] = 0, start);
-    while (!open.empty()) {
-        const auto [distance, vertex] = open.top();
-        open.pop();
-        if (distance > out[vertex]) continue;
-        for (const Neighbour& n : edges[vertex]) {
-            const double further = distance + n.length;
-            if (further < out[n.vertex]) open.emplace(out[n.vertex] = further, n.vertex);
-        }
-    }
-    return out;
-}
+constexpr double unreached = solver::EdgeWays::unreached;
 
 /// The farthest that can be reached.
 std::size_t farthest(const std::vector<double>& distances) {
@@ -65,7 +30,7 @@ std::size_t farthest(const std::vector<double>& distances) {
 }
 
 /// A vertex of the part with the largest surface.
-std::size_t vertex_of_largest_part(const Edges& edges, const std::vector<double>& areas) {
+std::size_t vertex_of_largest_part(const solver::EdgeWays& edges, const std::vector<double>& areas) {
     std::vector<char> seen(edges.size(), 0);
     std::size_t out = 0;
     double most = -1;
@@ -78,7 +43,7 @@ std::size_t vertex_of_largest_part(const Edges& edges, const std::vector<double>
             const std::size_t at = open.back();
             open.pop_back();
             area += areas[at];
-            for (const Neighbour& n : edges[at])
+            for (const auto& n : edges.of(at))
                 if (!seen[n.vertex]) seen[n.vertex] = 1, open.push_back(n.vertex);
         }
         if (area > most) most = area, out = v;
@@ -135,17 +100,17 @@ double exceeded_by(double share, std::vector<solver::Thickness> rays) {
 MuscleShape measure_muscle(const Points& points, const std::vector<Triangle>& triangles) {
     MuscleShape out;
     out.areas = solver::vertex_areas(points, triangles);
-    const Edges edges = edges_of(points, triangles);
-    std::size_t a = farthest(distances_from(vertex_of_largest_part(edges, out.areas), edges));
-    std::vector<double> from_a = distances_from(a, edges);
+    const solver::EdgeWays edges(points, triangles);
+    std::size_t a = farthest(edges.from(vertex_of_largest_part(edges, out.areas)));
+    std::vector<double> from_a = edges.from(a);
     std::size_t b = farthest(from_a);
-    std::vector<double> from_b = distances_from(b, edges);
+    std::vector<double> from_b = edges.from(b);
     for (int round = 0; round < 10; ++round) {
         const std::size_t c = farthest(from_b);
         if (!(from_b[c] > from_a[b])) break;
         a = b, b = c;
         from_a = std::move(from_b);
-        from_b = distances_from(b, edges);
+        from_b = edges.from(b);
     }
     out.tips = {static_cast<int>(a), static_cast<int>(b)};
     out.length = from_a[b];
