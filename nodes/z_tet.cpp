@@ -19,8 +19,8 @@ const Input<double> tet_size{
     .def = 0,
     .limits = {.min = 0},
     .doc = "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
-           "the longest side of the mesh's bounding box / 3.5. Parts that lie nearer to each other than a tet is long "
-           "share tets, which tie them together (FE262). Every tet counts as at least a thousandth solid; tets so "
+           "the longest side of the mesh's bounding box / 3.5. Parts nearer to each other than two tets may share "
+           "vertices, which tie them together (FE262). Every tet counts as at least a thousandth solid; tets so "
            "large that this adds more than a tenth to the mesh's volume are refused. What the tissue weighs is exact.",
     .keyable = false,
 };

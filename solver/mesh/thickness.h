@@ -1,6 +1,6 @@
 // How thick a solid is below its surface: along the inward normal to where that leaves the solid again (the shape
-// diameter of Shapira, Shamir and Cohen-Or 2008, by one ray instead of a cone); and how wide what lies between two parts
-// of it: the same outwards.
+// diameter of Shapira, Shamir and Cohen-Or 2008, by one ray instead of a cone); and how wide what lies between two
+// parts of it: the same outwards.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/types.h"
@@ -20,8 +20,8 @@ struct Thickness {
 /// volume is taken as turned inside out. Triangles without area are left out. Throws Error FE203.
 std::vector<Thickness> thickness(const Points& points, const std::vector<Triangle>& triangles, std::size_t most);
 
-/// How far it is outwards to another part of the solid that lies opposite: the shortest of seven rays within 30 degrees of
-/// the outward normal to where they enter the solid again; infinite where none does.
+/// How far it is outwards to another part of the solid that lies opposite: the shortest of seven rays within 30 degrees
+/// of the outward normal to where they enter the solid again; infinite where none does.
 std::vector<Thickness> gaps(const Points& points, const std::vector<Triangle>& triangles, std::size_t most);
 
 } // namespace sinew::solver

@@ -91,10 +91,11 @@ TEST_CASE("check doubts tets that tie parts of a tissue which only lie near to e
     graph["nodes"]["ballMesh"] =
         json::parse(R"({"type": "polyHelix", "inputs": {"coils": 2.5, "height": 30, "width": 20,
         "radius": 4, "subdivisionsAxis": 8, "subdivisionsCoil": 24}})");
-    const std::string said = said_of(graph, {"tets.tetSize=6"});
     CHECK(
-        said.starts_with("FE262 tets.tetSize: 30 % of the surface of ball lies about 5 from another part of it, less "
-                         "than the tets there (6), which tie the two together | choose a tetSize of at most 2.5, or"));
-    CHECK(said_of(graph, {"tets.tetSize=4"}).empty());
-    CHECK(said_of(graph, {"tets.tetSize=6", "ballMesh.height=50"}).empty());
+        said_of(graph, {"tets.tetSize=4"}) ==
+        "FE262 tets.tetSize: 30 % of the surface of ball lies about 5 from another part of it, less than one and a "
+        "half of the tets there (4), which tie the two together | choose a tetSize of at most 2.5, or refine there by "
+        "weights and surfaceRefinement\n");
+    CHECK(said_of(graph, {"tets.tetSize=2.5"}) == "");
+    CHECK(said_of(graph, {"tets.tetSize=4", "ballMesh.coils=1"}) == "");
 }

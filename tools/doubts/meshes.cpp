@@ -16,9 +16,12 @@ namespace {
 
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
 constexpr double thin_part = 0.25, thin_share = 0.25;
-/// Parts are tied by a lattice where they lie less than a tet's length from each other and more than this many along
-/// the surface (in a crease they are near both ways); rounded parts face each other on little of their surface.
-constexpr double far_along = 4, tied_share = 0.05;
+/// Parts share vertices of a lattice where they lie less than about this many tets from each other: a spring of round
+/// wire is 39 times too stiff at .9 of a tet from turn to turn, 8 times at 1.4, a third at 1.8, and right at 2.25.
+constexpr double tied_within = 1.5;
+/// And more than this many along the surface: in a crease they are near both ways. Rounded parts face each other on
+/// little of their surface.
+constexpr double far_along = 4, tied_share = 0.1;
 /// A body that is shorter than one of its tets; as long as one is what a block as a mass on a spring is.
 constexpr double least_tets_along = 0.95;
 /// Of its length; a cloth that is thicker is none.
@@ -83,7 +86,7 @@ Narrow tied_parts(const solver::TissueRest& rest, std::size_t most) {
     const auto vertex = [&](int triangle) { return at(rest.triangles[at(triangle)][0]); };
     for (const solver::Thickness& t : solver::gaps(rest.surface, rest.triangles, most)) {
         const double length = tet_length(rest, t.triangle);
-        const bool is_near = t.distance < length;
+        const bool is_near = t.distance < tied_within * length;
         if (is_near && !ways) ways.emplace(rest.surface, rest.triangles);
         out.add(t, length, is_near && ways->are_farther(vertex(t.triangle), vertex(t.opposite), far_along * length));
     }
@@ -207,8 +210,8 @@ void doubt_tets(Doubting& d, const Member& m) {
     if (Narrow tied = tied_parts(rest, most); tied.share() > tied_share)
         d.doubt("FE262", node, attribute,
                 rough(100 * tied.share()) + " % of the surface of " + m.name + " lies about " + rough(tied.usual()) +
-                    " from another part of it, less than the tets there (" + rough(tied.largest_narrow) +
-                    "), which tie the two together",
+                    " from another part of it, less than one and a half of the tets there (" +
+                    rough(tied.largest_narrow) + "), which tie the two together",
                 take + " a tetSize of at most " + rough(tied.usual() / 2) +
                     ", or refine there by weights and surfaceRefinement");
 }
