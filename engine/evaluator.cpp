@@ -106,6 +106,13 @@ void Evaluator::drop_values() {
     impl_->core.values.clear();
 }
 
+void Evaluator::rehearse(const Request& request) {
+    if (request.stop.stop_requested()) throw Cancelled();
+    const Impl::Target target = impl_->find_simulation(request);
+    Session session(impl_->core, target.program, request.stop, request.frame, request.failures);
+    session.rehearse(target.node);
+}
+
 std::vector<std::byte> Evaluator::save_state(const Request& request) {
     const Impl::Target target = impl_->find_simulation(request);
     const NodeType& type = *target.program->place(target.node).type;

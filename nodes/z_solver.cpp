@@ -142,50 +142,76 @@ std::vector<double> stages_of(const Value& scheme) {
     return two_stages ? std::vector{solver::tr_bdf2_gamma} : std::vector<double>{};
 }
 
-SimulationState advance(const SimulationState& before, std::span<const SubstepReads> times) {
-    const Reads& now = times.back().end;
-    if (!now[enable]) return before;
-    std::vector<solver::StepInputs> inputs;
-    Setup setup;
+/// What the sub-steps of a frame come to, as the solver reads it.
+struct FrameInputs {
+    std::vector<solver::StepInputs> steps;
+    Setup setup; ///< at the end of the frame
+    std::vector<solver::LineMemory> lines;
+};
+
+FrameInputs read_frame(const SimulationState& before, std::span<const SubstepReads> times) {
+    FrameInputs out;
     SceneKey known = before.scene; // of the sub-step before: which of two alike bones is meant stays known
-    const Reads* contact = contact_of(now);
-    std::vector<solver::LineMemory> lines = before.lines;
+    const Reads* contact = contact_of(times.back().end);
+    out.lines = before.lines;
     for (const auto& [in, within] : times) {
-        setup = read_setup(in, &known, contact);
-        if (setup.key != known) known = setup.key;
-        if (without_inertia(in)) check_all_tied(in, setup);
-        if (before.state.steps == 0 && inputs.empty()) warn_of_lost_velocities(in, setup, without_inertia(in));
+        out.setup = read_setup(in, &known, contact);
+        if (out.setup.key != known) known = out.setup.key;
+        if (without_inertia(in)) check_all_tied(in, out.setup);
+        if (before.state.steps == 0 && out.steps.empty()) warn_of_lost_velocities(in, out.setup, without_inertia(in));
         const double step = 1 / (in[frames_per_second] * static_cast<double>(times.size()));
-        const std::vector<solver::LineMemory> lines_before = std::move(lines);
-        lines = follow_lines(setup, lines_before, step);
-        use_lines(lines, setup);
-        inputs.push_back(step_inputs(in, setup, times.size()));
+        const std::vector<solver::LineMemory> lines_before = std::move(out.lines);
+        out.lines = follow_lines(out.setup, lines_before, step);
+        use_lines(out.lines, out.setup);
+        out.steps.push_back(step_inputs(in, out.setup, times.size()));
         for (const Reads& stage : within) {
             Setup at_gamma = read_setup(stage, &known, contact);
             use_lines(follow_lines(at_gamma, lines_before, solver::tr_bdf2_gamma * step), at_gamma);
-            inputs.back().at_gamma =
+            out.steps.back().at_gamma =
                 std::make_shared<const solver::StepInputs>(step_inputs(stage, at_gamma, times.size()));
         }
     }
+    return out;
+}
+
+/// A state as `setup` goes on from it: with the contacts that it lacks.
+solver::State with_contacts(const solver::Scene& scene, const SimulationState& before, const Setup& setup,
+                            const solver::StepInputs& inputs) {
+    if (setup.key.contacts == before.scene.contacts) return before.state;
+    return solver::with_other_parts(scene, before.state, before.scene.forces.size() - before.scene.contacts, inputs);
+}
+
+SimulationState advance(const SimulationState& before, std::span<const SubstepReads> times) {
+    const Reads& now = times.back().end;
+    if (!now[enable]) return before;
+    FrameInputs frame = read_frame(before, times);
+    const Setup& setup = frame.setup;
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
-    const bool contact_came = setup.key.contacts > before.scene.contacts;
     SimulationState after{setup.key, solving(now, setup, [&] {
-                              if (setup.key.contacts == before.scene.contacts)
-                                  return solver::advance(stage->workspace, before.state, inputs, control_of(now));
-                              const std::size_t same = before.scene.forces.size() - before.scene.contacts;
-                              return solver::advance(
-                                  stage->workspace,
-                                  solver::with_other_parts(*stage->scene, before.state, same, inputs.front()), inputs,
-                                  control_of(now));
+                              return solver::advance(stage->workspace,
+                                                     with_contacts(*stage->scene, before, setup, frame.steps.front()),
+                                                     frame.steps, control_of(now));
                           })};
-    after.lines = std::move(lines);
-    if (contact_came) warn_of_lone_sets(now, setup);
+    after.lines = std::move(frame.lines);
+    if (setup.key.contacts > before.scene.contacts) warn_of_lone_sets(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)
         after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
     warn_if_unconverged(now, setup, before.state, after);
     warn_if_inverted(now, setup, *stage->scene, after.state);
     return after;
+}
+
+void rehearse(const SimulationState& at_start, std::span<const SubstepReads> times) {
+    const Reads& now = times.back().end;
+    if (!now[enable]) return;
+    const FrameInputs frame = read_frame(at_start, times);
+    auto stage = lease_stage(now, frame.setup);
+    if (stage->scene->vertex_count() == 0) return;
+    solving(now, frame.setup, [&] {
+        solver::rehearse(stage->workspace, with_contacts(*stage->scene, at_start, frame.setup, frame.steps.front()),
+                         frame.steps);
+    });
 }
 
 /// All bodies as they stand without simulation: bones where they are, tissues and cloth as modelled.
@@ -315,6 +341,7 @@ void add_z_solver(Registry& registry) {
                          describe(out_marks),  describe(out_contacts), describe(out_loa_values)};
     type.initial = initial;
     type.advance = advance;
+    type.rehearse = rehearse;
     type.publish = publish;
     type.save = [](const SimulationState& s) { return save(s); };
     type.load = [](std::span<const std::byte> bytes) { return load_simulation(bytes); };

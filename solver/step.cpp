@@ -51,6 +51,17 @@ struct Workspace::Impl {
         return followed;
     }
 
+    /// Checks a sub-step's inputs and takes its bones. Gives the inputs with what follows from those.
+    const StepInputs& receive(const State& s, const StepInputs& in) {
+        check_inputs(scene, in);
+        set_bones(scene, in, bones);
+        if (in.at_gamma) {
+            check_inputs(scene, *in.at_gamma);
+            set_bones(scene, *in.at_gamma, bones_at_gamma);
+        }
+        return with_followers(s, in);
+    }
+
     void prepare(const State& before, const StepInputs& in) {
         take(before, in);
         if (potential.unknown_count() > 0 && !newton) newton = std::make_unique<NewtonWorkspace>(potential);
@@ -311,13 +322,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
                              residual);
         };
     for (; k < substeps.size(); ++k) {
-        check_inputs(scene, substeps[k]);
-        set_bones(scene, substeps[k], impl.bones);
-        if (substeps[k].at_gamma) {
-            check_inputs(scene, *substeps[k].at_gamma);
-            set_bones(scene, *substeps[k].at_gamma, impl.bones_at_gamma);
-        }
-        const StepInputs& in = impl.with_followers(s, substeps[k]);
+        const StepInputs& in = impl.receive(s, substeps[k]);
         impl.prepare(s, in);
         take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
@@ -332,6 +337,11 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         std::max(0.0, total - record.seconds_assembly - record.seconds_factor - record.seconds_solve);
     s.record = record;
     return s;
+}
+
+void rehearse(Workspace& workspace, const State& at_start, std::span<const StepInputs> substeps) {
+    Workspace::Impl& impl = workspace.impl();
+    for (const StepInputs& in : substeps) impl.take(at_start, impl.receive(at_start, in));
 }
 
 int residual_body(Workspace& workspace) { return workspace.impl().residual_body; }

@@ -41,6 +41,10 @@ struct StepControl {
 State advance(Workspace& workspace, const State& before, std::span<const StepInputs> substeps,
               const StepControl& control = {});
 
+/// Throws what `advance` would throw because of its inputs, where it can be told from the state at the start frame
+/// alone.
+void rehearse(Workspace& workspace, const State& at_start, std::span<const StepInputs> substeps);
+
 /// Deformed surface of every body [m]: tissues through their embedding, cloth by its vertices, bones as
 /// given.
 Points surface_positions(const Scene& scene, const State& state, int body);

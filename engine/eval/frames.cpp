@@ -14,23 +14,6 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-// On the arena, so that the node's own parallel loops keep to our threads; isolated, so that a loop that
-// waits does not pick up another node in between.
-template <class F>
-void on_arena(Core& core, F&& f) {
-    std::exception_ptr error;
-    run_on(core.arena, [&] {
-        tbb::this_task_arena::isolate([&] {
-            try {
-                f();
-            } catch (...) {
-                error = std::current_exception();
-            }
-        });
-    });
-    if (error) std::rethrow_exception(error);
-}
-
 // Ends a claim, whatever happens: with an entry, with an error, or given up.
 class Claim {
   public:
@@ -57,6 +40,60 @@ class Claim {
 };
 
 } // namespace
+
+void on_arena(Core& core, const std::function<void()>& call) {
+    std::exception_ptr error;
+    run_on(core.arena, [&] {
+        tbb::this_task_arena::isolate([&] {
+            try {
+                call();
+            } catch (...) {
+                error = std::current_exception();
+            }
+        });
+    });
+    if (error) std::rethrow_exception(error);
+}
+
+void with_reads(GatheredStep step, CallContext& context,
+                const std::function<void(std::span<const SubstepReads>)>& use) {
+    std::vector<std::unique_ptr<NodeReads>> sources;
+    for (auto& [t, values] : step.inputs) sources.push_back(std::make_unique<NodeReads>(context, std::move(values), t));
+    on_arena(*context.core, [&] {
+        std::vector<SubstepReads> reads;
+        auto source = sources.begin();
+        for (const SubstepTimes& t : step.times) {
+            std::vector<Reads> within;
+            for (std::size_t i = 0; i < t.within.size(); ++i) within.emplace_back(**source++);
+            reads.push_back({Reads(**source++), std::move(within)});
+        }
+        use(reads);
+    });
+}
+
+EntryPtr Goal::pinned(const Site& site) {
+    Needs none;
+    const Digest key = *session_.keys.of(site, none);
+    const EntryPtr entry = find(key, site.node);
+    if (entry) pins_[key] = entry;
+    return entry;
+}
+
+GatheredStep Goal::gather_step(int simulation, int frame, Phase phase, std::vector<Site>& missing) {
+    const Place& p = session_.program->place(simulation);
+    GatheredStep out;
+    out.times = session_.keys.read_times(simulation, frame);
+    const auto take = [&](double t) {
+        out.inputs.emplace_back(
+            t, gather(
+                   *session_.program, p, t, phase, [&](const Site& site) { return pinned(site); }, missing));
+    };
+    for (const SubstepTimes& t : out.times) {
+        for (const double within : t.within) take(within);
+        take(t.end);
+    }
+    return out;
+}
 
 void FrameGoal::find_nearest_state() {
     searched_ = true;
@@ -167,21 +204,10 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     const bool steps = next > have_, first = next == p.start_frame;
     const Phase phase = first ? Phase::initial : Phase::advance;
     std::vector<Site> missing;
-    const auto entry_of = [&](const Site& site) {
-        Needs none;
-        const Digest key = *s.keys.of(site, none);
-        const EntryPtr entry = find(key, site.node);
-        if (entry) pins_[key] = entry;
-        return entry;
-    };
-    const std::vector<SubstepTimes> times = steps ? s.keys.read_times(simulation_, next) : std::vector<SubstepTimes>();
-    std::vector<std::pair<double, SlotValues>> inputs; // at the stages of each sub-step, then at its end
-    const auto take = [&](double t) { inputs.emplace_back(t, gather(*s.program, p, t, phase, entry_of, missing)); };
-    for (const SubstepTimes& t : times) {
-        for (const double within : t.within) take(within);
-        take(t.end);
-    }
-    SlotValues at_frame = gather(*s.program, p, next, Phase::publish, entry_of, missing);
+    GatheredStep inputs;
+    if (steps) inputs = gather_step(simulation_, next, phase, missing);
+    SlotValues at_frame = gather(
+        *s.program, p, next, Phase::publish, [&](const Site& site) { return pinned(site); }, missing);
     if (!missing.empty()) {
         lock.unlock();
         s.push_values(std::move(missing), this);
@@ -206,10 +232,7 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
             CallContext context;
             context.core = &s.core, context.program = s.program.get(), context.place = &p;
             context.stop = s.stop, context.frame = next, context.phase = phase;
-            std::vector<std::unique_ptr<NodeReads>> sources;
-            for (auto& [t, values] : inputs)
-                sources.push_back(std::make_unique<NodeReads>(context, std::move(values), t));
-            StoredState made = advanced(sources, times, context, next);
+            StoredState made = advanced(std::move(inputs), context, next);
             const std::lock_guard again(s.core.mutex);
             s.core.keep_state(*s.program, simulation_, next, key,
                               first ? std::nullopt : std::optional(s.keys.frame_key(simulation_, next - 1)), made);
@@ -231,20 +254,12 @@ bool FrameGoal::make(std::unique_lock<std::mutex>& lock, int next) {
     return false;
 }
 
-StoredState FrameGoal::advanced(std::vector<std::unique_ptr<NodeReads>>& sources,
-                                const std::vector<SubstepTimes>& times, CallContext& context, int next) {
+StoredState FrameGoal::advanced(GatheredStep step, CallContext& context, int next) {
     const SimulationFunctions& f = *place().type->simulation;
     const Core::AtWork at_work(session_.core, place().name, next);
     const auto begin = std::chrono::steady_clock::now();
     StoredState out;
-    on_arena(session_.core, [&] {
-        std::vector<SubstepReads> reads;
-        auto source = sources.begin();
-        for (const SubstepTimes& t : times) {
-            std::vector<Reads> within;
-            for (std::size_t i = 0; i < t.within.size(); ++i) within.emplace_back(**source++);
-            reads.push_back({Reads(**source++), std::move(within)});
-        }
+    with_reads(std::move(step), context, [&](std::span<const SubstepReads> reads) {
         out.state = context.phase == Phase::initial ? f.initial(reads.front().end) : f.advance(state_.state, reads);
     });
     out.warnings = std::move(context.warnings);

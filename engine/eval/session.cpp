@@ -70,9 +70,12 @@ EntryPtr Session::entry(int node, int output) {
 }
 
 Value Session::state(int simulation) {
+    return state_at(simulation, static_cast<int>(program->site(simulation, frame).frame));
+}
+
+Value Session::state_at(int simulation, int at) {
     target_ = simulation;
     push(std::make_unique<Root>(*this));
-    const int at = static_cast<int>(program->site(simulation, frame).frame);
     // The goal leaves the stack when it is done, so the state is taken through a root that outlives it.
     class StateGoal : public FrameGoal {
       public:

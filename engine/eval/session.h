@@ -6,13 +6,21 @@
 #include "engine/eval/keys.h"
 #include "engine/eval/node_reads.h"
 
+#include <functional>
 #include <memory>
 #include <set>
+#include <span>
 #include <stop_token>
 
 namespace sinew::engine {
 
 class Session;
+
+/// What a step of a simulation reads, gathered.
+struct GatheredStep {
+    std::vector<SubstepTimes> times;
+    std::vector<std::pair<double, SlotValues>> inputs; ///< at the stages of each sub-step, then at its end
+};
 
 class Goal {
   public:
@@ -27,6 +35,10 @@ class Goal {
     /// Needs the core's mutex. What this goal holds on to, else what the store has, of that node; nothing if it lacks
     /// an output that this session reads.
     EntryPtr find(const Digest& key, int node);
+    /// Needs the core's mutex, and the keys of what is read. The entry of a site, which is pinned, or nothing.
+    EntryPtr pinned(const Site& site);
+    /// The same. What a step to `frame` reads; sites that have no entry yet are appended to `missing`.
+    GatheredStep gather_step(int simulation, int frame, Phase phase, std::vector<Site>& missing);
     Session& session_;
     Goal* parent_;
     /// Results of child goals, safe from eviction until they have been used.
@@ -44,6 +56,8 @@ class Session {
     EntryPtr entry(int node, int output);
     /// The state of a simulation at the session's frame.
     Value state(int simulation);
+    /// Has a simulation look at what it would read on its way to the session's frame, without a step.
+    void rehearse(int simulation);
     /// Makes the chain of a simulation reach the session's frame, without a step.
     Digest frame_key(int simulation);
 
@@ -82,6 +96,7 @@ class Session {
 
   private:
     void run(std::unique_ptr<Goal> goal);
+    Value state_at(int simulation, int at);
     int target_ = -1, target_output_ = -1;
     std::shared_ptr<Failures> failures_;
     std::vector<std::unique_ptr<Goal>> stack_;
@@ -134,8 +149,7 @@ class FrameGoal : public Goal {
     void take(const StoredState& state, int frame);
     bool finish(const Digest& key, EntryPtr entry);
     bool make(std::unique_lock<std::mutex>& lock, int next);
-    StoredState advanced(std::vector<std::unique_ptr<NodeReads>>& sources, const std::vector<SubstepTimes>& times,
-                         CallContext& context, int next);
+    StoredState advanced(GatheredStep step, CallContext& context, int next);
     EntryPtr published(SlotValues values, const StoredState& state, int next);
 
     int simulation_, frame_;
@@ -171,6 +185,13 @@ SlotValues gather(const Program& program, const Place& p, double time, Phase pha
     }
     return out;
 }
+
+/// Runs a call of a node where its own parallel loops keep to our threads; isolated, so that a loop that waits does not
+/// pick up another node in between.
+void on_arena(Core& core, const std::function<void()>& call);
+
+/// Calls `use` with what the simulation of `context` reads in a step, on the arena.
+void with_reads(GatheredStep step, CallContext& context, const std::function<void(std::span<const SubstepReads>)>& use);
 
 /// What a node wrote, checked against its declaration. Throws std::logic_error if it does not fit.
 EntryPtr make_entry(const Place& p, const Writes& writes, std::vector<Diagnostic> warnings);

@@ -15,7 +15,7 @@ using namespace sinew::engine;
 
 /// How often the functions of the toy types ran.
 struct Counts {
-    std::atomic<int> computes = 0, initials = 0, advances = 0, publishes = 0;
+    std::atomic<int> computes = 0, initials = 0, advances = 0, rehearsals = 0, publishes = 0;
     std::vector<double> stages; ///< times within sub-steps at which simulations read; one simulation at a time
     std::function<void(double frame)> on_advance = {}; ///< called at the begin of each step
     std::function<void()> on_compute = {};

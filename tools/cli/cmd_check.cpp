@@ -22,6 +22,9 @@ namespace sinew::cli {
 
 namespace {
 
+/// Frames that a solver's inputs are looked at ahead.
+constexpr int most_frames_ahead = 250;
+
 struct Counts {
     std::size_t nodes = 0;
     std::int64_t bodies = 0, tets = 0;
@@ -73,7 +76,14 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         reports = mesh_reports(open.graph, evaluator, in.stop, failures);
         for (auto& warning : features_off(*open.graph, reports)) found.push_back(std::move(warning));
     }
+    const engine::Timing& timing = open.graph->timing();
     const int first_frame = start_frame(*open.graph, open.graph->node_names());
+    if (!fast && !has_error(found)) {
+        const LongTask task(in.err, "looking at the later frames of " + file, json);
+        for (auto& problem :
+             find_later_problems(open.graph, evaluator, timing.end, most_frames_ahead, in.stop, failures))
+            found.push_back(std::move(problem));
+    }
     if (!fast && !has_error(found)) { // a tissue falls, say, because what holds it is wrong
         const LongTask task(in.err, "looking for what is hardly meant in " + file, json);
         for (auto& doubt : doubts::find_doubts(open.graph, evaluator, open.graph->node_names(), first_frame,
@@ -87,7 +97,6 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
         for (auto& doubt : find_idle_nodes(*open.graph)) found.push_back(std::move(doubt));
     if (!fast) {
         const std::vector<std::string> all = open.graph->node_names();
-        const engine::Timing& timing = open.graph->timing();
         const int first = std::min(timing.start, first_frame);
         for (auto& doubt : find_motion_doubts(*open.graph, all, first, timing.end)) found.push_back(std::move(doubt));
     }

@@ -2,9 +2,11 @@
 #include "tools/cli/problems.h"
 
 #include "tools/cli/open_graph.h"
+#include "tools/embed/graph_walk.h"
 
 #include <algorithm>
 #include <climits>
+#include <cstdint>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -93,6 +95,27 @@ std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>
         }
     }
     sort_by_place(found);
+    return found;
+}
+
+std::vector<Diagnostic> find_later_problems(const std::shared_ptr<const engine::Graph>& graph,
+                                            engine::Evaluator& evaluator, int last, int most, std::stop_token stop,
+                                            const std::shared_ptr<engine::Failures>& failures) {
+    std::vector<Diagnostic> found;
+    for (const std::string& solver : simulations(*graph, graph->node_names())) {
+        if (simulations(*graph, embed::upstream_of(*graph, {solver})).size() > 1) continue;
+        const int start = start_frame(*graph, {solver});
+        const int count = std::min(most, last - start);
+        for (int i = 1; i <= count; ++i) {
+            const auto frame = start + static_cast<int>(std::int64_t{i} * (last - start) / count);
+            try {
+                evaluator.rehearse({graph, {solver, ""}, static_cast<double>(frame), stop, failures});
+            } catch (const engine::Failure& failure) { // a run would end here
+                found.insert(found.end(), failure.diagnostics().begin(), failure.diagnostics().end());
+                break;
+            }
+        }
+    }
     return found;
 }
 

@@ -41,6 +41,14 @@ find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluat
               const std::vector<std::string>& nodes, std::stop_token stop,
               const std::shared_ptr<engine::Failures>& failures = engine::remember_failures());
 
+/// Every frame after their start up to `last` that the solvers of a graph would read, as far as they can without a
+/// step: what the first frame that they refuse is refused for. Of solvers that read other simulations nothing is told,
+/// since those would have to be simulated. Of more than `most` frames as many are looked at, the last among them.
+std::vector<engine::Diagnostic> find_later_problems(const std::shared_ptr<const engine::Graph>& graph,
+                                                    engine::Evaluator& evaluator, int last, int most,
+                                                    std::stop_token stop,
+                                                    const std::shared_ptr<engine::Failures>& failures);
+
 /// Makes errors of what the reader notes of nodes of unknown types: the rest may run without them, but nobody writes
 /// one on purpose. What says again that such a node was needed is left out.
 void refuse_unknown_types(std::vector<engine::Diagnostic>& diagnostics);

@@ -1,0 +1,97 @@
+// What check finds wrong at later frames, and that a run then ends for the same.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "tests/tools/doubting.h"
+
+#include <catch2/catch.hpp>
+
+using namespace sinew::test;
+using nlohmann::json;
+
+namespace {
+
+/// The ball, for twelve frames.
+json twelve_frames() {
+    json graph = ball();
+    graph["timing"] = {{"fps", 24}, {"start", 1}, {"end", 12}};
+    return graph;
+}
+
+json held() {
+    json graph = twelve_frames();
+    graph["nodes"]["place"] = json::parse(R"({"type": "transform", "inputs": {}})");
+    graph["nodes"]["hold"] = json::parse(R"({"type": "zHold", "inputs": {"tissue": {"from": "ball.outBody"},
+        "weights": {"from": "top.outWeights"}, "matrix": {"from": "place.outMatrix"}}})");
+    graph["nodes"]["solver"]["inputs"]["forces"] = json::parse(R"([{"from": "hold.outForce"}])");
+    return graph;
+}
+
+struct Refusal {
+    std::string code, plug;
+    double frame = 0;
+    bool operator==(const Refusal&) const = default;
+};
+
+std::ostream& operator<<(std::ostream& out, const Refusal& r) {
+    return out << r.code << " " << r.plug << " at frame " << r.frame;
+}
+
+std::vector<Refusal> refused_by(const std::string& command, const json& graph, const std::vector<std::string>& settings,
+                                int code) {
+    const TemporaryFolder folder;
+    std::vector<std::string> words{command, write_graph(folder, graph), "--json", "--no-cache"};
+    for (const std::string& s : settings) words.insert(words.end(), {"--set", s});
+    const Said said = run_program(words);
+    CHECK(said.code == code);
+    std::vector<Refusal> out;
+    for (const json& d : said.lines())
+        if (d.at("event") == "diagnostic" && d.at("severity") == "error")
+            out.push_back({d.at("code"), d.value("node", "") + "." + d.value("attribute", ""), d.value("frame", 0.0)});
+    return out;
+}
+
+void check_refused(const json& graph, const std::vector<std::string>& settings, const Refusal& wanted, int code = 1) {
+    CAPTURE(settings, wanted);
+    CHECK(refused_by("check", graph, settings, 1) == std::vector{wanted});
+    CHECK(refused_by("run", graph, settings, code) == std::vector{wanted});
+}
+
+std::string keyed(const std::string& plug, const std::string& first, const std::string& fifth) {
+    return plug + R"(={"keys": [[1, )" + first + "], [4, " + first + "], [5, " + fifth + "]]}";
+}
+
+} // namespace
+
+TEST_CASE("check finds at later frames what a run would be refused for there", "[tools]") {
+    CHECK(refused_by("check", twelve_frames(), {}, 0).empty());
+    check_refused(held(), {keyed("place.scale", "[1, 1, 1]", "[1, 2, 1]")}, {"FE250", "hold.matrix", 5});
+    check_refused(held(), {R"(solver.scale={"keys": [[1, 100], [5, 110]]})"}, {"FE292", "solver.scale", 2});
+    json placed = twelve_frames();
+    placed["nodes"]["space"] = json::parse(R"({"type": "transform", "inputs": {}})");
+    placed["nodes"]["solver"]["inputs"]["matrix"] = {{"from", "space.outMatrix"}};
+    check_refused(placed, {keyed("space.scale", "[1, 1, 1]", "[1, 2, 1]")}, {"FE291", "solver.matrix", 5});
+    check_refused(twelve_frames(), {"flesh.restScale=0.5", keyed("ball.restScaleEnvelope", "1", "500")},
+                  {"FE247", "ball.restScaleEnvelope", 5});
+    check_refused(twelve_frames(),
+                  {R"(solver.integrator="QuasiStatic")", keyed("grip.attachmentMode", R"("fixed")", R"("none")")},
+                  {"FE303", "solver.bodies", 5}, 3);
+    json followed = held();
+    followed["nodes"]["hold"]["inputs"].erase("matrix");
+    followed["nodes"]["hold"]["inputs"]["bone"] = {{"from", "plate.outBody"}};
+    check_refused(followed, {keyed("platePlace.scale", "[1, 1, 1]", "[1, 2, 1]")}, {"FE250", "solver.forces", 5});
+}
+
+TEST_CASE("check looks ahead from where the solver starts, and not behind where it ends", "[tools]") {
+    const std::string late = R"(place.scale={"keys": [[1, [1, 1, 1]], [12, [1, 1, 1]], [13, [1, 2, 1]]]})";
+    CHECK(refused_by("check", held(), {late}, 0).empty());
+    CHECK(refused_by("run", held(), {late}, 0).empty());
+    const std::string before =
+        R"(place.scale={"keys": [[-8, [1, 1, 1]], [-7, [2, 2, 2]], [-6, [1, 1, 1]], [1, [1, 1, 1]]]})";
+    CHECK(refused_by("check", held(), {before}, 0).empty());
+    CHECK(refused_by("check", held(), {before, "solver.startFrame=-8"}, 1) ==
+          std::vector<Refusal>{{"FE250", "hold.matrix", -7}});
+    // Between frames as well, where sub-steps read.
+    const std::string between =
+        R"(place.scale={"keys": [[1, [1, 1, 1]], [4, [1, 1, 1]], [4.5, [1, 2, 1]], [5, [1, 1, 1]]]})";
+    CHECK(refused_by("check", held(), {between}, 0).empty());
+    check_refused(held(), {between, "solver.substeps=2"}, {"FE250", "hold.matrix", 4.5});
+}
