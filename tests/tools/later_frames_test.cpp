@@ -80,6 +80,16 @@ TEST_CASE("check finds at later frames what a run would be refused for there", "
     check_refused(followed, {keyed("platePlace.scale", "[1, 1, 1]", "[1, 2, 1]")}, {"FE250", "solver.forces", 5});
 }
 
+TEST_CASE("check finds at later frames what only the solver's terms refuse", "[tools]") {
+    const Said said = run_program({"check", SINEW_SOURCE_DIR "/graphs/learn/23_rest_shape.json", "--json", "--no-cache",
+                                   "--set", R"(bent.targetWeight={"keys": [[1, 0], [7, 0], [8, 1e4]]})"});
+    CHECK(said.code == 1);
+    REQUIRE(said.lines().size() == 1);
+    CHECK(said.lines()[0].at("code") == "FE247");
+    CHECK(said.lines()[0].at("frame") == 8);
+    CHECK(said.lines()[0].at("message").get<std::string>().starts_with("bar: the rest shapes together stretch"));
+}
+
 TEST_CASE("check looks ahead from where the solver starts, and not behind where it ends", "[tools]") {
     const std::string late = R"(place.scale={"keys": [[1, [1, 1, 1]], [12, [1, 1, 1]], [13, [1, 2, 1]]]})";
     CHECK(refused_by("check", held(), {late}, 0).empty());
