@@ -50,6 +50,25 @@ TEST_CASE("check doubts values that another attribute of their node switches off
           "or take excitation out\n");
 }
 
+TEST_CASE("check doubts damping in a scheme that knows no velocities", "[tools]") {
+    const std::vector<std::string> damped = {"solver.massDamping=1", "solver.stiffnessDamping=0.01",
+                                             "solver.contactDamping=10", "ball.inertialDamping=0.5", "grip.damping=3"};
+    CHECK(said_of(ball(), damped) == "");
+    std::vector<std::string> at_rest = damped;
+    at_rest.push_back(R"(solver.integrator="QuasiStatic")");
+    const std::string said = said_of(ball(), at_rest);
+    for (const char* attribute : {"massDamping", "stiffnessDamping", "contactDamping"})
+        CHECK(said.find(std::string("FE342 solver.") + attribute +
+                        ": does nothing while integrator is QuasiStatic | choose another integrator, or take " +
+                        attribute + " out\n") != std::string::npos);
+    for (const char* plug : {"ball.inertialDamping", "grip.damping"})
+        CHECK(said.find(std::string("FE342 ") + plug +
+                        ": does nothing while the integrator of solver is QuasiStatic, which knows no velocities | "
+                        "choose another integrator, or take ") != std::string::npos);
+    CHECK(std::count(said.begin(), said.end(), '\n') == 5);
+    CHECK(said_of(ball(), {R"(solver.integrator="QuasiStatic")", "solver.massDamping=0"}) == "");
+}
+
 TEST_CASE("check doubts a pressure on the mesh of a part that no solver has", "[tools]") {
     json graph = ball();
     graph["nodes"]["core"] = {

@@ -1,5 +1,6 @@
 // Values that are given and do nothing, since another attribute of the same node, or what is connected, says so.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/options.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
@@ -35,6 +36,9 @@ const std::vector<Idle>& all() {
         {"zTissue", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
         {"zBone", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
         {"zCloth", "contactFriction", "contactSliding", flag(false), false, "set contactSliding to true"},
+        {"zSolver", "massDamping", "integrator", text("QuasiStatic"), false, "choose another integrator"},
+        {"zSolver", "stiffnessDamping", "integrator", text("QuasiStatic"), false, "choose another integrator"},
+        {"zSolver", "contactDamping", "integrator", text("QuasiStatic"), false, "choose another integrator"},
     };
     return out;
 }
@@ -65,6 +69,20 @@ void doubt_idle_values(Doubting& d, const std::string& name) {
         d.doubt("FE342", name, idle.attribute, "does nothing while " + what,
                 std::string(idle.cure) + ", or take " + std::string(idle.attribute) + " out");
     }
+}
+
+void doubt_idle_damping(Doubting& d, const std::string& solver) {
+    const auto integrator = d.literal(solver, "integrator");
+    if (!integrator || integrator->as<std::string>() != nodes::word_of(solver::Integrator::quasi_static)) return;
+    for (const auto& [list, attribute] : {std::pair("bodies", "inertialDamping"), {"attachments", "damping"}})
+        for (const engine::Plug& plug : d.plugs(solver, list)) {
+            const engine::Node* node = d.graph().find(plug.node);
+            if (!node || !node->type || !node->type->find_input(attribute) || !is_given(d, plug.node, attribute))
+                continue;
+            d.doubt("FE342", plug.node, attribute,
+                    "does nothing while the integrator of " + solver + " is QuasiStatic, which knows no velocities",
+                    std::string("choose another integrator, or take ") + attribute + " out");
+        }
 }
 
 void doubt_idle_parts(Doubting& d) {
