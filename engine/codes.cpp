@@ -123,7 +123,7 @@ constexpr CodeInfo table[] = {
     {"FE217", "meshes with different vertices",
      "vertexID needs a target with the source's vertices; or use worldSpace."},
     {"FE218", "bone where a tissue is needed", "Connect a tissue; what rides on a bone is moved by a transform."},
-    {"FE219", "attachment from a body to itself", "Choose two bodies."},
+    {"FE219", "attachment from a body to itself or to a part of it", "Choose two bodies."},
     {"FE220", "mesh is not watertight", "Close the holes at the vertices that are named, or choose FilledCavities."},
     {"FE221", "tets repeated", "Remove the repeated tets; they would count twice in mass and stiffness."},
     {"FE222", "setting that a mesh cannot be made with", "Choose a value in the range that the message names."},

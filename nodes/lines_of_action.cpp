@@ -106,13 +106,13 @@ void warn_of_lines_elsewhere(const Reads& in, const Setup& setup) {
     }
 }
 
-std::vector<LineReport> line_reports(const Setup& setup, std::span<const solver::LineMemory> lines) {
+std::vector<LineReport> line_reports(const Setup& setup, std::span<const solver::LineMemory> lines, double run_up) {
     std::vector<LineReport> out;
     for (std::size_t i = 0; i < setup.lines.size(); ++i) {
         const SetupLine& l = setup.lines[i];
         const solver::FiberValues& fiber = setup.tissue_values(l.body).fibers[l.line->fiber];
-        out.push_back(
-            {setup.simulated[l.body], static_cast<int>(l.line->fiber), lines[i], fiber.excitation, fiber.growth});
+        out.push_back({setup.simulated[l.body], static_cast<int>(l.line->fiber), lines[i], run_up * fiber.excitation,
+                       fiber.growth});
     }
     return out;
 }

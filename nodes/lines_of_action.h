@@ -25,8 +25,8 @@ void use_lines(std::span<const solver::LineMemory> lines, Setup& setup);
 
 /// Warns (FE281) of lines that run nowhere in or near their muscle as it is modelled.
 void warn_of_lines_elsewhere(const engine::Reads& in, const Setup& setup);
-/// One entry a line; use_lines has been called.
-std::vector<LineReport> line_reports(const Setup& setup, std::span<const solver::LineMemory> lines);
+/// One entry a line; use_lines has been called. `run_up`: what runupWeight leaves of excitations.
+std::vector<LineReport> line_reports(const Setup& setup, std::span<const solver::LineMemory> lines, double run_up);
 /// The curves with their loaValue, as a group of their own; none where there is no line.
 void add_line_marks(const Setup& setup, std::span<const solver::LineMemory> lines, MarkList& marks);
 

@@ -151,6 +151,18 @@ MissingBody body_of_force(const Reads& in, std::size_t entry, std::size_t body) 
     return {"body", in.source_behind(attribute, entry, "bodies", body)};
 }
 
+/// Of an entry of zSolver.attachments, between two bodies that take part.
+void refuse_own_part(const Reads& in, const Setup& setup, std::size_t entry, int from, int to) {
+    const auto carrier = [&](int body) { return setup.carriers[static_cast<std::size_t>(body)]; };
+    if (from == to || (carrier(from) != to && carrier(to) != from)) return;
+    const auto name = [&](int body) { return body_name(in, setup, static_cast<std::size_t>(body)); };
+    const bool source_is_part = carrier(from) == to;
+    in.fail(attachments.name, "FE219",
+            in.source_name(attachments.name, entry) + ": " + name(source_is_part ? from : to) + " is a part of " +
+                name(source_is_part ? to : from) + ", and goes along with it without being attached",
+            "Connect another body, or take the attachment out.");
+}
+
 void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
     const auto all = in[attachments];
     refuse_twice(in, attachments.name, all.size(), "pull");
@@ -165,6 +177,7 @@ void take_attachments(const Reads& in, Setup& setup, const SceneKey* known) {
         if (to == not_there) missing.push_back({"target", in.source_behind(attachments.name, i, "target")});
         if (!missing.empty()) refuse_missing(in, attachments.name, i, missing);
         if (from < 0 || to < 0) continue;
+        refuse_own_part(in, setup, i, from, to);
         setup.attachments.emplace_back(a);
         setup.attachment_entries.push_back(static_cast<int>(i));
         setup.key.links.push_back({from, to});
@@ -444,6 +457,8 @@ solver::StepInputs step_inputs(const Reads& in, const Setup& setup, std::size_t 
     for (std::size_t i = 0; i < setup.forces.size(); ++i) s.parts.push_back(part_values(in, setup, i));
     return s;
 }
+
+double run_up_of_excitation(const Reads& in) { return run_up(in, affect_excitation); }
 
 void check_all_tied(const Reads& in, const Setup& setup) {
     std::vector<std::size_t> group(setup.simulated.size());

@@ -62,8 +62,9 @@ std::string attachment_name(const engine::Reads& in, const Setup& setup, int att
 /// Reads bodies and attachments. `known`: the key at the start frame, or nullptr at the start frame itself. `contact`:
 /// what says how bodies collide in the frame where `in` does not, its collisionDetection being off; null where the
 /// frame has no contact.
-/// Fails with FE209 (an attachment's body is not connected), FE211 (static data changed since the start
-/// frame), FE213 (one body or attachment twice), FE282 (a line of action is bound to what has moved).
+/// Fails with FE209 (an attachment's body is not connected), FE219 (it ties a body to its own part), FE211 (static data
+/// changed since the start frame), FE213 (one body or attachment twice), FE282 (a line of action is bound to what has
+/// moved).
 Setup read_setup(const engine::Reads& in, const SceneKey* known, const engine::Reads* contact);
 /// The frame's collisionDetection: `frame`, if it is on.
 const engine::Reads* contact_of(const engine::Reads& frame);
@@ -71,6 +72,8 @@ const engine::Reads* contact_of(const engine::Reads& frame);
 solver::SceneDescription describe_scene(const Setup& setup);
 /// Values of one step out of `steps_per_frame`; metres.
 solver::StepInputs step_inputs(const engine::Reads& in, const Setup& setup, std::size_t steps_per_frame);
+/// What runupWeight leaves of excitations.
+double run_up_of_excitation(const engine::Reads& in);
 /// Fails with FE303 if a tissue is neither held nor tied to a bone or to what is held by any chain of attachments.
 void check_all_tied(const engine::Reads& in, const Setup& setup);
 /// Points in metres, from points in scene units, and back.

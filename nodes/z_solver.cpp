@@ -264,7 +264,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
             contacts = contact_list(solver::contacts_shown(stage->workspace), setup.simulated, setup.space);
         }
         add_line_marks(setup, s.lines, marks);
-        report.lines = line_reports(setup, s.lines);
+        report.lines = line_reports(setup, s.lines, run_up_of_excitation(in));
         for (const solver::LineMemory& line : s.lines) loa_values.push_back(line.value);
         for (std::size_t i = 0; i < setup.simulated.size(); ++i) {
             const Body& b = setup.body(i);

@@ -83,6 +83,16 @@ TEST_CASE("a line of action excites the fibres by its shortening, in any unit", 
     }
 }
 
+TEST_CASE("a line's excitation is reported as it is used, run up", "[nodes][line]") {
+    const std::string slowly = R"(, "runupWeight": {"keys": [[1, 0], [5, 1]]})";
+    Session s(muscle(1, R"(, "posSensitivity": 2)", with_line + R"(, "excitation": 0.25)", slowly));
+    CHECK(loa_value(s, 4) == Approx(0.24).epsilon(1e-12)); // the line's own is what it is
+    CHECK(reported(s, 4).excitation == Approx(0.75 * 0.49).epsilon(1e-12));
+    Session at_once(muscle(1, R"(, "posSensitivity": 2)", with_line + R"(, "excitation": 0.25)",
+                           slowly + R"(, "affectFiberExcitation": false)"));
+    CHECK(reported(at_once, 4).excitation == Approx(0.49).epsilon(1e-12));
+}
+
 TEST_CASE("a line of action is the same as keying the excitation that it comes to", "[nodes][line]") {
     for (const char* scheme : {"BackwardEuler", "BDF2", "TR-BDF2"}) {
         const std::string solver = R"(, "integrator": ")" + std::string(scheme) + R"(", "substeps": 2)";

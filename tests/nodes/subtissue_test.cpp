@@ -159,6 +159,20 @@ TEST_CASE("a part holds on to a bone by attachments of its own", "[nodes]") {
     }
 }
 
+TEST_CASE("a part is not attached to what it is a part of", "[nodes]") {
+    for (const auto& [source, target] : {std::pair("muscle", "bar"), {"bar", "muscle"}, {"tendon", "bar"}}) {
+        INFO(source << " to " << target);
+        const std::string tie = std::string(R"("glue": {"type": "zAttachment", "inputs": {"source": {"from": ")") +
+                                source + R"(.outBody"}, "target": {"from": ")" + target + R"(.outBody"}}},)";
+        std::string text;
+        CHECK(codes(bar("linear", true, moved + tie, "",
+                        both_held + R"(, "attachments": [{"from": "glue.outAttachment"}])"),
+                    "solver", "outMeshes", &text) == Codes{"FE219"});
+        const std::string part = source == std::string("bar") ? target : source;
+        CHECK_THAT(text, Catch::Contains("glue: " + part + " is a part of bar, and goes along with it"));
+    }
+}
+
 TEST_CASE("a part of restScale scales by its own envelope", "[nodes]") {
     // A part that is all of the tissue: nothing of the tissue's own is left, and it comes to rest without stress.
     for (const double exponent : {1.0, -1.0, 2.0}) {
