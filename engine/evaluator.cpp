@@ -106,11 +106,28 @@ void Evaluator::drop_values() {
     impl_->core.values.clear();
 }
 
-void Evaluator::rehearse(const Request& request) {
+void Evaluator::rehearse(const Request& request, std::span<const int> frames) {
     if (request.stop.stop_requested()) throw Cancelled();
     const Impl::Target target = impl_->find_simulation(request);
-    Session session(impl_->core, target.program, request.stop, request.frame, request.failures);
-    session.rehearse(target.node);
+    const Place& p = target.program->place(target.node);
+    if (!p.type->simulation->rehearse) return;
+    const auto session = [&](int frame) {
+        return std::make_unique<Session>(impl_->core, target.program, request.stop, frame, request.failures);
+    };
+    Value state;
+    int last = p.start_frame;
+    for (const int frame : frames) {
+        if (frame <= last) continue;
+        if (last == p.start_frame) state = session(last)->state(target.node);
+        try {
+            state = session(frame)->rehearse(target.node, state);
+        } catch (const Failure&) {
+            Value between = state;
+            for (int f = last + 1; f < frame; ++f) between = session(f)->rehearse(target.node, between);
+            throw;
+        }
+        last = frame;
+    }
 }
 
 std::vector<std::byte> Evaluator::save_state(const Request& request) {

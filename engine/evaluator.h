@@ -5,6 +5,7 @@
 #include "engine/graph.h"
 
 #include <memory>
+#include <span>
 #include <stop_token>
 #include <string>
 #include <utility>
@@ -99,10 +100,11 @@ class Evaluator {
     Verdict explain(const Request& request) const;
     /// Ranges of frames in [first, last] whose value is ready without computing. Never computes.
     std::vector<std::pair<int, int>> valid_frames(const Request& request, int first, int last) const;
-    /// Has the simulation `request.plug.node` look at all that it would read in its step to `request.frame`, without
-    /// any step: throws what the step would throw because of that. Nothing at frames up to its start, and for
-    /// simulations that cannot. What other simulations give it is simulated, though.
-    void rehearse(const Request& request);
+    /// Has the simulation `request.plug.node` look at all that it would read in its steps to `frames` (rising), without
+    /// any step: throws what the first step would throw because of that, which may also lie between the first of them
+    /// that is refused and the one before. Other simulations that it reads
+    /// are simulated, though. Does nothing at frames up to its start, and for simulations that cannot rehearse.
+    void rehearse(const Request& request, std::span<const int> frames);
     /// Drops every scratch object; results must not change by a bit (a test does this each frame).
     void drop_scratch();
     /// Drops stored output values (not states); used by tests of the state chain.

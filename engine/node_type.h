@@ -179,7 +179,7 @@ struct SubstepReads {
 struct SimulationFunctions {
     std::function<Value(const Reads&)> initial;
     std::function<Value(const Value& before, std::span<const SubstepReads> substeps)> advance;
-    std::function<void(const Value& at_start, std::span<const SubstepReads> substeps)> rehearse; ///< or none
+    std::function<Value(const Value& before, std::span<const SubstepReads> substeps)> rehearse; ///< or none
     std::function<void(const Value& state, const Reads&, Writes&)> publish;
     std::function<std::vector<std::byte>(const Value&)> save;
     std::function<Value(std::span<const std::byte>)> load;
@@ -220,9 +220,10 @@ struct SimulationType {
     /// From frame n-1 to n. `substeps[k].end` reads every input at time n-1 + (k+1)/N; the last one is frame n
     /// itself.
     std::function<State(const State& before, std::span<const SubstepReads> substeps)> advance;
-    /// Optional: fails where `advance` would refuse what it reads, from the state at the start frame alone. A graph is
-    /// checked ahead by it, at whatever frames; what it warns of is not told.
-    std::function<void(const State& at_start, std::span<const SubstepReads> substeps)> rehearse = {};
+    /// Optional: fails where `advance` would refuse what it reads, without solving anything. A graph is checked ahead
+    /// by it. `before` is the state at the start frame, or what the rehearsal of an earlier frame returned: the same
+    /// state with what later frames are compared with.
+    std::function<State(const State& before, std::span<const SubstepReads> substeps)> rehearse = {};
     /// Outputs of the current frame.
     std::function<void(const State&, const Reads& at_frame, Writes&)> publish;
     std::function<std::vector<std::byte>(const State&)> save;
@@ -245,7 +246,9 @@ NodeType erase(SimulationType<State> t) {
         return Value::of<State>(g(s.as<State>(), in));
     };
     if (t.rehearse)
-        f->rehearse = [g = t.rehearse](const Value& s, std::span<const SubstepReads> in) { g(s.as<State>(), in); };
+        f->rehearse = [g = t.rehearse](const Value& s, std::span<const SubstepReads> in) {
+            return Value::of<State>(g(s.as<State>(), in));
+        };
     f->publish = [g = t.publish](const Value& s, const Reads& r, Writes& w) { g(s.as<State>(), r, w); };
     f->save = [g = t.save](const Value& s) { return g(s.as<State>()); };
     f->load = [g = t.load](std::span<const std::byte> b) { return Value::of<State>(g(b)); };

@@ -202,16 +202,22 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     return after;
 }
 
-void rehearse(const SimulationState& at_start, std::span<const SubstepReads> times) {
+/// The state with contacts that come and go as frames are looked at, and lengths of lines as they then are; bodies stay
+/// where they were at the start.
+SimulationState rehearse(const SimulationState& before, std::span<const SubstepReads> times) {
     const Reads& now = times.back().end;
-    if (!now[enable]) return;
-    const FrameInputs frame = read_frame(at_start, times);
+    if (!now[enable]) return before;
+    FrameInputs frame = read_frame(before, times);
     auto stage = lease_stage(now, frame.setup);
-    if (stage->scene->vertex_count() == 0) return;
+    if (stage->scene->vertex_count() == 0) return before;
+    SimulationState after = before;
     solving(now, frame.setup, [&] {
-        solver::rehearse(stage->workspace, with_contacts(*stage->scene, at_start, frame.setup, frame.steps.front()),
-                         frame.steps);
+        after.state = with_contacts(*stage->scene, before, frame.setup, frame.steps.front());
+        solver::rehearse(stage->workspace, after.state, frame.steps);
     });
+    after.scene = frame.setup.key;
+    after.lines = std::move(frame.lines);
+    return after;
 }
 
 /// All bodies as they stand without simulation: bones where they are, tissues and cloth as modelled.

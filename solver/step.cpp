@@ -339,9 +339,9 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     return s;
 }
 
-void rehearse(Workspace& workspace, const State& at_start, std::span<const StepInputs> substeps) {
+void rehearse(Workspace& workspace, const State& state, std::span<const StepInputs> substeps) {
     Workspace::Impl& impl = workspace.impl();
-    for (const StepInputs& in : substeps) impl.take(at_start, impl.receive(at_start, in));
+    for (const StepInputs& in : substeps) impl.take(state, impl.receive(state, in));
 }
 
 int residual_body(Workspace& workspace) { return workspace.impl().residual_body; }

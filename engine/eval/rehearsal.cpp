@@ -8,26 +8,21 @@ namespace {
 
 class RehearsalGoal : public Goal {
   public:
-    RehearsalGoal(Session& s, Goal* parent, int simulation, int frame, const Value& at_start)
+    RehearsalGoal(Session& s, Goal* parent, int simulation, const Value& before, Value& out)
         : Goal(s, parent)
         , simulation_(simulation)
-        , frame_(frame)
-        , at_start_(at_start) {}
+        , before_(before)
+        , out_(out) {}
 
     bool step() override {
         Session& s = session_;
+        const Place& p = s.program->place(simulation_);
+        const int frame = static_cast<int>(s.frame);
         std::unique_lock lock(s.core.mutex);
         Needs needs;
-        const Place& p = s.program->place(simulation_);
-        const auto know = [&](double time) {
-            for (const Slot& slot : p.slots) {
-                if (!slot.read_by_compute()) continue;
-                for (const Source& source : slot.sources) s.keys.of(source, time, needs);
-            }
-        };
-        for (const SubstepTimes& t : s.keys.read_times(simulation_, frame_)) {
-            for (const double within : t.within) know(within);
-            know(t.end);
+        for (const SubstepTimes& t : s.keys.read_times(simulation_, frame)) {
+            for (const double within : t.within) know_sources(p, within, needs);
+            know_sources(p, t.end, needs);
         }
         if (!needs.empty()) {
             lock.unlock();
@@ -35,7 +30,7 @@ class RehearsalGoal : public Goal {
             return false;
         }
         std::vector<Site> missing;
-        GatheredStep step = gather_step(simulation_, frame_, Phase::advance, missing);
+        GatheredStep gathered = gather_step(simulation_, frame, Phase::advance, missing);
         lock.unlock();
         if (!missing.empty()) {
             s.push_values(std::move(missing), this);
@@ -43,24 +38,29 @@ class RehearsalGoal : public Goal {
         }
         CallContext context;
         context.core = &s.core, context.program = s.program.get(), context.place = &p;
-        context.stop = s.stop, context.frame = frame_, context.phase = Phase::advance;
-        with_reads(std::move(step), context,
-                   [&](std::span<const SubstepReads> reads) { p.type->simulation->rehearse(at_start_, reads); });
+        context.stop = s.stop, context.frame = frame, context.phase = Phase::advance;
+        with_reads(std::move(gathered), context,
+                   [&](std::span<const SubstepReads> reads) { out_ = p.type->simulation->rehearse(before_, reads); });
         return true;
     }
 
   private:
-    int simulation_, frame_;
-    const Value& at_start_;
+    /// Needs the core's mutex. The keys of all that a step reads at a time.
+    void know_sources(const Place& p, double time, Needs& needs) {
+        for (const Slot& slot : p.slots)
+            if (slot.read_by_compute() && slot.info->affects != Affects::initial_state)
+                for (const Source& source : slot.sources) session_.keys.of(source, time, needs);
+    }
+
+    int simulation_;
+    const Value& before_;
+    Value& out_;
 };
 
 } // namespace
 
-void Session::rehearse(int simulation) {
-    const Place& p = program->place(simulation);
-    if (!p.type->simulation->rehearse || !(frame > p.start_frame)) return;
-    const Value at_start = state_at(simulation, p.start_frame);
-    run(std::make_unique<RehearsalGoal>(*this, stack_.front().get(), simulation, static_cast<int>(frame), at_start));
+std::unique_ptr<Goal> rehearsal(Session& session, Goal* parent, int simulation, const Value& before, Value& out) {
+    return std::make_unique<RehearsalGoal>(session, parent, simulation, before, out);
 }
 
 } // namespace sinew::engine

@@ -70,12 +70,9 @@ EntryPtr Session::entry(int node, int output) {
 }
 
 Value Session::state(int simulation) {
-    return state_at(simulation, static_cast<int>(program->site(simulation, frame).frame));
-}
-
-Value Session::state_at(int simulation, int at) {
     target_ = simulation;
     push(std::make_unique<Root>(*this));
+    const int at = static_cast<int>(program->site(simulation, frame).frame);
     // The goal leaves the stack when it is done, so the state is taken through a root that outlives it.
     class StateGoal : public FrameGoal {
       public:
@@ -93,6 +90,14 @@ Value Session::state_at(int simulation, int at) {
     };
     Value out;
     run(std::make_unique<StateGoal>(*this, stack_.front().get(), simulation, at, out));
+    return out;
+}
+
+Value Session::rehearse(int simulation, const Value& before) {
+    target_ = simulation;
+    push(std::make_unique<Root>(*this));
+    Value out;
+    run(rehearsal(*this, stack_.front().get(), simulation, before, out));
     return out;
 }
 

@@ -37,7 +37,8 @@ class Goal {
     EntryPtr find(const Digest& key, int node);
     /// Needs the core's mutex, and the keys of what is read. The entry of a site, which is pinned, or nothing.
     EntryPtr pinned(const Site& site);
-    /// The same. What a step to `frame` reads; sites that have no entry yet are appended to `missing`.
+    /// Needs the core's mutex, and the keys of what is read. What a step to `frame` reads; sites that have no entry yet
+    /// are appended to `missing`.
     GatheredStep gather_step(int simulation, int frame, Phase phase, std::vector<Site>& missing);
     Session& session_;
     Goal* parent_;
@@ -56,8 +57,9 @@ class Session {
     EntryPtr entry(int node, int output);
     /// The state of a simulation at the session's frame.
     Value state(int simulation);
-    /// Has a simulation look at what it would read on its way to the session's frame, without a step.
-    void rehearse(int simulation);
+    /// Has a simulation look at what it would read on its way to the session's frame, without a step; `before` as
+    /// SimulationType::rehearse takes it.
+    Value rehearse(int simulation, const Value& before);
     /// Makes the chain of a simulation reach the session's frame, without a step.
     Digest frame_key(int simulation);
 
@@ -96,7 +98,6 @@ class Session {
 
   private:
     void run(std::unique_ptr<Goal> goal);
-    Value state_at(int simulation, int at);
     int target_ = -1, target_output_ = -1;
     std::shared_ptr<Failures> failures_;
     std::vector<std::unique_ptr<Goal>> stack_;
@@ -161,6 +162,10 @@ class FrameGoal : public Goal {
     int have_ = 0;                ///< frame of state_; below the start frame: none
     StoredState state_;
 };
+
+/// Has a simulation rehearse the step to the session's frame (SimulationType::rehearse). `before` and `out` must
+/// outlive the goal.
+std::unique_ptr<Goal> rehearsal(Session& session, Goal* parent, int simulation, const Value& before, Value& out);
 
 /// Gathers the values of all slots of a node at a time. `entry_of` gives the entry of a source or nothing; sites
 /// without one are appended to `missing`.

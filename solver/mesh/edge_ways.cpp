@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/edge_ways.h"
 
+#include <algorithm>
 #include <functional>
 #include <queue>
 #include <utility>
@@ -41,25 +42,26 @@ std::vector<double> EdgeWays::from(std::size_t start) const {
     return out;
 }
 
-bool EdgeWays::are_farther(std::size_t a, std::size_t b, double most) const {
-    std::unordered_map<std::size_t, double> reached{{a, 0}};
+bool EdgeWays::are_farther(std::span<const int> from, std::span<const int> to, double most) {
+    reached_.resize(edges_.size(), unreached);
     Open open;
-    open.emplace(0, a);
-    while (!open.empty()) {
+    const auto reach = [&](std::size_t vertex, double distance) {
+        if (!(distance <= most && distance < reached_[vertex])) return;
+        if (reached_[vertex] == unreached) touched_.push_back(vertex);
+        open.emplace(reached_[vertex] = distance, vertex);
+    };
+    for (const int v : from) reach(static_cast<std::size_t>(v), 0);
+    bool farther = true;
+    while (farther && !open.empty()) {
         const auto [distance, vertex] = open.top();
         open.pop();
-        if (vertex == b) return false;
-        if (distance > reached.at(vertex)) continue;
-        for (const Neighbour& n : edges_[vertex]) {
-            const double further = distance + n.length;
-            if (!(further <= most)) continue;
-            const auto [place, is_new] = reached.emplace(n.vertex, further);
-            if (!is_new && !(further < place->second)) continue;
-            place->second = further;
-            open.emplace(further, n.vertex);
-        }
+        if (distance > reached_[vertex]) continue;
+        farther = std::find(to.begin(), to.end(), static_cast<int>(vertex)) == to.end();
+        for (const Neighbour& n : edges_[vertex]) reach(n.vertex, distance + n.length);
     }
-    return true;
+    for (const std::size_t v : touched_) reached_[v] = unreached;
+    touched_.clear();
+    return farther;
 }
 
 } // namespace sinew::solver

@@ -6,7 +6,7 @@
 
 #include <cstddef>
 #include <limits>
-#include <unordered_map>
+#include <span>
 #include <vector>
 
 namespace sinew::solver {
@@ -27,12 +27,14 @@ class EdgeWays {
     const std::vector<Neighbour>& of(std::size_t vertex) const { return edges_[vertex]; }
     /// From a vertex to each; infinite for those that no edges lead to.
     std::vector<double> from(std::size_t vertex) const;
-    /// Whether no way of at most `most` leads from one vertex to the other. Takes as long as there are vertices within
-    /// it.
-    bool are_farther(std::size_t a, std::size_t b, double most) const;
+    /// Whether no way of at most `most` leads from any of some vertices to any of others. Takes as long as there are
+    /// vertices within it.
+    bool are_farther(std::span<const int> from, std::span<const int> to, double most);
 
   private:
     std::vector<std::vector<Neighbour>> edges_;
+    std::vector<double> reached_; ///< of are_farther: infinite but while it runs
+    std::vector<std::size_t> touched_;
 };
 
 } // namespace sinew::solver

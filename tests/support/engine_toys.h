@@ -17,6 +17,7 @@ using namespace sinew::engine;
 struct Counts {
     std::atomic<int> computes = 0, initials = 0, advances = 0, rehearsals = 0, publishes = 0;
     std::vector<double> stages; ///< times within sub-steps at which simulations read; one simulation at a time
+    std::vector<std::int64_t> rehearsed_steps;         ///< after each rehearsal
     std::function<void(double frame)> on_advance = {}; ///< called at the begin of each step
     std::function<void()> on_compute = {};
 };

@@ -105,3 +105,37 @@ TEST_CASE("check looks ahead from where the solver starts, and not behind where 
     CHECK(refused_by("check", held(), {between}, 0).empty());
     check_refused(held(), {between, "solver.substeps=2"}, {"FE250", "hold.matrix", 4.5});
 }
+
+TEST_CASE("check looks ahead at contact that comes and goes as a run does", "[tools]") {
+    json graph = twelve_frames();
+    const json cube = json::parse(R"([-5,9,-5, 5,9,-5, 5,10,-5, -5,10,-5, -5,9,5, 5,9,5, 5,10,5, -5,10,5])");
+    json mirrored = cube;
+    for (std::size_t i = 0; i < mirrored.size(); i += 3) mirrored[i] = -mirrored[i].get<double>();
+    json turns = {{"keys", {{1, cube}, {2, cube}, {3, mirrored}}}, {"interp", "step"}};
+    graph["nodes"]["plateMesh"] = {
+        {"type", "hostMesh"},
+        {"inputs",
+         {{"points", turns}, {"faceSizes", {4, 4, 4, 4, 4, 4}}, {"faceVertices", {0, 3, 2, 1, 4, 5, 6, 7, 0, 1, 5, 4, 1,
+                                                                                  2, 6, 5, 2, 3, 7, 6, 3, 0, 4, 7}}}}};
+    graph["nodes"]["plate"]["inputs"].erase("matrix");
+    // Where it came on again the surface has another side than at the start, and no contact that could mind.
+    const std::string again = R"(solver.collisionDetection={"keys": [[1, true], [2, false], [6, true]]})";
+    CHECK(refused_by("run", graph, {again}, 0).empty());
+    CHECK(refused_by("check", graph, {again}, 0).empty());
+    // Once it is on, it does mind.
+    json later = graph;
+    later["nodes"]["plateMesh"]["inputs"]["points"]["keys"] = {{1, cube}, {7, cube}, {8, mirrored}};
+    check_refused(later, {R"(solver.collisionDetection={"keys": [[1, false], [4, true]]})"},
+                  {"FE211", "solver.bodies", 8});
+}
+
+TEST_CASE("check looks at frames of keys in long runs, and names the first that is refused", "[tools]") {
+    json graph = held();
+    graph["timing"]["end"] = 1001;
+    const auto refused = [&](const std::string& keys) {
+        return refused_by("check", graph, {"place.scale={\"keys\": [[1, [1, 1, 1]], " + keys + "]}"}, 1);
+    };
+    CHECK(refused("[101, [1, 1, 1]], [102, [1, 2, 1]], [103, [1, 1, 1]]") ==
+          std::vector<Refusal>{{"FE250", "hold.matrix", 102}}); // alone
+    CHECK(refused("[100, [1, 1, 1]], [900, [1, 2, 1]]") == std::vector<Refusal>{{"FE250", "hold.matrix", 101}});
+}

@@ -67,6 +67,16 @@ TEST_CASE("check doubts damping in a scheme that knows no velocities", "[tools]"
                         "choose another integrator, or take ") != std::string::npos);
     CHECK(std::count(said.begin(), said.end(), '\n') == 5);
     CHECK(said_of(ball(), {R"(solver.integrator="QuasiStatic")", "solver.massDamping=0"}) == "");
+    // What another solver reads does something; and what none does is told once.
+    json graph = ball();
+    for (const char* copy : {"rest", "alsoAtRest"}) {
+        graph["nodes"][copy] = graph["nodes"]["solver"];
+        graph["nodes"][copy]["inputs"]["integrator"] = "QuasiStatic";
+    }
+    CHECK(said_of(graph, {"ball.inertialDamping=0.5", "grip.damping=3"}) == "");
+    const std::string none =
+        said_of(graph, {"ball.inertialDamping=0.5", "grip.damping=3", R"(solver.integrator="QuasiStatic")"});
+    CHECK(std::count(none.begin(), none.end(), '\n') == 2);
 }
 
 TEST_CASE("check doubts a pressure on the mesh of a part that no solver has", "[tools]") {

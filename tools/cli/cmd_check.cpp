@@ -22,8 +22,8 @@ namespace sinew::cli {
 
 namespace {
 
-/// Frames that a solver's inputs are looked at ahead.
-constexpr int most_frames_ahead = 250;
+/// Sub-steps of a solver that are looked at ahead.
+constexpr int most_steps_ahead = 250;
 
 struct Counts {
     std::size_t nodes = 0;
@@ -63,7 +63,7 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     std::vector<engine::Diagnostic> found = std::move(open.notes);
     WarningCollector warnings(open.graph, open.graph->timing().start, json, in.err);
     engine::StorePolicy policy = store_policy(in.arguments, *open.graph);
-    policy.keeps_frames = false; // it looks at the start frame alone, and leaves nothing behind
+    policy.keeps_frames = false; // it simulates nothing, and leaves nothing behind
     engine::Evaluator evaluator(policy, in.arguments.whole_number("--threads", 0, 1, most_threads), &warnings);
     const auto failures = engine::remember_failures();
     if (!fast)
@@ -78,13 +78,15 @@ ExitCode check_file(const Invocation& in, const std::string& file) {
     }
     const engine::Timing& timing = open.graph->timing();
     const int first_frame = start_frame(*open.graph, open.graph->node_names());
-    if (!fast && !has_error(found)) {
+    const bool can_start = !fast && !has_error(found);
+    // What nodes warn of at later frames is for a run to tell.
+    if (can_start) {
         const LongTask task(in.err, "looking at the later frames of " + file, json);
         for (auto& problem :
-             find_later_problems(open.graph, evaluator, timing.end, most_frames_ahead, in.stop, failures))
+             find_later_problems(open.graph, evaluator, timing.end, most_steps_ahead, in.stop, failures))
             found.push_back(std::move(problem));
     }
-    if (!fast && !has_error(found)) { // a tissue falls, say, because what holds it is wrong
+    if (can_start) { // else a tissue falls, say, because what holds it is wrong
         const LongTask task(in.err, "looking for what is hardly meant in " + file, json);
         for (auto& doubt : doubts::find_doubts(open.graph, evaluator, open.graph->node_names(), first_frame,
                                                doubts::Look::closely, in.stop, failures))

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <climits>
+#include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <set>
 #include <tuple>
 #include <utility>
@@ -98,22 +100,52 @@ std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>
     return found;
 }
 
+namespace {
+
+/// The most that a solver takes a frame, as far as the graph itself says so.
+int substeps_of(const engine::Graph& graph, const std::string& solver) {
+    const auto& inputs = graph.find(solver)->inputs;
+    const auto given = inputs.find("substeps");
+    std::int64_t out = 1;
+    if (given == inputs.end()) return 1;
+    if (const auto* value = std::get_if<engine::Value>(&given->second); value && value->is<std::int64_t>())
+        out = value->as<std::int64_t>();
+    if (const auto* curve = std::get_if<engine::Curve>(&given->second))
+        for (const engine::Key& key : curve->keys)
+            if (!key.value.empty()) out = std::max(out, static_cast<std::int64_t>(key.value.front()));
+    return static_cast<int>(std::clamp<std::int64_t>(out, 1, INT_MAX));
+}
+
+/// Frames after `start` up to `last`, rising: at most `most` of those at which something that the solver reads has a
+/// key, and as many others.
+std::vector<int> frames_ahead(const engine::Graph& graph, const std::string& solver, int start, int last, int most) {
+    std::set<int> out;
+    for (const std::string& name : embed::upstream_of(graph, {solver}))
+        for (const auto& [attribute, binding] : graph.find(name)->inputs)
+            if (const auto* curve = std::get_if<engine::Curve>(&binding))
+                for (const engine::Key& key : curve->keys)
+                    if (const double frame = std::ceil(key.frame); frame > start && frame <= last)
+                        out.insert(static_cast<int>(frame));
+    while (out.size() > static_cast<std::size_t>(most)) out.erase(std::prev(out.end()));
+    const int count = std::min(most, last - start);
+    for (int i = 1; i <= count; ++i) out.insert(start + static_cast<int>(std::int64_t{i} * (last - start) / count));
+    return {out.begin(), out.end()};
+}
+
+} // namespace
+
 std::vector<Diagnostic> find_later_problems(const std::shared_ptr<const engine::Graph>& graph,
                                             engine::Evaluator& evaluator, int last, int most, std::stop_token stop,
                                             const std::shared_ptr<engine::Failures>& failures) {
     std::vector<Diagnostic> found;
     for (const std::string& solver : simulations(*graph, graph->node_names())) {
         if (simulations(*graph, embed::upstream_of(*graph, {solver})).size() > 1) continue;
-        const int start = start_frame(*graph, {solver});
-        const int count = std::min(most, last - start);
-        for (int i = 1; i <= count; ++i) {
-            const auto frame = start + static_cast<int>(std::int64_t{i} * (last - start) / count);
-            try {
-                evaluator.rehearse({graph, {solver, ""}, static_cast<double>(frame), stop, failures});
-            } catch (const engine::Failure& failure) { // a run would end here
-                found.insert(found.end(), failure.diagnostics().begin(), failure.diagnostics().end());
-                break;
-            }
+        const int start = start_frame(*graph, {solver}), frames = std::max(1, most / substeps_of(*graph, solver));
+        try {
+            evaluator.rehearse({graph, {solver, ""}, static_cast<double>(start), stop, failures},
+                               frames_ahead(*graph, solver, start, last, frames));
+        } catch (const engine::Failure& failure) {
+            found.insert(found.end(), failure.diagnostics().begin(), failure.diagnostics().end());
         }
     }
     return found;

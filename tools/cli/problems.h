@@ -41,9 +41,10 @@ find_problems(const std::shared_ptr<const engine::Graph>& graph, engine::Evaluat
               const std::vector<std::string>& nodes, std::stop_token stop,
               const std::shared_ptr<engine::Failures>& failures = engine::remember_failures());
 
-/// Every frame after their start up to `last` that the solvers of a graph would read, as far as they can without a
-/// step: what the first frame that they refuse is refused for. Of solvers that read other simulations nothing is told,
-/// since those would have to be simulated. Of more than `most` frames as many are looked at, the last among them.
+/// What the solvers of a graph would be refused for after their start, up to the frame `last`, as far as that can be
+/// told without a step: the first for each. Of solvers that read other simulations nothing is told, since those would
+/// have to be simulated. No solver looks at more than about `most` sub-steps: at frames of keys, and at others spread
+/// evenly.
 std::vector<engine::Diagnostic> find_later_problems(const std::shared_ptr<const engine::Graph>& graph,
                                                     engine::Evaluator& evaluator, int last, int most,
                                                     std::stop_token stop,

@@ -55,12 +55,13 @@ std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::
         if (type == "weights") doubt_reach_of_paint(d, name, false);
         if (type == "zHold") doubt_hold(d, name);
         if (type == "zAttachment") doubt_attachment(d, name);
-        if (type == "zSolver") doubt_idle_damping(d, name), solvers.push_back(name);
+        if (type == "zSolver") solvers.push_back(name);
     }
     doubt_transforms(d, transforms);
     for (const std::string& name : solvers) look_at_solver(d, name);
     doubt_unread_values(d);
     doubt_idle_parts(d);
+    doubt_idle_damping(d);
     doubt_passive_muscles(d, nodes);
     return d.take();
 }

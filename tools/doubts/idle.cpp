@@ -4,6 +4,8 @@
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 #include <vector>
 
 namespace sinew::doubts {
@@ -71,18 +73,34 @@ void doubt_idle_values(Doubting& d, const std::string& name) {
     }
 }
 
-void doubt_idle_damping(Doubting& d, const std::string& solver) {
-    const auto integrator = d.literal(solver, "integrator");
-    if (!integrator || integrator->as<std::string>() != nodes::word_of(solver::Integrator::quasi_static)) return;
-    for (const auto& [list, attribute] : {std::pair("bodies", "inertialDamping"), {"attachments", "damping"}})
-        for (const engine::Plug& plug : d.plugs(solver, list)) {
-            const engine::Node* node = d.graph().find(plug.node);
-            if (!node || !node->type || !node->type->find_input(attribute) || !is_given(d, plug.node, attribute))
-                continue;
-            d.doubt("FE342", plug.node, attribute,
-                    "does nothing while the integrator of " + solver + " is QuasiStatic, which knows no velocities",
-                    std::string("choose another integrator, or take ") + attribute + " out");
-        }
+void doubt_idle_damping(Doubting& d) {
+    struct Reader {
+        std::string solver;
+        bool knows_velocities = false; ///< one of those that read it does
+    };
+    std::map<std::pair<std::string, std::string_view>, Reader> readers; ///< by node and attribute
+    for (const std::string& solver : d.graph().node_names()) {
+        const engine::Node* node = d.graph().find(solver);
+        if (!node->type || node->type->name != "zSolver") continue;
+        const auto integrator = d.literal(solver, "integrator");
+        const bool at_rest =
+            integrator && integrator->as<std::string>() == nodes::word_of(solver::Integrator::quasi_static);
+        for (const auto& [list, attribute] : {std::pair("bodies", "inertialDamping"), {"attachments", "damping"}})
+            for (const engine::Plug& plug : d.plugs(solver, list)) {
+                Reader& reader = readers[{plug.node, attribute}];
+                reader.solver = solver;
+                reader.knows_velocities = reader.knows_velocities || !at_rest;
+            }
+    }
+    for (const auto& [what, reader] : readers) {
+        const auto& [name, attribute] = what;
+        const engine::Node* node = d.graph().find(name);
+        if (reader.knows_velocities || !node || !node->type || !node->type->find_input(attribute)) continue;
+        if (!is_given(d, name, attribute)) continue;
+        d.doubt("FE342", name, attribute,
+                "does nothing while the integrator of " + reader.solver + " is QuasiStatic, which knows no velocities",
+                "choose another integrator, or take " + std::string(attribute) + " out");
+    }
 }
 
 void doubt_idle_parts(Doubting& d) {

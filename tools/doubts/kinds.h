@@ -26,8 +26,8 @@ void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 // ---- idle.cpp ----
 /// Of a node: values that are given and do nothing, since another of its attributes says so.
 void doubt_idle_values(Doubting& d, const std::string& name);
-/// Of a solver: damping of its bodies and attachments that it has no velocities for.
-void doubt_idle_damping(Doubting& d, const std::string& solver);
+/// Damping of bodies and attachments that no solver has velocities for.
+void doubt_idle_damping(Doubting& d);
 /// Forces on the mesh of parts of tissues that no solver has the mesh of.
 void doubt_idle_parts(Doubting& d);
 

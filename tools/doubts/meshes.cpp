@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
+#include "solver/mesh/corner_welder.h"
 #include "solver/mesh/edge_ways.h"
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
@@ -26,7 +27,7 @@ constexpr double far_along = 4, tied_share = 0.1;
 constexpr double least_tets_along = 0.95;
 /// Of its length; a cloth that is thicker is none.
 constexpr double thickest_sheet = 0.1;
-constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000;
+constexpr std::size_t most_rays = 20000, most_rays_in_passing = 1000, most_gaps = 500;
 /// Triangles of a mesh that is looked at for flaws in passing.
 constexpr std::size_t most_triangles_in_passing = 20000;
 
@@ -79,16 +80,35 @@ Narrow thin_parts(const solver::TissueRest& rest, std::size_t most) {
     return out;
 }
 
+/// A surface with one vertex at each place.
+struct Joined {
+    solver::Points points;
+    std::vector<solver::Triangle> triangles;
+    Joined(const solver::Points& own, const std::vector<solver::Triangle>& corners)
+        : triangles(corners) {
+        solver::CornerWelder welder;
+        std::vector<int> vertex;
+        for (const solver::Vec3& p : own) vertex.push_back(welder.add(p));
+        for (solver::Triangle& t : triangles)
+            for (int& v : t) v = vertex[at(v)];
+        points = std::move(welder.points);
+    }
+};
+
 /// Parts that tets reach across to from others.
-Narrow tied_parts(const solver::TissueRest& rest, std::size_t most) {
+Narrow tied_parts(const solver::TissueRest& rest) {
     Narrow out;
+    std::optional<Joined> joined;
     std::optional<solver::EdgeWays> ways;
-    const auto vertex = [&](int triangle) { return at(rest.triangles[at(triangle)][0]); };
-    for (const solver::Thickness& t : solver::gaps(rest.surface, rest.triangles, most)) {
+    for (const solver::Thickness& t : solver::gaps(rest.surface, rest.triangles, most_gaps)) {
         const double length = tet_length(rest, t.triangle);
         const bool is_near = t.distance < tied_within * length;
-        if (is_near && !ways) ways.emplace(rest.surface, rest.triangles);
-        out.add(t, length, is_near && ways->are_farther(vertex(t.triangle), vertex(t.opposite), far_along * length));
+        if (is_near && !ways) {
+            joined.emplace(rest.surface, rest.triangles);
+            ways.emplace(joined->points, joined->triangles);
+        }
+        const auto corners = [&](int triangle) -> const solver::Triangle& { return joined->triangles[at(triangle)]; };
+        out.add(t, length, is_near && ways->are_farther(corners(t.triangle), corners(t.opposite), far_along * length));
     }
     return out;
 }
@@ -207,7 +227,7 @@ void doubt_tets(Doubting& d, const Member& m) {
                     rough(thin.largest_narrow) + ")",
                 take + " a tetSize of about " + rough(thin.usual()) +
                     ", or refine there by weights and surfaceRefinement");
-    if (Narrow tied = tied_parts(rest, most); tied.share() > tied_share)
+    if (Narrow tied = tied_parts(rest); tied.share() > tied_share)
         d.doubt("FE262", node, attribute,
                 rough(100 * tied.share()) + " % of the surface of " + m.name + " lies about " + rough(tied.usual()) +
                     " from another part of it, less than one and a half of the tets there (" +

@@ -6,6 +6,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -100,19 +101,21 @@ TEST_CASE("a gap is as wide as from one part to the next, also where no normal m
 TEST_CASE("ways along a surface's edges", "[mesh]") {
     // Eight cells of a quarter along each side.
     const SurfaceMesh plane = make_plane(2, 2, 8, 8);
-    const EdgeWays ways(plane.points, plane.triangles);
+    EdgeWays ways(plane.points, plane.triangles);
     const std::vector<double> from = ways.from(0);
     const Vec3 start = plane.points[0];
     for (std::size_t v = 0; v < plane.points.size(); ++v) {
         const Vec3 apart = (plane.points[v] - start).cwiseAbs();
         CHECK(from[v] >= apart.norm() - 1e-12);
         CHECK(from[v] <= apart.sum() + 1e-12);
-        if (apart.minCoeff() == 0 && apart.sum() == apart.maxCoeff()) CHECK(from[v] == Approx(apart.sum()));
-        CHECK(ways.are_farther(0, v, from[v] - 1e-9) == (v != 0));
-        CHECK_FALSE(ways.are_farther(0, v, from[v] + 1e-9));
+        if (apart.sum() == apart.maxCoeff()) CHECK(from[v] == Approx(apart.sum()));
+        const std::array one{0}, other{static_cast<int>(v)};
+        if (v != 0) CHECK(ways.are_farther(one, other, from[v] - 1e-9));
+        CHECK_FALSE(ways.are_farther(one, other, from[v] + 1e-9));
     }
     // Nothing leads to another part.
-    const EdgeWays parts(plane.points, {{0, 1, 9}});
+    EdgeWays parts(plane.points, {{0, 1, 9}});
     CHECK(parts.from(0)[20] == EdgeWays::unreached);
-    CHECK(parts.are_farther(0, 20, 1e30));
+    CHECK(parts.are_farther(std::array{0}, std::array{20}, 1e30));
+    CHECK_FALSE(parts.are_farther(std::array{20, 9}, std::array{21, 1}, 1e30)); // of several the nearest
 }
