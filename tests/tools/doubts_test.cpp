@@ -207,6 +207,8 @@ TEST_CASE("check finds a tissue's mesh that moves, at the frame at which a run w
           std::string::npos);
     CHECK(said.find("FE211 ball.mesh: its mesh is another one at frame 12.5, and the run ends where the rest shape "
                     "changes | ") != std::string::npos);
+    CHECK(said_of(graph, {R"(way.translate={"keys": [[1, [0, 0, 0]], [2, [0, 1, 0]]]})"}, 1)
+              .find("FE211 ball.mesh: its mesh is another one at frame 2, ") != std::string::npos);
     // A run doubts it before it comes to that.
     const TemporaryFolder folder;
     const Said run =

@@ -102,18 +102,12 @@ std::vector<Diagnostic> find_problems(const std::shared_ptr<const engine::Graph>
 
 namespace {
 
-/// The most that a solver takes a frame, as far as the graph itself says so.
-int substeps_of(const engine::Graph& graph, const std::string& solver) {
-    const auto& inputs = graph.find(solver)->inputs;
-    const auto given = inputs.find("substeps");
-    std::int64_t out = 1;
-    if (given == inputs.end()) return 1;
-    if (const auto* value = std::get_if<engine::Value>(&given->second); value && value->is<std::int64_t>())
-        out = value->as<std::int64_t>();
-    if (const auto* curve = std::get_if<engine::Curve>(&given->second))
-        for (const engine::Key& key : curve->keys)
-            if (!key.value.empty()) out = std::max(out, static_cast<std::int64_t>(key.value.front()));
-    return static_cast<int>(std::clamp<std::int64_t>(out, 1, INT_MAX));
+/// A literal, as substeps cannot be keyed.
+int substeps_of(const engine::Node& solver) {
+    const std::string_view attribute = solver.type->simulation->substeps_input;
+    const auto given = solver.inputs.find(attribute);
+    const auto* value = given == solver.inputs.end() ? nullptr : std::get_if<engine::Value>(&given->second);
+    return value && value->is<std::int64_t>() ? static_cast<int>(value->as<std::int64_t>()) : 1;
 }
 
 /// Frames after `start` up to `last`, rising: at most `most` of those at which something that the solver reads has a
@@ -140,7 +134,7 @@ std::vector<Diagnostic> find_later_problems(const std::shared_ptr<const engine::
     std::vector<Diagnostic> found;
     for (const std::string& solver : simulations(*graph, graph->node_names())) {
         if (simulations(*graph, embed::upstream_of(*graph, {solver})).size() > 1) continue;
-        const int start = start_frame(*graph, {solver}), frames = std::max(1, most / substeps_of(*graph, solver));
+        const int start = start_frame(*graph, {solver}), frames = std::max(1, most / substeps_of(*graph->find(solver)));
         try {
             evaluator.rehearse({graph, {solver, ""}, static_cast<double>(start), stop, failures},
                                frames_ahead(*graph, solver, start, last, frames));
