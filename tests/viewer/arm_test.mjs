@@ -36,10 +36,9 @@ after(async () => {
     await rm(folder, { recursive: true, force: true });
 });
 
-test("it opens from disk in less than 3 s, without an error and without a request", async () => {
-    const ms = await page.evaluate(() => sinew.loadMs);
-    console.log(`loaded in ${Math.round(ms)} ms, ${((await stat(file)).size / 1e6).toFixed(1)} MB`);
-    assert.ok(ms < 3000, `${ms} ms`);
+// How long it takes is a benchmark: opening_bench.mjs.
+test("it opens from disk, without an error and without a request", async () => {
+    console.log(`loaded in ${Math.round(await page.evaluate(() => sinew.loadMs))} ms, ${((await stat(file)).size / 1e6).toFixed(1)} MB`);
     assert.deepEqual(page.problems, []);
     assert.deepEqual(page.requests.filter((u) => u !== "file://" + file && !u.startsWith("data:") && !u.startsWith("blob:")), []);
     assert.ok((await stat(file)).size < 8e6);
