@@ -11,6 +11,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace sinew::solver {
 
@@ -28,17 +29,21 @@ double evaluate(Potential& potential, NewtonWorkspace& w, const std::vector<doub
     return potential.evaluate(x, &w.gradient, &w.forces);
 }
 
-/// Moves bodies along with what holds them if the potential is lower there, and flags them.
-void choose_carried(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
+/// Moves bodies along with what holds them if the potential is lower there, and flags them. Returns its value at x, if
+/// that had to be found.
+std::optional<double> choose_carried(Potential& potential, NewtonWorkspace& w, std::vector<double>& x,
+                                     StepRecord& record) {
     w.carried.clear();
-    if (!potential.carry(x, w.trial, w.carried)) return;
+    if (!potential.carry(x, w.trial, w.carried)) return {};
     const Stopwatch timer(record.seconds_assembly);
     const double here = potential.evaluate(x, nullptr, nullptr), there = potential.evaluate(w.trial, nullptr, nullptr);
     // Written so that a value that is no number is left.
-    if (!(here <= there))
+    if (!(here <= there)) {
         x.swap(w.trial);
-    else
-        w.carried.clear();
+        return there;
+    }
+    w.carried.clear();
+    return here;
 }
 
 /// Takes bodies with a flag out of the direction that w.arcs goes along.
@@ -56,7 +61,7 @@ void leave(const Potential& potential, NewtonWorkspace& w, const std::vector<cha
 /// all of it, or the bodies whose forces in flight are next to nothing, while others hang, rest or press.
 double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double>& x, StepRecord& record) {
     constexpr double next_to_nothing = 0.1; // of the force without
-    choose_carried(potential, w, x, record);
+    const std::optional<double> known = choose_carried(potential, w, x, record);
     if (!potential.free_flight(x, w.direction, w.gain)) return evaluate(potential, w, x, record);
     leave(potential, w, w.carried);
     const auto fly = [&] {
@@ -65,11 +70,11 @@ double choose_start(Potential& potential, NewtonWorkspace& w, std::vector<double
         w.arcs.move(potential, x, w.direction, 1, w.trial);
     };
     fly();
-    double here;
-    {
+    const auto value_here = [&] {
         const Stopwatch timer(record.seconds_assembly);
-        here = potential.evaluate(x, nullptr, nullptr);
-    }
+        return potential.evaluate(x, nullptr, nullptr);
+    };
+    double here = known ? *known : value_here();
     double flight = evaluate(potential, w, w.trial, record);
     if (!(flight <= here)) {
         w.forces_here.swap(w.forces);

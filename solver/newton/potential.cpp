@@ -42,7 +42,7 @@ Potential::~Potential() = default;
 
 bool Potential::take(const State& before, const StepInputs& inputs, bool within_step) {
     Changes all;
-    for (const auto& term : terms_) {
+    for (const auto& term : changing_terms()) {
         term->keep_couplings(within_step);
         const Changes changes = term->take(inputs, before);
         all.couplings = all.couplings || changes.couplings;
@@ -157,7 +157,7 @@ void Potential::set_values(const State& before, const StepInputs& inputs) {
 void Potential::begin_stage(const State& before, const ImplicitForm& form, const std::vector<Points>& bones_after) {
     dynamics_.begin_stage(form);
     stage_.emplace(Stage{dynamics_.inputs(), before, form, bones_after});
-    for (const auto& term : terms_) term->begin_stage(*stage_);
+    for (const auto& term : changing_terms()) term->begin_stage(*stage_);
 }
 
 void Potential::place_held(Positions& x) {
@@ -197,39 +197,48 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
 
 double Potential::begin_iteration(const Positions& x) {
     double change = 0;
-    for (const auto& term : terms_) change += term->begin_iteration(x);
+    for (const auto& term : changing_terms()) change += term->begin_iteration(x);
     return change;
 }
 
 bool Potential::settle(const Positions& x, bool stuck) {
-    bool changed = false;
-    for (const auto& term : terms_) changed = term->settle(x, stuck) || changed;
-    return changed;
+    return take_anew([&](Term& term) { return term.settle(x, stuck); });
 }
 
 bool Potential::renew(const Positions& x) {
+    return take_anew([&](Term& term) { return term.renew(x); });
+}
+
+template <class Take>
+bool Potential::take_anew(const Take& take) {
     bool changed = false;
-    for (const auto& term : terms_) changed = term->renew(x) || changed;
+    taken_anew_.resize(terms_.size(), 0);
+    for (std::size_t t = 0; t < terms_.size(); ++t)
+        if (take(*terms_[t])) taken_anew_[t] = changed = true;
     return changed;
 }
 
 bool Potential::widen(const Positions& x) {
     bool more = false;
-    for (const auto& term : terms_) more = term->widen(x) || more;
+    for (const auto& term : changing_terms()) more = term->widen(x) || more;
     return more;
 }
 
 double Potential::evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces) {
     double total = 0;
     energy_scale_ = 0;
-    energies_.assign(terms_.size(), 0.0);
+    const bool again = forces_hold_ && gradient && x == evaluated_at_;
+    energies_.resize(terms_.size(), 0.0);
     for (std::size_t t = 0; t < terms_.size(); ++t) {
-        energies_[t] = terms_[t]->energy(x, gradient != nullptr);
+        if (!again || taken_anew_[t]) energies_[t] = terms_[t]->energy(x, gradient != nullptr);
         total += energies_[t];
         energy_scale_ += std::abs(energies_[t]);
     }
     total += dynamics_.energy(x, energy_scale_);
+    forces_hold_ = gradient != nullptr;
     if (!gradient) return total;
+    if (!again) evaluated_at_ = x;
+    taken_anew_.assign(terms_.size(), 0);
     gradient->assign(3 * unknown_count(), 0.0);
     for (const auto& term : terms_) term->add_gradient(*gradient);
     dynamics_.add_gradient(*gradient);
@@ -241,7 +250,7 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
 
 void Potential::rest(const std::vector<char>& deformables) {
     resting_ = deformables;
-    for (const auto& term : terms_) term->rest(resting_);
+    for (const auto& term : changing_terms()) term->rest(resting_);
 }
 
 /// An island's rows have no columns of others.
@@ -309,7 +318,7 @@ void Potential::work(const std::vector<double>& force, const std::vector<double>
 void Potential::assemble(const Positions& x, bool project, BlockMatrix& a) {
     if (terms_.empty() || !terms_.front()->writes_all_blocks()) std::fill(a.values.begin(), a.values.end(), 0.0);
     a.overlay.clear();
-    for (const auto& term : terms_) term->add_hessian(x, project, a);
+    for (const auto& term : changing_terms()) term->add_hessian(x, project, a);
     a.overlay.finish(a.pattern->rows);
     dynamics_.add_hessian(a);
     if (!frozen_.empty()) freeze_rows(a);
@@ -350,7 +359,7 @@ int Potential::levels() const {
 }
 
 void Potential::relax(int level) {
-    for (const auto& term : terms_) term->relax(level);
+    for (const auto& term : changing_terms()) term->relax(level);
 }
 
 void Potential::remember(const Positions& x, bool keeps_history, std::vector<TermMemory>& memories) const {
@@ -380,7 +389,7 @@ void Potential::measure(const Positions& x, std::vector<Measured>& out) {
 
 void Potential::describe(const Positions& x, StepRecord& record) {
     record.energy = 0;
-    for (const auto& term : terms_) record.energy += term->stored_energy(x);
+    for (const auto& term : changing_terms()) record.energy += term->stored_energy(x);
     ShapeQuality quality;
     for (const auto& term : terms_) term->add_quality(&x, quality);
     record.min_j = quality.least_j == std::numeric_limits<double>::infinity() ? 1 : quality.least_j;
@@ -389,7 +398,7 @@ void Potential::describe(const Positions& x, StepRecord& record) {
 
 double Potential::least_j(const Positions& x) {
     ShapeQuality quality;
-    for (const auto& term : terms_) {
+    for (const auto& term : changing_terms()) {
         term->energy(x, true);
         term->add_quality(nullptr, quality);
     }

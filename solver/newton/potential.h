@@ -79,7 +79,8 @@ class Potential {
     bool settle(const Positions& x, bool stuck);
     bool renew(const Positions& x);
     bool widen(const Positions& x);
-    /// Value at x. With `gradient` (3 an unknown) also the gradient and `forces`, one a deformable.
+    /// Value at x. With `gradient` (3 an unknown) also the gradient and `forces`, one a deformable. Where settle and
+    /// renew alone came since the forces at the same x, only terms that took something in anew are asked again.
     double evaluate(const Positions& x, std::vector<double>* gradient, std::vector<BodyForces>* forces);
     /// Judges the forces that evaluate found at x. Each body by its own: a stiff one does not excuse a soft one.
     Balance balance(const Positions& x, const std::vector<BodyForces>& forces, double tolerance);
@@ -106,19 +107,19 @@ class Potential {
     /// See Term.
     bool keep_to_edges(bool on) {
         bool any = false;
-        for (const auto& term : terms_) any = term->keep_to_edges(on) || any;
+        for (const auto& term : changing_terms()) any = term->keep_to_edges(on) || any;
         return any;
     }
     /// See Term.
     void press_as_before(bool on) {
-        for (const auto& term : terms_) term->press_as_before(on);
+        for (const auto& term : changing_terms()) term->press_as_before(on);
     }
 
     /// See Term.
     int levels() const;
     void relax(int level);
     void continue_laws(bool on) {
-        for (const auto& term : terms_) term->continue_laws(on);
+        for (const auto& term : changing_terms()) term->continue_laws(on);
     }
 
     /// What the terms keep for the next step, after a step that ended at x.
@@ -134,6 +135,13 @@ class Potential {
     const Term* find(const TermType& type) const;
 
   private:
+    /// For whatever may change what a term gives, or what it keeps of the last evaluation.
+    const std::vector<std::unique_ptr<Term>>& changing_terms() {
+        forces_hold_ = false;
+        return terms_;
+    }
+    template <class Take>
+    bool take_anew(const Take& take);
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
     void freeze_rows(BlockMatrix& a) const;
     void rest_rows(BlockMatrix& a) const;
@@ -153,6 +161,9 @@ class Potential {
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
     double energy_scale_ = 0;
     std::vector<double> energies_; ///< of the terms, as last evaluated [J]
+    bool forces_hold_ = false;     ///< the terms' forces are those at evaluated_at_, but for what was taken_anew_
+    Positions evaluated_at_;
+    std::vector<char> taken_anew_; ///< flags of terms
     std::vector<double> vertex_stiffness_, of_body_, reactions_, reaction_gradient_;
 };
 
