@@ -10,6 +10,27 @@
 
 namespace sinew::solver {
 
+namespace {
+
+/// Of columns by rows in any order, duplicates allowed; it sorts them in place.
+CoupledRows each_once(int rows, const std::vector<int>& start, std::vector<int>& columns) {
+    CoupledRows out;
+    out.start.assign(at(rows) + 1, 0);
+    parallel_for(at(rows), 64, [&](std::size_t i) {
+        const auto first = columns.begin() + start[i], end = columns.begin() + start[i + 1];
+        std::sort(first, end);
+        out.start[i + 1] = static_cast<int>(std::unique(first, end) - first);
+    });
+    for (std::size_t i = 0; i < at(rows); ++i) out.start[i + 1] += out.start[i];
+    out.column.resize(at(out.start.back()));
+    parallel_for(at(rows), 256, [&](std::size_t i) {
+        std::copy_n(columns.begin() + start[i], out.start[i + 1] - out.start[i], out.column.begin() + out.start[i]);
+    });
+    return out;
+}
+
+} // namespace
+
 int BlockPattern::find(int i, int j) const {
     const auto first = column.begin() + row_start[at(i)];
     const auto last = column.begin() + row_start[at(i) + 1];
@@ -17,28 +38,38 @@ int BlockPattern::find(int i, int j) const {
     return it != last && *it == j ? static_cast<int>(it - column.begin()) : -1;
 }
 
-BlockPattern make_pattern(int rows, const std::vector<std::pair<int, int>>& couplings) {
+CoupledRows coupled_rows(int rows, const std::vector<std::pair<int, int>>& couplings) {
     std::vector<int> start, columns;
     sort_into(at(rows), start, columns, [&](const auto& visit) {
-        for (int i = 0; i < rows; ++i) visit(at(i), i);
-        for (const auto& [i, j] : couplings) visit(at(std::min(i, j)), std::max(i, j));
+        for (const auto& [i, j] : couplings)
+            if (i != j) visit(at(std::min(i, j)), std::max(i, j));
     });
-    std::vector<int> count(at(rows));
-    parallel_for(at(rows), 64, [&](std::size_t i) {
-        const auto first = columns.begin() + start[i], end = columns.begin() + start[i + 1];
-        std::sort(first, end);
-        count[i] = static_cast<int>(std::unique(first, end) - first);
+    return each_once(rows, start, columns);
+}
+
+BlockPattern make_pattern(int rows, const std::vector<std::pair<int, int>>& couplings) {
+    const CoupledRows all = coupled_rows(rows, couplings);
+    return make_pattern(rows, std::span(&all, 1));
+}
+
+BlockPattern make_pattern(int rows, std::span<const CoupledRows> parts) {
+    std::vector<int> start(at(rows) + 1, 0);
+    for (std::size_t i = 0; i < at(rows); ++i) {
+        start[i + 1] = start[i] + 1; // the diagonal
+        for (const CoupledRows& part : parts) start[i + 1] += part.start[i + 1] - part.start[i];
+    }
+    std::vector<int> columns(at(start.back()));
+    parallel_for(at(rows), 256, [&](std::size_t i) {
+        auto to = columns.begin() + start[i];
+        *to++ = static_cast<int>(i);
+        for (const CoupledRows& part : parts)
+            to = std::copy(part.column.begin() + part.start[i], part.column.begin() + part.start[i + 1], to);
     });
+    CoupledRows all = each_once(rows, start, columns);
 
     BlockPattern p;
     p.rows = rows;
-    p.row_start.assign(at(rows) + 1, 0);
-    for (std::size_t i = 0; i < at(rows); ++i) p.row_start[i + 1] = p.row_start[i] + count[i];
-    p.column.reserve(at(p.row_start.back()));
-    for (std::size_t i = 0; i < at(rows); ++i) {
-        const auto first = columns.begin() + start[i];
-        p.column.insert(p.column.end(), first, first + count[i]);
-    }
+    p.row_start = std::move(all.start), p.column = std::move(all.column);
     p.lower_start.assign(at(rows) + 1, 0);
     for (std::size_t i = 0; i < at(rows); ++i)
         for (int b = p.row_start[i] + 1; b < p.row_start[i + 1]; ++b) ++p.lower_start[at(p.column[at(b)]) + 1];

@@ -4,6 +4,7 @@
 #include "solver/linear/overlay.h"
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,8 +22,17 @@ struct BlockPattern {
     int find(int i, int j) const;
 };
 
-/// From couplings (i, j) in any order, duplicates allowed.
+/// What each row is coupled with above the diagonal: columns j > i of row i, sorted, each once.
+struct CoupledRows {
+    std::vector<int> start, column;
+};
+
+/// From couplings (i, j) in any order, duplicates and i = j allowed.
+CoupledRows coupled_rows(int rows, const std::vector<std::pair<int, int>>& couplings);
+
 BlockPattern make_pattern(int rows, const std::vector<std::pair<int, int>>& couplings);
+/// Of all of them together; each is of as many rows.
+BlockPattern make_pattern(int rows, std::span<const CoupledRows> parts);
 
 /// Component of every row, by its lowest row.
 std::vector<int> components(const BlockPattern& pattern);

@@ -42,22 +42,20 @@ Potential::~Potential() = default;
 
 bool Potential::take(const State& before, const StepInputs& inputs, bool within_step) {
     Changes all;
-    for (const auto& term : changing_terms()) {
-        term->keep_couplings(within_step);
-        const Changes changes = term->take(inputs, before);
-        all.couplings = all.couplings || changes.couplings;
+    coupled_.resize(terms_.size());
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
+        Term& term = *changing_terms()[t];
+        term.keep_couplings(within_step);
+        const Changes changes = term.take(inputs, before);
+        if (changes.couplings) coupled_[t] = {};
         all.masses = all.masses || changes.masses;
     }
-    const bool is_new = all.couplings || !pattern_;
+    const auto is_known = [](const CoupledRows& rows) { return !rows.start.empty(); };
+    const bool is_new = !pattern_ || !std::all_of(coupled_.begin(), coupled_.end(), is_known);
     if (is_new) {
-        Couplings by_vertex, couplings;
-        for (const auto& term : terms_) term->add_couplings(by_vertex);
-        for (const auto& [v, w] : by_vertex) {
-            const int i = numbering_.unknown[static_cast<std::size_t>(v)];
-            const int j = numbering_.unknown[static_cast<std::size_t>(w)];
-            if (i >= 0 && j >= 0) couplings.emplace_back(i, j);
-        }
-        pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), couplings));
+        for (std::size_t t = 0; t < terms_.size(); ++t)
+            if (!is_known(coupled_[t])) coupled_[t] = coupled_by(*terms_[t]);
+        pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), coupled_));
         for (const auto& term : terms_) term->bind(*pattern_);
     }
     if (is_new || all.masses) {
@@ -66,6 +64,15 @@ bool Potential::take(const State& before, const StepInputs& inputs, bool within_
         for (const auto& term : terms_) term->add_vertex_stiffness(vertex_stiffness_);
     }
     return is_new;
+}
+
+CoupledRows Potential::coupled_by(const Term& term) const {
+    Couplings couplings; // of vertices, then of unknowns
+    term.add_couplings(couplings);
+    for (auto& [v, w] : couplings)
+        v = numbering_.unknown[static_cast<std::size_t>(v)], w = numbering_.unknown[static_cast<std::size_t>(w)];
+    std::erase_if(couplings, [](const auto& c) { return c.first < 0 || c.second < 0; });
+    return coupled_rows(static_cast<int>(unknown_count()), couplings);
 }
 
 UnknownPlaces Potential::places() const {

@@ -140,6 +140,7 @@ class Potential {
         forces_hold_ = false;
         return terms_;
     }
+    CoupledRows coupled_by(const Term& term) const;
     template <class Take>
     bool take_anew(const Take& take);
     void set_forces(const Positions& x, const std::vector<double>& gradient, std::vector<BodyForces>& forces);
@@ -157,6 +158,7 @@ class Potential {
     std::vector<char> resting_;         ///< see rest
     std::vector<char> in_balance_;      ///< see in_balance
     std::optional<Stage> stage_;
+    std::vector<CoupledRows> coupled_; ///< unknowns by each term; without a start where it is to be asked
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
     double energy_scale_ = 0;

@@ -35,14 +35,14 @@ SurfaceHessian::SurfaceHessian(const CarriedSurface& surface)
         of_triangle_[at(f.triangle)][at(f.place)] = static_cast<int>(pairs_.size()) - 1;
     }
     sums_.resize(pairs_.size()), used_.resize(pairs_.size());
-}
-
-void SurfaceHessian::add_couplings(std::vector<std::pair<int, int>>& couplings) const {
     for (const Pair& pair : pairs_)
         for (const RideTerm& a : surface_.free_ride(pair.first))
             for (const RideTerm& b : surface_.free_ride(pair.second))
                 if (a.vertex != b.vertex)
-                    couplings.emplace_back(std::min(a.vertex, b.vertex), std::max(a.vertex, b.vertex));
+                    couplings_.emplace_back(std::min(a.vertex, b.vertex), std::max(a.vertex, b.vertex));
+    std::sort(couplings_.begin(), couplings_.end());
+    couplings_.erase(std::unique(couplings_.begin(), couplings_.end()), couplings_.end());
+    couplings_.shrink_to_fit();
 }
 
 void SurfaceHessian::bind(const Numbering& numbering, const BlockPattern& pattern) {

@@ -21,7 +21,9 @@ class SurfaceHessian {
     /// Of a surface that deforms, which outlives it.
     explicit SurfaceHessian(const CarriedSurface& surface);
     /// Vertices that must be coupled: those that carry points of one triangle.
-    void add_couplings(std::vector<std::pair<int, int>>& couplings) const;
+    void add_couplings(std::vector<std::pair<int, int>>& couplings) const {
+        couplings.insert(couplings.end(), couplings_.begin(), couplings_.end());
+    }
     /// Finds where entries go, in fixed order; the pattern couples all of them.
     void bind(const Numbering& numbering, const BlockPattern& pattern);
 
@@ -42,6 +44,7 @@ class SurfaceHessian {
     };
     const CarriedSurface& surface_;
     std::vector<Pair> pairs_;
+    std::vector<std::pair<int, int>> couplings_;  ///< each once
     std::vector<std::array<int, 6>> of_triangle_; ///< pairs of corners (1,1) (1,2) (1,3) (2,2) (2,3) (3,3)
     std::vector<std::size_t> first_entry_;        ///< per pair and one past the end
     std::vector<Entry> entries_;

@@ -39,11 +39,6 @@ std::vector<std::vector<std::size_t>> samples_alike(std::span<const Anchor> anch
     return out;
 }
 
-void tidy(std::vector<int>& values) {
-    std::sort(values.begin(), values.end());
-    values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
 /// Of the points that slide: where more have left the places that the matrix knows, it is laid out anew.
 constexpr double most_strayed = 0.05;
 
@@ -220,22 +215,12 @@ void Slides::add_couplings(Couplings& couplings) const {
             for (const RideTerm& b : ride)
                 if (a.vertex < b.vertex) couplings.emplace_back(a.vertex, b.vertex);
     };
-    std::vector<int> points, carriers;
     for (std::size_t i = 0; i < slides_.size(); ++i) {
         const Slide& s = slides_[i];
         add(ride(s));
         if (homes_[i] < 0) continue;
-        const CarriedSurface& surface = targets_[s.target]->surface();
-        points.clear(), carriers.clear();
-        for (const int corner : surface.triangles()[at(homes_[i])])
-            for (const int t : surface.fan(corner))
-                for (const int p : surface.triangles()[at(t)]) points.push_back(p);
-        tidy(points);
-        for (const int p : points)
-            for (const RideTerm& t : surface.ride(p)) carriers.push_back(t.vertex);
-        tidy(carriers);
         for (const RideTerm& a : ride(s))
-            for (const int vertex : carriers)
+            for (const int vertex : targets_[s.target]->carriers_about(homes_[i]))
                 if (vertex != a.vertex) couplings.emplace_back(a.vertex, vertex);
     }
     for (const auto& target : targets_)

@@ -27,6 +27,11 @@ double place_on_line(const Vec3& a, const Vec3& b, const Vec3& p) {
     return share == 0 || share == 1 ? share + 1e-15 : share;
 }
 
+void tidy(std::vector<int>& values) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 } // namespace
 
 SlidingTarget::SlidingTarget(const Scene& scene, int body)
@@ -41,6 +46,21 @@ std::vector<char> SlidingTarget::allowed(const Scene& scene, const AttachmentRes
     if (std::find(whole.begin(), whole.end(), 0) == whole.end()) return {};
     std::vector<char> out;
     for (const int t : surface_.parts_of()) out.push_back(whole[at(t)]);
+    return out;
+}
+
+const std::vector<int>& SlidingTarget::carriers_about(int triangle) const {
+    carriers_about_.resize(surface_.triangles().size());
+    std::vector<int>& out = carriers_about_[at(triangle)];
+    if (!out.empty()) return out;
+    std::vector<int> points;
+    for (const int corner : surface_.triangles()[at(triangle)])
+        for (const int t : surface_.fan(corner))
+            for (const int p : surface_.triangles()[at(t)]) points.push_back(p);
+    tidy(points);
+    for (const int p : points)
+        for (const RideTerm& t : surface_.ride(p)) out.push_back(t.vertex);
+    tidy(out);
     return out;
 }
 

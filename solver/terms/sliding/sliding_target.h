@@ -37,6 +37,10 @@ class SlidingTarget {
     /// Error FE204, FE240.
     std::vector<char> allowed(const Scene& scene, const AttachmentRest& attachment) const;
 
+    /// Vertices that carry the triangles which share a corner with this one, each once, sorted. Found when it is first
+    /// asked for, and kept.
+    const std::vector<int>& carriers_about(int triangle) const;
+
     /// Takes where the points are.
     void place(const double* carriers);
     const Points& places() const { return places_; }
@@ -57,6 +61,7 @@ class SlidingTarget {
     CarriedSurface surface_;
     std::optional<SurfaceHessian> hessian_;
     bool is_open_;
+    mutable std::vector<std::vector<int>> carriers_about_; ///< of triangles; empty: not asked for yet
     Points places_;
 };
 
