@@ -2,6 +2,7 @@
 #include "solver/terms/contact/body_motion.h"
 
 #include "solver/index.h"
+#include "solver/mesh/triangle_math.h"
 
 #include <Eigen/SVD>
 
@@ -47,6 +48,7 @@ void BodyMotion::set(const Points& from, const Points& to) {
 }
 
 void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
+    body_ = &body;
     to_modelled_ = nearest_motion(from, body.modelled());
     turned_.assign(from.begin(), from.end());
     for (Vec3& p : turned_) p = to_modelled_ * p;
@@ -56,6 +58,16 @@ void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
             for (const Points* points : {&turned_, &later_})
                 node.min = node.min.cwiseMin((*points)[at(v)]), node.max = node.max.cwiseMax((*points)[at(v)]);
     });
+}
+
+/// No nearer than at the start, less the farthest that a corner and the place move against each other.
+bool BodyMotion::may_meet(int triangle, const Vec3& one, const Vec3& other, double margin) const {
+    const Triangle& corners = body_->triangles()[at(triangle)];
+    double way2 = 0;
+    for (const int v : corners) way2 = std::max(way2, (other - one - later_[at(v)] + turned_[at(v)]).squaredNorm());
+    const std::array<Vec3, 3> places{turned_[at(corners[0])], turned_[at(corners[1])], turned_[at(corners[2])]};
+    const Vec3 nearest = closest_on_triangle(one, places, corners).point;
+    return (one - nearest).norm() <= std::sqrt(way2) + margin;
 }
 
 bool BodyMotion::meets(const Vec3& one, const Vec3& other, double margin) const {
@@ -69,7 +81,11 @@ bool BodyMotion::meets(const Vec3& one, const Vec3& other, double margin) const 
         const int n = stack[--depth];
         const BvhNode& node = nodes_[at(n)];
         if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) continue;
-        if (node.count > 0) return true;
+        if (node.count > 0) {
+            for (int i = node.first; i < node.first + node.count; ++i)
+                if (may_meet(body_->bvh().order[at(i)], a, b, margin)) return true;
+            continue;
+        }
         stack[depth++] = n + 1, stack[depth++] = node.first;
     }
     return false;

@@ -20,7 +20,8 @@ class BodyMotion {
     /// After set, with the same places at the first time: boxes around what its triangles sweep, so seen, along the
     /// axes that the body was modelled in, so that nothing depends on how the scene is turned.
     void fit_boxes(const CollisionBody& body, const Points& from);
-    /// Whether the box around two places, made larger by a margin on all sides, meets one of those.
+    /// Whether something that goes straight from one place to the other, as seen at the two times, comes nearer than a
+    /// margin to a triangle, or may: each corner goes straight as well.
     bool meets(const Vec3& one, const Vec3& other, double margin) const;
 
   private:
@@ -28,8 +29,10 @@ class BodyMotion {
     double farthest_ = 0;
     Points later_; ///< so seen
     Eigen::Isometry3d to_modelled_ = Eigen::Isometry3d::Identity();
-    Points turned_; ///< scratch
+    const CollisionBody* body_ = nullptr; ///< that has the boxes
+    Points turned_;                       ///< the first places, in the axes of the boxes
     std::vector<BvhNode> nodes_;
+    bool may_meet(int triangle, const Vec3& one, const Vec3& other, double margin) const;
 };
 
 } // namespace sinew::solver
