@@ -47,6 +47,12 @@ void BodyMotion::set(const Points& from, const Points& to) {
     farthest_ = farthest_between(from, later_);
 }
 
+double BodyMotion::farthest_way(const Points& from, const Points& now) const {
+    double square = 0;
+    for (std::size_t p = 0; p < from.size(); ++p) square = std::max(square, (seen(now[p]) - from[p]).squaredNorm());
+    return std::sqrt(square);
+}
+
 void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
     body_ = &body;
     to_modelled_ = nearest_motion(from, body.modelled());

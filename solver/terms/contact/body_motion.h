@@ -15,6 +15,8 @@ class BodyMotion {
     /// Where something at the second time would have been at the first, had it moved along: back by the rigid motion
     /// nearest to the body's own (Kabsch 1976).
     Vec3 seen(const Vec3& later) const { return back_ * later; }
+    /// How far the farthest of places is from where it was at the first time, so seen [m].
+    double farthest_way(const Points& from, const Points& now) const;
     /// No point of its surface has moved farther, so seen [m].
     double farthest() const { return farthest_; }
     /// After set, with the same places at the first time: boxes around what its triangles sweep, so seen, along the

@@ -89,7 +89,7 @@ Contacts::Contacts(const Scene& scene)
     , attached_(scene, bodies_)
     , cloth_(scene, bodies_) {
     bones_.resize(bodies_.count());
-    reach_.resize(bodies_.count()), moves_.resize(bodies_.count()), places_.resize(bodies_.count());
+    moves_.resize(bodies_.count()), places_.resize(bodies_.count());
 }
 
 Changes Contacts::take(const StepInputs& inputs, const State& before) {

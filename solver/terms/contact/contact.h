@@ -101,13 +101,13 @@ class Contacts final : public Term {
     Vec3 point_at(const Touch& t) const { return places_[at(t.source)][at(t.point)]; }
     Vec3 place_at(int target, int triangle, const Vec3& place) const;
     void place_points(int body, const double* carriers) const;
-    /// Places all points, and measures how far bodies have moved since the last iteration.
+    /// Places all points, and measures how far bodies have moved since the step began.
     void look_at(const Positions& x) const;
     void find_features(const Positions& x) const;
-    /// After look_at.
+    /// After look_at: it has not moved as far against its target as it was off at the start of the step.
     bool surely_outside(std::size_t touch) const {
         const Touch& t = touches_[touch];
-        return clearance_[touch] > moves_[at(t.source)] + moves_[at(t.target)];
+        return clearance_[touch] > 0 && clearance_[touch] > search_.way(t, point_at(t)) + moves_[at(t.target)];
     }
     /// Stiffness of a touch [N/m], its area found out when first asked for.
     double stiffness(std::size_t touch) const {
@@ -195,19 +195,16 @@ class Contacts final : public Term {
     std::vector<const double*> before_;      ///< per body: what carries it, at the start of the step
     std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for
     std::vector<std::vector<double>> swept_; ///< per body: the same as it was when it was looked for last
-    std::vector<double> reach_;              ///< how far each bone moves [m]
     std::vector<double> off_;                ///< per body: how far it is from where it was looked for [m]
     std::vector<char> strong_;               ///< per pair: it ties more firmly than what the pattern leaves out may
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
     mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
     std::vector<FeatureStart> starts_;  ///< per touch
-    std::vector<double> clearance_;     ///< per touch: how far it was outside then, or less [m]; -1: it pressed
-    Positions committed_x_;
-    bool found_ = false;                ///< whether the touches of this stage are
-    bool as_before_ = false;            ///< press_as_before
-    bool iterated_ = false;             ///< since the stage began: bones are where they will be
-    mutable std::vector<double> moves_; ///< per body: no point is farther from where it was at the last iteration [m]
+    std::vector<double> clearance_; ///< per touch: how far it was outside at the start of the step [m]; -1: it pressed
+    bool found_ = false;            ///< whether the touches of this stage are
+    bool as_before_ = false;        ///< press_as_before
+    mutable std::vector<double> moves_; ///< per body: how far any point is from where it began, as search_ sees it [m]
     mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
     mutable Positions looked_at_;
     /// Per touch: nearest places at this iteration and the one before, and at the first trial after this one; fewer

@@ -84,17 +84,11 @@ void Contacts::place_points(int body, const double* carriers) const {
 }
 
 void Contacts::look_at(const Positions& x) const {
-    for (std::size_t b = 0; b < bodies_.count(); ++b) {
-        const CollisionBody& body = bodies_[static_cast<int>(b)];
-        if (!body.deforms()) {
-            moves_[b] = iterated_ ? 0 : reach_[b];
-            continue;
-        }
+    parallel_for(bodies_.count(), 1, [&](std::size_t b) {
+        if (!bodies_[static_cast<int>(b)].deforms()) return;
         place_points(static_cast<int>(b), x.data());
-        const std::size_t first = 3 * at(scene_.first_vertex(body.body()));
-        moves_[b] = body.leverage() *
-                    largest_move(x.data() + first, committed_x_.data() + first, scene_.vertex_count(body.body()));
-    }
+        if (found_) moves_[b] = search_.farthest_way(static_cast<int>(b), places_[b]);
+    });
 }
 
 void Contacts::bind(const BlockPattern& pattern) {
@@ -118,12 +112,11 @@ void Contacts::begin_stage(const Stage& stage) {
         if (!body.deforms()) {
             Points& places = bones_[b];
             place_bone(stage.form, weighed, at(body.body()), places);
-            reach_[b] = largest_move(places.data()->data(), before_.back(), places.size());
             place_points(static_cast<int>(b), places.data()->data());
         }
         expected_.push_back(carriers_expected(static_cast<int>(b)));
     }
-    committed_x_ = stage.before.x, iterated_ = false, found_ = false;
+    found_ = false;
     looked_at_.clear();
     one_ago_.clear(), two_ago_.clear(), tried_.clear(), edges_.clear(), tries_ = on_edges_ = by_edges_ = false;
 }
@@ -153,6 +146,9 @@ void Contacts::sweep(const std::vector<const double*>& later) {
         swept_[b].assign(own.begin(), own.end());
     }
     search_.sweep(later);
+    for (std::size_t b = 0; b < bodies_.count(); ++b)
+        if (!bodies_[static_cast<int>(b)].deforms()) // what deforms is looked at next
+            moves_[b] = search_.farthest_way(static_cast<int>(b), places_[b]);
 }
 
 /// Takes in the points of a pair whose way crosses that of the surface. Its touches so far are all from `first` on.
@@ -163,9 +159,9 @@ void Contacts::find_touches(std::size_t p, std::size_t first) {
         const ClosestFeature& f = touches_[t].feature;
         const CollisionBody& target = bodies_[touches_[t].target];
         starts_.push_back(start_of(f, target.corners(f.triangle, before_[at(touches_[t].target)])));
-        // Where the solve has moved on already nothing is sure, nor where the place was followed.
+        // Nothing is sure where the place was followed: it may not be the nearest of all.
         const double depth = press(t, f).depth;
-        clearance_.push_back(depth > 0 || iterated_ || touches_[t].kept >= 0 ? -1 : -depth);
+        clearance_.push_back(depth > 0 || touches_[t].kept >= 0 ? -1 : -depth);
     }
     now_.resize(touches_.size()), forces_.resize(touches_.size());
     looked_at_.clear();
@@ -237,12 +233,8 @@ double Contacts::begin_iteration(const Positions& x) {
     find_all_touches();
     find_features(x);
     if (!cloth_pairs_.empty()) cloth_.accept();
-    for (std::size_t i = 0; i < touches_.size(); ++i) {
-        // Never raised again: where it was followed to is a nearest place, but not always the nearest of all.
+    for (std::size_t i = 0; i < touches_.size(); ++i)
         if (now_[i].triangle >= 0 && press(i, now_[i]).depth > 0) clearance_[i] = -1;
-        clearance_[i] -= moves_[at(touches_[i].source)] + moves_[at(touches_[i].target)];
-    }
-    committed_x_ = x, iterated_ = true;
     watch_features();
     follow_friction();
     return 0;

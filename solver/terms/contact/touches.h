@@ -76,6 +76,15 @@ class TouchSearch {
     /// of the surface; but for those that are held, and those that `out` has already, from `first` on.
     void find_near(const ContactPair& pair, double margin, const std::vector<char>& held, std::size_t first,
                    std::vector<Touch>& out);
+    /// As someone sees it who goes along with the touch's target as that was swept last: how far its point, which is
+    /// there now, is from where it began [m].
+    double way(const Touch& touch, const Vec3& now) const {
+        return (ahead_[at(touch.target)].seen(now) - boxes_[at(touch.source)].places()[at(touch.point)]).norm();
+    }
+    /// As seen likewise, by who goes along with the body: the farthest of its points, which are there now [m].
+    double farthest_way(int body, const Points& now) const {
+        return ahead_[at(body)].farthest_way(boxes_[at(body)].places(), now);
+    }
     /// The area that a touching point stands for [m^2].
     double area(const ContactPair& pair, const Touch& touch) const;
     /// Points of the pair inside of the surface, wherever they are.
