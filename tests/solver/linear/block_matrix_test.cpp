@@ -46,6 +46,22 @@ TEST_CASE("a pattern holds each coupling once, in the upper triangle, with every
     CHECK(p.find(3, 3) == 6);
 }
 
+TEST_CASE("a pattern of parts is that of all their couplings", "[linear]") {
+    const CoupledRows one = coupled_rows(5, {{4, 2}, {2, 4}, {1, 1}, {3, 1}}),
+                      other = coupled_rows(5, {{0, 2}, {4, 2}}), none = coupled_rows(5, {});
+    CHECK(one.start == std::vector<int>{0, 0, 1, 2, 2, 2});
+    CHECK(one.column == std::vector<int>{3, 4});
+    CHECK(none.start == std::vector<int>(6, 0));
+    const std::vector<CoupledRows> parts{one, none, other};
+    const BlockPattern p = make_pattern(5, parts), all = TwoComponents().pattern;
+    CHECK(p.rows == 5);
+    CHECK(p.row_start == all.row_start);
+    CHECK(p.column == all.column);
+    CHECK(p.lower_start == all.lower_start);
+    CHECK(p.lower == all.lower);
+    CHECK(make_pattern(2, std::span<const CoupledRows>{}).column == std::vector<int>{0, 1});
+}
+
 TEST_CASE("products are those of the dense matrix, with the same bits on one thread and on two", "[linear]") {
     const TwoComponents small;
     const std::vector<double> x = random_numbers(15, 5);

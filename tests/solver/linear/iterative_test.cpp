@@ -42,7 +42,7 @@ Solved by_multigrid(const GridMatrix& grid, const std::vector<double>& b, double
 
 TEST_CASE("conjugate gradients end after as many iterations as there are different eigenvalues", "[linear]") {
     // Diagonal blocks alone, with the values 1, 2 and 5: in exact arithmetic three iterations are the solution.
-    const BlockPattern pattern = make_pattern(40, {});
+    const BlockPattern pattern = make_pattern(40, std::vector<std::pair<int, int>>{});
     BlockMatrix a(pattern);
     const double values[] = {1, 2, 5};
     for (std::size_t i = 0; i < 40; ++i)

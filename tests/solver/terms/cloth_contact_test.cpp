@@ -384,7 +384,7 @@ TEST_CASE("contact of cloth: what goes through on a straight way is known from i
 }
 
 TEST_CASE("truncated Newton: it solves what is positive definite, and ends along negative curvature", "[linear]") {
-    const BlockPattern pattern = make_pattern(1, {});
+    const BlockPattern pattern = make_pattern(1, std::vector<std::pair<int, int>>{});
     BlockMatrix a(pattern), m(pattern);
     ComponentFactors factor(pattern);
     const auto set = [](BlockMatrix& to, double x, double y, double z) { to.values = {x, 0, 0, 0, y, 0, 0, 0, z}; };
