@@ -41,14 +41,13 @@ Potential::Potential(const Scene& scene)
 Potential::~Potential() = default;
 
 bool Potential::take(const State& before, const StepInputs& inputs, bool within_step) {
-    Changes all;
     coupled_.resize(terms_.size());
     for (std::size_t t = 0; t < terms_.size(); ++t) {
         Term& term = *changing_terms()[t];
         term.keep_couplings(within_step);
         const Changes changes = term.take(inputs, before);
         if (changes.couplings) coupled_[t] = {};
-        all.masses = all.masses || changes.masses;
+        masses_due_ = masses_due_ || changes.masses;
     }
     const auto is_known = [](const CoupledRows& rows) { return !rows.start.empty(); };
     const bool is_new = !pattern_ || !std::all_of(coupled_.begin(), coupled_.end(), is_known);
@@ -58,10 +57,11 @@ bool Potential::take(const State& before, const StepInputs& inputs, bool within_
         pattern_ = std::make_unique<BlockPattern>(make_pattern(static_cast<int>(unknown_count()), coupled_));
         for (const auto& term : terms_) term->bind(*pattern_);
     }
-    if (is_new || all.masses) {
+    if (is_new || masses_due_) {
         dynamics_.set_masses(*pattern_, terms_);
         vertex_stiffness_.assign(numbering_.vertex_count(), 0.0);
         for (const auto& term : terms_) term->add_vertex_stiffness(vertex_stiffness_);
+        masses_due_ = false;
     }
     return is_new;
 }
@@ -235,6 +235,7 @@ double Potential::evaluate(const Positions& x, std::vector<double>* gradient, st
     double total = 0;
     energy_scale_ = 0;
     const bool again = forces_hold_ && gradient && x == evaluated_at_;
+    forces_hold_ = false; // until all of them are found
     energies_.resize(terms_.size(), 0.0);
     for (std::size_t t = 0; t < terms_.size(); ++t) {
         if (!again || taken_anew_[t]) energies_[t] = terms_[t]->energy(x, gradient != nullptr);

@@ -158,7 +158,9 @@ class Potential {
     std::vector<char> resting_;         ///< see rest
     std::vector<char> in_balance_;      ///< see in_balance
     std::optional<Stage> stage_;
+    // What terms have taken that is still to be taken in here, also where a later one has thrown:
     std::vector<CoupledRows> coupled_; ///< unknowns by each term; without a start where it is to be asked
+    bool masses_due_ = false;
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
     double energy_scale_ = 0;

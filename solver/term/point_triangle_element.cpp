@@ -8,23 +8,24 @@
 
 namespace sinew::solver {
 
-void PointTriangleElement::set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
+void PointTriangleElement::set(std::span<const RideTerm> ride, const CarriedSurface& target, int triangle,
                                const Numbering& numbering, const BlockPattern& pattern) {
-    set_nodes(ride, point, target, triangle, numbering);
+    set_nodes(ride, target, triangle, numbering);
     if (!has_entries_) find_entries(pattern);
 }
 
-void PointTriangleElement::set_nodes(std::span<const RideTerm> ride, int point, const CarriedSurface& target,
-                                     int triangle, const Numbering& numbering) {
-    if (point == point_ && triangle == triangle_) return;
+void PointTriangleElement::set_nodes(std::span<const RideTerm> ride, const CarriedSurface& target, int triangle,
+                                     const Numbering& numbering) {
+    const RideTerm* const first = ride.empty() ? nullptr : ride.data();
+    if (triangle == triangle_ && first == ride_ && &target == target_) return;
     const Triangle& t = target.triangles()[at(triangle)];
     take_nodes({ride, target.free_ride(t[0]), target.free_ride(t[1]), target.free_ride(t[2])}, numbering);
-    point_ = point, triangle_ = triangle, split_ = 1;
+    ride_ = first, target_ = &target, triangle_ = triangle, split_ = 1;
 }
 
 void PointTriangleElement::set(const std::array<std::span<const RideTerm>, 4>& rides, int split,
                                const Numbering& numbering, const BlockPattern& pattern) {
-    point_ = triangle_ = -1, split_ = split;
+    triangle_ = -1, split_ = split;
     take_nodes(rides, numbering);
     find_entries(pattern);
 }

@@ -13,19 +13,19 @@ namespace sinew::solver {
 
 class PointTriangleElement {
   public:
-    /// Makes it stand for a point, which rides as given, and a triangle; nothing where it does already, which the
-    /// point's number tells.
-    void set(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
-             const Numbering& numbering, const BlockPattern& pattern);
+    /// Makes it stand for a point, which rides as given, and a triangle; nothing where it does already: the ride is one
+    /// that a surface keeps, and tells points of all bodies apart.
+    void set(std::span<const RideTerm> ride, const CarriedSurface& target, int triangle, const Numbering& numbering,
+             const BlockPattern& pattern);
     /// The same as far as add_gradient needs it: where entries of the pattern are is not looked for.
-    void set_nodes(std::span<const RideTerm> ride, int point, const CarriedSurface& target, int triangle,
+    void set_nodes(std::span<const RideTerm> ride, const CarriedSurface& target, int triangle,
                    const Numbering& numbering);
     /// Makes it stand for four corners that ride as given, of which the first `split` are one side, a point (1) or an
     /// edge (2), and the others the other.
     void set(const std::array<std::span<const RideTerm>, 4>& rides, int split, const Numbering& numbering,
              const BlockPattern& pattern);
     /// Forgets which entries of the pattern it writes to.
-    void forget() { point_ = triangle_ = -1, has_entries_ = false; }
+    void forget() { triangle_ = -1, has_entries_ = false; }
 
     /// Adds L_c g to each vertex that carries corner c: a gradient of 3 numbers a vertex.
     void add_gradient(const std::array<double, 4>& by_corners, const Vec3& g, double* by_vertices) const;
@@ -50,7 +50,9 @@ class PointTriangleElement {
     };
     void take_nodes(const std::array<std::span<const RideTerm>, 4>& rides, const Numbering& numbering);
     void find_entries(const BlockPattern& pattern);
-    int point_ = -1, triangle_ = -1, split_ = 1;
+    const RideTerm* ride_ = nullptr; ///< of the point; of a bone's there is none
+    const CarriedSurface* target_ = nullptr;
+    int triangle_ = -1, split_ = 1;
     std::vector<Node> nodes_;
     std::vector<Entry> entries_;
     std::array<int, 4> group_{}; ///< per corner: those of one group are coupled in the pattern

@@ -67,7 +67,7 @@ void BodyMotion::fit_boxes(const CollisionBody& body, const Points& from) {
 }
 
 /// No nearer than at the start, less the farthest that a corner and the place move against each other.
-bool BodyMotion::may_meet(int triangle, const Vec3& one, const Vec3& other, double margin) const {
+bool BodyMotion::may_come_near(int triangle, const Vec3& one, const Vec3& other, double margin) const {
     const Triangle& corners = body_->triangles()[at(triangle)];
     double way2 = 0;
     for (const int v : corners) way2 = std::max(way2, (other - one - later_[at(v)] + turned_[at(v)]).squaredNorm());
@@ -89,7 +89,7 @@ bool BodyMotion::meets(const Vec3& one, const Vec3& other, double margin) const 
         if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) continue;
         if (node.count > 0) {
             for (int i = node.first; i < node.first + node.count; ++i)
-                if (may_meet(body_->bvh().order[at(i)], a, b, margin)) return true;
+                if (may_come_near(body_->bvh().order[at(i)], a, b, margin)) return true;
             continue;
         }
         stack[depth++] = n + 1, stack[depth++] = node.first;

@@ -29,12 +29,12 @@ class BodyMotion {
   private:
     Eigen::Isometry3d back_ = Eigen::Isometry3d::Identity();
     double farthest_ = 0;
-    Points later_; ///< so seen
+    Points later_; ///< so seen, after fit_boxes in the axes of the boxes
     Eigen::Isometry3d to_modelled_ = Eigen::Isometry3d::Identity();
     const CollisionBody* body_ = nullptr; ///< that has the boxes
     Points turned_;                       ///< the first places, in the axes of the boxes
     std::vector<BvhNode> nodes_;
-    bool may_meet(int triangle, const Vec3& one, const Vec3& other, double margin) const;
+    bool may_come_near(int triangle, const Vec3& one, const Vec3& other, double margin) const;
 };
 
 } // namespace sinew::solver

@@ -66,7 +66,7 @@ void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermM
 
 const TermType contact_type{
     .name = "contact",
-    .numerics = 6,
+    .numerics = 7,
     .values = value_names,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {

@@ -201,9 +201,10 @@ class Contacts final : public Term {
     std::vector<std::size_t> pair_of_touch_;
     mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
     std::vector<FeatureStart> starts_;  ///< per touch
-    std::vector<double> clearance_; ///< per touch: how far it was outside at the start of the step [m]; -1: it pressed
-    bool found_ = false;            ///< whether the touches of this stage are
-    bool as_before_ = false;        ///< press_as_before
+    std::vector<double>
+        clearance_;      ///< per touch: how far it was outside at the start of the step [m]; -1: unknown, or it pressed
+    bool found_ = false; ///< whether the touches of this stage are
+    bool as_before_ = false;            ///< press_as_before
     mutable std::vector<double> moves_; ///< per body: how far any point is from where it began, as search_ sees it [m]
     mutable std::vector<ClosestFeature> now_; ///< per touch, at looked_at_; triangle = -1: surely outside
     mutable Positions looked_at_;

@@ -38,7 +38,7 @@ double Contacts::carried_energy(const Positions& x, bool with_forces) {
         const double k = stiffness(i);
         energy += 0.5 * k * pressed.depth * pressed.depth;
         if (!with_forces) continue;
-        elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], t.feature.triangle,
+        elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), bodies_[t.target], t.feature.triangle,
                                scene_.numbering());
         elements_[i].add_gradient(corner_weights_of(t.feature.place), -k * pressed.depth * pressed.out,
                                   gradient_.data());
@@ -57,7 +57,7 @@ void Contacts::add_carried_hessian(const Positions& x, BlockMatrix& a) {
         if (!pressed_before(i)) continue;
         const Touch& t = touches_[i];
         const Vec3 out = carried_press(i).out;
-        elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], t.feature.triangle,
+        elements_[i].set(bodies_[t.source].free_ride(t.point), bodies_[t.target], t.feature.triangle,
                          scene_.numbering(), *pattern_);
         PointTriangleBlocks blocks;
         for (Mat3& block : blocks) block.setZero();

@@ -348,7 +348,7 @@ void Contacts::add_tether_forces() {
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+        tether_elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), bodies_[t.target], tether.triangle,
                                       scene_.numbering());
         tether_elements_[i].add_gradient(corner_weights_of(tether.place), tether_forces_[i].by_point, gradient_.data());
     }
@@ -362,7 +362,7 @@ double Contacts::energy(const Positions& x, bool with_forces) {
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         if (forces_[i].by_point.isZero(0)) continue;
         const Touch& t = touches_[i];
-        elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], now_[i].triangle,
+        elements_[i].set_nodes(bodies_[t.source].free_ride(t.point), bodies_[t.target], now_[i].triangle,
                                scene_.numbering());
         elements_[i].add_gradient(corner_weights_of(now_[i].place), forces_[i].by_point, gradient_.data());
     }
@@ -380,8 +380,8 @@ void Contacts::add_hessian(const Positions& x, bool project, BlockMatrix& a) {
         if (f.triangle < 0) continue;
         const Press pressed = press(i, f);
         if (!presses(i, pressed.depth)) continue;
-        elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], f.triangle,
-                         scene_.numbering(), *pattern_);
+        elements_[i].set(bodies_[t.source].free_ride(t.point), bodies_[t.target], f.triangle, scene_.numbering(),
+                         *pattern_);
         const std::array<Vec3, 3> corners = bodies_[t.target].corners(f.triangle, places_[at(t.target)]);
         const PointTriangleBlocks blocks =
             pair_of(i).range > 0
@@ -399,7 +399,7 @@ void Contacts::add_tether_hessian(BlockMatrix& a) {
     for (std::size_t i = 0; i < tethers_.size(); ++i) {
         const Tether& tether = tethers_[i];
         const Touch& t = touches_[tether.touch];
-        tether_elements_[i].set(bodies_[t.source].free_ride(t.point), t.point, bodies_[t.target], tether.triangle,
+        tether_elements_[i].set(bodies_[t.source].free_ride(t.point), bodies_[t.target], tether.triangle,
                                 scene_.numbering(), *pattern_);
         const Mat3 by_way = stage_->form.velocity_factor * tether.brakes +
                             tether.followed.stiffness(tether.spring, tether.holds * reach(tether), tether.holds);

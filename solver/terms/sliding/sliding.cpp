@@ -73,6 +73,7 @@ Changes Slides::take(const StepInputs& inputs, const State& before) {
     const bool same = wanted_ == on_ && (!any || (memory && *memory == anchors_));
     if (!same) {
         slides_.clear(), rides_.clear(), targets_.clear();
+        homes_.assign(1, -2); // none fits: couplings are new, also where what follows throws
         first_slide_.assign(wanted_.size() + 1, 0);
         on_ = wanted_;
         if (any) {
