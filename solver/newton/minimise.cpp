@@ -128,6 +128,12 @@ bool on_floor(Potential& potential, NewtonWorkspace& w, const NewtonOptions& opt
 /// Steps shorter than this share of Newton's own say that the quadratic model is of no use where it points.
 constexpr double stalled_step = 0.1;
 
+/// A step that comes before a place where the energy jumps, as that of a contact does where its nearest place passes to
+/// another side of the surface, ends there, and so does the next one: after so many steps in a row, shorter than this,
+/// one goes over the jump, to the lowest of what it tries beyond, and so often a solve.
+constexpr double before_a_jump = 1e-3;
+constexpr int before_a_leap = 2, most_leaps = 4, tried_beyond = 8;
+
 /// Of the slope that a step begins with: as much of it, the other way, at the step's end says that it went too far.
 constexpr double most_overshoot = 0.9;
 /// Of the residual three steps before: more is no progress.
@@ -257,6 +263,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
     double one_ago = std::numeric_limits<double>::infinity(), two_ago = one_ago; // residuals before the last steps
     Rest rest(potential, w);
     bool unseen = false; // an island rests whose Hessian nobody looked at
+    int short_steps = 0, leaps = 0;
     Truncated how;
     FadingMean mean; // of sheets
     const bool sheets = w.linear.takes_sheets(options.method);
@@ -302,11 +309,23 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         if (below_rounding) w.floor.take_direction(potential, w.hessian, w.gradient, w.direction);
         potential.work(w.gradient, w.direction, w.gain);
         w.arcs.fit(potential, x, w.direction, w.gain);
+        const bool may_leap =
+            short_steps >= before_a_leap && leaps < most_leaps && !sheets && potential.contacts_press();
+        bool leaped = false;
+        double lowest_t = 0, lowest = std::numeric_limits<double>::infinity();
         for (int trial = 0; trial < 40 && !accepted; ++trial) {
             w.arcs.move(potential, x, w.direction, t, w.trial);
             value = potential.evaluate(w.trial, &w.gradient, &w.forces);
             accepted = std::isfinite(value) && value <= before + 1e-4 * t * slope + rounding;
             if (accepted) break;
+            if (value < lowest) lowest = value, lowest_t = t;
+            if (may_leap && trial + 1 == tried_beyond && lowest_t > 0) {
+                t = lowest_t;
+                w.arcs.move(potential, x, w.direction, t, w.trial);
+                value = potential.evaluate(w.trial, &w.gradient, &w.forces);
+                leaped = accepted = true, ++leaps;
+                break;
+            }
             cut_at_no_number = !std::isfinite(value);
             t *= 0.5;
             if (may_stall && t < stalled_step) return End::stalled;
@@ -320,11 +339,12 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         // Three steps have brought nothing, the last one was Newton's own, and bodies touch each other or it gained
         // next to nothing of the energy that it promised.
         const bool gained = before - value >= least_share * -t * slope;
-        if (!sheets && definite && (!gained || !w.hessian.overlay.empty()) &&
+        if (!sheets && !leaped && definite && (!gained || !w.hessian.overlay.empty()) &&
             potential.balance(w.trial, w.forces, options.tolerance).residual > idle * two_ago)
             keep_in_valley(potential, w, options, x, slope, before + rounding, below_rounding, t, value);
         two_ago = one_ago, one_ago = r;
         stuck = t < stalled_step && !cut_at_no_number; // else it says nothing of what is nearest
+        short_steps = t < before_a_jump && !cut_at_no_number ? short_steps + 1 : 0;
         // A trust region: as far as the last step went where that was cut short, else twice as far.
         how.longest = t < 1 ? t * how.length : std::max(how.longest, 2 * how.length);
         x.swap(w.trial);
