@@ -309,7 +309,6 @@ void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
     type.base.numerics = 26; // friction of points that come in within a step pulls at their own bodies
-                             // landing friction counts the fall by gravity; following slides around edges
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),

@@ -302,7 +302,7 @@ End iterate(Potential& potential, NewtonWorkspace& w, const NewtonOptions& optio
         // the energies, the comparison says nothing and the full step is taken.
         const Stopwatch timer(record.seconds_assembly);
         const double rounding = potential.energy_rounding();
-        const double before = sheets ? mean.take(value) : value; // without sheets it never rises
+        const double before = sheets ? mean.take(value) : value; // without sheets only leaps raise it
         double t = potential.longest_move(x, w.direction);
         bool accepted = false, cut_at_no_number = false; // the last trial: tets inside out under a law that knows none
         const bool below_rounding = definite && r <= RoundingFloor::strict && -0.5 * slope <= rounding;

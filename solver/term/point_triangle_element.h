@@ -50,7 +50,7 @@ class PointTriangleElement {
     };
     void take_nodes(const std::array<std::span<const RideTerm>, 4>& rides, const Numbering& numbering);
     void find_entries(const BlockPattern& pattern);
-    const RideTerm* ride_ = nullptr; ///< of the point; of a bone's there is none
+    const RideTerm* ride_ = nullptr; ///< of the point, where surfaces keep it; null: nothing that is free carries it
     const CarriedSurface* target_ = nullptr;
     int triangle_ = -1, split_ = 1;
     std::vector<Node> nodes_;

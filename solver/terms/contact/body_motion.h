@@ -27,6 +27,7 @@ class BodyMotion {
     bool meets(const Vec3& one, const Vec3& other, double margin) const;
 
   private:
+    bool may_come_near(int triangle, const Vec3& one, const Vec3& other, double margin) const;
     Eigen::Isometry3d back_ = Eigen::Isometry3d::Identity();
     double farthest_ = 0;
     Points later_; ///< so seen, after fit_boxes in the axes of the boxes
@@ -34,7 +35,6 @@ class BodyMotion {
     const CollisionBody* body_ = nullptr; ///< that has the boxes
     Points turned_;                       ///< the first places, in the axes of the boxes
     std::vector<BvhNode> nodes_;
-    bool may_come_near(int triangle, const Vec3& one, const Vec3& other, double margin) const;
 };
 
 } // namespace sinew::solver

@@ -87,7 +87,8 @@ void Contacts::look_at(const Positions& x) const {
     parallel_for(bodies_.count(), 1, [&](std::size_t b) {
         if (!bodies_[static_cast<int>(b)].deforms()) return;
         place_points(static_cast<int>(b), x.data());
-        if (found_) moves_[b] = search_.farthest_way(static_cast<int>(b), places_[b]);
+        // Until it is known what touches nobody asks; what is found later has it looked at anew.
+        if (!touches_.empty()) moves_[b] = search_.farthest_way(static_cast<int>(b), places_[b]);
     });
 }
 
@@ -147,8 +148,7 @@ void Contacts::sweep(const std::vector<const double*>& later) {
     }
     search_.sweep(later);
     for (std::size_t b = 0; b < bodies_.count(); ++b)
-        if (!bodies_[static_cast<int>(b)].deforms()) // what deforms is looked at next
-            moves_[b] = search_.farthest_way(static_cast<int>(b), places_[b]);
+        if (!bodies_[static_cast<int>(b)].deforms()) moves_[b] = search_.farthest_swept(static_cast<int>(b));
 }
 
 /// Takes in the points of a pair whose way crosses that of the surface. Its touches so far are all from `first` on.

@@ -85,6 +85,8 @@ class TouchSearch {
     double farthest_way(int body, const Points& now) const {
         return ahead_[at(body)].farthest_way(boxes_[at(body)].places(), now);
     }
+    /// The same of the places that it was swept to: bones are nowhere else [m].
+    double farthest_swept(int body) const { return ahead_[at(body)].farthest(); }
     /// The area that a touching point stands for [m^2].
     double area(const ContactPair& pair, const Touch& touch) const;
     /// Points of the pair inside of the surface, wherever they are.

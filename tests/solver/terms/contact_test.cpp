@@ -371,6 +371,24 @@ TEST_CASE("contact: what is switched off, without volume or in other sets goes t
     }
 }
 
+TEST_CASE("contact: masses that a refused step has taken count at the next", "[contact]") {
+    const auto ends = [](bool refused) {
+        Collision c = standing(ElementKind::linear, with(1e6), with(1e6));
+        c.step();
+        std::get<TissueInputs>(c.in.bodies[0]).layers[0].mass_density = 3 * density;
+        if (refused) {
+            ContactValues negative = with(1e6);
+            negative.friction = -0.1;
+            c.set(0, negative);
+            CHECK_THROWS_AS(c.step(), Error);
+            c.set(0, with(1e6));
+        }
+        c.step();
+        return c.state.x;
+    };
+    CHECK((ends(true) == ends(false)));
+}
+
 TEST_CASE("contact: edges of two blocks pass each other, and with points between do not", "[contact]") {
     // Crossed bars of two triangles a side: their vertices never come near each other.
     const auto crossed = [](double spacing) {
