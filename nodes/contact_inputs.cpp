@@ -62,7 +62,7 @@ const Input<double> contact_stiffness{
     .name = "contactStiffness",
     .def = 1e6,
     .unit = "N/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e14},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };
@@ -70,7 +70,7 @@ const Input<double> cloth_contact_stiffness{
     .name = "contactStiffness",
     .def = 1e5,
     .unit = "N/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e14},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };
@@ -78,7 +78,7 @@ const Input<double> contact_friction{
     .name = "contactFriction",
     .def = 0,
     .unit = "1",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e6},
     .doc = "Coulomb's coefficient: a sliding contact holds up to this times the force that presses. A pair takes the "
            "geometric mean of the two.",
 };

@@ -10,7 +10,7 @@ namespace sinew::nodes {
 using engine::Reads;
 using namespace z_solver;
 
-void warn_of_lone_sets(const Reads& in, const Setup& setup) {
+void warn_of_lone_bodies(const Reads& in, const Setup& setup) {
     struct Member {
         std::size_t body;
         const solver::ContactRest* rest;
@@ -24,13 +24,25 @@ void warn_of_lone_sets(const Reads& in, const Setup& setup) {
                            solver::get_fields<solver::ContactValues>(f.values)});
     }
     for (const Member& m : members) {
-        if (m.rest->sets.empty() || m.values.collides < 0.5 || m.values.collides_with_itself >= 0.5) continue;
-        std::size_t others = 0, partners = 0;
+        if (m.values.collides < 0.5 || m.values.collides_with_itself >= 0.5) continue;
+        bool others = false, shares = false, meets = false;
         for (const Member& o : members) {
             if (o.body == m.body || (setup.body(o.body).is_bone() && setup.body(m.body).is_bone())) continue;
-            ++others, partners += solver::share_a_set(*m.rest, *o.rest) ? 1 : 0;
+            others = true;
+            if (!solver::share_a_set(*m.rest, *o.rest)) continue;
+            shares = true;
+            meets = meets || o.values.collides < 0.5 || solver::has_faces(*m.rest) || solver::has_faces(*o.rest);
         }
-        if (others == 0 || partners > 0) continue;
+        if (!others || meets) continue;
+        if (shares) {
+            in.warn(
+                bodies.name, "FE256",
+                body_name(in, setup, m.body) +
+                    " touches nothing: neither it nor any body that it could meet bounds a volume or has a thickness",
+                "Leave collisionVolume at auto and close the surface of one of them, or switch collisions of the "
+                "body off.");
+            continue;
+        }
         std::string sets;
         for (const int s : m.rest->sets) {
             if (!sets.empty()) sets += ' ';

@@ -130,7 +130,7 @@ SimulationState initial(const Reads& in) {
                         solving(in, setup, [&] { return solver::initial_state(*stage->scene, inputs, motions); })};
     out.lines = lines;
     warn_of_reach(in, setup, solver::attachments_kept(out.state.memories).starts);
-    warn_of_lone_sets(in, setup);
+    warn_of_lone_bodies(in, setup);
     warn_of_lines_elsewhere(in, setup);
     return out;
 }
@@ -194,7 +194,7 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
                                                      frame.steps, control_of(now));
                           })};
     after.lines = std::move(frame.lines);
-    if (setup.key.contacts > before.scene.contacts) warn_of_lone_sets(now, setup);
+    if (setup.key.contacts > before.scene.contacts) warn_of_lone_bodies(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)
         after.residual_body = setup.simulated[static_cast<std::size_t>(body)];
     warn_if_unconverged(now, setup, before.state, after);

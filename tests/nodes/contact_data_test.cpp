@@ -270,6 +270,23 @@ TEST_CASE("a set that leaves a body alone is warned of where contact begins", "[
     CHECK(warned(later, 3).find("FE256 block.collisionSets") != std::string::npos);
 }
 
+TEST_CASE("bodies that have nothing to push with are warned of where contact begins", "[nodes][contact]") {
+    const std::string open = R"(, "collisionVolume": "off")";
+    const auto warned = [](Session& s) {
+        s.pull("solver", "outMeshes", 1);
+        std::string out;
+        for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
+        return out;
+    };
+    Session both(falling(on, open, open));
+    const std::string nothing = " touches nothing: neither it nor any body that it could meet bounds a volume or has a "
+                                "thickness\n";
+    CHECK(warned(both) == "FE256 ground" + nothing + "FE256 block" + nothing);
+    Session block(falling(on, open)), ground(falling(on, "", open)), off(falling("", open, open)),
+        alone(falling(on, open + R"(, "collisions": false)", open));
+    for (Session* s : {&block, &ground, &off, &alone}) CHECK(warned(*s) == "");
+}
+
 TEST_CASE("too many points for a spacing are refused at the spacing", "[nodes][contact]") {
     Session s(falling(on + R"(, "collisionSubdivision": true, "collisionPointSpacing": 1e-4)"));
     try {

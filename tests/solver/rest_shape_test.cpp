@@ -337,6 +337,7 @@ TEST_CASE("targets that cannot be shapes of rest are refused", "[restshape]") {
                         everywhere(mesh));
     };
     CHECK(code_of(mirrored) == "FE286");
+    CHECK_THROWS_WITH(mirrored(), Catch::StartsWith("the target turns all of the tets inside out; the first"));
     // What is not painted may do as it likes.
     CHECK_NOTHROW(
         make_rest_shape(mesh, Points(mesh.vertices.size(), Vec3::Zero()), std::vector<double>(mesh.tets.size(), 0.0)));
@@ -347,4 +348,7 @@ TEST_CASE("targets that cannot be shapes of rest are refused", "[restshape]") {
     CHECK(code_of([&] { check_rest_shapes({{&large}, {1.4}}); }).empty());
     CHECK(code_of([&] { check_rest_shapes({{&large}, {-1.6}}); }) == "FE247");
     CHECK(code_of([&] { check_rest_shapes({{&large, &large}, {0.8, 0.8}}); }) == "FE247");
+    const auto apart = [&](double share) { check_rest_shapes({{&large}, {share}}); };
+    CHECK_THROWS_WITH(apart(2), "the rest shapes together stretch the tissue at rest by up to 10000 or its reciprocal");
+    CHECK_THROWS_WITH(apart(200), "the rest shapes together make the tissue flat at rest");
 }

@@ -100,10 +100,15 @@ RestShape make_rest_shape(const TetMesh& mesh, const Points& target, const std::
         char place[120];
         std::snprintf(place, sizeof place, "; the first is tet %zu, near (%.4g, %.4g, %.4g)", tet, middle[0], middle[1],
                       middle[2]);
+        const bool mirrored = static_cast<std::size_t>(count) == mesh.tets.size();
         throw Error("FE286",
-                    "the target turns " + std::to_string(count) + " of " + std::to_string(mesh.tets.size()) +
+                    "the target turns " +
+                        (mirrored ? "all of the" : std::to_string(count) + " of " + std::to_string(mesh.tets.size())) +
                         " tets inside out" + place,
-                    "Choose smaller tets, or a target whose surface does not fold or pass through itself there.");
+                    mirrored ? "It is a mirror image of the tissue, or flat: take one that is neither, with the "
+                               "vertices in the tissue's order."
+                             : "Choose smaller tets, or a target whose surface does not fold or pass through itself "
+                               "there.");
     }
     for (const double l : largest) out.largest = std::max(out.largest, l);
     return out;
@@ -145,8 +150,12 @@ void check_rest_shapes(const RestShapes& shapes) {
         sum += std::abs(shapes.weights[k]) * shapes.shapes[k]->largest;
     if (sum <= std::log(most_change)) return;
     char text[160];
-    std::snprintf(text, sizeof text,
-                  "the rest shapes together stretch the tissue at rest by up to %.6g or its reciprocal", std::exp(sum));
+    const double change = std::exp(sum);
+    if (change < 1e9)
+        std::snprintf(text, sizeof text,
+                      "the rest shapes together stretch the tissue at rest by up to %.6g or its reciprocal", change);
+    else
+        std::snprintf(text, sizeof text, "the rest shapes together make the tissue flat at rest");
     throw Error("FE247", text, "lengths at rest may become 1000 times smaller to 1000 times larger");
 }
 
