@@ -155,7 +155,9 @@ void check_rest_shapes(const RestShapes& shapes) {
         std::snprintf(text, sizeof text,
                       "the rest shapes together stretch the tissue at rest by up to %.6g or its reciprocal", change);
     else
-        std::snprintf(text, sizeof text, "the rest shapes together make the tissue flat at rest");
+        std::snprintf(
+            text, sizeof text,
+            "the rest shapes together stretch the tissue at rest by more than 1e9 or its reciprocal, as flat ones do");
     throw Error("FE247", text, "lengths at rest may become 1000 times smaller to 1000 times larger");
 }
 
