@@ -62,7 +62,7 @@ const Input<double> contact_stiffness{
     .name = "contactStiffness",
     .def = 1e6,
     .unit = "N/m^3",
-    .limits = {.min = 0, .max = 1e14},
+    .limits = {.min = 0, .max = 1e12},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };
@@ -70,7 +70,7 @@ const Input<double> cloth_contact_stiffness{
     .name = "contactStiffness",
     .def = 1e5,
     .unit = "N/m^3",
-    .limits = {.min = 0, .max = 1e14},
+    .limits = {.min = 0, .max = 1e12},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };

@@ -248,14 +248,19 @@ TEST_CASE("what is inside of another body where contact is keyed on is pushed ou
     CHECK(lowest(s, 12) == Approx(lowest(sooner, 9)).margin(1e-6));
 }
 
+namespace {
+
+std::string warned(Session& s, double frame) {
+    s.pull("solver", "outMeshes", frame);
+    std::string out;
+    for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
+    return out;
+}
+
+} // namespace
+
 TEST_CASE("a set that leaves a body alone is warned of where contact begins", "[nodes][contact]") {
     const std::string alone = R"(, "collisionSets": "7 8")";
-    const auto warned = [](Session& s, double frame) {
-        s.pull("solver", "outMeshes", frame);
-        std::string out;
-        for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
-        return out;
-    };
     Session one(falling(on, alone));
     const std::string text = warned(one, 1);
     CHECK(text.find("FE256 block.collisionSets is \"7 8\"") != std::string::npos);
@@ -272,19 +277,26 @@ TEST_CASE("a set that leaves a body alone is warned of where contact begins", "[
 
 TEST_CASE("bodies that have nothing to push with are warned of where contact begins", "[nodes][contact]") {
     const std::string open = R"(, "collisionVolume": "off")";
-    const auto warned = [](Session& s) {
-        s.pull("solver", "outMeshes", 1);
-        std::string out;
-        for (const engine::Diagnostic& d : s.counter.warnings) out += d.code + " " + d.message + "\n";
-        return out;
-    };
     Session both(falling(on, open, open));
     const std::string nothing = " touches nothing: neither it nor any body that it could meet bounds a volume or has a "
                                 "thickness\n";
-    CHECK(warned(both) == "FE256 ground" + nothing + "FE256 block" + nothing);
+    CHECK(warned(both, 1) == "FE256 ground" + nothing + "FE256 block" + nothing);
     Session block(falling(on, open)), ground(falling(on, "", open)), off(falling("", open, open)),
         alone(falling(on, open + R"(, "collisions": false)", open));
-    for (Session* s : {&block, &ground, &off, &alone}) CHECK(warned(*s) == "");
+    for (Session* s : {&block, &ground, &off, &alone}) CHECK(warned(*s, 1) == "");
+}
+
+TEST_CASE("contact is as stiff and as rough as solves can bear", "[nodes][contact]") {
+    const auto run = [](const std::string& value) {
+        return codes([&] {
+            Session s(falling(on, value, value));
+            CHECK(warned(s, 5).empty()); // an unconverged step would be one
+        });
+    };
+    using Codes = std::vector<std::string>;
+    CHECK(run(R"(, "contactStiffness": 1e12, "contactFriction": 1e6)").empty());
+    CHECK(run(R"(, "contactStiffness": 1.1e12)") == Codes{"DG013", "DG013"});
+    CHECK(run(R"(, "contactFriction": 1.1e6)") == Codes{"DG013", "DG013"});
 }
 
 TEST_CASE("too many points for a spacing are refused at the spacing", "[nodes][contact]") {

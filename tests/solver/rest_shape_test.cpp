@@ -332,12 +332,26 @@ TEST_CASE("a surface's shape is carried to the tets: affine ones exactly, bent o
 
 TEST_CASE("targets that cannot be shapes of rest are refused", "[restshape]") {
     const TetMesh mesh = small_box();
-    const auto mirrored = [&] {
-        make_rest_shape(mesh, moved(mesh.vertices, [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); }),
-                        everywhere(mesh));
+    // Turned as a whole, wherever it is painted on, or in places alone.
+    const auto said_of = [&](const Map& to, std::vector<double> paint) -> std::string {
+        try {
+            make_rest_shape(mesh, moved(mesh.vertices, to), paint);
+        } catch (const Error& e) {
+            return e.code + " " + e.what() + " | " + e.hint;
+        }
+        return "";
     };
-    CHECK(code_of(mirrored) == "FE286");
-    CHECK_THROWS_WITH(mirrored(), Catch::StartsWith("the target turns all of the tets inside out; the first"));
+    const auto mirror = [](const Vec3& p) { return Vec3(-p.x(), p.y(), p.z()); };
+    const std::string all = std::to_string(mesh.tets.size()), mirrored = "It is a mirror image of the tissue, or flat";
+    std::vector<double> first(mesh.tets.size(), 0.0);
+    first[0] = 1;
+    const std::string whole = said_of(mirror, everywhere(mesh)), part = said_of(mirror, first);
+    CHECK(whole.starts_with("FE286 the target turns " + all + " of " + all + " tets inside out; the first is tet 0"));
+    CHECK(part.starts_with("FE286 the target turns 1 of " + all + " tets inside out; the first is tet 0"));
+    CHECK(whole.find(mirrored) != std::string::npos);
+    CHECK(part.find(mirrored) != std::string::npos);
+    const auto fold = [](const Vec3& p) { return Vec3(std::abs(p.x() - 0.08), p.y(), p.z()); };
+    CHECK(said_of(fold, everywhere(mesh)).find("Choose smaller tets") != std::string::npos);
     // What is not painted may do as it likes.
     CHECK_NOTHROW(
         make_rest_shape(mesh, Points(mesh.vertices.size(), Vec3::Zero()), std::vector<double>(mesh.tets.size(), 0.0)));

@@ -79,12 +79,12 @@ RestShape make_rest_shape(const TetMesh& mesh, const Points& target, const std::
     RestShape out;
     out.strains.resize(mesh.tets.size());
     std::vector<double> largest(mesh.tets.size(), 0.0);
-    std::vector<char> bad(mesh.tets.size(), 0);
+    std::vector<char> turned(mesh.tets.size(), 0), bad(mesh.tets.size(), 0); // inside out; and painted
     parallel_for(mesh.tets.size(), 256, [&](std::size_t t) {
-        if (paint[t] == 0) return;
         const Mat3 f = edges_of_tet(mesh.tets[t], target) * edges_of_tet(mesh.tets[t], mesh.vertices).inverse();
-        bad[t] = !(f.determinant() > 0);
-        if (bad[t]) return;
+        turned[t] = !(f.determinant() > 0);
+        bad[t] = turned[t] && paint[t] != 0;
+        if (turned[t] || paint[t] == 0) return;
         const Mat3 strain = paint[t] * by_principal_values(f.transpose() * f, [](double c) {
                                 return 0.5 * std::log(std::max(c, 1e-300));
                             });
@@ -100,15 +100,14 @@ RestShape make_rest_shape(const TetMesh& mesh, const Points& target, const std::
         char place[120];
         std::snprintf(place, sizeof place, "; the first is tet %zu, near (%.4g, %.4g, %.4g)", tet, middle[0], middle[1],
                       middle[2]);
-        const bool mirrored = static_cast<std::size_t>(count) == mesh.tets.size();
+        const bool whole = std::ranges::all_of(turned, [](char t) { return t != 0; });
         throw Error("FE286",
-                    "the target turns " +
-                        (mirrored ? "all of the" : std::to_string(count) + " of " + std::to_string(mesh.tets.size())) +
+                    "the target turns " + std::to_string(count) + " of " + std::to_string(mesh.tets.size()) +
                         " tets inside out" + place,
-                    mirrored ? "It is a mirror image of the tissue, or flat: take one that is neither, with the "
-                               "vertices in the tissue's order."
-                             : "Choose smaller tets, or a target whose surface does not fold or pass through itself "
-                               "there.");
+                    whole ? "It is a mirror image of the tissue, or flat: take one that is neither, with the "
+                            "vertices in the tissue's order."
+                          : "Choose smaller tets, or a target whose surface does not fold or pass through itself "
+                            "there.");
     }
     for (const double l : largest) out.largest = std::max(out.largest, l);
     return out;
