@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 
 #include <Eigen/Geometry>

@@ -17,7 +17,7 @@ const Input<double> air_speed{
     .name = "airSpeed",
     .def = 10,
     .unit = "m/s",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e13, .open_min = true},
     .doc = "Speed of the air: the force is magnitude * (1 - velocity / airSpeed), so what moves with the air feels "
            "none, and what is faster is braked.",
 };

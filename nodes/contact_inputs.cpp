@@ -37,7 +37,7 @@ const Input<double> thickness{
     .name = "thickness",
     .def = 0.001,
     .unit = "m",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc =
         "What the cloth takes up in contacts, half of it on either side of its faces; always in metres, whatever the "
         "scale. Layers of cloth lie so far apart, and solids half of it. 0: only its points press into solids, and "

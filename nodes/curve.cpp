@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/curve_file.h"
 #include "nodes/json_file.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 #include "nodes/options.h"
 #include "solver/mesh/coordinates.h"
@@ -16,6 +17,7 @@ namespace {
 
 const Input<NumberList> points{
     .name = "points",
+    .limits = within_reach,
     .doc = "The points one after the other: x, y, z, x, y, z, … in scene units.",
 };
 const Input<File> file{

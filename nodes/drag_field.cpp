@@ -12,7 +12,7 @@ const Input<double> magnitude{
     .name = "magnitude",
     .def = 1000,
     .unit = "N*s/m^4",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Force per volume and speed: flesh that falls under gravity ends at the speed density * 9.8 / magnitude.",
 };
 const auto attenuation = field::attenuation(0);
@@ -28,7 +28,7 @@ const Input<double> speed_attenuation{
     .name = "speedAttenuation",
     .def = 0,
     .unit = "m/s",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Weakens the drag on what is slower than this, in proportion to its speed.",
 };
 

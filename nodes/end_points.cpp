@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 
 #include <algorithm>
 #include <utility>
@@ -15,11 +16,13 @@ namespace {
 const Wire<Mesh> mesh{.name = "mesh", .doc = "The muscle's mesh."};
 const Input<NumberList> source{
     .name = "source",
+    .limits = within_reach,
     .doc = "Painted map of the end where the fibres begin: above 0.5 belongs to it.",
     .required = true,
 };
 const Input<NumberList> sink{
     .name = "sink",
+    .limits = within_reach,
     .doc = "Painted map of the end where the fibres end: above 0.5 belongs to it; not on a "
            "vertex of the source.",
     .required = true,

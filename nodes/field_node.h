@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/registry.h"
+#include "nodes/limits.h"
 #include "nodes/values.h"
 #include "solver/terms/field/values.h"
 
@@ -21,12 +22,13 @@ inline const WireList<Body> bodies{
 };
 inline const Input<Vec3> translate{
     .name = "translate",
+    .limits = within_reach,
     .doc = "Where the field is, in scene units, in the space of the scene; distances count from here.",
 };
 inline const Input<double> reference_distance{
     .name = "referenceDistance",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e60, .open_min = true},
     .doc = "Up to this distance, in scene units, the magnitude holds; attenuation counts from here. A force towards or "
            "around the field grows from zero in its middle to the magnitude here.",
 };
@@ -39,26 +41,28 @@ inline const Input<bool> use_max_distance{
 inline const Input<double> max_distance{
     .name = "maxDistance",
     .def = 20,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e60, .open_min = true},
     .doc = "With useMaxDistance: no force beyond this distance, in scene units; it fades smoothly over the last fifth.",
 };
 inline const Output<Force> out_force{.name = "outForce", .doc = "The field; connect to zSolver.forces."};
 
 inline Input<double> magnitude(double def, std::string_view unit, std::string_view doc) {
-    return {.name = "magnitude", .def = def, .unit = unit, .doc = doc};
+    return {.name = "magnitude", .def = def, .unit = unit, .limits = {.min = -1e13, .max = 1e13}, .doc = doc};
 }
 inline Input<double> attenuation(double def) {
     return {.name = "attenuation",
             .def = def,
             .unit = "1",
-            .limits = {.min = 0},
+            .limits = {.min = 0, .max = 1e3},
             .doc = "Exponent of the fall with distance: beyond referenceDistance the force is magnitude * "
                    "(referenceDistance / distance)^attenuation. 0: no fall."};
 }
 inline Input<Vec3> direction(const Vec3& def, std::string_view doc) {
-    return {.name = "direction", .def = def, .unit = "1", .doc = doc};
+    return {.name = "direction", .def = def, .unit = "1", .limits = within_reach, .doc = doc};
 }
-inline Input<Vec3> axis(std::string_view doc) { return {.name = "axis", .def = {0, 1, 0}, .unit = "1", .doc = doc}; }
+inline Input<Vec3> axis(std::string_view doc) {
+    return {.name = "axis", .def = {0, 1, 0}, .unit = "1", .limits = within_reach, .doc = doc};
+}
 
 /// The direction of an input into three numbers. Fails with FE304 where it is zero.
 void read_direction(const Reads& in, const Input<Vec3>& input, double& x, double& y, double& z);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "solver/mesh/coordinates.h"
 
 #include <cmath>
@@ -23,10 +24,12 @@ const Input<NumberList> points{
 };
 const Input<NumberList> face_sizes{
     .name = "faceSizes",
+    .limits = within_reach,
     .doc = "How many corners each face has; none: all are triangles.",
 };
 const Input<NumberList> face_vertices{
     .name = "faceVertices",
+    .limits = within_reach,
     .doc = "The corners of the faces, one face after the other: vertices, counted from 0.",
 };
 const Input<NumberList> rest_points{

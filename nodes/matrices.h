@@ -3,6 +3,7 @@
 #pragma once
 #include "engine/attribute.h"
 #include "engine/node_type.h"
+#include "nodes/limits.h"
 #include "nodes/values.h"
 
 #include <string_view>
@@ -17,9 +18,6 @@ engine::Matrix4 multiply(const engine::Matrix4& a, const engine::Matrix4& b);
 /// multiples of 90 are exact.
 engine::Matrix4 compose(const engine::Vec3& translate, const engine::Vec3& rotate, const engine::Vec3& scale,
                         std::string_view order, const engine::Vec3& rotate_pivot);
-/// What an entry of a matrix, or a length, may be at most.
-inline constexpr engine::Limits within_reach{.min = -1e60, .max = 1e60};
-
 /// Whether the last row is 0 0 0 1, but for rounding: nothing reads it. It is not where a matrix is written for row
 /// vectors, with the translation there.
 bool is_affine(const engine::Matrix4& matrix);

@@ -36,12 +36,14 @@ const Wire<Mesh> mesh{
 };
 const Input<double> frame_offset{
     .name = "frameOffset",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Shift along the files, in frames of theirs: graph frame 1 shows frame 1 + frameOffset. Numbered files have "
            "the frames that their names say, PC2 those of its header, MDD begins at frame 1 and goes by its times.",
 };
 const Input<double> frame_rate{
     .name = "frameRate",
     .def = 1,
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Frames of the files per graph frame. Between frames, and at sub-steps, vertices are taken on straight "
            "lines.",
     .keyable = false,

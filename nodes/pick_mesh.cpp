@@ -27,7 +27,7 @@ const Input<std::string> body{
 const Input<std::int64_t> index{
     .name = "index",
     .def = -1,
-    .limits = {.min = -1},
+    .limits = {.min = -1, .max = 1e9},
     .doc = "The mesh by its place in the list, from 0 on, instead of by name; -1 leaves it to body.",
     .keyable = false,
 };

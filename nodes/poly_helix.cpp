@@ -13,7 +13,7 @@ namespace {
 const Input<double> coils{
     .name = "coils",
     .def = 3,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e9, .open_min = true},
     .doc = "Number of turns.",
 };
 const Input<double> height{

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/motion_track.h"
 
 #include <algorithm>
@@ -25,22 +26,27 @@ const Input<std::string> channel{
 };
 const Input<double> offset{
     .name = "offset",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Shift along the track, in track frames: graph frame 1 shows track frame 1 + offset.",
 };
 const Input<double> rate{
     .name = "rate",
     .def = 1,
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Track frames per graph frame: 5 for data of 120 samples a second at 24 frames a second.",
     .keyable = false,
 };
-const Input<double> in_min{.name = "inMin", .def = 0, .doc = "The recorded number that gives outMin."};
+const Input<double> in_min{
+    .name = "inMin", .def = 0, .limits = within_reach, .doc = "The recorded number that gives outMin."};
 const Input<double> in_max{
     .name = "inMax",
     .def = 1,
+    .limits = within_reach,
     .doc = "The recorded number that gives outMax; not equal to inMin.",
 };
-const Input<double> out_min{.name = "outMin", .def = 0, .doc = "The value at inMin."};
-const Input<double> out_max{.name = "outMax", .def = 1, .doc = "The value at inMax; may be below outMin."};
+const Input<double> out_min{.name = "outMin", .def = 0, .limits = within_reach, .doc = "The value at inMin."};
+const Input<double> out_max{
+    .name = "outMax", .def = 1, .limits = within_reach, .doc = "The value at inMax; may be below outMin."};
 const Input<bool> clamp{.name = "clamp", .def = true, .doc = "Keeps the value between outMin and outMax."};
 const Output<double> out_value{.name = "outValue", .doc = "The mapped number at this frame."};
 

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/options.h"
 #include "solver/mesh/map_transfer.h"
 
@@ -19,6 +20,7 @@ const Wire<Mesh> old_mesh{
 };
 const Input<NumberList> old_weights{
     .name = "weights",
+    .limits = within_reach,
     .doc = "The map: one number per vertex of oldMesh, or one for all.",
     .required = true,
 };

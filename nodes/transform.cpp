@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 #include "nodes/motion_track.h"
 
@@ -16,12 +17,18 @@ const Wire<Mesh> mesh{
     .doc = "The mesh to move; without it only outMatrix is made.",
     .required = false,
 };
-const Input<Vec3> translate{.name = "translate", .doc = "Translation, in scene units."};
-const Input<Vec3> rotate{.name = "rotate", .unit = "deg", .doc = "Rotation about x, y and z."};
+const Input<Vec3> translate{.name = "translate", .limits = within_reach, .doc = "Translation, in scene units."};
+const Input<Vec3> rotate{
+    .name = "rotate",
+    .unit = "deg",
+    .limits = {.min = -1e9, .max = 1e9},
+    .doc = "Rotation about x, y and z.",
+};
 const Input<Vec3> scale{
     .name = "scale",
     .def = {1, 1, 1},
     .unit = "1",
+    .limits = within_reach,
     .doc = "Scale along x, y and z; applied first. Never 0, which leaves nothing of a body.",
 };
 const Input<std::string> rotate_order{
@@ -32,6 +39,7 @@ const Input<std::string> rotate_order{
 };
 const Input<Vec3> rotate_pivot{
     .name = "rotatePivot",
+    .limits = within_reach,
     .doc = "The point that the rotation leaves in place, in scene units.",
 };
 const Input<Matrix4> parent{
@@ -51,12 +59,14 @@ const Input<std::string> track_name{
 };
 const Input<double> track_offset{
     .name = "trackOffset",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Shift along the track, in track frames: graph frame 1 shows track frame "
            "1 + trackOffset.",
 };
 const Input<double> track_rate{
     .name = "trackRate",
     .def = 1,
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Track frames per graph frame: 5 for a motion of 120 frames a second at 24. "
            "Between track frames the motion is interpolated, beyond the ends it stands still.",
     .keyable = false,

@@ -15,18 +15,20 @@ const auto attenuation = field::attenuation(0);
 const Input<double> frequency{
     .name = "frequency",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e9, .open_min = true},
     .doc = "Swirls per scene unit: higher is finer.",
 };
 const Input<Vec3> phase{
     .name = "phase",
     .unit = "1",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Shifts the pattern, in swirls; key it to let the pattern drift.",
 };
 const Input<double> rate{
     .name = "rate",
     .def = 0,
     .unit = "1",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "How much of the pattern is new each frame: 0 stands still, with 0.1 another one has come after ten frames.",
     .keyable = false,
 };

@@ -1,6 +1,7 @@
 // volumeAxisField: pushes within a volume, in directions that its centre and axis give.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/field_node.h"
+#include "nodes/limits.h"
 #include "nodes/options.h"
 
 namespace sinew::nodes {
@@ -19,7 +20,7 @@ const Input<double> attenuation{
     .name = "attenuation",
     .def = 0,
     .unit = "1",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e3},
     .doc = "Exponent of the fall from the centre (sphere) or axis (cylinder) to the border: (1 - distance / "
            "radius)^attenuation. 0: the same strength but for the last fifth, where it fades.",
 };
@@ -39,18 +40,18 @@ const Input<std::string> volume_shape{
 const Input<double> radius{
     .name = "radius",
     .def = 1,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e60, .open_min = true},
     .doc = "Radius of the sphere or cylinder, in scene units.",
 };
 const Input<double> height{
     .name = "height",
     .def = 2,
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e60, .open_min = true},
     .doc = "Height of the cylinder along the axis, in scene units, half of it to each side.",
 };
 const auto axis = field::axis("Direction of the axis through translate; its length does not count.");
 Input<double> share(std::string_view name, double def, std::string_view doc) {
-    return {.name = name, .def = def, .unit = "1", .doc = doc};
+    return {.name = name, .def = def, .unit = "1", .limits = {.min = -1e9, .max = 1e9}, .doc = doc};
 }
 const auto away_from_center = share("awayFromCenter", 1, "Force away from the centre; negative pulls.");
 const auto away_from_axis = share("awayFromAxis", 0, "Force away from the axis; negative pulls.");

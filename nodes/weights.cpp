@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/options.h"
 #include "nodes/painted_maps.h"
 
@@ -47,11 +48,13 @@ const Input<double> value{
     .name = "value",
     .def = 1,
     .unit = "1",
+    .limits = within_reach,
     .doc = "constant: the value everywhere.",
     .keyable = false,
 };
 const Input<NumberList> values{
     .name = "values",
+    .limits = within_reach,
     .doc = "list: one number per vertex (or face); may come from another node.",
 };
 const Input<std::string> axis{
@@ -63,12 +66,14 @@ const Input<std::string> axis{
 const Input<double> start{
     .name = "start",
     .def = 0,
+    .limits = within_reach,
     .doc = "ramp: the coordinate with weight 0, in scene units.",
     .keyable = false,
 };
 const Input<double> end{
     .name = "end",
     .def = 1,
+    .limits = within_reach,
     .doc = "ramp: the coordinate with weight 1, in scene units; not equal to start.",
     .keyable = false,
 };
@@ -87,29 +92,30 @@ const Wire<Mesh> other{
 const Input<double> inner{
     .name = "innerDistance",
     .def = 0.5,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "near: weight 1 up to this distance, in scene units.",
     .keyable = false,
 };
 const Input<double> outer{
     .name = "outerDistance",
     .def = 2,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "near: weight 0 from this distance on, in scene units; not below innerDistance.",
     .keyable = false,
 };
-const Input<Vec3> centre{.name = "center", .doc = "sphere: its centre, in scene units.", .keyable = false};
+const Input<Vec3> centre{
+    .name = "center", .limits = within_reach, .doc = "sphere: its centre, in scene units.", .keyable = false};
 const Input<double> radius{
     .name = "radius",
     .def = 1,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "sphere: weight 1 up to this distance from the centre, in scene units.",
     .keyable = false,
 };
 const Input<double> falloff{
     .name = "falloff",
     .def = 0,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "sphere: the weight falls to 0 over this distance beyond the radius, in scene units.",
     .keyable = false,
 };
@@ -125,10 +131,12 @@ const Input<std::string> key{
 };
 const Input<NumberList> vertices{
     .name = "vertices",
+    .limits = within_reach,
     .doc = "vertices: the numbers of the vertices with weight 1, from 0.",
 };
 const Input<NumberList> faces{
     .name = "faces",
+    .limits = within_reach,
     .doc = "faces: the numbers of the faces with weight 1, from 0.",
 };
 const Input<bool> invert{
@@ -141,6 +149,7 @@ const Input<double> scale{
     .name = "scale",
     .def = 1,
     .unit = "1",
+    .limits = within_reach,
     .doc = "Multiplies the weight, after invert.",
     .keyable = false,
 };
@@ -148,6 +157,7 @@ const Input<double> offset{
     .name = "offset",
     .def = 0,
     .unit = "1",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Added to the weight, after scale; the result is kept "
            "between 0 and 1.",
     .keyable = false,

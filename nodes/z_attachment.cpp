@@ -47,7 +47,7 @@ const Input<double> damping{
     .name = "damping",
     .def = 0,
     .unit = "N*s/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Force per attached area and relative speed, sliding along the normal alone; calms an attachment that "
            "swings.",
 };
@@ -100,7 +100,7 @@ const Input<std::string> target_weights_on{
 const Input<double> max_distance{
     .name = "maxDistance",
     .def = 0,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc =
         "worldSpace: a point of the source whose closest point of the target has no target weight holds on to the "
         "closest one that has, up to this far away in scene units, and to nothing beyond. 0 takes twice the mean edge "

@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/appearance.h"
 #include "nodes/contact_inputs.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 
 namespace sinew::nodes {

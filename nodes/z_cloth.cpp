@@ -5,6 +5,7 @@
 #include "nodes/adapters.h"
 #include "nodes/appearance.h"
 #include "nodes/contact_inputs.h"
+#include "nodes/limits.h"
 #include "nodes/options.h"
 #include "nodes/surface_forces.h"
 #include "solver/mesh/surface_mesh.h"
@@ -59,6 +60,7 @@ const Input<Vec3> warp_direction{
     .name = "warpDirection",
     .def = {1, 0, 0},
     .unit = "1",
+    .limits = within_reach,
     .doc = "Which way the warp runs: this direction of the modelled space, laid onto each face; the weft is square to "
            "it. A face that is square to it takes the next axis. Any length above 0.",
     .keyable = false,
@@ -66,6 +68,7 @@ const Input<Vec3> warp_direction{
 const Input<Vec3> initial_velocity{
     .name = "initialVelocity",
     .unit = "m/s",
+    .limits = {.min = -3e8, .max = 3e8},
     .doc = "Velocity of the centre of mass at the start frame; always in metres, whatever the scale. What is held "
            "stays, and QuasiStatic knows no velocities.",
     .keyable = false,
@@ -73,6 +76,7 @@ const Input<Vec3> initial_velocity{
 const Input<Vec3> initial_angular_velocity{
     .name = "initialAngularVelocity",
     .unit = "rad/s",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
     .keyable = false,
 };
@@ -89,6 +93,7 @@ const Input<double> rest_scale_envelope{
     .name = "restScaleEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "The power to which zMaterial.restScale is taken: 0 is off, 1 all of it, more is more than that, and -1 the "
            "reciprocal.",
 };
@@ -96,6 +101,7 @@ const Input<double> pressure_envelope{
     .name = "pressureEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies zMaterial.pressure, which pushes against the side that faces look to; below 0 it pushes the "
            "other way.",
 };
@@ -103,6 +109,7 @@ const Input<double> surface_tension_envelope{
     .name = "surfaceTensionEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies zMaterial.surfaceTension; below 0 the cloth spreads.",
 };
 const Input<std::string> appearance = appearance_input(Matter::fascia);

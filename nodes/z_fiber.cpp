@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/json_file.h"
+#include "nodes/limits.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +41,7 @@ const Input<NumberList> end_points{
 const Input<Vec3> direction{
     .name = "direction",
     .unit = "1",
+    .limits = within_reach,
     .doc = "The direction of all fibres, in scene space as the tissue is modelled; of any length, which does not "
            "count. 0 0 0: it follows from the others.",
     .keyable = false,
@@ -47,6 +49,7 @@ const Input<Vec3> direction{
 const Input<NumberList> directions{
     .name = "directions",
     .unit = "1",
+    .limits = within_reach,
     .doc = "The direction of the fibres in each tet: 3 numbers a tet in the order of zTissue.tets, or 3 for all. "
            "Of any length, which does not count; where it is 0 there is no fibre.",
     .keyable = false,
@@ -63,7 +66,7 @@ const Input<double> strength{
     .name = "strength",
     .def = 12e3,
     .unit = "Pa",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Stiffness of the pull along the fibres at full excitation.",
 };
 const Input<double> contraction_limit{

@@ -37,7 +37,7 @@ const Input<double> damping{
     .name = "damping",
     .def = 0,
     .unit = "N*s/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Force per area and speed relative to the goal.",
 };
 const Input<NumberList> weights{

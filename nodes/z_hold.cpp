@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/body_maps.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 #include "nodes/options.h"
 #include "nodes/subtissues.h"
@@ -58,6 +59,7 @@ const Wire<Body> bone{
 };
 const Input<Vec3> moment_point{
     .name = "momentPoint",
+    .limits = within_reach,
     .doc = "The point, in scene units, that the reported moment is about. It does not move with the hold.",
 };
 const Output<Force> out_force{

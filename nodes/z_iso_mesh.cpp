@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "solver/meshing/iso_deviation.h"
 #include "solver/meshing/iso_mesh.h"
 
@@ -22,6 +23,7 @@ const WireList<Mesh> meshes{
 const Input<double> iso_value{
     .name = "isoValue",
     .def = 0,
+    .limits = within_reach,
     .doc = "Distance of the new surface from the polygons, in scene units: above 0 grows, 0 remeshes, below 0 "
            "shrinks. Polygons that are not closed have no inside and need a value above 0; holes smaller than "
            "twice the value are then closed. Around polygons that are not closed it should be half a grid cell (see "
@@ -32,7 +34,7 @@ const Input<double> triangle_size{
     .name = "triangleSize",
     .def = 1,
     .unit = "1",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e6, .open_min = true},
     .doc = "Size of the triangles: 1 makes their edges about a fortieth of the diagonal of the polygons' "
            "bounding "
            "box long, 2 makes them twice as long. Where the surface bends sharply they are smaller. Edges shorter than "
@@ -53,7 +55,7 @@ const Input<double> max_time{
     .name = "maxTime",
     .def = 120,
     .unit = "s",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e9},
     .doc = "Gives up with FE233 after so many seconds; 0 waits for ever. It never changes the mesh.",
     .keyable = false,
 };

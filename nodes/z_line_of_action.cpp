@@ -25,7 +25,7 @@ const Input<double> stretch_bias{
     .name = "stretchBias",
     .def = 0,
     .unit = "1",
-    .limits = {.min = -1, .open_min = true},
+    .limits = {.min = -1, .max = 1e9, .open_min = true},
     .doc =
         "Moves the length at which the line gives nothing: to (1 + stretchBias) times that at the start frame. Above "
         "0 the muscle fires before it shortens.",
@@ -34,18 +34,21 @@ const Input<double> pos_sensitivity{
     .name = "posSensitivity",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Excitation for a line that has shortened to nothing: 1 takes a line that is a fifth shorter for 0.2.",
 };
 const Input<double> vel_sensitivity{
     .name = "velSensitivity",
     .def = 0,
     .unit = "s",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Excitation for a line that shortens by its own length in a second.",
 };
 const Input<double> acc_sensitivity{
     .name = "accSensitivity",
     .def = 0,
     .unit = "s^2",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Likewise by its own length in a second squared.",
 };
 const Output<LineOfAction> out_line{.name = "outLineOfAction", .doc = "For zFiber.lineOfAction."};

@@ -74,7 +74,7 @@ const Input<double> mass_density{
     .name = "massDensity",
     .def = 1060,
     .unit = "kg/m^3",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e13, .open_min = true},
     .doc = "Mass per volume.",
 };
 const Input<double> volume_conservation{
@@ -99,6 +99,7 @@ const Input<double> pressure{
     .name = "pressure",
     .def = 0,
     .unit = "Pa",
+    .limits = {.min = -1e13, .max = 1e13},
     .doc = "Pushes the deformed surface inwards along its normal, or outwards where it is negative; faces must look "
            "outwards. "
            "Painted by the "
@@ -109,6 +110,7 @@ const Input<double> surface_tension{
     .name = "surfaceTension",
     .def = 0,
     .unit = "N/m",
+    .limits = {.min = -1e13, .max = 1e13},
     .doc =
         "Pulls the deformed surface together like the skin of a drop: rounds edges and presses with twice itself over "
         "the radius. Negative spreads it. Painted by the layer's weights and mesh on the surface alone. To change it "
@@ -142,7 +144,7 @@ const Input<double> cloth_mass_density{
     .name = "clothMassDensity",
     .def = 0.1,
     .unit = "kg/m^2",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e13, .open_min = true},
     .doc = "Cloth only: mass per area.",
 };
 const Output<Material> out_material{.name = "outMaterial",

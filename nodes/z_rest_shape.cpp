@@ -26,6 +26,7 @@ const Input<double> target_weight{
     .name = "targetWeight",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "How much of the change the tissue makes: 0 stays as modelled, 1 is at rest in the target, more goes beyond "
            "it and -1 does the reciprocal. Targets blend by the logarithms of their stretches, so that no weights turn "
            "tets inside out.",

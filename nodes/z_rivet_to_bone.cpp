@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/limits.h"
 #include "nodes/matrices.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/coordinates.h"
@@ -30,6 +31,7 @@ const Input<double> envelope{
 };
 const Input<NumberList> cv_indices{
     .name = "cvIndices",
+    .limits = within_reach,
     .doc = "The points that follow, counted from 0; none: all of them.",
 };
 const Wire<Body> bone{

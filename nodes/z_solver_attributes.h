@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/attribute.h"
+#include "nodes/limits.h"
 #include "nodes/options.h"
 #include "nodes/values.h"
 
@@ -32,6 +33,7 @@ inline const Input<bool> enable{
 inline const Input<double> start_frame{
     .name = "startFrame",
     .def = 1,
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "The frame at which everything is as modelled and at rest; attachments take their places there. An earlier "
            "one than the graph's first frame lets the tissues settle before it.",
     .keyable = false,
@@ -39,6 +41,7 @@ inline const Input<double> start_frame{
 };
 inline const Input<Vec3> translate{
     .name = "translate",
+    .limits = within_reach,
     .doc = "Moves the space that the simulation runs in, in scene units. Only how it moves from the start frame on "
            "counts: what bones do together with it is felt by nothing, as on a train at full speed. Gravity and fields "
            "are given in this space and turn along with it; results come out where the scene is.",
@@ -46,6 +49,7 @@ inline const Input<Vec3> translate{
 inline const Input<Vec3> rotate{
     .name = "rotate",
     .unit = "deg",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Turns that space about x, then y, then z; see translate.",
 };
 inline const Input<double> scale{
@@ -67,7 +71,7 @@ inline const Input<double> runup_weight{
     .name = "runupWeight",
     .def = 1,
     .unit = "1",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e6},
     .doc = "Multiplies the channels whose affect switch is on. Keyed from 0 to 1 over some frames before the shot, it "
            "lets them set in slowly.",
 };
@@ -163,20 +167,21 @@ inline const Input<double> stiffness_damping{
     .name = "stiffnessDamping",
     .def = 0.001,
     .unit = "s",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e6},
     .doc = "Damps fast wobble: a viscosity of this times the stiffness, on the rate of strain. Turning is not braked.",
 };
 inline const Input<double> mass_damping{
     .name = "massDamping",
     .def = 0,
     .unit = "1/s",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e9},
     .doc = "Damps all motion, as under water (Rayleigh); normally 0.",
 };
 inline const Input<Vec3> gravity{
     .name = "gravity",
     .def = {0, -9.8, 0},
     .unit = "m/s^2",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Gravity; always in metres, whatever the scale.",
 };
 
@@ -199,7 +204,7 @@ inline const Input<double> collision_point_spacing{
     .name = "collisionPointSpacing",
     .def = 0.1,
     .unit = "m",
-    .limits = {.min = 0, .open_min = true},
+    .limits = {.min = 0, .max = 1e60, .open_min = true},
     .doc = "With collisionSubdivision, the largest distance between points that are tested along an edge; in metres, "
            "whatever the scale.",
     .keyable = false,
@@ -209,7 +214,7 @@ inline const Input<double> max_contact_length{
     .name = "maxContactLength",
     .def = 0,
     .unit = "m",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "A contact that is deeper as a step begins is dropped, and what it held falls through if nothing else holds "
            "it; "
            "within a step points may press in deeper. 0 keeps all. In metres, whatever the scale.",
@@ -219,7 +224,7 @@ inline const Input<double> contact_damping{
     .name = "contactDamping",
     .def = 0,
     .unit = "N*s/m^3",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = "Brakes how fast contacts open and close, as pressure per speed; in fixed contacts all relative motion.",
     .when = "collisionDetection",
 };

@@ -33,18 +33,21 @@ const Input<double> rest_scale_envelope{
     .name = "restScaleEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "The power to which the restScale of these materials is taken, as with zTissue.",
 };
 const Input<double> pressure_envelope{
     .name = "pressureEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies the pressure of these materials, which acts on this mesh; below 0 it pushes the other way.",
 };
 const Input<double> surface_tension_envelope{
     .name = "surfaceTensionEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies the surfaceTension of these materials, which acts on this mesh; below 0 the surface spreads.",
 };
 const Input<std::string> appearance = appearance_input(Matter::muscle);

@@ -17,7 +17,7 @@ const Wire<Mesh> mesh{.name = "mesh", .doc = "The tissue's surface.", .required 
 const Input<double> tet_size{
     .name = "tetSize",
     .def = 0,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "Side of the lattice's cubes, in scene units, where nothing is refined; no tet is wider. 0 takes "
            "the longest side of the mesh's bounding box / 3.5. Parts nearer to each other than two tets may share "
            "vertices, which tie them together (FE262). Every tet counts as at least a thousandth solid; tets so "
@@ -77,7 +77,7 @@ const Input<std::string> fill_interior{
 const Input<double> thickness{
     .name = "thickness",
     .def = 0,
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e60},
     .doc = "SurfaceOnly: how thick the shell is that the mesh stands for, half of it on either side, in scene units; "
            "tets are solid as far as they lie in it. 0 takes a tenth of tetSize for sheets, open meshes and flat ones, "
            "and of closed meshes all that the shell of tets holds.",

@@ -71,7 +71,7 @@ const Input<double> compression_resistance{
     .name = "compressionResistance",
     .def = 20000,
     .unit = "1",
-    .limits = {.min = 0},
+    .limits = {.min = 0, .max = 1e13},
     .doc = resistance_doc,
 };
 const Input<double> transverse_anisotropy{
@@ -90,6 +90,7 @@ const WireList<RestShapeTarget> rest_shapes{
 const Input<Vec3> initial_velocity{
     .name = "initialVelocity",
     .unit = "m/s",
+    .limits = {.min = -3e8, .max = 3e8},
     .doc = "Velocity of the centre of mass at the start frame; always in metres, whatever the scale. What is held "
            "stays, and QuasiStatic knows no velocities.",
     .keyable = false,
@@ -97,6 +98,7 @@ const Input<Vec3> initial_velocity{
 const Input<Vec3> initial_angular_velocity{
     .name = "initialAngularVelocity",
     .unit = "rad/s",
+    .limits = {.min = -1e9, .max = 1e9},
     .doc = "Angular velocity about the centre of mass at the start frame, along the axis of rotation.",
     .keyable = false,
 };
@@ -113,6 +115,7 @@ const Input<double> rest_scale_envelope{
     .name = "restScaleEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "The power to which zMaterial.restScale is taken: 0 is off, 1 all of it, more is more than that, and -1 the "
            "reciprocal.",
 };
@@ -120,12 +123,14 @@ const Input<double> pressure_envelope{
     .name = "pressureEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies zMaterial.pressure; below 0 it pushes the other way.",
 };
 const Input<double> surface_tension_envelope{
     .name = "surfaceTensionEnvelope",
     .def = 1,
     .unit = "1",
+    .limits = {.min = -1e6, .max = 1e6},
     .doc = "Multiplies zMaterial.surfaceTension; below 0 the surface spreads.",
 };
 const Wire<Mesh> collision_shape{

@@ -30,20 +30,23 @@ TEST_CASE("no mesh lies farther out than numbers can hold, wherever it comes fro
          {R"("polySphere", "inputs": {"radius": 1e100})", R"("polyCube", "inputs": {"width": 1e300})"})
         CHECK(codes([&] { Session(R"("n": {"type": )" + std::string(made) + "}"); }) == Codes{"DG013"});
     const std::string cube = R"("cube": {"type": "polyCube"}, )";
-    for (const char* move : {R"("translate": [1e155, 0, 0])", R"("scale": [1, 1e100, 1])"}) {
+    const std::string large = R"("cube": {"type": "polyCube", "inputs": {"height": 1e59}}, )";
+    for (const char* move : {R"("translate": [0, 1e60, 0])", R"("scale": [1, 1e40, 1])"}) {
         const std::string place =
-            cube + R"("n": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, )" + move + "}}";
+            large + R"("n": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, )" + move + "}}";
         CHECK(has(text_of(place, "n", "outMesh", {"FE224"}), "n.mesh"));
     }
-    text_of(cube + R"("n": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "scale": [1e200, 1, 1],
-                       "translate": [1e200, 0, 0], "rotate": [0, 0, 45]}})",
-            "n", "outMesh", {"FE224"});
+    for (const char* move : {R"("translate": [1e155, 0, 0])", R"("scale": [1, 1e100, 1])", R"("rotate": [0, 1e10, 0])",
+                             R"("rotatePivot": [0, 0, 1e61])"})
+        CHECK(codes([&] { Session(R"("n": {"type": "transform", "inputs": {)" + std::string(move) + "}}"); }) ==
+              Codes{"DG013"});
     // A bone that a matrix would carry there: as a literal, and through a connection.
     CHECK(codes([&] {
               Session(cube + R"("n": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"},
                   "matrix": [1,0,0,1e155, 0,1,0,0, 0,0,1,0, 0,0,0,1]}})");
           }) == Codes{"DG013"});
-    const std::string bone = cube + R"("t": {"type": "transform", "inputs": {"translate": [0, 1e155, 0]}},
+    const std::string bone = cube + R"("t": {"type": "transform", "inputs": {"scale": [1, 1e40, 1],
+        "offsetParentMatrix": [1,0,0,0, 0,1e40,0,0, 0,0,1,0, 0,0,0,1]}},
         "n": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}, "matrix": {"from": "t.outMatrix"}}})";
     CHECK(has(text_of(bone, "n", "outBody", {"DG013"}), "(from t)"));
     const std::string both = cube + R"("t": {"type": "transform", "inputs": {"scale": [1e40, 1, 1]}},

@@ -4,6 +4,7 @@
 #include "solver/linear/blas_kernel.h"
 
 #include <cctype>
+#include <cmath>
 #include <set>
 #include <utility>
 
@@ -193,6 +194,19 @@ TEST_CASE("every node type, input and output is documented, every number with it
                     CHECK(a.doc.find("cene unit") != std::string_view::npos);
             }
     }
+}
+
+TEST_CASE("every number has a lower and an upper end", "[nodes]") {
+    const auto registry = nodes::make_registry();
+    for (const std::string& name : registry->names())
+        for (const engine::AttributeInfo& a : registry->find(name)->inputs) {
+            const bool numbers = a.def.is<double>() || a.def.is<std::int64_t>() || a.def.is<engine::Vec3>() ||
+                                 a.def.is<engine::NumberList>();
+            if (a.kind != engine::AttributeKind::literal || !numbers) continue;
+            INFO(name << "." << a.name);
+            CHECK(std::abs(a.limits.min) <= 1e60);
+            CHECK(std::abs(a.limits.max) <= 1e60);
+        }
 }
 
 TEST_CASE("every type computes in its smallest graph, and a change of any input enters its key", "[nodes]") {
