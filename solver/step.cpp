@@ -184,7 +184,10 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
     impl.acceleration.clear();
     const bool keeps_history = in.integrator == Integrator::tr_bdf2 && record.converged;
     // What a frozen body would do if it were let go is another thing than what it did.
-    if (keeps_history && !impl.potential.has_frozen()) implied_acceleration(impl.form, impl.x, impl.acceleration);
+    if (keeps_history && !impl.potential.has_frozen()) {
+        implied_acceleration(impl.form, impl.x, impl.acceleration);
+        impl.potential.leave_out_presses(impl.x, impl.acceleration);
+    }
     impl.potential.measure(impl.x, impl.measured);
     impl.potential.remember(impl.x, keeps_history, s.memories);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;

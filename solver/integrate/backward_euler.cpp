@@ -7,6 +7,7 @@ void backward_euler_form(const State& before, double step_size, ImplicitForm& fo
     const std::size_t n = before.x.size();
     form.mass_factor = 1 / (step_size * step_size);
     form.velocity_factor = 1 / step_size;
+    form.press = 1;
     form.bones_within = nullptr;
     form.bone_position = {0, 0, 1};
     form.bone_velocity = {0, -1 / step_size, 1 / step_size};

@@ -17,6 +17,7 @@ void bdf2_form(const State& before, double step_size, ImplicitForm& form) {
     const double now = (1 + ratio) / lead, then = ratio * ratio / (1 + ratio) / lead, reach = step_size / lead;
     form.mass_factor = 1 / (reach * reach);
     form.velocity_factor = 1 / reach;
+    form.press = 1;
     set_bone_weights(before, step_size, 1, form);
     form.strain = {.x = &before.x, .start = now, .x_between = &last.x, .between = -then};
     form.target.resize(n);

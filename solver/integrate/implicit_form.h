@@ -19,6 +19,7 @@ struct ImplicitForm {
     std::vector<double> target;          ///< 3 a vertex [m]
     std::vector<double> velocity_offset; ///< 3 a vertex [m/s]
     StrainReference strain;              ///< points into the states that the form was made from
+    double press = 1;                    ///< how many times what touches counts (TermType::presses)
     /// Where bones are at the end of the stage and how fast they move there: weights on their positions at the start
     /// of the last step, at the start of this one and at its end (a parabola through the three, or a line). Where
     /// `bones_within` is not null, it stands for the first: positions at tr_bdf2_gamma of this step.
@@ -40,8 +41,12 @@ bool has_bdf2_history(const State& before, double step_size);
 /// TR-BDF2, gamma = 2 - sqrt 2 (Bank et al. 1985): the trapezoid rule over gamma h, then BDF2 from 0 and gamma h to h.
 /// Second order, L-stable; both stages have m = 4/(gamma h)^2. The first needs bones and values at gamma h; bones are
 /// read from `bones_at_gamma`, which must outlive the form, or, where that is null, on set_bone_weights' curve.
+///
+/// What touches counts at the end of each stage alone, twice in the first: the trapezoid rule would push once more by
+/// half the force that has just stopped a body, which then leaves as fast as it came, or, where sheets are light
+/// against the stiffness of their contacts, faster.
 inline const double tr_bdf2_gamma = 2 - std::sqrt(2.0);
-/// Stage 0 needs before.history.acceleration.
+/// Stage 0 needs before.history.acceleration, which leaves out what touches.
 void tr_bdf2_trapezoid_form(const State& before, double step_size, const std::vector<Points>* bones_at_gamma,
                             ImplicitForm& form);
 /// Stage 1, from the state at gamma h.

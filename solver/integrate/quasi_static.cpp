@@ -6,6 +6,7 @@ namespace sinew::solver {
 void quasi_static_form(const State& before, ImplicitForm& form) {
     form.mass_factor = 0;
     form.velocity_factor = 0;
+    form.press = 1;
     form.bones_within = nullptr;
     form.bone_position = {0, 0, 1};
     form.bone_velocity = {};

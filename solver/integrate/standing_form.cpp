@@ -6,6 +6,7 @@ namespace sinew::solver {
 void standing_form(const State& before, ImplicitForm& form) {
     form.mass_factor = 0;
     form.velocity_factor = 1;
+    form.press = 1;
     form.target = before.x;
     form.velocity_offset.resize(before.x.size());
     for (std::size_t i = 0; i < before.x.size(); ++i) form.velocity_offset[i] = before.v[i] - before.x[i];

@@ -22,6 +22,7 @@ void tr_bdf2_trapezoid_form(const State& before, double step_size, const std::ve
     const double half = 0.5 * tr_bdf2_gamma * step_size;
     form.mass_factor = 1 / (half * half);
     form.velocity_factor = 1 / half;
+    form.press = 2;
     set_bones(before, step_size, tr_bdf2_gamma, bones_at_gamma, form);
     form.strain = {.x = &before.x, .v = &before.v, .takes_known_rate = true, .rate = half};
     form.target.resize(n);
@@ -40,6 +41,7 @@ void tr_bdf2_bdf2_form(const State& before, const std::vector<double>& x_gamma, 
     const double middle = 1 / (g * (2 - g)), start = (1 - g) * (1 - g) * middle, reach = 0.5 * g * step_size;
     form.mass_factor = 1 / (reach * reach);
     form.velocity_factor = 1 / reach;
+    form.press = 1;
     set_bones(before, step_size, 1, bones_at_gamma, form);
     form.strain = {.x = &before.x, .start = -start, .x_between = &x_gamma, .between = middle};
     form.target.resize(n);

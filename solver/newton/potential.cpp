@@ -190,6 +190,7 @@ bool Potential::carry(const Positions& x, Positions& out, std::vector<char>& bod
 void Potential::accelerations(const State& before, std::vector<double>& out) {
     ImplicitForm now;
     standing_form(before, now);
+    now.press = 0;
     begin_stage(before, now, before.bones);
     std::vector<double> gradient, solved;
     begin_iteration(before.x);
@@ -200,6 +201,24 @@ void Potential::accelerations(const State& before, std::vector<double>& out) {
     for (std::size_t u = 0; u < unknown_count(); ++u)
         for (std::size_t c = 0; c < 3; ++c)
             out[3 * static_cast<std::size_t>(numbering_.vertex_of_unknown[u]) + c] = solved[3 * u + c];
+}
+
+void Potential::leave_out_presses(const Positions& x, std::vector<double>& accelerations) {
+    std::vector<double>&gradient = pressing_, &solved = pressed_;
+    gradient.assign(3 * unknown_count(), 0.0);
+    bool any = false;
+    for (std::size_t t = 0; t < terms_.size(); ++t) {
+        if (!types_[t]->presses || terms_[t]->energy(x, true) == 0) continue;
+        terms_[t]->add_gradient(gradient);
+        any = true;
+    }
+    if (!any) return;
+    forces_hold_ = false; // those of other terms may be of another place
+    clear(numbering_, frozen_, gradient);
+    dynamics_.masses().solve(gradient, solved);
+    for (std::size_t u = 0; u < unknown_count(); ++u)
+        for (std::size_t c = 0; c < 3; ++c)
+            accelerations[3 * static_cast<std::size_t>(numbering_.vertex_of_unknown[u]) + c] += solved[3 * u + c];
 }
 
 double Potential::begin_iteration(const Positions& x) {

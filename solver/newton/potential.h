@@ -54,7 +54,10 @@ class Potential {
     /// deformables. False: nothing has moved.
     bool carry(const Positions& x, Positions& out, std::vector<char>& bodies) const;
     /// Acceleration of every vertex at `before` under the values of begin_step, 3 a vertex [m/s^2]; 0 where held.
+    /// Without what touches (TermType::presses).
     void accelerations(const State& before, std::vector<double>& out);
+    /// Takes out of accelerations at the end of the stage, at x, what comes from what touches.
+    void leave_out_presses(const Positions& x, std::vector<double>& accelerations);
 
     const Numbering& numbering() const { return numbering_; }
     std::size_t unknown_count() const { return numbering_.unknown_count(); }
@@ -163,6 +166,7 @@ class Potential {
     bool masses_due_ = false;
     std::unique_ptr<BlockPattern> pattern_;
     Positions before_held_; ///< where place_held found everything; empty in scenes where terms hold nothing
+    std::vector<double> pressing_, pressed_; ///< scratch of leave_out_presses
     double energy_scale_ = 0;
     std::vector<double> energies_; ///< of the terms, as last evaluated [J]
     bool forces_hold_ = false;     ///< the terms' forces are those at evaluated_at_, but for what was taken_anew_

@@ -24,33 +24,51 @@ void tidy(std::vector<CoupledCarriers>& pairs) {
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
-/// Contacts of points that are inside already where contact begins. `x`: of what deforms; `bones`: per body.
+void sort_contacts(std::vector<KeptContact>& contacts) {
+    std::sort(contacts.begin(), contacts.end(), [](const KeptContact& a, const KeptContact& b) {
+        return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
+    });
+}
+
+void list_pairs(const std::vector<ContactPair>& pairs, std::vector<CollidingBodies>& out) {
+    out.clear();
+    for (const ContactPair& pair : pairs) out.push_back({pair.source, pair.target});
+}
+
+/// Adds the contacts of points that are inside already where pairs begin to collide. `carriers`: of each body.
+void add_inside(const CollisionBodies& bodies, const std::vector<ContactPair>& pairs,
+                const std::vector<const double*>& carriers, std::vector<KeptContact>& out) {
+    TouchSearch search(bodies);
+    search.begin(carriers);
+    std::vector<Touch> touches;
+    for (const ContactPair& pair : pairs) {
+        touches.clear();
+        search.find_inside(pair, touches);
+        for (const Touch& t : touches) {
+            const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
+            const double depth = press_of(bodies[t.target], pair, t.side, t.feature).depth;
+            const double force = pair.stiffness * search.area(pair, t) * depth;
+            out.push_back(
+                {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
+        }
+    }
+    sort_contacts(out);
+}
+
+/// Contact begins. `x`: of what deforms; `bones`: per body.
 void begin_at(const Scene& scene, const StepInputs& inputs, const std::vector<double>& x,
               const std::vector<Points>& bones, TermMemory& memory) {
     const CollisionBodies bodies(scene);
-    TouchSearch search(bodies);
     std::vector<const double*> carriers;
     for (std::size_t b = 0; b < bodies.count(); ++b) {
         const CollisionBody& body = bodies[static_cast<int>(b)];
         carriers.push_back(body.deforms() ? x.data() : bones[at(body.body())].data()->data());
     }
-    search.begin(carriers);
     ContactMemory kept;
-    std::vector<Touch> touches;
     std::vector<ContactPair> pairs;
     bodies.find_pairs(inputs.parts, pairs);
-    for (const ContactPair& pair : pairs) {
-        std::size_t next = touches.size();
-        search.find_inside(pair, touches);
-        for (; next < touches.size(); ++next) {
-            const Touch& t = touches[next];
-            const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
-            const double depth = press_of(bodies[t.target], pair, t.side, t.feature).depth;
-            const double force = pair.stiffness * search.area(pair, t) * depth;
-            kept.contacts.push_back(
-                {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
-        }
-    }
+    add_inside(bodies, pairs, carriers, kept.contacts);
+    list_pairs(pairs, kept.pairs);
     keep_contacts(kept, memory);
 }
 
@@ -66,7 +84,7 @@ void begin(const Scene& scene, const StepInputs& inputs, const State& now, TermM
 
 const TermType contact_type{
     .name = "contact",
-    .numerics = 7,
+    .numerics = 8,
     .values = value_names,
     .measures = measures,
     .make = [](const Scene& scene) -> std::unique_ptr<Term> {
@@ -77,7 +95,7 @@ const TermType contact_type{
     },
     .start = start,
     .begin = begin,
-    .memory_version = 1,
+    .memory_version = 2,
     .has_memory = true,
     .presses = true,
 };
@@ -115,9 +133,26 @@ Changes Contacts::take(const StepInputs& inputs, const State& before) {
             !is_triangle(c.triangle) || !is_triangle(c.anchor_triangle))
             throw Error("IO403", "a saved simulation state holds contacts of bodies that the scene does not have");
     }
+    begin_pairs(inputs, before);
     const bool same = pattern_ && kept_.couplings == couplings_;
     couplings_ = kept_.couplings;
     return {.couplings = !same};
+}
+
+/// Bodies that did not collide at the state and do from now on, since a switch or a stiffness is keyed: what is inside
+/// then is drawn out as at the start frame.
+void Contacts::begin_pairs(const StepInputs& inputs, const State& before) {
+    bodies_.find_pairs(inputs.parts, begun_);
+    std::erase_if(begun_, [&](const ContactPair& pair) {
+        return std::binary_search(kept_.pairs.begin(), kept_.pairs.end(), CollidingBodies{pair.source, pair.target});
+    });
+    if (begun_.empty()) return;
+    std::vector<const double*> carriers;
+    for (std::size_t b = 0; b < bodies_.count(); ++b) {
+        const CollisionBody& body = bodies_[static_cast<int>(b)];
+        carriers.push_back(body.deforms() ? before.x.data() : before.bones[at(body.body())].data()->data());
+    }
+    add_inside(bodies_, begun_, carriers, kept_.contacts);
 }
 
 void Contacts::add_couplings(Couplings& couplings) const {
@@ -230,9 +265,8 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
     for (const KeptContact& c : kept_.contacts)
         if (is_left_to_attachments(c)) next_.contacts.push_back(c);
     remember_lost();
-    std::sort(next_.contacts.begin(), next_.contacts.end(), [](const KeptContact& a, const KeptContact& b) {
-        return std::tie(a.source, a.target, a.point) < std::tie(b.source, b.target, b.point);
-    });
+    sort_contacts(next_.contacts);
+    list_pairs(pairs_, next_.pairs);
     remember_couplings();
     keep_contacts(next_, memory);
 }

@@ -126,6 +126,8 @@ class Contacts final : public Term {
     }
     /// From where a held point would be on the surface to where it is: half of a cloth's thickness is between.
     Vec3 offset_of(const ContactPair& pair, int side, const ClosestFeature& f) const;
+    void count_presses(std::vector<ContactPair>& pairs) const;
+    void begin_pairs(const StepInputs& inputs, const State& before);
     bool is_left_to_attachments(const KeptContact& contact) const;
     void find_all_touches();
     void sweep(const std::vector<const double*>& later);
@@ -191,6 +193,7 @@ class Contacts final : public Term {
     mutable std::vector<Points> places_; ///< per body of contact: of its points, where they were looked at last
     std::vector<Points> bones_;          ///< per body of contact: where a bone's vertices are
     std::vector<ContactPair> pairs_;
+    std::vector<ContactPair> begun_;         ///< scratch of begin_pairs
     std::vector<std::vector<char>> held_;    ///< per pair: flags of points that are left to attachments; empty: none
     std::vector<const double*> before_;      ///< per body: what carries it, at the start of the step
     std::vector<const double*> expected_;    ///< per body: what carries it where it is looked for

@@ -15,6 +15,7 @@ void Contacts::begin_cloth() {
     cloth_pairs_.clear(), presses_.clear(), drags_.clear(), cloth_strong_.clear();
     if (!cloth_.any()) return;
     bodies_.find_thick_pairs(stage_->inputs.parts, cloth_pairs_);
+    count_presses(cloth_pairs_);
     cloth_held_.resize(cloth_pairs_.size());
     for (std::size_t p = 0; p < cloth_pairs_.size(); ++p) {
         ContactPair pair = cloth_pairs_[p];

@@ -98,9 +98,17 @@ void Contacts::bind(const BlockPattern& pattern) {
     for (PointTriangleElement& e : tether_elements_) e.forget();
 }
 
+/// Stiffens what collides to how many times it counts in the stage.
+void Contacts::count_presses(std::vector<ContactPair>& pairs) const {
+    const double times = stage_->form.press;
+    if (times == 0) pairs.clear();
+    for (ContactPair& pair : pairs) pair.stiffness *= times, pair.damping *= times;
+}
+
 void Contacts::begin_stage(const Stage& stage) {
     stage_ = &stage;
     bodies_.find_pairs(stage.inputs.parts, pairs_);
+    count_presses(pairs_);
     held_.resize(pairs_.size());
     for (std::size_t p = 0; p < pairs_.size(); ++p) attached_.find(pairs_[p], stage.inputs.attachments, held_[p]);
     begin_cloth();
@@ -204,7 +212,8 @@ void Contacts::make_tethers() {
             tethers_.push_back(anchored);
             continue;
         }
-        anchored.holds = Mat3::Identity() - across, anchored.spring.most = pair.friction * was.force;
+        anchored.holds = Mat3::Identity() - across,
+        anchored.spring.most = stage_->form.press * pair.friction * was.force;
         if (anchored.spring.most > 0) {
             anchored.followed = FollowedForce(anchored.spring.force(held_before(anchored)));
             tethers_.push_back(anchored);

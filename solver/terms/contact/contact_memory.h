@@ -29,9 +29,16 @@ struct CoupledCarriers {
     friend auto operator<=>(const CoupledCarriers&, const CoupledCarriers&) = default;
 };
 
+/// A pair of bodies, as above, whose points may press into each other's surface.
+struct CollidingBodies {
+    int source = -1, target = -1;
+    friend auto operator<=>(const CollidingBodies&, const CollidingBodies&) = default;
+};
+
 struct ContactMemory {
     std::vector<KeptContact> contacts;      ///< by source, target, point
     std::vector<CoupledCarriers> couplings; ///< sorted
+    std::vector<CollidingBodies> pairs;     ///< that collided, sorted: what is inside of others in none of them begins
 };
 
 void keep_contacts(const ContactMemory& contacts, TermMemory& memory);

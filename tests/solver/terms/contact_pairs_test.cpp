@@ -122,12 +122,13 @@ TEST_CASE("contact: kept contacts come back as they were, and other bytes are re
     kept.contacts = {{0, 7, 1, 3, {0.25, 0.25, 0.5}, 2, 0, {1, 0, 0}, 12.5},
                      {1, 2, 0, 9, {0, 0, 1}, 9, 0, {0, 0, 1}, 2}};
     kept.couplings = {{0, 1, 1, 4}, {0, 1, 1, 5}};
+    kept.pairs = {{0, 1}, {1, 0}};
     std::vector<TermMemory> memories(1);
     memories[0].term = contact_type.name;
     keep_contacts(kept, memories[0]);
     ContactMemory back;
     contacts_kept(memories, back);
-    CHECK((back.contacts == kept.contacts && back.couplings == kept.couplings));
+    CHECK((back.contacts == kept.contacts && back.couplings == kept.couplings && back.pairs == kept.pairs));
     CHECK(code_of(memories) == "");
     const std::span<const std::byte> good = memories[0].bytes;
     const std::vector<std::byte> all(good.begin(), good.end());

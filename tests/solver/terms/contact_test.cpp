@@ -426,3 +426,39 @@ TEST_CASE("contact: what is inside at the start comes out through the nearest pl
     d.step(2);
     CHECK(d.lowest(0) < -0.05);
 }
+
+TEST_CASE("contact: what is inside where two bodies begin to collide comes out, whatever let them pass until then",
+          "[contact]") {
+    const double rest = -weight / (1e7 * side * side);
+    ContactValues off = with(1e7);
+    off.collides = 0;
+    for (const auto& [body, values] : {std::pair{0, off}, {1, off}, {0, with(0)}, {1, with(0)}}) {
+        INFO("body " << body << (values.collides > 0 ? ", without stiffness" : ", off"));
+        // At rest they press into each other a little, and sink a centimetre while nothing holds them.
+        Collision c = standing(ElementKind::linear, with(1e7), with(1e7), rest, 0.01);
+        c.in.mass_damping = 20;
+        c.step(4);
+        CHECK(c.lowest(0) == Approx(rest).epsilon(0.02));
+        c.set(body, values);
+        c.step(2);
+        CHECK(c.measured("contacts") == 0);
+        CHECK(c.lowest(0) < -0.01);
+        c.set(body, with(1e7));
+        c.step(1);
+        CHECK(c.measured("contacts") > 0);
+        c.step(60);
+        CHECK(c.lowest(0) == Approx(rest).epsilon(0.02));
+        CHECK(c.measured("force_N") == Approx(weight).epsilon(0.01));
+        CHECK((c.centre(0) - Vec3(0.5, 0.1, 0.5)).norm() < 0.003);
+    }
+    // What has been let in deeper than contacts may be goes on as it did.
+    ContactValues shallow = with(1e7);
+    shallow.longest = 0.01;
+    Collision d = standing(ElementKind::linear, off, with(1e7), -0.012);
+    d.in.mass_damping = 20;
+    d.step();
+    d.set(0, shallow);
+    d.step();
+    CHECK(d.measured("contacts") == 0);
+    CHECK(d.lowest(0) < -0.03);
+}
