@@ -168,10 +168,13 @@ TEST_CASE("check doubts tets far larger than what they fill is thick", "[tools]"
                                   {"inputs", {{"width", 40}, {"height", 20}, {"depth", 2}, {"subdivisionsHeight", 4}}}};
     const std::string said = said_of(graph, {"tets.tetSize=10"});
     CHECK(said.starts_with("FE262 tets.tetSize: "));
-    CHECK(
-        said.find("of the surface of ball belongs to parts about 2 thick, less than a quarter of the tets there (10) | "
-                  "choose a tetSize of about 2,") != std::string::npos);
+    CHECK(said.find("of the surface of ball belongs to parts about 2 thick, less than a third of the tets there (10) | "
+                    "choose a tetSize of about 2,") != std::string::npos);
     CHECK(said_of(graph, {"tets.tetSize=2"}).empty());
+    graph["nodes"]["ballMesh"]["inputs"]["depth"] = 6;
+    CHECK(said_of(graph, {"tets.tetSize=17"}).empty());
+    CHECK(said_of(graph, {"tets.tetSize=18.5"}).find("about 6 thick, less than a third of the tets there (18.5)") !=
+          std::string::npos);
     // A ball of 20 in tets of 30: no part of it is thin.
     CHECK(
         said_of(ball(), {"tets.tetSize=30"}) ==

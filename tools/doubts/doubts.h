@@ -12,7 +12,7 @@ enum class Look { closely, in_passing };
 
 /// Warnings, each with the cure:
 /// FE260 a tissue that falls because nothing holds it; FE261 tissues of no size that flesh has, with the scales that
-/// would give them one; FE262 tets over four times as large as parts of what they fill are thick, larger than all of
+/// would give them one; FE262 tets over three times as large as parts of what they fill are thick, larger than all of
 /// it, or reaching across to what lies near but far along the surface; FE263 flesh softer than any; FE264 a tissue
 /// nearly all of whose surface is attached; FE265 a scale or matrix that mirrors; FE320 bodies whose files are in
 /// another unit than the others'; FE321 meshes with faces turned against each other, doubled, or all inwards, and

@@ -16,7 +16,7 @@ namespace sinew::doubts {
 namespace {
 
 /// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
-constexpr double thin_part = 0.25, thin_share = 0.25;
+constexpr double thin_part = 0.34, thin_share = 0.25;
 /// Parts share vertices of a lattice where they lie less than about this many tets from each other: a spring of round
 /// wire is 39 times too stiff at .9 of a tet from turn to turn, 8 times at 1.4, a third at 1.8, and right at 2.25.
 constexpr double tied_within = 1.5;
@@ -223,8 +223,8 @@ void doubt_tets(Doubting& d, const Member& m) {
     if (thin.share() > thin_share)
         d.doubt("FE262", node, attribute,
                 rough(100 * thin.share()) + " % of the surface of " + m.name + " belongs to parts about " +
-                    rough(thin.usual()) + " thick, less than a quarter of the tets there (" +
-                    rough(thin.largest_narrow) + ")",
+                    rough(thin.usual()) + " thick, less than a third of the tets there (" + rough(thin.largest_narrow) +
+                    ")",
                 take + " a tetSize of about " + rough(thin.usual()) +
                     ", or refine there by weights and surfaceRefinement");
     if (Narrow tied = tied_parts(rest); tied.share() > tied_share)
