@@ -447,27 +447,54 @@ void FrameStore::make_room() {
     }
 }
 
-DiskUse disk_use(const fs::path& folder) {
+namespace {
+
+/// What one file is of it.
+DiskUse use_of(const fs::path& file) {
     DiskUse out;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error)) {
-        if (!is_ours(entry.path())) continue;
-        ++out.files;
-        out.frames += entry.path().extension() == frames_ending;
-        out.outputs += entry.path().extension() == outputs_ending;
-        std::error_code gone;
-        if (const auto size = entry.file_size(gone); !gone) out.bytes += size;
-    }
+    out.files = 1;
+    out.frames = file.extension() == frames_ending;
+    out.outputs = file.extension() == outputs_ending;
+    std::error_code gone;
+    if (const auto size = fs::file_size(file, gone); !gone) out.bytes = size;
     return out;
 }
 
-void remove_kept(const fs::path& folder) {
+void add_to(DiskUse& all, const DiskUse& one) {
+    all.files += one.files, all.frames += one.frames, all.outputs += one.outputs, all.bytes += one.bytes;
+}
+
+} // namespace
+
+DiskUse disk_use(const fs::path& folder) {
+    DiskUse out;
+    std::error_code error;
+    for (const auto& entry : fs::directory_iterator(folder, error))
+        if (is_ours(entry.path())) add_to(out, use_of(entry.path()));
+    return out;
+}
+
+Removal remove_kept(const fs::path& folder) {
+    Removal out;
+    const auto is_left = [&](const fs::path& what, const std::error_code& why) {
+        if (out.why.empty()) out.first = what, out.why = why.message();
+    };
     std::error_code error;
     std::vector<fs::path> ours;
     for (const auto& entry : fs::directory_iterator(folder, error))
         if (is_ours(entry.path())) ours.push_back(entry.path());
-    for (const fs::path& file : ours) fs::remove(file, error);
+    if (error && error != std::errc::no_such_file_or_directory) is_left(folder, error);
+    for (const fs::path& file : ours) {
+        const DiskUse use = use_of(file);
+        if (fs::remove(file, error)) {
+            add_to(out.removed, use);
+        } else if (error) { // else another process was quicker
+            ++out.left;
+            is_left(file, error);
+        }
+    }
     if (!ours.empty()) fs::remove(folder, error); // only if it is empty now
+    return out;
 }
 
 } // namespace sinew::engine

@@ -92,7 +92,13 @@ struct DiskUse {
     std::uintmax_t bytes = 0;
 };
 DiskUse disk_use(const std::filesystem::path& folder);
+struct Removal {
+    DiskUse removed;
+    std::size_t left = 0;        ///< files that could not be removed
+    std::filesystem::path first; ///< of those, or the folder if it cannot be looked into
+    std::string why;             ///< of `first`; empty: nothing is left
+};
 /// Removes what Sinew keeps in a folder, and the folder where nothing else is in it.
-void remove_kept(const std::filesystem::path& folder);
+Removal remove_kept(const std::filesystem::path& folder);
 
 } // namespace sinew::engine

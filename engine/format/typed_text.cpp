@@ -44,8 +44,8 @@ NumberList numbers_in(std::string text) {
 }
 
 std::string list_text(std::span<const double> numbers) {
-    std::string out;
-    for (const double v : numbers) out += (out.empty() ? "[" : ", ") + number_text(v);
+    std::string out = "[";
+    for (const double v : numbers) out += (out.size() > 1 ? ", " : "") + number_text(v);
     return out + "]";
 }
 

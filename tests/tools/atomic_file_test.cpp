@@ -1,17 +1,17 @@
 // Files are whole or not there at all.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/diagnostics.h"
+#include "tests/tools/file_size_limit.h"
 #include "tests/tools/temporary_folder.h"
 #include "tools/cli/atomic_file.h"
 
 #include <catch2/catch.hpp>
-#include <csignal>
-#include <sys/resource.h>
 #include <thread>
 #include <vector>
 
 using namespace sinew;
 using cli::write_file;
+using test::FileSizeLimit;
 namespace fs = std::filesystem;
 
 namespace {
@@ -28,24 +28,6 @@ std::string code_of(const fs::path& path, const std::string& bytes) {
     }
     return "written";
 }
-
-/// Writing beyond this many bytes fails with EFBIG, like a full disk in the middle of a file.
-class FileSizeLimit {
-  public:
-    explicit FileSizeLimit(rlim_t bytes) {
-        std::signal(SIGXFSZ, SIG_IGN);
-        getrlimit(RLIMIT_FSIZE, &before_);
-        const rlimit limit{bytes, before_.rlim_max};
-        setrlimit(RLIMIT_FSIZE, &limit);
-    }
-    ~FileSizeLimit() {
-        setrlimit(RLIMIT_FSIZE, &before_);
-        std::signal(SIGXFSZ, SIG_DFL);
-    }
-
-  private:
-    rlimit before_{};
-};
 
 } // namespace
 

@@ -161,3 +161,16 @@ TEST_CASE("diff tells graphs that are wrong from graphs that differ", "[tools]")
     CHECK(run_program({"diff", (p.folder / "a.json").string(), (p.folder / "none.json").string()}).code == 2);
     CHECK(run_program({"diff", (p.folder / "a.json").string()}).code == 2);
 }
+
+TEST_CASE("a list that is not set differs as the empty one that it stands for", "[tools]") {
+    Pair p;
+    p.input("top", "values") = {1, 0};
+    CHECK(p.diff().out == "top.values: [] → [1, 0]\n");
+    const json listed = p.diff({"--json"}).lines().front();
+    CHECK(listed["before"] == json::array());
+    CHECK(listed["after"] == json({1, 0}));
+    p.input("top", "values") = {{"from", "bottom.outWeights"}};
+    CHECK(p.diff({"--json"}).lines().front()["before"] == json::array());
+    std::swap(p.a, p.b);
+    CHECK(p.diff({"--json"}).lines().front()["after"] == json::array());
+}

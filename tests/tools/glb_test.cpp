@@ -4,6 +4,7 @@
 #include "engine/digest.h"
 #include "solver/mesh/primitives.h"
 #include "solver/mesh/surface_mesh.h"
+#include "tests/tools/file_size_limit.h"
 #include "tests/tools/glb_animation.h"
 #include "tests/tools/glb_checker.h"
 #include "tools/cli/rigid_motion.h"
@@ -268,6 +269,34 @@ TEST_CASE("a frame that not all bodies have stays out, and what they did in it d
         return test::read_text(folder / name);
     };
     CHECK(write("half.glb", true) == write("whole.glb", false));
+}
+
+TEST_CASE("a pose that finds no room on disk has not been added, and the frames before it are written", "[tools]") {
+    const test::TemporaryFolder folder;
+    Animation a = sample();
+    a.bodies.pop_back(); // the muscle is the last one: all bodies before it have the frame that fails
+    cli::GlbFile glb(folder / "run.glb", {a.fps, a.units_per_metre, a.up});
+    std::size_t bytes = 0; // of a frame
+    for (const AnimatedBody& body : a.bodies) {
+        glb.add_body(body.name, body.kind, body.triangles, body.poses[0]);
+        bytes += sizeof(Vec3) * body.poses[0]->size();
+    }
+    for (std::size_t f = 0; f < 2; ++f)
+        for (std::size_t b = 0; b < 2; ++b) glb.add_pose(b, a.frames[f], a.bodies[b].poses[f]);
+    {
+        const test::FileSizeLimit full(2 * bytes - 100); // the first frame does not wait there
+        glb.add_pose(0, a.frames[2], a.bodies[0].poses[2]);
+        try {
+            glb.add_pose(1, a.frames[2], a.bodies[1].poses[2]);
+            FAIL("is refused");
+        } catch (const engine::Failure& failure) {
+            CHECK(failure.diagnostics().front().code == "IO405");
+        }
+    }
+    CHECK(glb.finish());
+    a.frames.pop_back();
+    for (AnimatedBody& body : a.bodies) body.poses.pop_back();
+    CHECK(test::read_text(folder / "run.glb") == test::encode_glb(a));
 }
 
 TEST_CASE("poses wait on disk in a file without a name, and nothing is left of them", "[tools]") {

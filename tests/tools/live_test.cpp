@@ -235,6 +235,30 @@ TEST_CASE("live: what is written changes nothing else of the file, and nothing i
     CHECK(live.status()["changes"].empty());
 }
 
+TEST_CASE("live: a key among others may be a vector or have a unit", "[live]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["flesh"]["inputs"]["youngsModulus"] = {{"keys", {{1, 10}, {4, 40}}}, {"unit", "kPa"}};
+    const std::string file = write_graph(folder, graph);
+    const Live live({"live", file, "--no-cache", "--frames", "1"});
+    live.ended(1);
+    const auto change = [&](const char* node, const char* attribute, const json& value, int frame) {
+        return live.post("change", {{"node", node}, {"attribute", attribute}, {"value", value}, {"frame", frame}});
+    };
+    CHECK(change("flesh", "youngsModulus", "30 kPa", 2) == 200);
+    CHECK(change("flesh", "youngsModulus", {{"value", 0.035}, {"unit", "MPa"}}, 3) == 200);
+    CHECK(change("upperMove", "translate", {0.25, 4.5, 0}, 3) == 200);
+    CHECK(change("upperMove", "translate", {0.25, 4.5}, 4) == 422);
+    CHECK(change("flesh", "youngsModulus", "30 m", 5) == 422);
+    CHECK(change("flesh", "youngsModulus", {{"keys", {{1, 1}}}}, 5) == 422);
+    CHECK(live.post("save", {}) == 200);
+    const json now = json::parse(read_text(file))["nodes"];
+    CHECK(now["flesh"]["inputs"]["youngsModulus"] ==
+          json::parse(R"({"keys": [[1, 10], [2, 30], [3, 35], [4, 40]], "unit": "kPa"})"));
+    CHECK(now["upperMove"]["inputs"]["translate"]["keys"] ==
+          json::parse("[[1, [0, 4.5, 0]], [3, [0.25, 4.5, 0]], [6, [0.5, 4.7, 0]]]"));
+}
+
 TEST_CASE("live: a change that no longer fits is told, and what the reader noted is kept beside it", "[live]") {
     const TemporaryFolder folder;
     json graph = small_graph();

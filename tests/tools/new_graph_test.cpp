@@ -567,3 +567,24 @@ TEST_CASE("new: kinds, files and flags that are none", "[tools][rig]") {
     CHECK(rig.make({"--skin", "x.obj"}).code == 2);
     CHECK_FALSE(fs::exists(rig.graph));
 }
+
+TEST_CASE("new: no mesh that the graph is made around is written over", "[tools][rig]") {
+    const SmallRig rig;
+    const std::string bone = rig.bones + "/humerus.obj", muscle = rig.muscles + "/biceps.obj", before = read_text(bone);
+    for (const std::vector<std::string>& words : {std::vector<std::string>{"rig", rig.bones, rig.muscles},
+                                                  {"muscle", bone, muscle},
+                                                  {"cloth", bone, muscle},
+                                                  {"layers", rig.muscles, "--bones", rig.bones},
+                                                  {"layers", rig.muscles, "--bones", rig.bones, "--skin", bone}})
+        for (const bool is_forced : {true, false}) {
+            std::vector<std::string> all{"new"};
+            all.insert(all.end(), words.begin(), words.end());
+            all.insert(all.end(), {"-o", bone});
+            if (is_forced) all.emplace_back("--force");
+            const Said said = run_program(all);
+            INFO(words[0] << " " << said.err);
+            CHECK(said.code == 1);
+            CHECK(has(said.err, "[IO420]"));
+            CHECK(read_text(bone) == before);
+        }
+}

@@ -1,5 +1,6 @@
 // `sinew cache`: what is kept on disk of a graph's frames, and how to get rid of it.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "engine/diagnostics.h"
 #include "engine/eval/frame_store.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
@@ -25,24 +26,40 @@ fs::path folder_of(const std::string& word) {
     return beside;
 }
 
+engine::Diagnostic unremovable(const fs::path& folder, const engine::Removal& removal) {
+    engine::Diagnostic d;
+    d.code = "IO405";
+    d.message =
+        "cannot remove '" + removal.first.string() + "'" +
+        (removal.left > 1 ? " and " + std::to_string(removal.left - 1) + " more files in '" + folder.string() + "'"
+                          : std::string()) +
+        ": " + removal.why;
+    d.hint = "make the folder and what is in it writable";
+    return d;
+}
+
 ExitCode cache(const Invocation& in) {
     const std::string what = in.arguments.operand(0).value();
     const fs::path folder = folder_of(in.arguments.operand(1).value());
     if (what != "info" && what != "clean") throw UsageError("'" + what + "' is neither info nor clean.");
-    const engine::DiskUse use = engine::disk_use(folder);
-    if (what == "clean") engine::remove_kept(folder);
+    const engine::Removal removal = what == "clean" ? engine::remove_kept(folder) : engine::Removal();
+    const engine::DiskUse use = what == "clean" ? removal.removed : engine::disk_use(folder);
+    const bool is_left = !removal.why.empty();
     const bool json = in.arguments.has("--json");
     if (json) {
         const nlohmann::ordered_json out = {{"folder", folder.string()}, {"frames", use.frames},
                                             {"outputs", use.outputs},    {"files", use.files},
-                                            {"bytes", use.bytes},        {"removed", what == "clean"}};
+                                            {"bytes", use.bytes},        {"removed", what == "clean" && !is_left}};
         in.out << json_text(out) << "\n";
+    } else if (use.files == 0 && is_left) {
+        in.out << folder.string() << ": nothing was removed\n";
     } else if (use.files == 0) {
         in.out << folder.string() << ": nothing is kept\n";
     } else {
         in.out << folder.string() << ": " << (what == "clean" ? "removed " : "") << use.frames << " frames, "
                << use.outputs << " outputs of nodes, " << rounded_bytes(static_cast<double>(use.bytes)) << "\n";
     }
+    if (is_left) throw engine::Failure(unremovable(folder, removal));
     return done;
 }
 

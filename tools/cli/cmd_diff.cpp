@@ -25,7 +25,8 @@ std::string shown(const std::string& json, const std::string& unit) {
         const std::size_t end = out.find_first_not_of(' ', at + 1);
         out.replace(at, std::min(end, out.size()) - at, " ");
     }
-    const bool is_number = !json.starts_with('"') && !json.starts_with("{ \"from\"") && !json.starts_with("[ {");
+    const bool is_number =
+        !json.starts_with('"') && !json.starts_with("{ \"from\"") && !json.starts_with("[ {") && json != "[]";
     return unit.empty() || unit == "1" || !is_number ? out : out + " " + unit;
 }
 

@@ -7,6 +7,7 @@
 #include "tools/cli/departure.h"
 #include "tools/cli/long_task.h"
 #include "tools/cli/print.h"
+#include "tools/cli/read_files.h"
 #include "tools/rig/guess.h"
 #include "tools/rig/layers_text.h"
 #include "tools/rig/rig_text.h"
@@ -25,12 +26,29 @@ using engine::Severity;
 
 using rig::rough;
 
+/// All that is read, whatever the kind. What is not there is told where it is looked for.
+ReadFiles meshes_and_motion(const Invocation& in) {
+    ReadFiles out;
+    std::vector<std::string> paths = in.arguments.operands_from(1);
+    for (const std::string_view flag : {"--bones", "--muscles", "--fascia", "--skin"})
+        for (const std::string& path : in.arguments.values(flag)) paths.push_back(path);
+    for (const std::string& path : paths) {
+        try {
+            for (const std::string& file : rig::mesh_files({path})) out.add(file, "which the graph is made around");
+        } catch (const engine::Failure&) {
+        }
+    }
+    if (const auto motion = in.arguments.value("--motion")) out.add(*motion, "which moves the bones");
+    return out;
+}
+
 /// Said before anything is computed, so that nobody waits for nothing.
 std::string output_file(const Invocation& in) {
     const auto file = in.arguments.value("--out");
     if (!file) throw UsageError("say where the graph goes: -o FILE.");
     std::error_code error;
     if (fs::is_directory(*file, error)) throw UsageError("'" + *file + "' is a folder; name a file: -o FILE.");
+    meshes_and_motion(in).check_kept(*file, "--out");
     if (fs::exists(*file, error) && !in.arguments.has("--force"))
         throw engine::Failure(rig::say(Severity::error, "DG160", "", "'" + *file + "' is there already",
                                        "Choose another name, or write over it with --force."));

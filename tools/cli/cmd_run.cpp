@@ -24,6 +24,7 @@
 #include <nlohmann/json.hpp>
 #include <numeric>
 #include <ostream>
+#include <set>
 #include <unistd.h>
 
 namespace sinew::cli {
@@ -148,6 +149,8 @@ class Run {
             if (!plan_.out.empty()) check_writable(plan_.out, "--out");
             begin_output();
             for (const int frame : plan_.frames) evaluate(frame);
+            const auto here = departure_.hold();
+            output_.wait(); // the last frame's
         } catch (...) {
             const auto here = departure_.hold();
             end_early(std::current_exception());
@@ -213,6 +216,7 @@ class Run {
         report_.wall_s = seconds_since(start_);
         report_.computed = progress_.computed_by_type();
         report_.error = describe(why);
+        if (output_.failed_frame()) report_.error->frame = *output_.failed_frame();
         progress_.clear();
         if (has_begun_) close_after_failure();
     }
@@ -286,7 +290,7 @@ class Run {
             }
         }
         f.wall_s = seconds_since(start);
-        f.reused = !plan_.solvers.empty() && !progress_.was_stepped(frame);
+        f.reused = !plan_.solvers.empty() && !is_simulated_for(frame);
         const auto here = departure_.hold();
         if (size) report_.size = std::move(size);
         if (!plan_.out.empty())
@@ -295,6 +299,12 @@ class Run {
         report_.frames.push_back(f);
         progress_.end_frame(f, digest.finish().hex());
         for (std::size_t i = 0; i < values.size(); ++i) print_value(frame, plan_.plugs[i], values[i]);
+    }
+
+    /// Frames before the start are the start: it is simulated for the first one that shows it.
+    bool is_simulated_for(int frame) {
+        const int shown = std::max(frame, start_frame(*plan_.graph, plan_.needed));
+        return progress_.was_stepped(shown) && shown_.insert(shown).second;
     }
 
     /// Numbers and the like; meshes and files go to disk.
@@ -311,6 +321,12 @@ class Run {
                     << as_text(description);
         }
         in_.out.flush();
+    }
+
+    /// Sequences are written beside the next frame's work: that a frame is not there is known after it was listed.
+    void leave_out_unwritten() {
+        if (const auto failed = output_.failed_frame())
+            std::erase_if(report_.frames, [&](const FrameReport& f) { return f.frame == *failed; });
     }
 
     void close() {
@@ -342,12 +358,18 @@ class Run {
             else
                 mark_unfinished(plan_.out, mark(), plan_.graph->files());
         };
-        const std::function<void()> parts[] = {[this] { close(); }, [this] { write_report(); }, leave_mark};
+        const std::function<void()> parts[] = {[this] { close(); }, [this] { leave_out_unwritten(); },
+                                               [this] { write_report(); }, leave_mark};
         for (const auto& part : parts) {
             try {
                 part();
             } catch (const engine::Failure& second) {
                 print_diagnostics(second.diagnostics(), json_, in_.out, in_.err);
+            } catch (const engine::Cancelled&) {     // said by whoever asked for it
+            } catch (const std::exception& second) { // no memory left, say
+                engine::Diagnostic d;
+                d.message = second.what();
+                print_diagnostics(std::vector{d}, json_, in_.out, in_.err);
             }
         }
         print_page();
@@ -400,7 +422,8 @@ class Run {
     std::unique_ptr<viewer::GraphCollector> page_scene_; ///< for --open
     fs::path page_;                                      ///< written for --open
     const Clock::time_point start_ = Clock::now();
-    int frame_ = 0; ///< the one at work
+    int frame_ = 0;       ///< the one at work
+    std::set<int> shown_; ///< steps that a frame has shown
     bool has_begun_ = false, has_ended_ = false;
 };
 

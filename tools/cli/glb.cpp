@@ -86,8 +86,8 @@ void GlbFile::add_pose(std::size_t body, int frame, const GlbBody::Pose& pose) {
         engine::remove_abandoned(file_);
         spill_ = std::make_unique<SpillFile>(folder);
     }
+    bodies_.at(body).add(pose, *spill_); // may throw, and then the frame has not come
     if (frames_.empty() || frames_.back() != frame) frames_.push_back(frame);
-    bodies_.at(body).add(pose, *spill_);
 }
 
 std::vector<GlbCost> GlbFile::costs() const {

@@ -73,16 +73,13 @@ Points GlbBody::metres(const Points& points, const Vec3& pivot) const {
 }
 
 void GlbBody::add(const Pose& pose, SpillFile& spill) {
-    const std::size_t number = poses_++;
-    if (triangles_.empty()) return; // not written
-    if (pose->size() != first_->size()) throw std::logic_error("a pose of " + name_ + " has other vertices");
-    if (first_moved_ > number && *pose != *first_) first_moved_ = number;
-    if (fit_) {
-        if (const auto fit = fit_->add(*pose))
-            rigid_.push_back(*fit);
-        else
-            fit_.reset();
+    if (triangles_.empty()) { // not written
+        ++poses_;
+        return;
     }
+    if (pose->size() != first_->size()) throw std::logic_error("a pose of " + name_ + " has other vertices");
+    const std::size_t number = poses_;
+    // The spill comes first: it is what fails on a full disk, and a pose that it does not hold has not been added.
     if (number > 0) {
         // What stands still takes no room.
         const bool repeats = !stored_.empty() && (pose == last_ || *pose == *last_);
@@ -91,7 +88,15 @@ void GlbBody::add(const Pose& pose, SpillFile& spill) {
                     : Stored{spill.append(std::as_bytes(std::span(*pose))),
                              bounds_of(difference(flat(metres(shading_.gather(*pose), Vec3::Zero())), base_))});
     }
+    if (first_moved_ > number && *pose != *first_) first_moved_ = number;
+    if (fit_) {
+        if (const auto fit = fit_->add(*pose))
+            rigid_.push_back(*fit);
+        else
+            fit_.reset();
+    }
     last_ = pose;
+    poses_ = number + 1;
 }
 
 Vec3 GlbBody::pivot(std::size_t poses) const {

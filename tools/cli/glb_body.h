@@ -29,6 +29,7 @@ class GlbBody {
     /// \param first  the pose that others are compared with; not added by this
     GlbBody(std::string name, render::BodyKind kind, std::vector<solver::Triangle> triangles, const Pose& first,
             double units_per_metre, const render::Appearance& appearance = {});
+    /// Where it throws engine::Failure IO405, the body is as it was before.
     void add(const Pose& pose, SpillFile& spill);
 
     const std::string& name() const { return name_; }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 
 namespace sinew::cli {
 
@@ -28,7 +29,7 @@ void RunOutput::note(const fs::path& path) {
 }
 
 void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int frame, const engine::Value& value) {
-    if (pending_.valid()) pending_.get();
+    wait();
     if (value.is<nodes::FileContent>()) {
         const auto& file = value.as<nodes::FileContent>();
         const std::string name = body_labels(graph, plug, 1).front().name;
@@ -45,12 +46,14 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
             sequences.push_back(format);
             note(folder_ / format);
         }
-    if (!sequences.empty())
+    if (!sequences.empty()) {
+        pending_frame_ = frame;
         pending_ = std::async(std::launch::async, [this, sequences, labels, meshes, frame] {
             for (const std::string& format : sequences)
                 for (std::size_t i = 0; i < meshes.size(); ++i)
                     write_body(folder_, format, labels[i], meshes[i], frame, axes_, run_, files_);
         });
+    }
     if (formats_.contains("glb")) add_to_glb(labels, meshes, frame);
 }
 
@@ -136,9 +139,29 @@ std::vector<engine::Diagnostic> RunOutput::older_files() const {
     return out;
 }
 
+void RunOutput::wait() {
+    if (!pending_.valid()) return;
+    try {
+        pending_.get();
+    } catch (...) {
+        if (!failed_frame_) failed_frame_ = pending_frame_;
+        throw;
+    }
+}
+
 void RunOutput::finish() {
-    if (pending_.valid()) pending_.get();
-    if (glb_.finish()) note(glb_path_);
+    std::exception_ptr first;
+    try {
+        wait();
+    } catch (...) {
+        first = std::current_exception();
+    }
+    try {
+        if (glb_.finish()) note(glb_path_);
+    } catch (...) {
+        if (!first) throw;
+    }
+    if (first) std::rethrow_exception(first);
 }
 
 } // namespace sinew::cli

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <future>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -36,8 +37,13 @@ class RunOutput {
     /// beside the next frame's work; what goes wrong there is thrown by the next call. Throws Failure (IO405,
     /// FE211).
     void add(const engine::Graph& graph, const engine::Plug& plug, int frame, const engine::Value& value);
-    /// Waits for the sequences and writes the GLB. Called after a failure too: the finished frames stay.
+    /// Waits for the sequences. Throws Failure (IO405).
+    void wait();
+    /// Waits for the sequences and writes the GLB, also where the sequences fail. Called after a failure too: the
+    /// finished frames stay.
     void finish();
+    /// The frame whose sequences could not be written, which was told by a later call; nothing if all could.
+    std::optional<int> failed_frame() const { return failed_frame_; }
     /// Files and folders that were written, for the closing line.
     const std::vector<std::filesystem::path>& written() const { return written_; }
     /// Warnings IO421, one a format: files in the sequences' folders that an earlier run has left, unless their marks
@@ -62,6 +68,8 @@ class RunOutput {
     std::map<std::string, std::size_t> animated_;                        ///< body name -> index in glb_
     std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of the bodies in glb_
     std::future<void> pending_;
+    int pending_frame_ = 0;
+    std::optional<int> failed_frame_;
     std::vector<std::filesystem::path> written_;
     std::filesystem::file_time_type started_;
 };

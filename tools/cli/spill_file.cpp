@@ -38,13 +38,21 @@ SpillFile::~SpillFile() { close(descriptor_); }
 
 std::uint64_t SpillFile::append(std::span<const std::byte> bytes) {
     const std::uint64_t place = size_;
+    std::uint64_t end = place;
     while (!bytes.empty()) {
-        const ssize_t count = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(size_));
+        const ssize_t count = pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(end));
         if (count < 0 && errno == EINTR) continue;
-        if (count < 0) fail("IO405", "write", folder_);
-        size_ += static_cast<std::uint64_t>(count);
+        if (count < 0) {
+            // A part of a pose is of no use, and the file that the others go into needs the room.
+            const int why = errno;
+            [[maybe_unused]] const int cut = ftruncate(descriptor_, static_cast<off_t>(place));
+            errno = why;
+            fail("IO405", "write", folder_);
+        }
+        end += static_cast<std::uint64_t>(count);
         bytes = bytes.subspan(static_cast<std::size_t>(count));
     }
+    size_ = end;
     return place;
 }
 

@@ -15,7 +15,7 @@ class SpillFile {
     explicit SpillFile(const std::filesystem::path& folder);
     ~SpillFile();
     SpillFile(const SpillFile&) = delete;
-    /// Gives the place of the bytes. Throws engine::Failure IO405.
+    /// Gives the place of the bytes. Throws engine::Failure IO405, and then holds nothing of them.
     std::uint64_t append(std::span<const std::byte> bytes);
     /// Throws engine::Failure IO402.
     void read(std::uint64_t place, std::span<std::byte> bytes) const;

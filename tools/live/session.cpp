@@ -224,19 +224,45 @@ bool is_keyed(const engine::Graph& graph, const engine::Plug& input) {
     return it != node->inputs.end() && std::holds_alternative<engine::Curve>(it->second);
 }
 
+/// The keys with another one, whose value is read as in a graph file: vectors, words, numbers with a unit. A key that
+/// is there keeps its tangents.
+engine::Curve with_key_read(const std::shared_ptr<const engine::Graph>& graph, const Change& c, const Json& value) {
+    const bool has_form = value.is_object();
+    if (has_form && !value.contains("value")) {
+        engine::Diagnostic d;
+        d.code = "DG043";
+        d.node = c.input.node, d.attribute = c.input.attribute;
+        d.message = "a key among others needs one value, not " + c.json.substr(0, 100);
+        d.hint =
+            "Give a number, a vector or { \"value\": …, \"unit\": … }, or set the input itself, without a frame, with "
+            "all its keys.";
+        throw engine::Failure(d);
+    }
+    Json alone = {{"keys", Json::array({Json::array({*c.frame, has_form ? value.at("value") : value})})}};
+    if (has_form && value.contains("unit")) alone["unit"] = value.at("unit");
+    const auto read = engine::Edit(graph).set_json(c.input, alone.dump()).commit().graph;
+    const auto curve_of = [&](const engine::Graph& g) -> const engine::Curve& {
+        return std::get<engine::Curve>(g.find(c.input.node)->inputs.find(c.input.attribute)->second);
+    };
+    const engine::Key& key = curve_of(*read).keys.front();
+    engine::Curve out = curve_of(*graph);
+    const auto at = std::lower_bound(out.keys.begin(), out.keys.end(), key.frame,
+                                     [](const engine::Key& k, double frame) { return k.frame < frame; });
+    if (at != out.keys.end() && at->frame == key.frame)
+        at->value = key.value;
+    else
+        out.keys.insert(at, key);
+    return out;
+}
+
 std::shared_ptr<const engine::Graph> with_change(const std::shared_ptr<const engine::Graph>& graph, const Change& c) {
     engine::Edit edit(graph);
     if (c.frame && is_keyed(*graph, c.input)) {
         const Json value = Json::parse(c.json);
-        if (!value.is_number() && !value.is_boolean()) {
-            engine::Diagnostic d;
-            d.code = "DG043";
-            d.node = c.input.node, d.attribute = c.input.attribute;
-            d.message = "a key among others needs a number, not " + c.json.substr(0, 100);
-            d.hint = "Set the input itself, without a frame, with all its keys.";
-            throw engine::Failure(d);
-        }
-        edit.set_key(c.input, *c.frame, value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>());
+        if (value.is_number() || value.is_boolean())
+            edit.set_key(c.input, *c.frame, value.is_boolean() ? (value.get<bool>() ? 1 : 0) : value.get<double>());
+        else
+            edit.set(c.input, with_key_read(graph, c, value));
     } else if (c.frame) {
         // As a host sends it: the frames before stay as they are.
         const auto read = engine::Edit(graph).set_json(c.input, c.json).commit().graph;
@@ -284,6 +310,20 @@ const engine::Binding* binding_at(const engine::Graph& graph, const engine::Plug
     return it == node.inputs.end() ? nullptr : &it->second;
 }
 
+/// The value of the key at a frame, in a unit of this factor.
+std::string key_text(const engine::Curve& curve, double frame, double factor, bool is_exact) {
+    const auto key =
+        std::find_if(curve.keys.begin(), curve.keys.end(), [&](const engine::Key& k) { return k.frame == frame; });
+    if (key == curve.keys.end()) return "";
+    std::string out;
+    for (const double v : key->value) {
+        char rounded[32];
+        std::snprintf(rounded, sizeof rounded, "%.15g", v / factor);
+        out += (out.empty() ? "" : ", ") + (is_exact ? Json(v / factor).dump() : std::string(rounded));
+    }
+    return key->value.size() == 1 ? out : "[" + out + "]";
+}
+
 /// How a change may stand in the file, best first: as it was typed, else as Sinew writes it.
 std::vector<std::string> ways_to_write(const std::string& text, const engine::Graph& before, const engine::Graph& after,
                                        const Change& c) {
@@ -294,14 +334,12 @@ std::vector<std::string> ways_to_write(const std::string& text, const engine::Gr
         const auto unit = engine::keys_unit(text, c.input);
         std::optional<double> factor;
         if (unit) factor = engine::unit_factor(*unit, info.unit);
-        const Json value = Json::parse(c.json);
-        if (factor && value.is_number()) {
-            char rounded[32]; // 1.2, not 1.2000000000000002, where that reads the same
-            std::snprintf(rounded, sizeof rounded, "%.15g", value.get<double>() / *factor);
-            ways.push_back(engine::with_key(text, c.input, *c.frame, rounded));
-            ways.push_back(engine::with_key(text, c.input, *c.frame, Json(value.get<double>() / *factor).dump()));
-        } else {
-            ways.push_back(engine::with_key(text, c.input, *c.frame, c.json));
+        if (!factor) ways.push_back(engine::with_key(text, c.input, *c.frame, c.json));
+        if (info.options.empty() && !info.def.is<bool>()) {
+            const auto& curve = std::get<engine::Curve>(*binding_at(after, c.input));
+            for (const bool is_exact : {false, true}) // 1.2, not 1.2000000000000002, where that reads the same
+                ways.push_back(
+                    engine::with_key(text, c.input, *c.frame, key_text(curve, *c.frame, factor.value_or(1), is_exact)));
         }
     }
     const std::string folder = std::filesystem::path(after.file()).parent_path().string();
