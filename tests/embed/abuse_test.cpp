@@ -200,16 +200,20 @@ TEST_CASE("names, places and frames that are not there are told", "[embed]") {
     };
     fails(sinew_evaluate(s.handle, "solver", 1, &frame), SINEW_USAGE, "DG126");
     fails(sinew_evaluate(s.handle, "solvr.outMeshes", 1, &frame), SINEW_USAGE, "DG102");
-    fails(sinew_evaluate(s.handle, "solver.outMesh", 1, &frame), SINEW_GRAPH_WRONG, "DG102");
+    fails(sinew_evaluate(s.handle, "solver.outMesh", 1, &frame), SINEW_USAGE, "DG102");
     fails(sinew_evaluate(s.handle, nullptr, 1.5, &frame), SINEW_GRAPH_WRONG, "DG103");
-    fails(sinew_evaluate(s.handle, nullptr, std::numeric_limits<double>::infinity(), &frame), SINEW_GRAPH_WRONG,
-          "DG104");
+    fails(sinew_evaluate(s.handle, nullptr, std::numeric_limits<double>::infinity(), &frame), SINEW_USAGE, "DG104");
+    fails(sinew_evaluate(s.handle, nullptr, std::nan(""), &frame), SINEW_USAGE, "DG104");
+    int ready = 0;
+    fails(sinew_is_ready(s.handle, nullptr, std::nan(""), &ready), SINEW_USAGE, "DG104");
+    fails(sinew_is_ready(s.handle, "solver.outMesh", 1, &ready), SINEW_USAGE, "DG102");
+    fails(sinew_set_json(s.handle, "move", "scal", "1"), SINEW_USAGE, "DG011");
     fails(sinew_evaluate(s.handle, "sent.outMesh", 1, &frame), SINEW_GRAPH_WRONG, "DG124");
-    fails(sinew_set_numbers(s.handle, "moved", "scale", numbers, 3), SINEW_GRAPH_WRONG, "DG040");
-    fails(sinew_set_input(s.handle, "move", "scal", 1, numbers, 3), SINEW_GRAPH_WRONG, "DG011");
+    fails(sinew_set_numbers(s.handle, "moved", "scale", numbers, 3), SINEW_USAGE, "DG040");
+    fails(sinew_set_input(s.handle, "move", "scal", 1, numbers, 3), SINEW_USAGE, "DG011");
     fails(sinew_set_input(s.handle, "block", "mesh", 1, numbers, 3), SINEW_GRAPH_WRONG, "DG026");
     mesh.points = numbers, mesh.point_count = 1;
-    fails(sinew_set_mesh(s.handle, "sending", 1, &mesh), SINEW_GRAPH_WRONG, "DG040");
+    fails(sinew_set_mesh(s.handle, "sending", 1, &mesh), SINEW_USAGE, "DG040");
     REQUIRE(frame == nullptr);
     REQUIRE(sinew_evaluate(s.handle, nullptr, 1, &frame) == SINEW_OK);
     fails(sinew_get_mesh(frame, 1, &mesh), SINEW_USAGE, "DG122");

@@ -186,7 +186,7 @@ static void values_and_numbers(void) {
     CHECK(sinew_get_mesh(result, 0, &mesh) == SINEW_USAGE);
     CHECK(sinew_release(result) == SINEW_OK);
     CHECK(sinew_set_numbers(s, "paint", "value", &one, 1) == SINEW_OK);
-    CHECK(sinew_set_text(s, "cube", "comment", "no such input") == SINEW_GRAPH_WRONG);
+    CHECK(sinew_set_text(s, "cube", "comment", "no such input") == SINEW_USAGE);
     CHECK(sinew_set_numbers(s, "turn", "translate", two, 2) == SINEW_USAGE);
     CHECK(sinew_set_json(s, "turn", "scale", "[2, 2, 2]") == SINEW_OK);
     inputs[0].node = "turn", inputs[0].attribute = "translate", inputs[0].numbers = three, inputs[0].count = 3;

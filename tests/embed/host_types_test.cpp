@@ -27,6 +27,7 @@ engine::NodeType lift(const std::string& revision, std::atomic<int>* runs = null
     type.compute = [runs](const engine::Reads& in, engine::Writes& out) {
         if (runs) ++*runs;
         if (in[by] == 13) throw std::runtime_error("thirteen is not liked here");
+        if (in[by] == 42) throw 42;
         solver::Points points = *in[mesh].points;
         for (solver::Vec3& p : points) p[1] += in[by];
         out.set(out_mesh, in[mesh].with_points(std::move(points)));
@@ -121,6 +122,10 @@ TEST_CASE("what a host's type throws is a failure of its node, with its words", 
     std::string text;
     CHECK(codes([&] { s.evaluate(1); }, &text) == std::vector<std::string>{"DG127 lifted"});
     CHECK(text.find("thirteen is not liked here") != std::string::npos);
+    const embed::Setting number{{"lifted", "by"}, std::vector<double>{42}};
+    s.set({&number, 1});
+    CHECK(codes([&] { s.evaluate(1); }, &text) == std::vector<std::string>{"DG127 lifted"});
+    CHECK(text.find("no std::exception") != std::string::npos);
 }
 
 TEST_CASE("declarations of a host that cannot be are refused", "[embed]") {

@@ -65,6 +65,19 @@ TEST_CASE("the C++ program of the README builds against an installed Sinew and r
     CHECK(page.find("cmake --install build/release --prefix DIR") != std::string::npos);
 }
 
+TEST_CASE("a host with a node type of its own builds against an installed Sinew and runs", "[embed]") {
+    const TemporaryFolder folder;
+    const std::string prefix = install(folder), source = SINEW_SOURCE_DIR, build = (folder / "b").string();
+    const std::string page = read_text(source + "/docs/embedding.md");
+    const std::size_t begin = page.find("// twist.cpp\n");
+    REQUIRE(begin != std::string::npos);
+    write_text(folder / "host.cpp", page.substr(begin, page.find("```", begin) - begin));
+    run(folder, "cmake -S '" + source + "/tests/support/installed_host' -B '" + build + "' -DCMAKE_PREFIX_PATH='" +
+                    prefix + "' -DHOST_LIBRARY=sinew::embed -DHOST_SOURCE='" + (folder / "host.cpp").string() +
+                    "' && cmake --build '" + build + "'");
+    CHECK(run(folder, "'" + build + "/host'") == "-0.500 -0.500 0.500\n-0.707 -0.500 0.000\n");
+}
+
 TEST_CASE("a host in C builds against an installed libsinew with pkg-config alone", "[embed]") {
     const TemporaryFolder folder;
     const std::string prefix = install(folder), source = SINEW_SOURCE_DIR;

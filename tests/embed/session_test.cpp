@@ -234,6 +234,53 @@ TEST_CASE("what to evaluate must be clear", "[embed]") {
     CHECK(s.evaluate(1, "t.outMeshes").names == std::vector<std::string>{"bone"});
 }
 
+TEST_CASE("what an observer throws comes out of the evaluation, and finished frames stay", "[embed]") {
+    struct Thrower : engine::Observer {
+        bool at_step = false, at_end = false;
+        void stepped(const std::string&, double frame, double) override {
+            if (at_step && frame == 3) throw std::runtime_error("of the host");
+        }
+        void ends(const std::string&, double frame) override {
+            if (at_end && frame == 3) throw 42;
+        }
+    } thrower;
+    Session s({}, &thrower);
+    s.load_text(hanging);
+    thrower.at_step = true;
+    CHECK_THROWS_WITH(s.evaluate(5), "of the host");
+    CHECK(s.is_ready(3));
+    CHECK_FALSE(s.is_ready(4));
+    thrower.at_step = false;
+    s.evaluate(5);
+    CHECK(s.counts().simulated == 5);
+    Session other({}, &thrower);
+    other.load_text(hanging);
+    thrower.at_end = true;
+    CHECK_THROWS_AS(other.evaluate(5), int);
+    thrower.at_end = false;
+    other.evaluate(5);
+    CHECK(other.counts().simulated == 5);
+}
+
+TEST_CASE("names and frames that are not there are misuse, values are not", "[embed]") {
+    Session s;
+    s.load_text(hanging);
+    const double never = std::nan("");
+    bool misuse = false;
+    const auto refused = [&](const std::function<void()>& call, const char* with) {
+        misuse = false;
+        CHECK(code(call, &misuse) == with);
+        CHECK(misuse);
+    };
+    refused([&] { set(s, "nope", "matrix", lifted(1)); }, "DG040");
+    refused([&] { set(s, "plate", "nope", lifted(1)); }, "DG011");
+    refused([&] { s.evaluate(1, "hung.nope"); }, "DG102");
+    refused([&] { s.evaluate(never); }, "DG104");
+    refused([&] { s.is_ready(never); }, "DG104");
+    CHECK(code([&] { s.set_json({"solver", "substeps"}, "-1"); }, &misuse) == "DG013");
+    CHECK_FALSE(misuse);
+}
+
 TEST_CASE("sessions in threads give the bits that one alone gives", "[embed]") {
     const auto run = [] {
         embed::Options options;

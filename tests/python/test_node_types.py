@@ -116,8 +116,18 @@ class NodeTypes(unittest.TestCase):
         self.assertIn("ZeroDivisionError: division by zero", message)
         self.assertIn("test_node_types.py, line", message)
         self.assertIn("another kind", failing(lambda: "text"))
+        self.assertIn("None in place of a number", failing(lambda: None))
         self.assertIn("no output 'other'", failing(lambda: {"out": 1.0, "other": 2}))
         self.assertIn("nothing is given", failing(lambda: {}))
+
+    def test_none_for_a_mesh_is_told(self):
+        for kind, given, told in (("mesh", None, "None in place of a sinew.Mesh"),
+                                  ("meshes", [None], "a list in place of a list of sinew.Mesh")):
+            broken = sinew.NodeType("broken", "1", "Fails.", {}, {"out": sinew.Output(kind, "A mesh.")}, lambda: given)
+            session = sinew.Session(text=hanging(b={"type": "broken"}), node_types=[broken])
+            with self.assertRaises(sinew.GraphError) as caught:
+                session.evaluate(1, "b.out")
+            self.assertIn(told, caught.exception.diagnostics[0].message)
 
     def test_descriptions_that_cannot_be_are_refused(self):
         good = dict(name="n", version="1", doc="A node.", inputs={}, compute=lambda: 1.0,

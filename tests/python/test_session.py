@@ -3,11 +3,14 @@
 import gc
 import os
 import signal
+import subprocess
+import sys
 import tempfile
 import threading
 import time
 import unittest
 import warnings
+import weakref
 
 import numpy as np
 import sinew
@@ -203,6 +206,31 @@ class Wrong(unittest.TestCase):
             sinew.Session(text=text, on_warning=told.append)
         self.assertEqual([d.code for d in told], ["DG010"])
 
+    def test_what_on_warning_raises_while_a_graph_loads_comes_out(self):
+        def refuse(warning):
+            raise ZeroDivisionError(warning.code)
+
+        text = '{"format": "sinew 1", "nodes": {"a": {"type": "polyCubes"}}}'
+        self.assertRaisesRegex(ZeroDivisionError, "DG010", lambda: sinew.Session(text=text, on_warning=refuse))
+
+    def test_names_and_frames_that_are_not_there_are_wrong_calls(self):
+        session = sinew.Session(text=hanging())
+        for call in (
+            lambda: session.set("nope.matrix", lifted(1)),
+            lambda: session.set_input("plate.nope", 1, 1),
+            lambda: session.set_mesh("nope", 1, np.eye(3)),
+            lambda: session.evaluate(1, "hung.nope"),
+            lambda: session.evaluate(float("nan")),
+            lambda: session.is_ready(float("nan")),
+        ):
+            self.assertRaises(sinew.UsageError, call)
+
+    def test_objects_made_by_new_alone_are_refused(self):
+        self.assertRaises(TypeError, lambda: sinew.Frame.__new__(sinew.Frame).meshes)
+        self.assertRaises(TypeError, lambda: sinew.Mesh.__new__(sinew.Mesh).points)
+        self.assertRaises(TypeError, lambda: sinew.Event.__new__(sinew.Event).node)
+        self.assertRaises(TypeError, lambda: sinew.Diagnostic.__new__(sinew.Diagnostic).code)
+
     def test_meshes_are_checked(self):
         self.assertRaises(ValueError, sinew.Mesh, [[0, 0, 0]], [0, 0])
         self.assertRaises(ValueError, sinew.Mesh, [[0, 0]], [0, 0, 0])
@@ -317,6 +345,60 @@ class Going(unittest.TestCase):
         self.assertEqual(len(found), 18)
         self.assertEqual(len(set(found)), 6)
         self.assertEqual(session.counts.simulated, 6)
+
+
+EXIT = """
+import sys, threading, time
+import sinew
+from scenes import hanging
+
+started = threading.Event()
+
+@sinew.node_type("slow", version="1", inputs={}, outputs={"out": sinew.Output("number", "A number.")}, uses_time=True)
+def slow(frame):
+    "Takes its time."
+    started.set()
+    time.sleep(0.01)
+    return frame
+
+session = sinew.Session(text=hanging(slow={"type": "slow"}), node_types=[slow], on_event=lambda e: started.set() and None)
+plug = sys.argv[1]
+
+def work():
+    for number in range(1, 100000):
+        session.evaluate(number, plug)
+
+threading.Thread(target=work, daemon=True).start()
+started.wait()
+print("end")
+"""
+
+
+class Ending(unittest.TestCase):
+    def test_the_program_ends_while_a_daemon_thread_evaluates(self):
+        for plug in ("slow.out", "solver.outMeshes"):
+            made = subprocess.run([sys.executable, "-B", "-c", EXIT, plug], capture_output=True, text=True, timeout=120)
+            self.assertEqual((made.returncode, made.stdout), (0, "end\n"), made.stderr)
+
+    def test_a_session_that_its_callbacks_name_is_collected(self):
+        def named_by(name):
+            box = {}
+
+            def watch(*args):
+                return box["session"] and None
+
+            given = watch
+            if name == "node_types":
+                output = {"out": sinew.Output("number", "A number.")}
+                given = [sinew.NodeType("own", "1", "A node.", {}, output, watch)]
+            session = box["session"] = sinew.Session(text=hanging(), **{name: given})
+            session.evaluate(1)
+            return weakref.ref(session), weakref.ref(session._core)
+
+        for name in ("on_event", "on_warning", "node_types"):
+            session, core = named_by(name)
+            gc.collect()
+            self.assertEqual((session(), core()), (None, None), name)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,9 @@ auto told(const engine::Reads& in, Call&& call) {
         in.fail({}, "FE305", "there is not enough memory for it", "Choose fewer tets, faces or frames at once.");
     } catch (const std::exception& e) {
         in.fail({}, "DG127", e.what(), "this node type is the host's: repair it there");
+    } catch (...) {
+        in.fail({}, "DG127", "it threw something that is no std::exception",
+                "this node type is the host's: repair it there");
     }
 }
 

@@ -11,6 +11,7 @@
 #include "tools/embed/graph_walk.h"
 
 #include <atomic>
+#include <exception>
 #include <list>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -32,7 +33,8 @@ engine::Diagnostic diagnostic(std::string code, std::string message, std::string
     return d;
 }
 
-/// Counts, and passes on.
+/// Counts, and passes on. What the host's observer throws stays here until the call that ran meanwhile takes it: a
+/// worker would lose its frame by it, and end the program where it tells of the end of its work in a destructor.
 class Watch : public engine::Observer {
   public:
     explicit Watch(Observer* next)
@@ -61,7 +63,13 @@ class Watch : public engine::Observer {
     void progress(const std::string& node, double done, std::string_view what) override {
         pass([&](Observer& o) { o.progress(node, done, what); });
     }
+    /// What the observer threw, once.
+    std::exception_ptr take_error() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(error_, nullptr);
+    }
     std::atomic<std::int64_t> computed_count = 0, stepped_count = 0, reused_count = 0;
+    std::function<void()> stop; ///< ends the evaluations that run
 
   private:
     /// One call at a time, those of readers among them.
@@ -69,10 +77,16 @@ class Watch : public engine::Observer {
     void pass(Call&& call) {
         if (!next_) return;
         const std::lock_guard lock(mutex_);
-        call(*next_);
+        try {
+            call(*next_);
+        } catch (...) {
+            if (!error_) error_ = std::current_exception();
+            if (stop) stop();
+        }
     }
     Observer* next_;
     std::mutex mutex_;
+    std::exception_ptr error_;
 };
 
 engine::StorePolicy policy_of(const Options& options, const engine::FileAccess& files) {
@@ -128,6 +142,23 @@ std::vector<nodes::Mesh> meshes_in(const Value& value) {
     return {};
 }
 
+/// Of an edit: a node or input that there is not is the caller's mistake; the graph is as right as before.
+auto committed(Edit& edit) {
+    try {
+        return edit.commit();
+    } catch (const engine::Failure& f) {
+        const auto all = f.diagnostics();
+        const auto names_nothing = [](const engine::Diagnostic& d) { return d.code == "DG040" || d.code == "DG011"; };
+        if (std::none_of(all.begin(), all.end(), names_nothing)) throw;
+        throw Misuse(std::vector<engine::Diagnostic>(all.begin(), all.end()));
+    }
+}
+
+/// \param at the output that is asked for
+void check_frame(double frame, const Plug& at) {
+    if (!std::isfinite(frame)) throw Misuse("DG104", "the frame is not a finite number", "ask for a frame", at);
+}
+
 std::vector<double> as_numbers(std::span<const int> whole) { return {whole.begin(), whole.end()}; }
 
 } // namespace
@@ -161,7 +192,38 @@ struct Session::Impl {
         : registry(options.registry ? options.registry : nodes::make_registry())
         , files(options.root_folder.empty() ? engine::FileAccess() : engine::FileAccess::within(options.root_folder))
         , watch(observer)
-        , evaluator(policy_of(options, files), options.threads, &watch) {}
+        , evaluator(policy_of(options, files), options.threads, &watch) {
+        watch.stop = [this] { cancel(); };
+    }
+
+    void cancel() {
+        const std::lock_guard lock(mutex);
+        for (std::stop_source& source : running) source.request_stop();
+    }
+
+    /// Calls, and throws what the host's observer threw meanwhile in place of what came of it.
+    template <class Call>
+    auto watched(Call&& call) {
+        struct Thrown {
+            Watch& watch;
+            void operator()() const {
+                if (const std::exception_ptr error = watch.take_error()) std::rethrow_exception(error);
+            }
+        } const thrown{watch};
+        try {
+            if constexpr (std::is_void_v<decltype(call())>) {
+                call();
+                thrown();
+            } else {
+                auto out = call();
+                thrown();
+                return out;
+            }
+        } catch (...) {
+            thrown();
+            throw;
+        }
+    }
 
     /// Puts another graph in place and tells the reader's warnings.
     void take(engine::Loaded loaded) {
@@ -180,6 +242,13 @@ struct Session::Impl {
             if (!g.find(plug.node))
                 throw Misuse("DG102", "there is no node \"" + plug.node + "\"",
                              engine::name_hint(plug.node, g.node_names(), {}), plug);
+            const engine::NodeType* type = g.find(plug.node)->type;
+            if (type && !type->find_output(plug.attribute)) {
+                std::vector<std::string> known;
+                for (const engine::AttributeInfo& output : type->outputs) known.emplace_back(output.name);
+                throw Misuse("DG102", std::string(type->name) + " has no output \"" + plug.attribute + "\"",
+                             engine::name_hint(plug.attribute, known, "outputs"), plug);
+            }
             return plug;
         }
         const std::vector<std::string> found = last_solvers(g, g.node_names());
@@ -205,12 +274,12 @@ Session::~Session() = default;
 
 void Session::load_file(const std::string& path) {
     const std::lock_guard edits(impl_->editing);
-    impl_->take(engine::load_graph(impl_->registry, path, impl_->files));
+    impl_->watched([&] { impl_->take(engine::load_graph(impl_->registry, path, impl_->files)); });
 }
 
 void Session::load_text(std::string_view json, const std::string& file_name) {
     const std::lock_guard edits(impl_->editing);
-    impl_->take(engine::read_graph(impl_->registry, json, file_name, impl_->files));
+    impl_->watched([&] { impl_->take(engine::read_graph(impl_->registry, json, file_name, impl_->files)); });
 }
 
 std::shared_ptr<const Graph> Session::graph() const {
@@ -223,7 +292,7 @@ void Session::edit(const std::function<void(Edit&)>& changes) {
     const std::lock_guard edits(impl_->editing);
     Edit edit(graph());
     changes(edit);
-    auto done = edit.commit();
+    auto done = committed(edit);
     const std::lock_guard lock(impl_->mutex);
     impl_->graph = std::move(done.graph);
 }
@@ -290,6 +359,10 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
 }
 
 Frame Session::evaluate(double frame, std::string_view plug, std::stop_token stop) {
+    return impl_->watched([&] { return evaluated(frame, plug, std::move(stop)); });
+}
+
+Frame Session::evaluated(double frame, std::string_view plug, std::stop_token stop) {
     Frame out;
     const std::shared_ptr<const Graph> g = graph();
     std::list<std::stop_source>::iterator mine;
@@ -307,6 +380,7 @@ Frame Session::evaluate(double frame, std::string_view plug, std::stop_token sto
     } leave{*impl_, mine};
     const std::stop_callback link(stop, [source = *mine]() mutable { source.request_stop(); });
     out.plug = impl_->plug_of(*g, plug);
+    check_frame(frame, out.plug);
     out.number = frame;
     out.value = impl_->evaluator.pull({g, out.plug, frame, mine->get_token(), {}});
     out.meshes = meshes_in(out.value);
@@ -328,13 +402,12 @@ bool Session::is_ready(double frame, std::string_view plug) const {
 
 engine::Verdict Session::explain(double frame, std::string_view plug) const {
     const auto g = graph();
-    return impl_->evaluator.explain({g, impl_->plug_of(*g, plug), frame, {}, {}});
+    const Plug at = impl_->plug_of(*g, plug);
+    check_frame(frame, at);
+    return impl_->watched([&] { return impl_->evaluator.explain({g, at, frame, {}, {}}); });
 }
 
-void Session::cancel() {
-    const std::lock_guard lock(impl_->mutex);
-    for (std::stop_source& source : impl_->running) source.request_stop();
-}
+void Session::cancel() { impl_->cancel(); }
 
 Counts Session::counts() const {
     return {impl_->watch.stepped_count, impl_->watch.computed_count, impl_->watch.reused_count};

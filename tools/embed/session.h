@@ -83,7 +83,8 @@ struct Frame {
 class Session {
   public:
     /// \param watch told of what goes on, from worker threads, one call at a time; must not call the session but for
-    /// cancel() and counts()
+    /// cancel() and counts(). What it throws stops the evaluations that run, as cancel() does, and comes out of one of
+    /// them, or of the load; finished frames stay.
     explicit Session(Options options = {}, engine::Observer* watch = nullptr);
     ~Session();
     Session(const Session&) = delete;
@@ -117,6 +118,7 @@ class Session {
     Counts counts() const;
 
   private:
+    Frame evaluated(double frame, std::string_view plug, std::stop_token stop);
     struct Impl;
     std::unique_ptr<Impl> impl_;
 };

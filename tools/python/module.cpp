@@ -129,9 +129,44 @@ engine::Plug plug_of(const std::string& node, const std::string& attribute) { re
 
 /// Calls the session without the interpreter's lock.
 template <class Call>
-auto freely(Call&& call) {
-    const py::gil_scoped_release free;
+auto freely(PythonSession& s, Call&& call) {
+    const PythonSession::Free free(s);
     return call();
+}
+
+/// Null for an object whose __init__ has not run.
+PythonSession* made_session(PyObject* self) {
+    const auto v = reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder();
+    return v.holder_constructed() ? v.value_ptr<PythonSession>() : nullptr;
+}
+
+/// Lets Python's garbage collector find sessions that are held by nothing but their own callbacks.
+void take_part_in_collection(PyHeapTypeObject* heap_type) {
+    PyTypeObject& type = heap_type->ht_type;
+    type.tp_flags |= Py_TPFLAGS_HAVE_GC;
+    type.tp_traverse = [](PyObject* self, visitproc visit, void* arg) -> int {
+        Py_VISIT(Py_TYPE(self));
+        const PythonSession* s = made_session(self);
+        return s ? s->traverse(visit, arg) : 0;
+    };
+    type.tp_clear = [](PyObject* self) -> int {
+        if (PythonSession* s = made_session(self)) s->clear();
+        return 0;
+    };
+    // It gives the lock up while it goes; no collection of another thread may find it then.
+    type.tp_dealloc = [](PyObject* self) {
+        PyObject_GC_UnTrack(self);
+        py::detail::pybind11_object_dealloc(self);
+    };
+}
+
+/// T.__new__(T) makes an object of nothing. pybind11 gives it memory that nobody has written when it is first used;
+/// this refuses instead.
+template <class T>
+void refuse_unmade() {
+    py::detail::get_type_info(typeid(T), true)->operator_new = [](std::size_t) -> void* {
+        throw py::type_error("the object was made by __new__ alone; Sinew gives such objects, or their class does");
+    };
 }
 
 using Inputs = std::vector<std::tuple<std::string, std::string, py::object>>;
@@ -147,10 +182,11 @@ std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std
                                             py::object on_warning, const std::vector<py::object>& node_types) {
     if (threads < 0) throw py::value_error("threads are 0, which takes all, or more");
     embed::Options options;
+    std::vector<Kept> kept;
     if (!node_types.empty()) {
         auto registry = std::make_shared<engine::Registry>();
         nodes::register_all(*registry);
-        for (const py::object& type : node_types) add_python_type(*registry, type);
+        for (const py::object& type : node_types) kept.push_back(add_python_type(*registry, type));
         options.registry = std::move(registry);
     }
     options.threads = threads;
@@ -158,26 +194,35 @@ std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std
     options.cache_folder = std::move(cache);
     if (cache_size > 0) options.cache_bytes = cache_size;
     options.root_folder = std::move(root);
-    return std::make_unique<PythonSession>(std::move(options), std::move(on_event), std::move(on_warning));
+    return std::make_unique<PythonSession>(std::move(options), std::move(on_event), std::move(on_warning),
+                                           std::move(kept));
 }
 
 void add_sessions(py::module_& module) {
-    py::class_<PythonSession>(module, "Core", "What sinew.Session stands on.")
+    py::class_<PythonSession>(module, "Core", "What sinew.Session stands on.",
+                              py::custom_type_setup(&take_part_in_collection))
         .def(py::init(&make_session), py::arg("threads"), py::arg("memory"), py::arg("cache"), py::arg("cache_size"),
              py::arg("root"), py::arg("on_event"), py::arg("on_warning"), py::arg("node_types"))
         .def("load_file",
-             [](PythonSession& s, const std::string& path) { freely([&] { s.session().load_file(path); }); })
-        .def("load_text", [](PythonSession& s, const std::string& text,
-                             const std::string& name) { freely([&] { s.session().load_text(text, name); }); })
-        .def("graph_text", [](PythonSession& s) { return freely([&] { return write_graph(*s.session().graph()); }); })
+             [](PythonSession& s, const std::string& path) {
+                 freely(s, [&] { s.session().load_file(path); });
+                 s.throw_of_callback();
+             })
+        .def("load_text",
+             [](PythonSession& s, const std::string& text, const std::string& name) {
+                 freely(s, [&] { s.session().load_text(text, name); });
+                 s.throw_of_callback();
+             })
+        .def("graph_text",
+             [](PythonSession& s) { return freely(s, [&] { return write_graph(*s.session().graph()); }); })
         .def("timing",
              [](PythonSession& s) {
-                 const auto t = freely([&] { return s.session().graph()->timing(); });
+                 const auto t = freely(s, [&] { return s.session().graph()->timing(); });
                  return std::tuple(t.fps, t.start, t.end);
              })
         .def("nodes",
              [](PythonSession& s) {
-                 const auto graph = freely([&] { return s.session().graph(); });
+                 const auto graph = freely(s, [&] { return s.session().graph(); });
                  std::vector<std::pair<std::string, std::string>> out;
                  for (const std::string& name : graph->node_names())
                      out.emplace_back(name, graph->find(name)->type_name);
@@ -185,17 +230,17 @@ void add_sessions(py::module_& module) {
              })
         .def("set_json",
              [](PythonSession& s, const std::string& node, const std::string& attribute, const std::string& json) {
-                 freely([&] { s.session().set_json(plug_of(node, attribute), json); });
+                 freely(s, [&] { s.session().set_json(plug_of(node, attribute), json); });
              })
         .def("set",
              [](PythonSession& s, const Inputs& inputs) {
                  const auto settings = settings_of(inputs);
-                 freely([&] { s.session().set(settings); });
+                 freely(s, [&] { s.session().set(settings); });
              })
         .def("set_at",
              [](PythonSession& s, double frame, const Inputs& inputs) {
                  const auto settings = settings_of(inputs);
-                 freely([&] { s.session().set_at(frame, settings); });
+                 freely(s, [&] { s.session().set_at(frame, settings); });
              })
         .def("set_mesh",
              [](PythonSession& s, const std::string& node, double frame, const Doubles& points,
@@ -206,23 +251,24 @@ void add_sessions(py::module_& module) {
                      return std::span(a.data(), static_cast<std::size_t>(a.size()));
                  };
                  const embed::HostMesh mesh{list(points), list(face_sizes), list(face_vertices)};
-                 freely([&] { s.session().set_mesh(node, frame, mesh); });
+                 freely(s, [&] { s.session().set_mesh(node, frame, mesh); });
              })
         .def("evaluate", &PythonSession::evaluate)
         .def("is_ready",
              [](PythonSession& s, double frame, const std::string& plug) {
-                 return freely([&] { return s.session().is_ready(frame, plug); });
+                 return freely(s, [&] { return s.session().is_ready(frame, plug); });
              })
         .def("explain",
              [](PythonSession& s, double frame, const std::string& plug) {
-                 return freely([&] { return s.session().explain(frame, plug).because; });
+                 return freely(s, [&] { return s.session().explain(frame, plug).because; });
              })
-        .def("cancel", [](PythonSession& s) { freely([&] { s.session().cancel(); }); })
+        .def("cancel", [](PythonSession& s) { freely(s, [&] { s.session().cancel(); }); })
         .def("counts",
              [](PythonSession& s) {
                  const embed::Counts c = s.session().counts();
                  return std::tuple(c.simulated, c.computed, c.reused);
              })
+        .def("end", &PythonSession::end)
         .def("take_warnings", &PythonSession::take_warnings);
 }
 
@@ -240,4 +286,9 @@ PYBIND11_MODULE(_sinew, module) {
     add_meshes(module);
     add_frames(module);
     add_sessions(module);
+    refuse_unmade<sinew::engine::Diagnostic>();
+    refuse_unmade<Event>();
+    refuse_unmade<NamedMesh>();
+    refuse_unmade<sinew::embed::Frame>();
+    refuse_unmade<PythonSession>();
 }

@@ -51,6 +51,14 @@ class PythonSession::Watch : public engine::Observer {
         const std::lock_guard lock(mutex_);
         return std::exchange(error_, nullptr);
     }
+    int traverse(visitproc visit, void* arg) const {
+        if (const int stop = on_event_.traverse(visit, arg)) return stop;
+        return on_warning_.traverse(visit, arg);
+    }
+    void clear() {
+        on_event_.clear();
+        on_warning_.clear();
+    }
     embed::Session* session = nullptr;
 
   private:
@@ -66,6 +74,7 @@ class PythonSession::Watch : public engine::Observer {
     void call(Call&& python) {
         bool stop = true;
         {
+            if (interpreter_goes()) return session ? session->cancel() : void();
             const py::gil_scoped_acquire lock;
             try {
                 stop = python();
@@ -82,23 +91,58 @@ class PythonSession::Watch : public engine::Observer {
     std::exception_ptr error_;
 };
 
-PythonSession::PythonSession(embed::Options options, py::object on_event, py::object on_warning)
-    : watch_(std::make_unique<Watch>(std::move(on_event), std::move(on_warning))) {
+PythonSession::PythonSession(embed::Options options, py::object on_event, py::object on_warning, std::vector<Kept> kept)
+    : watch_(std::make_unique<Watch>(std::move(on_event), std::move(on_warning)))
+    , kept_(std::move(kept)) {
     const py::gil_scoped_release free;
     session_ = std::make_unique<embed::Session>(std::move(options), watch_.get());
     watch_->session = session_.get();
 }
 
 PythonSession::~PythonSession() {
-    const py::gil_scoped_release free; // workers may wait for it
+    std::optional<py::gil_scoped_release> free; // workers may wait for it
+    if (!keeps_lock() && !interpreter_goes()) free.emplace();
     session_.reset();
 }
 
+bool PythonSession::keeps_lock() const {
+    return ended_by_ && (*ended_by_ != std::this_thread::get_id() || interpreter_goes());
+}
+
+void PythonSession::end() {
+    ended_by_ = std::this_thread::get_id();
+    for (bool again = outside_ > 0; again;) {
+        again = outside_ > 0; // once more when they are back: then they do in Python what is to be done after it
+        {
+            const py::gil_scoped_release free;
+            session_->cancel();
+            std::this_thread::sleep_for(look_for_signals);
+        }
+        if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    }
+}
+
+int PythonSession::traverse(visitproc visit, void* arg) const {
+    for (const Kept& k : kept_)
+        if (const int stop = k.traverse(visit, arg)) return stop;
+    return watch_->traverse(visit, arg);
+}
+
+void PythonSession::clear() {
+    for (const Kept& k : kept_) k.clear();
+    watch_->clear();
+}
+
+void PythonSession::throw_of_callback() {
+    if (const std::exception_ptr thrown = watch_->take_error()) std::rethrow_exception(thrown);
+}
+
 embed::Frame PythonSession::evaluate(double frame, const std::string& plug) {
+    if (keeps_lock()) throw engine::Cancelled();
     std::exception_ptr interrupted, failed;
     std::optional<embed::Frame> out;
     {
-        const py::gil_scoped_release free;
+        const Free free(*this);
         std::stop_source stop;
         std::promise<void> done;
         const std::future<void> end = done.get_future();
@@ -119,9 +163,9 @@ embed::Frame PythonSession::evaluate(double frame, const std::string& plug) {
         }
     }
     if (interrupted) std::rethrow_exception(interrupted);
-    if (!failed) return std::move(*out);
-    if (const std::exception_ptr thrown = watch_->take_error()) std::rethrow_exception(thrown);
-    std::rethrow_exception(failed);
+    throw_of_callback();
+    if (failed) std::rethrow_exception(failed);
+    return std::move(*out);
 }
 
 std::vector<engine::Diagnostic> PythonSession::take_warnings() { return watch_->take_warnings(); }

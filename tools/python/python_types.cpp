@@ -205,7 +205,24 @@ py::dict results_of(const Description& d, py::object given) {
     return out;
 }
 
+/// "of another kind: None in place of a sinew.Mesh".
+std::string of_another_kind(const Attribute& a, const py::handle& given) {
+    std::string kind = "value";
+    for (const auto& [word, known] : kinds())
+        if (&known == a.kind) kind = word;
+    const std::string wanted = kind == "mesh"      ? "a sinew.Mesh"
+                               : kind == "meshes"  ? "a list of sinew.Mesh"
+                               : kind == "numbers" ? "a list of numbers"
+                               : kind == "integer" ? "an integer"
+                                                   : "a " + kind;
+    const std::string found =
+        given.is_none() ? "None" : "a " + py::str(py::type::handle_of(given).attr("__name__")).cast<std::string>();
+    return "what the function returned for the output '" + a.name + "' is of another kind: " + found + " in place of " +
+           wanted;
+}
+
 void compute(const Description& d, const Reads& in, engine::Writes& out) {
+    if (interpreter_goes()) throw engine::Cancelled();
     const py::gil_scoped_acquire lock;
     try {
         py::dict arguments;
@@ -220,10 +237,14 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
         }
         for (const Attribute& a : d.outputs) {
             if (!results.contains(a.name)) throw py::key_error("nothing is given for the output '" + a.name + "'");
+            const py::object given = results[py::str(a.name)];
+            if (given.is_none()) throw py::type_error(of_another_kind(a, given)); // NumPy would make a number of it
             try {
-                out.put(a.name, a.kind->make(results[py::str(a.name)]));
+                out.put(a.name, a.kind->make(given));
             } catch (const py::cast_error&) {
-                throw py::type_error("what is given for the output '" + a.name + "' is of another kind");
+                throw py::type_error(of_another_kind(a, given));
+            } catch (const py::reference_cast_error&) { // None in a list of meshes
+                throw py::type_error(of_another_kind(a, given));
             }
         }
     } catch (const py::error_already_set& e) {
@@ -233,7 +254,7 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
 
 } // namespace
 
-void add_python_type(engine::Registry& registry, const py::object& given) {
+Kept add_python_type(engine::Registry& registry, const py::object& given) {
     auto d = std::make_shared<Description>();
     engine::NodeType type;
     const auto name = given.attr("name").cast<std::string>();
@@ -252,6 +273,7 @@ void add_python_type(engine::Registry& registry, const py::object& given) {
     d->function.emplace(given.attr("compute"));
     type.compute = [d](const Reads& in, engine::Writes& out) { compute(*d, in, out); };
     embed::add_host_type(registry, std::move(type));
+    return *d->function;
 }
 
 } // namespace sinew::python

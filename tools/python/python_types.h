@@ -3,11 +3,14 @@
 #pragma once
 #include "engine/registry.h"
 
+#include "tools/python/python_session.h"
+
 #include <pybind11/pybind11.h>
 
 namespace sinew::python {
 
 /// Adds a type as sinew/node_types.py describes it. Throws Misuse DG128 for a description that cannot be.
-void add_python_type(engine::Registry& registry, const pybind11::object& description);
+/// Gives the function that the type calls, which lives as long as the registry.
+Kept add_python_type(engine::Registry& registry, const pybind11::object& description);
 
 } // namespace sinew::python

@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import atexit
 import json
 import os
 import sys
 import warnings
+import weakref
 from typing import Any, Callable, Dict, Iterator, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -30,6 +32,20 @@ class Timing(NamedTuple):
     fps: float
     start: int
     end: int
+
+
+_cores: "weakref.WeakSet[_sinew.Core]" = weakref.WeakSet()
+
+
+def _end_evaluations(process: int) -> None:
+    """When the program ends: a thread that still evaluates would meet an interpreter that is gone. Only daemon threads
+    can; they get Cancelled. A fork has no such threads."""
+    if os.getpid() == process:
+        for core in list(_cores):
+            core.end()
+
+
+atexit.register(_end_evaluations, os.getpid())
 
 
 def _split(plug: str) -> Tuple[str, str]:
@@ -86,6 +102,7 @@ class Session:
         self._core = _sinew.Core(
             threads, memory, folder, cache_size, base, on_event, on_warning, list(node_types)
         )
+        _cores.add(self._core)
         if graph is not None and text is not None:
             raise UsageError("give a graph's path or its text, not both")
         if graph is not None:
