@@ -168,13 +168,13 @@ TEST_CASE("check doubts tets far larger than what they fill is thick", "[tools]"
                                   {"inputs", {{"width", 40}, {"height", 20}, {"depth", 2}, {"subdivisionsHeight", 4}}}};
     const std::string said = said_of(graph, {"tets.tetSize=10"});
     CHECK(said.starts_with("FE262 tets.tetSize: "));
-    CHECK(said.find("of the surface of ball belongs to parts about 2 thick, less than a third of the tets there (10) | "
-                    "choose a tetSize of about 2,") != std::string::npos);
+    CHECK(
+        said.find("of the surface of ball belongs to parts about 2 thick, less than a quarter of the tets there (10) | "
+                  "choose a tetSize of about 2,") != std::string::npos);
     CHECK(said_of(graph, {"tets.tetSize=2"}).empty());
     graph["nodes"]["ballMesh"]["inputs"]["depth"] = 6;
     CHECK(said_of(graph, {"tets.tetSize=17"}).empty());
-    CHECK(said_of(graph, {"tets.tetSize=18.5"}).find("about 6 thick, less than a third of the tets there (18.5)") !=
-          std::string::npos);
+    CHECK(said_of(graph, {"tets.tetSize=20"}).find("about 6 thick, less than a third of") != std::string::npos);
     // A ball of 20 in tets of 30: no part of it is thin.
     CHECK(
         said_of(ball(), {"tets.tetSize=30"}) ==
@@ -572,8 +572,8 @@ TEST_CASE("check doubts values in another unit than the attribute's", "[tools]")
     CHECK(said_of(graph).starts_with("FE324 fibre.strength: 60 Pa hardly pulls; muscles have 100 to 300 kPa | if "
                                      "kilopascals are meant, write \"60 kPa\"\n"));
     CHECK(said_of(graph, {"fibre.strength=0"}).find("FE324") == std::string::npos);
-    CHECK(said_of(ball(), {"solver.gravity=[0, -1e300, 0]"})
-              .starts_with("FE322 solver.gravity: 1e+300 m/s^2 is 1e+299 times the earth's | "));
+    CHECK(said_of(ball(), {"solver.gravity=[0, -1e8, 0]"})
+              .starts_with("FE322 solver.gravity: 1e+08 m/s^2 is 1e+07 times the earth's | "));
     CHECK(said_of(ball(), {"grip.stiffness=1"}) ==
           "FE326 grip.stiffness: 1 N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by 98 m "
           "| it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5\n");

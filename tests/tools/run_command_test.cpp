@@ -40,9 +40,9 @@ std::set<std::string> keys(const json& object) {
 json graph_that_fails_at_frame_4() {
     json graph = small_graph();
     graph["nodes"]["upperMove"]["inputs"]["scale"] =
-        json::parse(R"({ "keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [1e300, 1e300, 1e300]]], "interp": "step" })");
-    graph["nodes"]["upperMove"]["inputs"]["translate"] = json::parse(
-        R"({ "keys": [[1, [0, 4.5, 0]], [3, [0, 4.5, 0]], [4, [1e308, 1e308, 1e308]]], "interp": "step" })");
+        json::parse(R"({ "keys": [[1, [1, 1, 1]], [3, [1, 1, 1]], [4, [1e53, 1e53, 1e53]]], "interp": "step" })");
+    graph["nodes"]["upperMove"]["inputs"]["translate"] =
+        json::parse(R"({ "keys": [[1, [0, 4.5, 0]], [3, [0, 4.5, 0]], [4, [1e53, 1e53, 1e53]]], "interp": "step" })");
     graph["nodes"]["plateMesh"]["inputs"]["width"] = 1e9;
     return graph;
 }

@@ -15,8 +15,13 @@ namespace sinew::doubts {
 
 namespace {
 
-/// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface.
-constexpr double thin_part = 0.34, thin_share = 0.25;
+/// Parts are thin below this share of a tet's length; muscles taper, so it takes this share of the surface. So do parts
+/// of up to a third of a tet's length where they are most of the surface.
+struct Thin {
+    double part, share;
+    const char* words;
+};
+constexpr Thin thin_limits[] = {{0.25, 0.25, "a quarter"}, {0.34, 0.6, "a third"}};
 /// Parts share vertices of a lattice where they lie less than about this many tets from each other: a spring of round
 /// wire is 39 times too stiff at .9 of a tet from turn to turn, 8 times at 1.4, a third at 1.8, and right at 2.25.
 constexpr double tied_within = 1.5;
@@ -71,11 +76,11 @@ double tet_length(const solver::TissueRest& rest, int triangle) {
     return longest_edge(rest, rest.embedding.tet[at(rest.triangles[at(triangle)][0])]);
 }
 
-Narrow thin_parts(const solver::TissueRest& rest, std::size_t most) {
+Narrow thin_parts(const solver::TissueRest& rest, const std::vector<solver::Thickness>& all, double part) {
     Narrow out;
-    for (const solver::Thickness& t : solver::thickness(rest.surface, rest.triangles, most)) {
+    for (const solver::Thickness& t : all) {
         const double length = tet_length(rest, t.triangle);
-        out.add(t, length, t.distance < thin_part * length);
+        out.add(t, length, t.distance < part * length);
     }
     return out;
 }
@@ -207,26 +212,31 @@ void doubt_tets(Doubting& d, const Member& m) {
     const solver::TissueRest& rest = **of_tissue;
     if (rest.tets.coverage.empty()) return; // tets that fit the surface
     const std::size_t most = d.look() == Look::closely ? most_rays : most_rays_in_passing;
-    Narrow thin = thin_parts(rest, most);
+    const std::vector<solver::Thickness> all = solver::thickness(rest.surface, rest.triangles, most);
+    const Narrow whole = thin_parts(rest, all, 1);
     const std::vector<engine::Plug> tets = d.plugs(m.name, "tets");
     const bool sized = !tets.empty() && d.graph().find(tets.front().node)->type_name == "zTet";
     const std::string node = sized ? tets.front().node : m.name, attribute = sized ? "tetSize" : "tets";
     const std::string take = sized ? "choose" : "connect a zTet with";
     const double length = extent(rest.surface);
-    if (length < least_tets_along * thin.largest) {
+    if (length < least_tets_along * whole.largest) {
         d.doubt("FE262", node, attribute,
-                m.name + " is " + rough(length) + " long and its tets are " + rough(thin.largest) +
+                m.name + " is " + rough(length) + " long and its tets are " + rough(whole.largest) +
                     ", so it cannot bend",
                 take + " a tetSize of about " + rough(length / 8));
         return;
     }
-    if (thin.share() > thin_share)
+    for (const Thin& limit : thin_limits) {
+        Narrow thin = thin_parts(rest, all, limit.part);
+        if (!(thin.share() > limit.share)) continue;
         d.doubt("FE262", node, attribute,
                 rough(100 * thin.share()) + " % of the surface of " + m.name + " belongs to parts about " +
-                    rough(thin.usual()) + " thick, less than a third of the tets there (" + rough(thin.largest_narrow) +
-                    ")",
+                    rough(thin.usual()) + " thick, less than " + limit.words + " of the tets there (" +
+                    rough(thin.largest_narrow) + ")",
                 take + " a tetSize of about " + rough(thin.usual()) +
                     ", or refine there by weights and surfaceRefinement");
+        break;
+    }
     if (Narrow tied = tied_parts(rest); tied.share() > tied_share)
         d.doubt("FE262", node, attribute,
                 rough(100 * tied.share()) + " % of the surface of " + m.name + " lies about " + rough(tied.usual()) +
