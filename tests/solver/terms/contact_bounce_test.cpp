@@ -90,3 +90,15 @@ TEST_CASE("contact: with TR-BDF2 a block that lands rises by less than it fell",
         CHECK(f.rebound(substeps) < 1);
     }
 }
+
+TEST_CASE("contact: with TR-BDF2 a block comes to rest as deep as its weight presses", "[contact]") {
+    TetMesh mesh = box_mesh(Vec3::Constant(0.04), 2, 2, 2);
+    for (Vec3& p : mesh.vertices) p.y() += 0.01;
+    Falling f(tissue(mesh, ElasticLaw::neo_hookean), material(1e6, 0, 1000), 0);
+    f.in.mass_damping = 30;
+    f.rebound(4);
+    const double weight = 1000 * gravity * 0.04 * 0.04 * 0.04;
+    CHECK(value_of(f.state.record.measured, "contact", "force_N") == Catch::Detail::Approx(weight).epsilon(1e-4));
+    CHECK(value_of(f.state.record.measured, "contact", "max_depth_m") ==
+          Catch::Detail::Approx(weight / (1e6 * 0.04 * 0.04)).epsilon(0.01));
+}
