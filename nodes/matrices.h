@@ -18,6 +18,7 @@ engine::Matrix4 multiply(const engine::Matrix4& a, const engine::Matrix4& b);
 /// multiples of 90 are exact.
 engine::Matrix4 compose(const engine::Vec3& translate, const engine::Vec3& rotate, const engine::Vec3& scale,
                         std::string_view order, const engine::Vec3& rotate_pivot);
+
 /// Whether the last row is 0 0 0 1, but for rounding: nothing reads it. It is not where a matrix is written for row
 /// vectors, with the translation there.
 bool is_affine(const engine::Matrix4& matrix);

@@ -55,19 +55,25 @@ void add_inside(const CollisionBodies& bodies, const std::vector<ContactPair>& p
     sort_contacts(out);
 }
 
+/// Of each body of contact: what carries its points. `x`: of what deforms; `bones`: per body.
+std::vector<const double*> carriers_at(const CollisionBodies& bodies, const std::vector<double>& x,
+                                       const std::vector<Points>& bones) {
+    std::vector<const double*> out;
+    for (std::size_t b = 0; b < bodies.count(); ++b) {
+        const CollisionBody& body = bodies[static_cast<int>(b)];
+        out.push_back(body.deforms() ? x.data() : bones[at(body.body())].data()->data());
+    }
+    return out;
+}
+
 /// Contact begins. `x`: of what deforms; `bones`: per body.
 void begin_at(const Scene& scene, const StepInputs& inputs, const std::vector<double>& x,
               const std::vector<Points>& bones, TermMemory& memory) {
     const CollisionBodies bodies(scene);
-    std::vector<const double*> carriers;
-    for (std::size_t b = 0; b < bodies.count(); ++b) {
-        const CollisionBody& body = bodies[static_cast<int>(b)];
-        carriers.push_back(body.deforms() ? x.data() : bones[at(body.body())].data()->data());
-    }
     ContactMemory kept;
     std::vector<ContactPair> pairs;
     bodies.find_pairs(inputs.parts, pairs);
-    add_inside(bodies, pairs, carriers, kept.contacts);
+    add_inside(bodies, pairs, carriers_at(bodies, x, bones), kept.contacts);
     list_pairs(pairs, kept.pairs);
     keep_contacts(kept, memory);
 }
@@ -147,12 +153,7 @@ void Contacts::begin_pairs(const StepInputs& inputs, const State& before) {
         return std::binary_search(kept_.pairs.begin(), kept_.pairs.end(), CollidingBodies{pair.source, pair.target});
     });
     if (begun_.empty()) return;
-    std::vector<const double*> carriers;
-    for (std::size_t b = 0; b < bodies_.count(); ++b) {
-        const CollisionBody& body = bodies_[static_cast<int>(b)];
-        carriers.push_back(body.deforms() ? before.x.data() : before.bones[at(body.body())].data()->data());
-    }
-    add_inside(bodies_, begun_, carriers, kept_.contacts);
+    add_inside(bodies_, begun_, carriers_at(bodies_, before.x, before.bones), kept_.contacts);
 }
 
 void Contacts::add_couplings(Couplings& couplings) const {
