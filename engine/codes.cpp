@@ -244,6 +244,7 @@ constexpr CodeInfo table[] = {
     {"FE341", "body that begins deep inside another, or in its place",
      "Move it outside, attach the two, or keep them from colliding."},
     {"FE342", "value that something else switches off", "Switch that on, or take the value out."},
+    {"FE343", "too few Newton iterations for cloth that touches", "Write 60: it is a limit, not a cost."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

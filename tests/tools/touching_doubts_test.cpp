@@ -85,6 +85,33 @@ TEST_CASE("check doubts a tissue in the very place of another, with contact or w
     CHECK(said_of(graph).find("FE341") == std::string::npos);
 }
 
+TEST_CASE("check doubts a limit of Newton iterations that cloth runs into where it touches", "[tools]") {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    nodes["sheetMesh"] = json::parse(R"({"type": "polyPlane", "inputs": {"width": 30, "height": 30}})");
+    nodes["sheetPlace"] = json::parse(R"({"type": "transform", "inputs": {"mesh": {"from": "sheetMesh.outMesh"},
+        "translate": [0, 14, 0]}})");
+    nodes["weave"] = json::parse(R"({"type": "zMaterial"})");
+    nodes["sheet"] = json::parse(R"({"type": "zCloth", "inputs": {"mesh": {"from": "sheetPlace.outMesh"},
+        "materials": [{"from": "weave.outMaterial"}]}})");
+    nodes["solver"]["inputs"]["bodies"].push_back({{"from", "sheet.outBody"}});
+    nodes["solver"]["inputs"]["collisionDetection"] = true;
+    nodes["solver"]["inputs"]["gravity"] = {0, 0, 0}; // nothing catches the sheet where it touches nothing
+    const auto said_where = [](const std::string& other) {
+        return "FE343 solver.maxNewtonIterations: 10 are too few where sheet touches " + other +
+               ": a step of cloth that touches or folds takes 20 to 60 | write 60: it is a limit, and costs nothing "
+               "where fewer do\n";
+    };
+    CHECK(said_of(graph) == said_where("plate"));
+    CHECK(said_of(graph, {"plate.collisions=false"}) == said_where("ball"));
+    CHECK(said_of(graph, {"sheet.collisions=false"}).empty());
+    CHECK(said_of(graph, {"sheet.collisionSets=\"1\""}).starts_with("FE256 solver.bodies: sheet.collisionSets is"));
+    CHECK(said_of(graph, {"sheet.collisionSets=\"1\"", "sheet.selfCollisions=true"}) == said_where("itself"));
+    CHECK(said_of(graph, {"solver.maxNewtonIterations=19"}).starts_with("FE343 solver.maxNewtonIterations: 19 are"));
+    CHECK(said_of(graph, {"solver.maxNewtonIterations=20"}).empty());
+    CHECK(said_of(graph, {"solver.collisionDetection=false"}).empty());
+}
+
 TEST_CASE("check doubts tets that tie parts of a tissue which only lie near to each other", "[tools]") {
     // A spring, 4 from turn to turn; along it 60. Of a coarse mesh no normal hits the next turn.
     json graph = ball();

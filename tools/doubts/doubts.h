@@ -21,7 +21,8 @@ enum class Look { closely, in_passing };
 /// FE327 values of a material that its bodies do not read; FE328 painted layers and fibres that are nowhere; FE329
 /// muscles that never pull; FE331 a tissue that is held as a whole; FE336 cloth heavier, FE337 thicker than any; FE338
 /// a field that pushes cloth by hundreds of its weights; FE340 an open surface whose points lie too far apart to stop
-/// anything; FE341 bodies that collide and begin deep within each other, or bodies in one place.
+/// anything; FE341 bodies that collide and begin deep within each other, or bodies in one place; FE343 cloth that
+/// touches in a solver with too few Newton iterations for it.
 ///
 /// What cannot be computed is left out: find_problems tells. Throws Cancelled.
 /// \param nodes to look at

@@ -66,7 +66,7 @@ void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::
 /// Whether two bodies can push each other away at some frame; what is keyed does so then.
 bool may_touch(const Doubting& d, const Member& a, const Member& b);
 /// Open surfaces with hardly a point to stop others by; bodies that begin deep within each other, or in one place,
-/// which is told without contact, too.
+/// which is told without contact, too; cloth whose steps end before they have converged.
 void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units);
 
 } // namespace sinew::doubts

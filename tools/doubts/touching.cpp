@@ -18,6 +18,8 @@ constexpr double widest_spacing = 0.55;
 constexpr double deep_share = 0.35;
 /// Nor is a tenth of them ever a quarter of the body's breadth deep: such bodies go on through each other.
 constexpr double some_share = 0.1, deep_way = 0.25;
+/// Steps of cloth that touches take more Newton iterations than these, and as many as those.
+constexpr std::int64_t few_iterations = 20, iterations_of_cloth = 60;
 /// Points of a body that are asked where they are.
 constexpr std::size_t most_asked = 400, most_asked_in_passing = 60;
 
@@ -95,6 +97,25 @@ Inside points_inside(const Member& body, const solver::Box& box, const solver::S
     return out;
 }
 
+/// A cloth that touches anything, itself included, with a limit of Newton iterations that such steps run into.
+void few_iterations_of_cloth(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    const auto most = d.number<std::int64_t>(solver, "maxNewtonIterations");
+    if (!most || *most >= few_iterations) return;
+    for (const Member& m : members) {
+        if (!m.body.is_cloth()) continue;
+        const bool meets_itself = may_touch(d, m, m) && d.number<bool>(m.name, "selfCollisions").value_or(true);
+        const auto met = std::ranges::find_if(
+            members, [&](const Member& other) { return other.name != m.name && may_touch(d, m, other); });
+        if (!meets_itself && met == members.end()) continue;
+        d.doubt("FE343", solver, "maxNewtonIterations",
+                std::to_string(*most) + " are too few where " + m.name + " touches " +
+                    (met == members.end() ? "itself" : met->name) + ": a step of cloth that touches or folds takes " +
+                    std::to_string(few_iterations) + " to " + std::to_string(iterations_of_cloth),
+                "write " + std::to_string(iterations_of_cloth) + ": it is a limit, and costs nothing where fewer do");
+        return;
+    }
+}
+
 /// Positions of two bodies, the smaller first.
 using Pairs = std::set<std::pair<std::size_t, std::size_t>>;
 
@@ -146,6 +167,7 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
     const Pairs tied = tied_pairs(d, solver, members); // what attachments hold together is left to them
     Pairs told = doubles(d, members, tied);
     if (d.number<bool>(solver, "collisionDetection") == false) return;
+    few_iterations_of_cloth(d, solver, members);
     // Keyed: at some time points between vertices are tested.
     const bool subdivided = d.number<bool>(solver, "collisionSubdivision").value_or(true);
     const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
