@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import gc
 import os
+import pickle
 import signal
 import subprocess
 import sys
@@ -275,6 +276,16 @@ class Going(unittest.TestCase):
         session.evaluate(6)
         self.assertEqual(session.counts.simulated, 6)
 
+    def test_only_true_cancels(self):
+        for answer in (False, np.bool_(False), None):
+            sinew.Session(text=hanging(), on_event=lambda e: answer).evaluate(2)
+        for answer in (7, "go on", []):
+            session = sinew.Session(text=hanging(), on_event=lambda e: answer)
+            self.assertRaisesRegex(TypeError, "on_event gave back a value of type " + type(answer).__name__,
+                                   session.evaluate, 2)
+        session = sinew.Session(text=hanging(), on_event=lambda e: np.bool_(True))
+        self.assertRaises(sinew.Cancelled, session.evaluate, 2)
+
     def test_ctrl_c_ends_it_and_finished_frames_stay(self):
         pressed = []
 
@@ -372,6 +383,26 @@ threading.Thread(target=work, daemon=True).start()
 started.wait()
 print("end")
 """
+
+
+SOFT = {"type": "zMaterial", "inputs": {"youngsModulus": -3000}}
+
+
+class OtherProcesses(unittest.TestCase):
+    def test_errors_come_whole_out_of_them(self):
+        for made, kind in ((lambda: sinew.Session(text=hanging(flesh=SOFT)), sinew.GraphError),
+                           (lambda: sinew.Session(text=hanging()).evaluate(1, "none.out"), sinew.UsageError)):
+            with self.assertRaises(kind) as caught:
+                made()
+            error = caught.exception
+            back = pickle.loads(pickle.dumps(error))
+            self.assertEqual((type(back), str(back)), (kind, str(error)))
+            self.assertEqual([str(d) for d in back.diagnostics], [str(d) for d in error.diagnostics])
+            for one, other in zip(back.diagnostics, error.diagnostics):
+                for field in ("severity", "code", "node", "attribute", "file", "pointer", "line", "column", "frame",
+                              "message", "hint"):
+                    self.assertEqual(getattr(one, field), getattr(other, field), field)
+            self.assertTrue(error.diagnostics)
 
 
 class Ending(unittest.TestCase):

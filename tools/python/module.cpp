@@ -41,7 +41,43 @@ const char* word_of(engine::Severity s) {
     return s == engine::Severity::error ? "error" : s == engine::Severity::warning ? "warning" : "note";
 }
 
+/// What stands in a pickle: severity, code, node, attribute, the spot and those that include it, frame, message, hint.
+using PlainSpot = std::tuple<std::string, std::string, int, int>;
+using PlainDiagnostic = std::tuple<int, std::string, std::string, std::string, std::vector<PlainSpot>,
+                                   std::optional<double>, std::string, std::string>;
+
+PlainDiagnostic to_plain(const Diagnostic& d) {
+    std::vector<PlainSpot> spots;
+    const auto add = [&](const engine::SourceSpot& s) { spots.emplace_back(s.file, s.pointer, s.line, s.column); };
+    if (d.spot) {
+        add(*d.spot);
+        std::ranges::for_each(d.spot->included_by, add);
+    }
+    return {static_cast<int>(d.severity), d.code, d.node, d.attribute, std::move(spots), d.frame, d.message, d.hint};
+}
+
+Diagnostic from_plain(const PlainDiagnostic& plain) {
+    const auto& [severity, code, node, attribute, spots, frame, message, hint] = plain;
+    Diagnostic d{.severity = static_cast<engine::Severity>(std::clamp(severity, 0, 2)),
+                 .code = code,
+                 .node = node,
+                 .attribute = attribute,
+                 .spot = {},
+                 .frame = frame,
+                 .message = message,
+                 .hint = hint};
+    for (const auto& [file, pointer, line, column] : spots) {
+        engine::SourceSpot spot{.file = file, .pointer = pointer, .line = line, .column = column};
+        if (d.spot)
+            d.spot->included_by.push_back(std::move(spot));
+        else
+            d.spot = std::move(spot);
+    }
+    return d;
+}
+
 void add_diagnostics(py::module_& module) {
+    module.def("_diagnostic", &from_plain);
     py::class_<Diagnostic>(module, "Diagnostic", "What is wrong, where, and what would be right.")
         .def_property_readonly(
             "severity", [](const Diagnostic& d) { return word_of(d.severity); }, "\"note\", \"warning\" or \"error\"")
@@ -58,6 +94,11 @@ void add_diagnostics(py::module_& module) {
         .def_readonly("frame", &Diagnostic::frame)
         .def_readonly("message", &Diagnostic::message, "what is wrong")
         .def_readonly("hint", &Diagnostic::hint, "what would be right")
+        // Errors come out of other processes (multiprocessing, concurrent.futures) by this.
+        .def("__reduce__",
+             [](const Diagnostic& d) {
+                 return py::make_tuple(py::module_::import("sinew.errors").attr("_diagnostic"), to_plain(d));
+             })
         .def("__str__", [](const Diagnostic& d) { return to_text(d); })
         .def("__repr__", [](const Diagnostic& d) { return "<sinew.Diagnostic " + d.code + ": " + d.message + ">"; });
 }

@@ -62,12 +62,22 @@ class PythonSession::Watch : public engine::Observer {
     embed::Session* session = nullptr;
 
   private:
+    /// Of True and False alone, NumPy's too: a callback that happens to end in a number of bytes written shall not
+    /// cancel.
+    static bool says_stop(const py::object& answer) {
+        if (answer.is_none()) return false;
+        const std::string type = Py_TYPE(answer.ptr())->tp_name;
+        if (!py::isinstance<py::bool_>(answer) && type != "numpy.bool_" && type != "numpy.bool")
+            throw py::type_error("on_event gave back a value of type " + type +
+                                 ": True cancels what runs, None and False let it go on");
+        return answer.cast<bool>();
+    }
     void tell(const char* kind, const std::string& node, double frame, double seconds, double done,
               std::string_view what) {
         if (on_event_.is_none()) return;
         call([&] {
             const py::object answer = on_event_.get()(Event{kind, node, frame, seconds, done, std::string(what)});
-            return !answer.is_none() && answer.cast<bool>();
+            return says_stop(answer);
         });
     }
     template <class Call>

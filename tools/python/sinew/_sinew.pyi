@@ -9,6 +9,8 @@ from .node_types import NodeType
 
 version: str
 
+def _diagnostic(plain: Tuple[object, ...]) -> Diagnostic: ...
+
 class Diagnostic:
     @property
     def severity(self) -> str: ...

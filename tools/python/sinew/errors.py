@@ -36,3 +36,11 @@ class Cancelled(Error):
 
 class SinewWarning(UserWarning):
     """What is doubtful and did not stop anything."""
+
+
+def _diagnostic(*plain: object) -> Diagnostic:
+    """What is in a pickle, made a diagnostic again: compiled functions cannot be named in one."""
+    from . import _sinew
+
+    made: Diagnostic = _sinew._diagnostic(plain)
+    return made
