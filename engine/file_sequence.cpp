@@ -14,15 +14,29 @@ bool names_sequence(const std::string& path) {
     return fs::path(path).filename().string().find('#') != std::string::npos && !fs::exists(path, ec);
 }
 
-std::map<long long, std::string> find_sequence(const std::string& path) {
-    const fs::path whole(path);
-    const std::string name = whole.filename().string();
+namespace {
+
+/// The last part of a path around its run of #.
+struct Pattern {
+    std::string before, after;
+    std::size_t digits = 0; ///< 0: there is no #
+};
+
+Pattern pattern_of(const fs::path& path) {
+    const std::string name = path.filename().string();
     const std::size_t last = name.rfind('#');
     if (last == std::string::npos) return {};
     std::size_t first = last;
     while (first > 0 && name[first - 1] == '#') --first;
-    const std::string before = name.substr(0, first), after = name.substr(last + 1);
-    const std::size_t digits = last + 1 - first;
+    return {name.substr(0, first), name.substr(last + 1), last + 1 - first};
+}
+
+} // namespace
+
+std::map<long long, std::string> find_sequence(const std::string& path) {
+    const fs::path whole(path);
+    const auto [before, after, digits] = pattern_of(whole);
+    if (digits == 0) return {};
     std::map<long long, std::string> out;
     std::error_code ec;
     const fs::path folder = whole.has_parent_path() ? whole.parent_path() : fs::path(".");
@@ -36,6 +50,19 @@ std::map<long long, std::string> find_sequence(const std::string& path) {
         long long value = 0;
         const auto [rest, error] = std::from_chars(number.data(), number.data() + number.size(), value);
         if (error == std::errc()) out[value] = (whole.parent_path() / found).generic_string();
+    }
+    return out;
+}
+
+std::string near_sequence(const std::string& path) {
+    constexpr std::size_t most_digits = 10;
+    const auto [before, after, digits] = pattern_of(path);
+    std::string out;
+    std::size_t most = 0;
+    for (std::size_t n = 1; digits > 0 && n <= most_digits; ++n) {
+        const std::string other =
+            fs::path(path).replace_filename(before + std::string(n, '#') + after).generic_string();
+        if (const std::size_t count = find_sequence(other).size(); count > most) most = count, out = other;
     }
     return out;
 }

@@ -14,4 +14,7 @@ bool names_sequence(const std::string& path);
 /// for the number.
 std::map<long long, std::string> find_sequence(const std::string& path);
 
+/// The same path with another count of #, by which the most files are named; empty: by none there is any.
+std::string near_sequence(const std::string& path);
+
 } // namespace sinew::engine

@@ -414,10 +414,16 @@ class BindingReader {
             return Value::of<File>(std::move(out));
         }
         if (names_sequence(out.path)) {
-            if (find_sequence(out.path).empty())
+            if (find_sequence(out.path).empty()) {
+                const std::string near = fs::path(near_sequence(out.path)).filename().string();
                 problem("IO401", "there is no file like " + json_quoted(path),
-                        "looked for " + out.path + " with numbers for #; relative paths start at the graph's folder",
+                        near.empty()
+                            ? "looked for " + out.path +
+                                  " with numbers for #; relative paths start at the graph's folder"
+                            : "did you mean " + json_quoted(fs::path(path).replace_filename(near).generic_string()) +
+                                  "? A # stands for each digit of numbers with zeros in front",
                         below);
+            }
             return Value::of<File>(std::move(out));
         }
         std::error_code ec;

@@ -300,6 +300,22 @@ TEST_CASE("files must exist, paths start at the graph's folder") {
     CHECK(codes_of([&] { load("meshes"); }) == "IO402");
     CHECK(codes_of([&] { load_graph(types(), (folder / "none.json").string()); }) == "IO401");
     CHECK(codes_of([&] { load_graph(types(), folder.string()); }) == "IO402");
+
+    for (const char* name : {"skin.0009.obj", "skin.0010.obj", "skin.10.obj", "bone_8.obj", "bone_12.obj"})
+        std::ofstream(folder / "meshes" / name) << "hello";
+    const auto hint_of = [&](const std::string& path) {
+        try {
+            load(path);
+        } catch (const Failure& e) {
+            return e.diagnostics().front().code + " " + e.diagnostics().front().hint;
+        }
+        return std::string();
+    };
+    const std::string why = "? A # stands for each digit of numbers with zeros in front";
+    CHECK(hint_of("meshes/skin.####.obj").empty());
+    CHECK(hint_of("meshes/skin.######.obj") == "IO401 did you mean \"meshes/skin.####.obj\"" + why);
+    CHECK(hint_of("meshes/bone_####.obj") == "IO401 did you mean \"meshes/bone_#.obj\"" + why);
+    CHECK(hint_of("meshes/none_####.obj").starts_with("IO401 looked for "));
     std::filesystem::remove_all(folder);
 }
 
