@@ -49,7 +49,10 @@ void write(const SimulationState& state, const solver::ByteSink& to) {
 }
 
 std::vector<std::byte> save(const SimulationState& state) {
+    std::size_t size = 0; // told before, for to grow costs several times as much
+    write(state, [&](std::span<const std::byte> bytes) { size += bytes.size(); });
     std::vector<std::byte> out;
+    out.reserve(size);
     write(state, [&](std::span<const std::byte> bytes) { out.insert(out.end(), bytes.begin(), bytes.end()); });
     return out;
 }

@@ -362,6 +362,9 @@ std::size_t ValueTraits<nodes::SimulationState>::bytes(const nodes::SimulationSt
                     size_of(s.history.x) + size_of(s.history.v) + size_of(s.history.acceleration);
     for (const solver::TermMemory& m : s.memories)
         if (!m.bytes.shared()) n += m.bytes.size(); // what other frames hold as well would not come free
+    if (const auto& factor = s.linear.factor)       // shared with the frames around this one, and with who solves
+        n += (size_of(factor->values) + size_of(factor->without)) /
+             static_cast<std::size_t>(std::max(1L, factor.use_count() - 1));
     for (const solver::PartValues& part : s.parts) n += size_of(part);
     for (const solver::Points& bone : s.bones) n += size_of(bone);
     for (const nodes::ModelledBone& bone : v.scene.modelled)

@@ -308,7 +308,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 26; // friction of points that come in within a step pulls at their own bodies
+    type.base.numerics = 27; // factors that outlive their frame
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),

@@ -15,7 +15,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 11\n";
+constexpr std::string_view magic = "sinew state 12\n";
 
 /// Hands on plain values, vectors with their length first: large ones as they lie in memory, small ones gathered.
 class Writer {
@@ -181,6 +181,25 @@ void get_parts(Reader& r, std::vector<PartValues>& parts) {
     for (PartValues& part : parts) r.get_all(part);
 }
 
+void put_linear(Writer& w, const LinearMemory& m) {
+    w.put(m.factor_steps_left), w.put(m.late_iterations), w.put(m.fresh_iterations);
+    w.put(m.factor != nullptr);
+    if (!m.factor) return;
+    w.put(m.factor->pattern);
+    w.put_all(m.factor->values), w.put_all(m.factor->without);
+}
+
+void get_linear(Reader& r, LinearMemory& m) {
+    r.get(m.factor_steps_left), r.get(m.late_iterations), r.get(m.fresh_iterations);
+    bool given = false;
+    r.get(given);
+    if (!given) return;
+    FactorSource source;
+    r.get(source.pattern);
+    r.get_all(source.values), r.get_all(source.without);
+    m.factor = std::make_shared<const FactorSource>(std::move(source));
+}
+
 enum class SavedKind : std::uint8_t { bone, tissue, cloth };
 
 void put_values(Writer& w, const std::optional<StepInputs>& values) {
@@ -268,9 +287,9 @@ void write(const State& s, const ByteSink& to) {
     put_parts(w, s.parts);
     put_bones(w, s.bones);
     w.put(s.steps);
-    w.put(s.linear.factor_steps_left);
     visit_record(s.record, [&](const auto& field) { w.put(field); });
     put_measured(w, s.record.measured);
+    put_linear(w, s.linear); // the largest and not in all frames: at the end it moves nothing else
     w.flush();
 }
 
@@ -298,9 +317,9 @@ State load(std::span<const std::byte> bytes) {
     get_parts(r, s.parts);
     get_bones(r, s.bones);
     r.get(s.steps);
-    r.get(s.linear.factor_steps_left);
     visit_record(s.record, [&](auto& field) { r.get(field); });
     get_measured(r, s.record.measured);
+    get_linear(r, s.linear);
     if (!r.at_end()) throw Error("IO403", "a saved simulation state has bytes left over");
     return s;
 }

@@ -316,7 +316,6 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     State s = before;
     StepRecord record;
     impl.residual_body = -1;
-    if (impl.newton) impl.newton->linear.begin_frame();
     std::size_t k = 0;
     StepControl inner = control;
     if (control.progress)
@@ -327,12 +326,14 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     for (; k < substeps.size(); ++k) {
         const StepInputs& in = impl.receive(s, substeps[k]);
         impl.prepare(s, in);
+        if (k == 0 && impl.newton) impl.newton->linear.begin_frame(s.linear);
         take_step_or_halves(impl, s, in, impl.bones, in.max_halvings, inner, record);
         ++s.steps;
         ++record.substeps;
     }
     for (const double c : s.x)
         if (!std::isfinite(c)) throw Error("FE302", "the step gave positions that are not finite numbers");
+    if (impl.newton) impl.newton->linear.end_frame(s.linear);
     impl.potential.describe(s.x, record);
     record.measured = impl.measured;
     const double total = std::chrono::duration<double>(Clock::now() - start).count();

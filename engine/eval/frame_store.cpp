@@ -21,6 +21,8 @@ namespace {
 
 constexpr std::size_t block = 4096;
 constexpr std::size_t most_starts = 4;
+/// Of a frame whose memory the next one takes over [bytes].
+constexpr std::size_t most_room = std::size_t{64} << 20;
 constexpr std::string_view rows_mark = "sinew rows 2\n";
 constexpr std::string_view rows_ending = ".rows", frames_ending = ".frame", outputs_ending = ".kept";
 /// From so many files of rows on one is made of those that nobody writes to any more.
@@ -39,13 +41,19 @@ struct LaidFrame {
     std::vector<std::byte> bytes;
     std::vector<std::uint32_t> first_block; ///< of each section
 
-    void put(std::span<const std::byte> section) {
+    /// What `write` appends to the frame's own bytes: frames are large, and memory that is new to the process is slow.
+    template <class Write>
+    void put(const Write& write) {
         bytes.resize((bytes.size() + block - 1) / block * block);
         first_block.push_back(static_cast<std::uint32_t>(bytes.size() / block));
-        const std::uint64_t size = section.size();
-        const auto* number = reinterpret_cast<const std::byte*>(&size);
-        bytes.insert(bytes.end(), number, number + sizeof size);
-        bytes.insert(bytes.end(), section.begin(), section.end());
+        const std::size_t at = bytes.size();
+        ByteWriter out;
+        out.bytes = std::move(bytes);
+        out.put(std::uint64_t{0});
+        write(out);
+        bytes = std::move(out.bytes);
+        const std::uint64_t size = bytes.size() - at - sizeof(std::uint64_t);
+        std::memcpy(bytes.data() + at, &size, sizeof size);
     }
     /// With its length, to where the next one begins; nothing beyond the last.
     std::span<const std::byte> section(std::size_t k) const {
@@ -97,33 +105,30 @@ std::vector<Diagnostic> get_warnings(ByteReader& in) {
 }
 
 /// What it was made from, its state, each output, its warnings.
-LaidFrame encode(const Registry& registry, const NodeType& type, const KeptFrame& frame) {
-    LaidFrame out;
-    ByteWriter made_from;
-    made_from.put(identity(type).finish());
-    made_from.put<std::int64_t>(frame.frame);
-    made_from.put_text(frame.made_from.node);
-    made_from.put<std::uint64_t>(frame.made_from.contents.size());
-    for (const auto& [plug, content] : frame.made_from.contents) made_from.put_text(plug), made_from.put(content);
-    out.put(made_from.bytes);
-    out.put(frame.state);
-    for (std::size_t i = 0; i < type.outputs.size(); ++i) {
-        ByteWriter output;
-        const Codec* codec = registry.find_codec(type.outputs[i].type);
-        output.put<std::uint8_t>(codec != nullptr);
-        output.put(frame.entry->digest(i));
-        if (codec) {
+void encode(const Registry& registry, const NodeType& type, const KeptFrame& frame, LaidFrame& out) {
+    out.bytes.clear(), out.first_block.clear();
+    out.put([&](ByteWriter& made_from) {
+        made_from.put(identity(type).finish());
+        made_from.put<std::int64_t>(frame.frame);
+        made_from.put_text(frame.made_from.node);
+        made_from.put<std::uint64_t>(frame.made_from.contents.size());
+        for (const auto& [plug, content] : frame.made_from.contents) made_from.put_text(plug), made_from.put(content);
+    });
+    out.put([&](ByteWriter& state) { state.bytes.insert(state.bytes.end(), frame.state.begin(), frame.state.end()); });
+    for (std::size_t i = 0; i < type.outputs.size(); ++i)
+        out.put([&](ByteWriter& output) {
+            const Codec* codec = registry.find_codec(type.outputs[i].type);
+            output.put<std::uint8_t>(codec != nullptr);
+            output.put(frame.entry->digest(i));
+            if (!codec) return;
             output.put_text(codec->type_name);
             output.put<std::int64_t>(codec->version);
             codec->write(frame.entry->outputs[i], output);
-        }
-        out.put(output.bytes);
-    }
-    ByteWriter warnings;
-    put_warnings(warnings, frame.entry->warnings);
-    put_warnings(warnings, frame.warnings_of_state);
-    out.put(warnings.bytes);
-    return out;
+        });
+    out.put([&](ByteWriter& warnings) {
+        put_warnings(warnings, frame.entry->warnings);
+        put_warnings(warnings, frame.warnings_of_state);
+    });
 }
 
 void read_made_from(std::span<const std::byte> bytes, KeptFrame& out, Digest& type) {
@@ -343,21 +348,30 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
                        const KeptFrame& frame) {
     make_room();
     const Digest key = name_of(frame_key), start = name_of(start_key);
-    LaidFrame laid = encode(registry, type, frame);
+    std::shared_ptr<LaidFrame> laid;
+    {
+        const std::lock_guard lock(mutex_);
+        laid.swap(room_);
+    }
+    if (!laid) laid = std::make_shared<LaidFrame>();
+    encode(registry, type, frame, *laid);
     Bytes base;
     if (key != start) {
         base = start_of(start);
         files_.touch(start); // it is needed as long as the frames that differ from it
     }
     // Without the start frame's file it stands for itself.
-    const std::vector<std::byte> payload = differing(laid, base.get(), base ? start : key);
+    const std::vector<std::byte> payload = differing(*laid, base.get(), base ? start : key);
     files_.write(key, payload, false);
     const std::lock_guard lock(mutex_);
     written_ += payload.size();
-    if (key != start) return;
-    if (starts_.size() >= most_starts) starts_.clear();
-    laid.bytes.shrink_to_fit();
-    starts_[start] = std::make_shared<const LaidFrame>(std::move(laid));
+    if (key == start) {
+        if (starts_.size() >= most_starts) starts_.clear();
+        laid->bytes.shrink_to_fit();
+        starts_[start] = std::move(laid);
+    } else if (laid->bytes.capacity() <= most_room) {
+        room_ = std::move(laid);
+    }
 }
 
 void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) const {

@@ -82,6 +82,7 @@ class FrameStore {
     DiskStore files_;
     mutable std::mutex mutex_;
     mutable std::map<Digest, Bytes> starts_; ///< start frames that are in use
+    std::shared_ptr<LaidFrame> room_;        ///< that the last frame was laid out in, for the next one
     std::filesystem::path rows_;             ///< this process's file of rows; empty: none yet
     std::uintmax_t written_ = 0;             ///< since room was made
 };

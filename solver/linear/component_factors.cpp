@@ -75,6 +75,22 @@ void ComponentFactors::release_if_large() {
     for (const auto& part : parts_) part->factor->release(), part->made = false;
 }
 
+void ComponentFactors::forget() {
+    for (const auto& part : parts_) part->made = false;
+}
+
+std::vector<char> ComponentFactors::rows_without() const {
+    std::vector<char> out;
+    std::size_t rows = 0;
+    for (const auto& part : parts_) rows += part->rows.size();
+    for (const auto& part : parts_) {
+        if (part->made) continue;
+        out.resize(rows);
+        for (const int row : part->rows) out[at(row)] = 1;
+    }
+    return out;
+}
+
 bool ComponentFactors::is_made(std::span<const char> resting) const {
     return std::ranges::all_of(parts_, [&](const auto& part) { return part->made || rests(*part, resting); });
 }

@@ -22,6 +22,10 @@ class ComponentFactors {
     /// False if a component is not positive definite. Components whose rows all have a flag in `resting` (empty: none
     /// has) keep the factor they have, if any.
     bool factorize(const BlockMatrix& a, std::span<const char> resting = {});
+    /// No component has one any more; their memory stays.
+    void forget();
+    /// Flags of the rows whose component has none; empty: all have one.
+    std::vector<char> rows_without() const;
     /// Whether all components have one but those that rest.
     bool is_made(std::span<const char> resting) const;
     /// Of a matrix that factorize refused: whether a component is not positive definite by more than rounding.

@@ -2,6 +2,7 @@
 #include "solver/linear/linear_solver.h"
 
 #include "solver/index.h"
+#include "solver/parallel.h"
 #include "solver/stopwatch.h"
 
 #include <algorithm>
@@ -17,6 +18,8 @@ constexpr int kept_steps = 24;
 int patience(double cycles) { return static_cast<int>(std::clamp(cycles / 8, 5.0, 25.0)); }
 /// Solving more exactly than this costs more with the kept factor than the Newton iterations that it may save.
 constexpr double kept_factor_tolerance = 1e-2;
+/// But for the first direction of a step, which brings flesh along with its bones: what it leaves to do is much.
+constexpr double first_tolerance = 1e-3;
 /// With a factor of the matrix itself, of which three digits are kept, an iteration more brings three digits more.
 constexpr double fresh_factor_tolerance = 1e-4;
 /// Solves with a kept factor in a Newton iteration, as the comparison with multigrid counts them.
@@ -32,6 +35,10 @@ constexpr double overlay_iteration = 3;
 /// Iterations with a kept factor, in what a new one costs, after which it is worn out: later matrices of the step will
 /// take as many.
 constexpr double worn_out = 0.5;
+/// A kept factor is given up at a frame's end where it has cost so much more than a new one, in what that costs; its
+/// solves, which are counted after as many as a new one takes, go on to.
+constexpr double too_late = 0.25;
+constexpr int usual_fresh_iterations = 2;
 /// A factor of more bytes than this takes more memory than all else together, and so has to bring more: what it costs
 /// is taken for so much higher.
 constexpr double large_factor = 128e6, price_of_memory = 1.5;
@@ -42,7 +49,58 @@ constexpr int most_iterations = 5000;
 /// A direction that is not exact after so many is taken as it is.
 constexpr int most_truncated = 60;
 
+/// Patterns that differ have different ones, but for one in 2^64.
+std::uint64_t mark_of(const BlockPattern& pattern) {
+    std::uint64_t mark = static_cast<std::uint64_t>(pattern.rows);
+    const auto add = [&](const std::vector<int>& numbers) {
+        for (const int n : numbers) { // a step of the generator splitmix64
+            mark += 0x9e3779b97f4a7c15u + static_cast<std::uint64_t>(n);
+            mark = (mark ^ (mark >> 30)) * 0xbf58476d1ce4e5b9u;
+            mark = (mark ^ (mark >> 27)) * 0x94d049bb133111ebu;
+            mark ^= mark >> 31;
+        }
+    };
+    add(pattern.row_start), add(pattern.column);
+    return mark;
+}
+
 } // namespace
+
+LinearSolver::LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
+    : pattern_(pattern)
+    , places_(std::move(places))
+    , costs_(linear_costs(pattern))
+    , mark_(mark_of(pattern)) {}
+
+void LinearSolver::begin_frame(const LinearMemory& memory) {
+    used_ = false;
+    late_iterations_ = memory.late_iterations, fresh_iterations_ = memory.fresh_iterations;
+    if (memory.factor && memory.factor == source_ && kept_ == Kept::single) return;
+    // Nor is anything left of it: components that rest would take up what another frame has made.
+    kept_ = Kept::none;
+    source_.reset(), again_.reset();
+    for (ComponentFactors* factors : {single_.get(), factors_.get()})
+        if (factors) factors->forget();
+    if (memory.factor && memory.factor->pattern == mark_ &&
+        memory.factor->values.size() == 9 * pattern_.block_count() &&
+        (memory.factor->without.empty() || memory.factor->without.size() == at(pattern_.rows)))
+        again_ = memory.factor;
+}
+
+void LinearSolver::end_frame(LinearMemory& memory) {
+    const bool worth_it = used_ && kept_ == Kept::single && !places_.any_sheet &&
+                          late_iterations_ * costs_.factor_solve < too_late * costs_.factor;
+    if (!worth_it) {
+        source_.reset();
+        memory.factor.reset(), memory.late_iterations = memory.fresh_iterations = 0;
+        return;
+    }
+    if (!source_)
+        source_ = std::make_shared<const FactorSource>(FactorSource{
+            mark_, std::vector<float>(rounded_->values.begin(), rounded_->values.end()), single_->rows_without()});
+    memory.factor = source_;
+    memory.late_iterations = late_iterations_, memory.fresh_iterations = fresh_iterations_;
+}
 
 /// Cycles that this solve may take before the step has cost more than it would with a factor.
 int LinearSolver::allowed_cycles(int newton_iteration, double solves) const {
@@ -119,17 +177,44 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
     factors_->solve(b.data(), x.data(), resting_);
 }
 
+void LinearSolver::prepare_single() {
+    if (single_) return;
+    single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
+    rounded_ = std::make_unique<BlockMatrix>(pattern_);
+    ++symbolic_analyses_;
+}
+
+/// Rows of bodies that rest keep what their factor, if any, was made of.
+void LinearSolver::round_to_single(const BlockMatrix& a) {
+    parallel_for(at(pattern_.rows), 256, [&](std::size_t i) {
+        if (!resting_.empty() && resting_[i]) return;
+        const auto first = 9 * at(pattern_.row_start[i]), last = 9 * at(pattern_.row_start[i + 1]);
+        for (std::size_t k = first; k < last; ++k) rounded_->values[k] = static_cast<float>(a.values[k]);
+    });
+}
+
 bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
     const Stopwatch timer(outcome.seconds_factor);
-    if (!single_) {
-        single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
-        ++symbolic_analyses_;
-    }
+    prepare_single();
     if (factors_) factors_->release_if_large();
-    const bool good = single_->factorize(a, resting_);
+    round_to_single(a);
+    const bool good = single_->factorize(*rounded_, resting_);
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
+    source_.reset();
+    late_iterations_ = 0;
     return good;
+}
+
+/// The factor that the state tells of. That is no work of this frame, and not counted as such.
+void LinearSolver::make_again() {
+    const auto source = std::exchange(again_, nullptr);
+    if (!source) return;
+    prepare_single();
+    std::copy(source->values.begin(), source->values.end(), rounded_->values.begin());
+    if (!single_->factorize(*rounded_, source->without)) return; // of a state that was spoiled
+    source_ = source;
+    kept_ = single_->is_made(resting_) ? Kept::single : Kept::none;
 }
 
 /// With what knows the pattern alone, and what knows the overlay around it. After iterative_->set(a).
@@ -163,14 +248,20 @@ ConjugateGradients::Result LinearSolver::iterate_with_factor(const BlockMatrix& 
 }
 
 void LinearSolver::solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                          double tolerance, bool projected, Outcome& outcome) {
+                                          double tolerance, int newton_iteration, bool projected, Outcome& outcome) {
+    if (again_) {
+        const Stopwatch timer(outcome.seconds_factor);
+        make_again();
+    }
+    used_ = true;
     const bool has_overlay = !a.overlay.empty();
-    const double loose = std::max(tolerance, kept_factor_tolerance);
+    const double loose = newton_iteration == 0 ? first_tolerance : std::max(tolerance, kept_factor_tolerance);
     const double iteration = costs_.factor_solve * (has_overlay ? overlay_iteration : 1);
     const int most = static_cast<int>(std::clamp(worn_out * costs_.factor / iteration, 3.0, 30.0));
     if (kept_ != Kept::none) {
         const int allowed = has_overlay ? fresh_iterations_ + most : most;
         const ConjugateGradients::Result r = iterate_with_factor(a, b, x, loose, allowed, outcome);
+        late_iterations_ += std::max(0, r.iterations - (has_overlay ? fresh_iterations_ : usual_fresh_iterations));
         if (r.converged || (!r.definite && !projected)) return;
     }
     if (kept_ != Kept::full) {
@@ -257,7 +348,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     if (automatic && (impatient || allowed == 0 || (!has_overlay && factor_is_cheaper())))
         memory.factor_steps_left = kept_steps;
     if (automatic && memory.factor_steps_left > 0) {
-        solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
+        solve_with_kept_factor(a, b, x, tolerance, newton_iteration, projected, outcome);
         return outcome;
     }
     ConjugateGradients::Result r;
@@ -271,7 +362,7 @@ LinearSolver::Outcome LinearSolver::solve(LinearMethod method, const BlockMatrix
     if (r.converged || (!projected && (!r.definite || !automatic))) return outcome;
     if (automatic) memory.factor_steps_left = kept_steps;
     if (automatic)
-        solve_with_kept_factor(a, b, x, tolerance, projected, outcome);
+        solve_with_kept_factor(a, b, x, tolerance, newton_iteration, projected, outcome);
     else
         factorize_and_solve(a, b, x, tolerance, projected, outcome);
     return outcome;

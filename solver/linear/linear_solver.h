@@ -1,12 +1,12 @@
 // One door to the linear solvers. Auto takes conjugate gradients with a multigrid cycle, and around it exact solves of
-// what attachments hold too stiffly for grids (held_block.h). Where the iterations of a step
-// have cost as much as a factor would (stiff attachments on soft flesh, small bodies), or Newton does not converge on
-// what they give, it goes over to a kept factor for a while: made once, in single precision, it preconditions conjugate
-// gradients on the later matrices of the frame until those take so many iterations that a new one is cheaper. The
-// choice is by counted cost (linear_costs.h), never by the clock, so that the same scene takes the same path
-// everywhere; an overlay's share is solved for by conjugate gradients in any case, smoothed around grids or factor
-// (overlay_smoother.h); and no factor outlives its frame, so
-// that a result never depends on what a workspace happens to hold.
+// what attachments hold too stiffly for grids (held_block.h). Where the iterations of a step have cost as much as a
+// factor would (stiff attachments on soft flesh, small bodies), or Newton does not converge on what they give, it goes
+// over to a kept factor for a while: made once, in single precision, it preconditions conjugate gradients on the later
+// matrices of this frame and the next ones, until those take so many iterations that a new one is cheaper. The choice
+// is by counted cost (linear_costs.h), never by the clock. An overlay's share is solved for by conjugate gradients in
+// any case, smoothed around grids or factor (overlay_smoother.h). A factor that outlives its frame is the state's: a
+// workspace that holds another one makes it again from what stands there, so no result depends on what that happens to
+// hold.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "solver/linear/component_factors.h"
@@ -24,10 +24,7 @@ namespace sinew::solver {
 
 class LinearSolver {
   public:
-    LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
-        : pattern_(pattern)
-        , places_(std::move(places))
-        , costs_(linear_costs(pattern)) {}
+    LinearSolver(const BlockPattern& pattern, UnknownPlaces places);
 
     struct Outcome {
         bool definite = false; ///< false: the matrix is not positive definite, x is not set
@@ -36,8 +33,10 @@ class LinearSolver {
         double seconds_factor = 0, seconds_solve = 0;
         bool worn = false; ///< solve_truncated: a new factor would be cheaper
     };
-    /// A new frame: the factor of the last one is not used any more.
-    void begin_frame() { kept_ = Kept::none; }
+    /// A new frame: of the factor that it begins with, see LinearMemory.
+    void begin_frame(const LinearMemory& memory);
+    /// Puts the factor into it that the next frame is to begin with, if one is still worth it.
+    void end_frame(LinearMemory& memory);
     /// A new nonlinear solve: what its iterations cost is counted anew. What holds unknowns: see find_held_rows.
     void begin_step(std::span<const double> springs, std::span<const double> elastic);
     /// Flags of the bodies whose rows are those of the identity from here on, and zero in b: no factor is made for
@@ -67,13 +66,16 @@ class LinearSolver {
     /// The factor that `factors_` or `single_` holds.
     enum class Kept { none, full, single };
     bool make_single(const BlockMatrix& a, Outcome& outcome);
+    void prepare_single();
+    void round_to_single(const BlockMatrix& a);
+    void make_again();
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                              double tolerance, bool projected, Outcome& outcome, bool plain = false);
     ConjugateGradients::Result iterate_with_factor(const BlockMatrix& a, const std::vector<double>& b,
                                                    std::vector<double>& x, double tolerance, int most,
                                                    Outcome& outcome);
     void solve_with_kept_factor(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
-                                double tolerance, bool projected, Outcome& outcome);
+                                double tolerance, int newton_iteration, bool projected, Outcome& outcome);
     ConjugateGradients::Result iterate(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                                        double tolerance, int most);
     int allowed_cycles(int newton_iteration, double solves) const;
@@ -101,7 +103,14 @@ class LinearSolver {
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
-    int fresh_iterations_ = 0;  ///< that an overlay cost when the kept factor was new
+    std::uint64_t mark_;                   ///< of the pattern
+    std::unique_ptr<BlockMatrix> rounded_; ///< what single_ was made of: each component's, when that was
+    /// Of the factor that single_ holds, if it is one of a state; and of one that is to be made again before it is
+    /// used.
+    std::shared_ptr<const FactorSource> source_, again_;
+    bool used_ = false;         ///< the kept factor, in this frame
+    int late_iterations_ = 0;   ///< see LinearMemory
+    int fresh_iterations_ = 0;  ///< likewise
     std::vector<char> resting_; ///< per row; empty: none does
     bool kinked_ = false;
     bool indefinite_ = false; ///< the last factor of an exact Hessian in this step found it so

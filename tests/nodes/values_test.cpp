@@ -92,6 +92,19 @@ TEST_CASE("a state's digest covers every field but the seconds", "[nodes]") {
     CHECK(changed([](auto& s) { s.state.parts = {{1.0}}; }));
     CHECK(changed([](auto& s) { s.state.steps = 5; }));
     CHECK(changed([](auto& s) { s.state.linear.factor_steps_left = 5; }));
+    CHECK(changed([](auto& s) { s.state.linear.late_iterations = 5; }));
+    CHECK(changed([](auto& s) { s.state.linear.fresh_iterations = 5; }));
+    const auto with_factor = [](solver::FactorSource of) {
+        nodes::SimulationState s = small_state();
+        s.state.linear.factor = std::make_shared<const solver::FactorSource>(std::move(of));
+        return digest(std::move(s));
+    };
+    const Digest factored = with_factor({1, {2}, {0}});
+    CHECK(factored != base);
+    CHECK(factored == with_factor({1, {2}, {0}}));
+    CHECK(factored != with_factor({2, {2}, {0}}));
+    CHECK(factored != with_factor({1, {3}, {0}}));
+    CHECK(factored != with_factor({1, {2}, {1}}));
     CHECK(changed([](auto& s) { s.state.history.step_size = 5; }));
     CHECK(changed([](auto& s) { s.state.history.x = {1}; }));
     CHECK(changed([](auto& s) { s.state.history.v = {1}; }));

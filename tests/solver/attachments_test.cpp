@@ -549,9 +549,9 @@ TEST_CASE("a state holds an attachment's samples once, 128 bytes each, and those
                       history = 8 + 3 * length + length + 1, // step, x, v, acceleration, bones, values
         bones = length + length + (length + 4 * 3 * 8),      // none of the tissue
         record = 2 * 8 + 8 + 6 * 4 + 1 + length;
-    const std::string_view mark = "sinew state 11\n";
+    const std::string_view mark = "sinew state 12\n";
     CHECK(save(start).size() ==
-          mark.size() + positions_and_velocities + history + memories + length + bones + (8 + 4) + record);
+          mark.size() + positions_and_velocities + history + memories + length + bones + (8 + 3 * 4 + 1) + record);
     Workspace w(scene);
     const State next = advance(w, start, std::span(&in, 1));
     CHECK(find_memory(next.memories, "attachment")->bytes.data() == own->bytes.data());

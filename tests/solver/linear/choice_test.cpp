@@ -24,7 +24,7 @@ LinearSolver::Outcome first_solve(int n, int layers, LinearMemory& memory) {
                 for (int c = 0; c < 3; ++c) a.block(d)[4 * c] += 600;
             }
     LinearSolver solver(grid.pattern, grid.places());
-    solver.begin_frame();
+    solver.begin_frame(memory);
     solver.begin_step(springs, std::vector<double>(std::size_t(grid.pattern.rows), 6.0));
     std::vector<double> x;
     const std::vector<double> b = random_numbers(std::size_t(3 * grid.pattern.rows), 1);
