@@ -66,11 +66,11 @@ void begin_without_blas_threads(char** words) {
 bool is_of_threads(const std::exception& e) { return std::string_view(e.what()).starts_with("pthread_create"); }
 
 /// Arrays of that size go back to the system as soon as they are let go. By default glibc keeps larger and larger ones,
-/// which go to pieces in its heap: of a large rig a twentieth of the report's peak_bytes. Smaller ones stay, since
-/// fresh pages cost time.
+/// which go to pieces in its heap: of a large rig a twentieth of the report's peak_bytes. Smaller ones stay, and so
+/// does the end of the heap, which each frame takes anew: fresh pages cost time, where machines are virtual a lot.
 void give_back_large_arrays() {
 #if defined(__GLIBC__)
-    constexpr int size = 4 << 20, kept_at_end = 4 << 20;
+    constexpr int size = 4 << 20, kept_at_end = 64 << 20;
     mallopt(M_MMAP_THRESHOLD, size);
     mallopt(M_TRIM_THRESHOLD, kept_at_end); // which else is small as soon as the other is set
 #endif
