@@ -62,10 +62,11 @@ void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::Stat
     std::snprintf(frame, sizeof frame, "%g", in.frame());
     std::string leaps,
         hint = "Raise maxNewtonIterations or substeps, or accept it with a larger solverToleranceFactor.";
-    constexpr int of_cloth = 60; // that a step of cloth takes where it touches or folds
-    if (const auto limit = in[max_newton_iterations]; limit < of_cloth && cloth_is_left(setup, s.residual_body))
-        hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + std::to_string(of_cloth) +
-               ": cloth that touches or folds takes 20 to " + std::to_string(of_cloth) +
+    const std::string few = std::to_string(few_cloth_iterations), most = std::to_string(most_cloth_iterations);
+    if (const auto limit = in[max_newton_iterations];
+        limit < most_cloth_iterations && cloth_is_left(setup, s.residual_body))
+        hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + most +
+               ": cloth that touches or folds takes " + few + " to " + most +
                ", and halved steps cost more than they; or raise substeps.";
     if (const Leap leap = farthest_leap(before.bones, s.state.bones); leap.sizes > most_sizes_a_frame) {
         const std::string bone =

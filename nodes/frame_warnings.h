@@ -7,6 +7,9 @@
 
 namespace sinew::nodes {
 
+/// Newton iterations that a step of cloth takes where it touches or folds: from so many, up to so many.
+inline constexpr int few_cloth_iterations = 20, most_cloth_iterations = 60;
+
 /// Warns of a frame that has not converged (FE301): its residual, and what may be behind it, a bone that has jumped or
 /// a limit too low for cloth. `before`: the state that it began with.
 void warn_if_unconverged(const engine::Reads& in, const Setup& setup, const solver::State& before,

@@ -178,6 +178,7 @@ void LinearSolver::factorize_and_solve(const BlockMatrix& a, const std::vector<d
 }
 
 void LinearSolver::prepare_single() {
+    if (factors_) factors_->release_if_large();
     if (single_) return;
     single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
     rounded_ = std::make_unique<BlockMatrix>(pattern_);
@@ -196,7 +197,6 @@ void LinearSolver::round_to_single(const BlockMatrix& a) {
 bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
     const Stopwatch timer(outcome.seconds_factor);
     prepare_single();
-    if (factors_) factors_->release_if_large();
     round_to_single(a);
     const bool good = single_->factorize(*rounded_, resting_);
     ++outcome.factors;
@@ -209,7 +209,6 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
 /// The factor that the state tells of. That is no work of this frame, and not counted as such.
 void LinearSolver::make_again() {
     const auto source = std::exchange(again_, nullptr);
-    if (!source) return;
     prepare_single();
     std::copy(source->values.begin(), source->values.end(), rounded_->values.begin());
     if (!single_->factorize(*rounded_, source->without)) return; // of a state that was spoiled

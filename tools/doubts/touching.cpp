@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
+#include "nodes/frame_warnings.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/mesh_check.h"
 #include "solver/terms/contact/contact_rest.h"
@@ -18,8 +19,6 @@ constexpr double widest_spacing = 0.55;
 constexpr double deep_share = 0.35;
 /// Nor is a tenth of them ever a quarter of the body's breadth deep: such bodies go on through each other.
 constexpr double some_share = 0.1, deep_way = 0.25;
-/// Steps of cloth that touches take more Newton iterations than these, and as many as those.
-constexpr std::int64_t few_iterations = 20, iterations_of_cloth = 60;
 /// Points of a body that are asked where they are.
 constexpr std::size_t most_asked = 400, most_asked_in_passing = 60;
 
@@ -100,7 +99,7 @@ Inside points_inside(const Member& body, const solver::Box& box, const solver::S
 /// A cloth that touches anything, itself included, with a limit of Newton iterations that such steps run into.
 void few_iterations_of_cloth(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
     const auto most = d.number<std::int64_t>(solver, "maxNewtonIterations");
-    if (!most || *most >= few_iterations) return;
+    if (!most || *most >= nodes::few_cloth_iterations) return;
     for (const Member& m : members) {
         if (!m.body.is_cloth()) continue;
         const bool meets_itself = may_touch(d, m, m) && d.number<bool>(m.name, "selfCollisions").value_or(true);
@@ -110,8 +109,9 @@ void few_iterations_of_cloth(Doubting& d, const std::string& solver, const std::
         d.doubt("FE343", solver, "maxNewtonIterations",
                 std::to_string(*most) + " are too few where " + m.name + " touches " +
                     (met == members.end() ? "itself" : met->name) + ": a step of cloth that touches or folds takes " +
-                    std::to_string(few_iterations) + " to " + std::to_string(iterations_of_cloth),
-                "write " + std::to_string(iterations_of_cloth) + ": it is a limit, and costs nothing where fewer do");
+                    std::to_string(nodes::few_cloth_iterations) + " to " + std::to_string(nodes::most_cloth_iterations),
+                "write " + std::to_string(nodes::most_cloth_iterations) +
+                    ": it is a limit, and costs nothing where fewer do");
         return;
     }
 }
