@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/bench/resident.h"
 
+#include "tools/cli/heap.h"
+
 #include <fstream>
-#include <malloc.h>
 #include <unistd.h>
 
 namespace sinew::bench {
 
 double resident_bytes() {
-    malloc_trim(0);
+    cli::renew_heap();
     std::ifstream in("/proc/self/statm");
     double total = 0, resident = 0;
     in >> total >> resident;

@@ -5,6 +5,7 @@
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
+#include "tools/cli/heap.h"
 #include "tools/cli/interrupts.h"
 #include "tools/cli/print.h"
 
@@ -14,11 +15,9 @@
 #include <cstring>
 #include <exception>
 #include <iostream>
-#include <malloc.h>
 #include <new>
 #include <stdexcept>
 #include <string_view>
-#include <sys/resource.h>
 #include <system_error>
 #include <thread>
 #include <unistd.h>
@@ -32,12 +31,6 @@ using namespace sinew::cli;
 struct NoSpace {
     int threads; ///< for which there is room
 };
-
-/// Whether memory is refused before it is used (`ulimit -v`).
-bool has_limited_space() {
-    rlimit space{};
-    return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
-}
 
 /// OpenBLAS starts a thread for each core when it is loaded, which wait for ever for memory that they cannot have.
 /// Nothing here needs them; that it shall not is read before `main`, so the program begins again.
@@ -64,17 +57,6 @@ void begin_without_blas_threads(char** words) {
 
 /// What oneTBB says where a thread cannot be started; it has no type of its own.
 bool is_of_threads(const std::exception& e) { return std::string_view(e.what()).starts_with("pthread_create"); }
-
-/// Arrays of that size go back to the system as soon as they are let go. By default glibc keeps larger and larger ones,
-/// which go to pieces in its heap: of a large rig a twentieth of the report's peak_bytes. Smaller ones stay, and so
-/// does the end of the heap, which each frame takes anew: fresh pages cost time, where machines are virtual a lot.
-void give_back_large_arrays() {
-#if defined(__GLIBC__)
-    constexpr int size = 4 << 20, kept_at_end = 64 << 20;
-    mallopt(M_MMAP_THRESHOLD, size);
-    mallopt(M_TRIM_THRESHOLD, kept_at_end); // which else is small as soon as the other is set
-#endif
-}
 
 /// Where space is limited, room for what the command's threads factorise with, so that none waits for ever.
 void check_space(const Command& command, const Arguments& arguments) {
@@ -174,7 +156,7 @@ ExitCode dispatch(std::vector<std::string> words, std::stop_token stop) {
 int main(int count, char** words) {
     std::set_terminate(end_without_memory);
     begin_without_blas_threads(words);
-    give_back_large_arrays();
+    set_up_heap();
     solver::choose_blas_kernel();
     const Interrupts interrupts;
     const ExitCode code = dispatch({words + 1, words + count}, interrupts.token());
