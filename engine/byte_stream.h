@@ -69,12 +69,18 @@ class ByteReader {
     }
     template <class T>
     std::vector<T> get_list() {
+        const std::span<const std::byte> bytes = get_bytes_of_list<T>();
+        std::vector<T> out(bytes.size() / sizeof(T));
+        if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), bytes.data(), bytes.size());
+        return out;
+    }
+    /// Of the items, without their number.
+    template <class T>
+    std::span<const std::byte> get_bytes_of_list() {
         static_assert(std::is_trivially_copyable_v<T>);
         const auto n = get<std::uint64_t>();
         if (n > rest.size() / sizeof(T)) throw BadBytes("it ends too early");
-        std::vector<T> out(n);
-        if (n > 0) std::memcpy(static_cast<void*>(out.data()), take(n * sizeof(T)).data(), n * sizeof(T));
-        return out;
+        return take(n * sizeof(T));
     }
     std::string get_text() {
         const std::vector<char> text = get_list<char>();

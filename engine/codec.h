@@ -15,7 +15,8 @@ struct Codec {
     std::string_view type_name;
     int version = 1; ///< raised when the bytes mean something else; what older versions wrote is then made anew
     std::function<void(const Value&, ByteWriter&)> write;
-    std::function<Value(ByteReader&)> read; ///< throws BadBytes
+    /// Throws BadBytes. `like`: null, or a value of this type, of which what is equal may be shared instead of made.
+    std::function<Value(ByteReader&, const Value* like)> read;
 };
 
 /// The codec of T. read(write(v)) must give the bits of v, and so its digest; the disk store checks that.
@@ -23,7 +24,15 @@ template <class T>
 Codec make_codec(int version, void (*write)(const T&, ByteWriter&), T (*read)(ByteReader&)) {
     return {std::type_index(typeid(T)), ValueTraits<T>::name, version,
             [write](const Value& v, ByteWriter& out) { write(v.as<T>(), out); },
-            [read](ByteReader& in) { return Value::of<T>(read(in)); }};
+            [read](ByteReader& in, const Value*) { return Value::of<T>(read(in)); }};
+}
+/// \param read the same with another value, or null
+template <class T>
+Codec make_codec(int version, void (*write)(const T&, ByteWriter&), T (*read)(ByteReader&, const T* like)) {
+    return {
+        std::type_index(typeid(T)), ValueTraits<T>::name, version,
+        [write](const Value& v, ByteWriter& out) { write(v.as<T>(), out); },
+        [read](ByteReader& in, const Value* like) { return Value::of<T>(read(in, like ? &like->as<T>() : nullptr)); }};
 }
 
 } // namespace sinew::engine

@@ -5,8 +5,10 @@
 #include "nodes/marks.h"
 #include "nodes/values.h"
 #include "solver/error.h"
+#include "solver/mesh/coordinates.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace sinew::nodes {
 
@@ -21,14 +23,13 @@ void put_points(ByteWriter& out, const solver::Points& points) {
     out.put_list(std::span<const double>(points.empty() ? nullptr : points.front().data(), 3 * points.size()));
 }
 
-solver::Points get_points(ByteReader& in) {
-    const std::vector<double> numbers = in.get_list<double>();
-    if (numbers.size() % 3 != 0) throw BadBytes("its points are not whole");
-    solver::Points out;
-    out.reserve(numbers.size() / 3);
-    for (std::size_t i = 0; i < numbers.size(); i += 3) out.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+solver::Points points_of(std::span<const std::byte> bytes) {
+    if (bytes.size() % sizeof(solver::Vec3) != 0) throw BadBytes("its points are not whole");
+    solver::Points out(bytes.size() / sizeof(solver::Vec3));
+    if (!out.empty()) std::memcpy(static_cast<void*>(out.data()), bytes.data(), bytes.size());
     return out;
 }
+solver::Points get_points(ByteReader& in) { return points_of(in.get_bytes_of_list<double>()); }
 
 /// Whoever reads a mesh goes by its numbers without looking, so they are looked at here.
 Mesh checked(solver::SurfaceMesh mesh) {
@@ -64,6 +65,14 @@ template <class T, T (*read)(ByteReader&)>
 T read_as_bytes(ByteReader& in) {
     try {
         return read(in);
+    } catch (const solver::Error& e) {
+        throw BadBytes(e.what());
+    }
+}
+template <class T, T (*read)(ByteReader&, const T*)>
+T read_as_bytes(ByteReader& in, const T* like) {
+    try {
+        return read(in, like);
     } catch (const solver::Error& e) {
         throw BadBytes(e.what());
     }
@@ -123,19 +132,51 @@ void write_mesh_list(const MeshList& list, ByteWriter& out) {
     for (const Mesh& mesh : list.meshes) put_points(out, *mesh.points);
 }
 
-MeshList read_mesh_list(ByteReader& in) {
+bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
+}
+template <class T>
+bool is_next(ByteReader& in, const std::vector<T>& list) {
+    return same_bytes(in.get_bytes_of_list<T>(), std::as_bytes(std::span(list)));
+}
+
+/// Whether the next mesh has the faces of `like`; then they are behind `in`, else it stays.
+bool has_faces_of(ByteReader& in, const MeshTopology& like) {
+    ByteReader ahead = in;
+    if (!is_next(ahead, like.face_sizes) || !is_next(ahead, like.face_vertices) || !is_next(ahead, like.triangles))
+        return false;
+    in = ahead;
+    return true;
+}
+
+/// From frame to frame most is as it was: it is shared, and neither looked at nor summed again.
+MeshList read_mesh_list(ByteReader& in, const MeshList* like) {
     std::vector<solver::SurfaceMesh> meshes;
+    std::vector<const Mesh*> shared;
     const auto count = in.get<std::uint64_t>();
     for (std::uint64_t i = 0; i < count; ++i) {
         solver::SurfaceMesh& mesh = meshes.emplace_back();
+        const Mesh* other = like && i < like->meshes.size() ? &like->meshes[i] : nullptr;
+        shared.push_back(other && has_faces_of(in, *other->topology) ? other : nullptr);
+        if (shared.back()) continue;
         mesh.face_sizes = in.get_list<int>();
         mesh.face_vertices = in.get_list<int>();
         mesh.triangles = in.get_list<solver::Triangle>();
     }
     MeshList out;
-    for (solver::SurfaceMesh& mesh : meshes) {
-        mesh.points = get_points(in);
-        out.meshes.push_back(checked(std::move(mesh)));
+    for (std::size_t i = 0; i < meshes.size(); ++i) {
+        const std::span<const std::byte> points = in.get_bytes_of_list<double>();
+        if (!shared[i]) {
+            meshes[i].points = points_of(points);
+            out.meshes.push_back(checked(std::move(meshes[i])));
+        } else if (same_bytes(points, std::as_bytes(std::span(*shared[i]->points)))) {
+            out.meshes.push_back(*shared[i]);
+        } else {
+            solver::Points moved = points_of(points);
+            if (moved.size() != shared[i]->points->size()) throw BadBytes("its faces are those of other points");
+            solver::check_coordinates(moved);
+            out.meshes.push_back(shared[i]->with_points(std::move(moved)));
+        }
     }
     return out;
 }

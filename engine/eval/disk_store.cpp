@@ -5,23 +5,45 @@
 #include "engine/byte_stream.h"
 
 #include <algorithm>
+#include <array>
 #include <fstream>
 
 namespace sinew::engine {
 
 namespace {
 
-constexpr std::string_view mark = "sinew kept 4\n";
+constexpr std::string_view mark = "sinew kept 5\n";
 
-/// Everything before the payload: mark, key, checksum, length.
-constexpr std::size_t header_size = mark.size() + 2 * sizeof(Digest) + sizeof(std::uint64_t);
+struct Part {
+    Digest sum;
+    std::uint64_t size = 0;
+};
+/// Everything before the payload: mark, key, payload, tail.
+constexpr std::size_t header_size = mark.size() + sizeof(Digest) + 2 * (sizeof(Digest) + sizeof(std::uint64_t));
+
+void put_part(ByteWriter& out, std::span<const std::byte> bytes) {
+    out.put(Hasher().add_bytes(bytes).finish());
+    out.put<std::uint64_t>(bytes.size());
+}
+Part get_part(ByteReader& in) {
+    Part out;
+    out.sum = in.get<Digest>();
+    out.size = in.get<std::uint64_t>();
+    return out;
+}
+
+/// Empty where it cannot be had, or is damaged.
+std::optional<std::vector<std::byte>> read_part(std::istream& file, const Part& part, std::vector<std::byte> out = {}) {
+    out.resize(part.size);
+    file.read(reinterpret_cast<char*>(out.data()), static_cast<std::streamsize>(out.size()));
+    if (!file || Hasher().add_bytes(out).finish() != part.sum) return {};
+    return out;
+}
 
 std::optional<Digest> key_of(const std::string& hex) {
     if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos) return {};
     return Digest{std::stoull(hex.substr(0, 16), nullptr, 16), std::stoull(hex.substr(16), nullptr, 16)};
 }
-
-Digest checksum(std::span<const std::byte> payload) { return Hasher().add_bytes(payload).finish(); }
 
 } // namespace
 
@@ -36,29 +58,34 @@ FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failu
 
 std::filesystem::path DiskStore::file_of(const Digest& key) const { return folder_ / (key.hex() + ending_); }
 
-DiskStore::Found DiskStore::read(const Digest& key) const {
+DiskStore::Found DiskStore::read(const Digest& key, bool with_tail, std::vector<std::byte> room) const {
+    const auto useless = [](std::string why) { return Found{{}, {}, std::move(why)}; };
+    const std::filesystem::path path = file_of(key);
     std::error_code error;
-    if (std::filesystem::is_directory(file_of(key), error)) return {{}, "a folder is in its place"};
-    if (files_.refusal(file_of(key))) return {{}, "it is a link out of the root"};
-    std::ifstream file(file_of(key), std::ios::binary);
-    if (!file) {
-        return {{}, std::filesystem::exists(file_of(key), error) ? "it cannot be opened" : ""};
-    }
-    std::vector<std::byte> bytes;
-    char block[1 << 16];
-    while (file.read(block, sizeof block) || file.gcount() > 0) {
-        const auto* p = reinterpret_cast<const std::byte*>(block);
-        bytes.insert(bytes.end(), p, p + file.gcount());
-    }
-    if (bytes.size() < header_size || std::memcmp(bytes.data(), mark.data(), mark.size()) != 0)
-        return {{}, "it was not written by this version of Sinew, or not whole"};
-    ByteReader header(std::span<const std::byte>(bytes).subspan(mark.size()));
-    if (header.get<Digest>() != key) return {{}, "it belongs to other inputs"};
-    const auto sum = header.get<Digest>();
-    if (header.get<std::uint64_t>() != header.rest.size()) return {{}, "its length is wrong"};
-    if (checksum(header.rest) != sum) return {{}, "its bytes are damaged"};
-    bytes.erase(bytes.begin(), bytes.begin() + header_size);
-    return {std::move(bytes), {}};
+    if (!std::filesystem::exists(path, error)) return {};
+    if (std::filesystem::is_directory(path, error)) return useless("a folder is in its place");
+    // Whoever opens a pipe that nobody writes to waits for ever.
+    if (!std::filesystem::is_regular_file(path, error)) return useless("what is in its place is no file");
+    if (files_.refusal(path)) return useless("it is a link out of the root");
+    std::ifstream file(path, std::ios::binary);
+    if (!file) return std::filesystem::exists(path, error) ? useless("it cannot be opened") : Found();
+    std::array<std::byte, header_size> header_bytes{};
+    file.read(reinterpret_cast<char*>(header_bytes.data()), header_size);
+    if (!file || std::memcmp(header_bytes.data(), mark.data(), mark.size()) != 0)
+        return useless("it was not written by this version of Sinew, or not whole");
+    ByteReader header(std::span<const std::byte>(header_bytes).subspan(mark.size()));
+    if (header.get<Digest>() != key) return useless("it belongs to other inputs");
+    const Part payload = get_part(header), tail = get_part(header);
+    const std::uintmax_t rest = std::filesystem::file_size(path, error) - header_size;
+    if (error || payload.size > rest || tail.size != rest - payload.size) return useless("its length is wrong");
+    Found out;
+    out.payload = read_part(file, payload, std::move(room));
+    if (!out.payload) return useless("its bytes are damaged");
+    if (!with_tail) return out;
+    auto read = read_part(file, tail);
+    if (!read) return useless("its bytes are damaged");
+    out.tail = std::move(*read);
+    return out;
 }
 
 std::vector<Digest> DiskStore::newest_first() const {
@@ -86,14 +113,16 @@ void DiskStore::touch(const Digest& key) const {
     std::filesystem::last_write_time(file_of(key), std::filesystem::file_time_type::clock::now(), error);
 }
 
-void DiskStore::write(const Digest& key, std::span<const std::byte> payload, bool waits) const {
-    std::string text(mark);
+void DiskStore::write(const Digest& key, std::span<const std::byte> payload, bool waits,
+                      std::span<const std::byte> tail) const {
     ByteWriter header;
     header.put(key);
-    header.put(checksum(payload));
-    header.put<std::uint64_t>(payload.size());
-    text.append(reinterpret_cast<const char*>(header.bytes.data()), header.bytes.size());
-    text.append(reinterpret_cast<const char*>(payload.data()), payload.size());
+    put_part(header, payload);
+    put_part(header, tail);
+    std::string text(mark);
+    text.reserve(header_size + payload.size() + tail.size());
+    for (const std::span<const std::byte> part : {std::span<const std::byte>(header.bytes), payload, tail})
+        text.append(reinterpret_cast<const char*>(part.data()), part.size());
     waits ? write_file(file_of(key), text, files_) : write_file_soon(file_of(key), text, files_);
 }
 

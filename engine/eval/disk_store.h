@@ -33,16 +33,21 @@ class DiskStore {
 
     struct Found {
         std::optional<std::vector<std::byte>> payload;
+        std::vector<std::byte> tail; ///< empty if it was not asked for
         std::string fault; ///< a file is there and cannot be used: why. Without payload and fault there is none.
     };
-    /// Checks mark, key, length and checksum.
-    Found read(const Digest& key) const;
+    /// Checks mark, key, lengths and the checksum of each part that is read.
+    /// \param with_tail else that part of the file is not read
+    /// \param room memory for the payload, if it is large enough; what it holds does not matter
+    Found read(const Digest& key, bool with_tail = false, std::vector<std::byte> room = {}) const;
     /// Keys of all files in the folder; none if it cannot be listed.
     std::vector<Digest> newest_first() const;
     bool contains(const Digest& key) const;
     /// Replaces what is there. Throws Failure IO405, and then what was there is untouched.
     /// \param waits until it is on the disk, and so outlives a power cut
-    void write(const Digest& key, std::span<const std::byte> payload, bool waits = true) const;
+    /// \param tail what not all who read the file need
+    void write(const Digest& key, std::span<const std::byte> payload, bool waits = true,
+               std::span<const std::byte> tail = {}) const;
     /// What is there counts as used now, for whoever makes room.
     void touch(const Digest& key) const;
 

@@ -3,7 +3,7 @@
 
 #include "engine/file_sequence.h"
 
-#include <filesystem>
+#include <sys/stat.h>
 #include <vector>
 
 namespace sinew::engine {
@@ -26,12 +26,13 @@ std::variant<Digest, FileFault> FileDigests::of_sequence(const std::string& path
 }
 
 std::variant<Digest, FileFault> FileDigests::of_file(const std::string& path, const FileAccess& files) {
-    namespace fs = std::filesystem;
     if (auto fault = files.refusal(path)) return *fault; // a row may be another graph's, which may open more
-    std::error_code ec;
-    const std::uintmax_t size = fs::file_size(path, ec);
-    const std::int64_t changed = ec ? 0 : fs::last_write_time(path, ec).time_since_epoch().count();
-    if (!ec) {
+    // Asked of every file at every pull: one call each.
+    struct stat now {};
+    const bool is_file = ::stat(path.c_str(), &now) == 0 && S_ISREG(now.st_mode);
+    const auto size = static_cast<std::uintmax_t>(now.st_size);
+    const std::int64_t changed = now.st_mtim.tv_sec * std::int64_t{1'000'000'000} + now.st_mtim.tv_nsec;
+    if (is_file) {
         const std::lock_guard lock(mutex_);
         const auto it = rows_.find(path);
         if (it != rows_.end() && it->second.size == size && it->second.changed == changed) return it->second.content;
@@ -52,7 +53,7 @@ std::variant<Digest, FileFault> FileDigests::of_file(const std::string& path, co
         h.add_bytes(std::as_bytes(std::span(block.data(), filled)));
     }
     const Digest content = h.finish();
-    if (ec) return content;
+    if (!is_file) return content;
     const std::lock_guard lock(mutex_);
     rows_[path] = Row{size, changed, content};
     return content;

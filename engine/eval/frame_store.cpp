@@ -25,22 +25,25 @@ constexpr std::size_t most_starts = 4;
 constexpr std::size_t most_room = std::size_t{64} << 20;
 constexpr std::string_view rows_mark = "sinew rows 2\n";
 constexpr std::string_view rows_ending = ".rows", frames_ending = ".frame", outputs_ending = ".kept";
+/// What the command line keeps besides (tools/cli/kept_warnings.h): small, and found anew where it is gone.
+constexpr std::string_view warnings_ending = ".warnings";
 /// From so many files of rows on one is made of those that nobody writes to any more.
 constexpr std::size_t most_row_files = 32;
 
 bool is_ours(const fs::path& file) {
     const std::string ending = file.extension().string();
-    return ending == rows_ending || ending == frames_ending || ending == outputs_ending;
+    return ending == rows_ending || ending == frames_ending || ending == outputs_ending || ending == warnings_ending;
 }
 
 } // namespace
 
 /// Sections begin at a block's edge, and each is told from the same one of the start frame: one that changes its length
 /// moves none of the others.
-struct LaidFrame {
+struct LaidPart {
     std::vector<std::byte> bytes;
     std::vector<std::uint32_t> first_block; ///< of each section
 
+    void clear() { bytes.clear(), first_block.clear(); }
     /// What `write` appends to the frame's own bytes: frames are large, and memory that is new to the process is slow.
     template <class Write>
     void put(const Write& write) {
@@ -64,25 +67,30 @@ struct LaidFrame {
     }
 };
 
+struct LaidFrame {
+    LaidPart told; ///< what it was made from, its outputs, its warnings
+    std::optional<LaidPart> state;
+    std::vector<std::byte> file; ///< room for what was last read
+    std::size_t capacity() const {
+        return told.bytes.capacity() + file.capacity() + (state ? state->bytes.capacity() : 0);
+    }
+};
+
 namespace {
 
 class Sections {
   public:
-    explicit Sections(const LaidFrame& of)
+    explicit Sections(const LaidPart& of)
         : of_(of) {}
-    /// A copy, or an empty one where it is not wanted.
-    std::vector<std::byte> next(bool wanted = true) {
+    std::span<const std::byte> next() {
         ByteReader in(of_.section(next_++));
         const auto size = in.get<std::uint64_t>();
         if (size > in.rest.size()) throw BadBytes("it ends too early");
-        const auto part = in.rest.first(size);
-        std::vector<std::byte> out;
-        if (wanted) out.assign(part.begin(), part.end());
-        return out;
+        return in.rest.first(size);
     }
 
   private:
-    const LaidFrame& of_;
+    const LaidPart& of_;
     std::size_t next_ = 0;
 };
 
@@ -104,19 +112,17 @@ std::vector<Diagnostic> get_warnings(ByteReader& in) {
     return out;
 }
 
-/// What it was made from, its state, each output, its warnings.
 void encode(const Registry& registry, const NodeType& type, const KeptFrame& frame, LaidFrame& out) {
-    out.bytes.clear(), out.first_block.clear();
-    out.put([&](ByteWriter& made_from) {
+    out.told.clear();
+    out.told.put([&](ByteWriter& made_from) {
         made_from.put(identity(type).finish());
         made_from.put<std::int64_t>(frame.frame);
         made_from.put_text(frame.made_from.node);
         made_from.put<std::uint64_t>(frame.made_from.contents.size());
         for (const auto& [plug, content] : frame.made_from.contents) made_from.put_text(plug), made_from.put(content);
     });
-    out.put([&](ByteWriter& state) { state.bytes.insert(state.bytes.end(), frame.state.begin(), frame.state.end()); });
     for (std::size_t i = 0; i < type.outputs.size(); ++i)
-        out.put([&](ByteWriter& output) {
+        out.told.put([&](ByteWriter& output) {
             const Codec* codec = registry.find_codec(type.outputs[i].type);
             output.put<std::uint8_t>(codec != nullptr);
             output.put(frame.entry->digest(i));
@@ -125,15 +131,20 @@ void encode(const Registry& registry, const NodeType& type, const KeptFrame& fra
             output.put<std::int64_t>(codec->version);
             codec->write(frame.entry->outputs[i], output);
         });
-    out.put([&](ByteWriter& warnings) {
+    out.told.put([&](ByteWriter& warnings) {
         put_warnings(warnings, frame.entry->warnings);
         put_warnings(warnings, frame.warnings_of_state);
     });
+    if (!out.state) out.state.emplace();
+    out.state->clear();
+    out.state->put(
+        [&](ByteWriter& state) { state.bytes.insert(state.bytes.end(), frame.state.begin(), frame.state.end()); });
 }
 
-void read_made_from(std::span<const std::byte> bytes, KeptFrame& out, Digest& type) {
+FrameStore::Listed read_made_from(std::span<const std::byte> bytes) {
+    FrameStore::Listed out;
     ByteReader in(bytes);
-    type = in.get<Digest>();
+    in.get<Digest>(); // of the node type
     out.frame = static_cast<int>(in.get<std::int64_t>());
     out.made_from.node = in.get_text();
     const auto count = in.get<std::uint64_t>();
@@ -141,38 +152,42 @@ void read_made_from(std::span<const std::byte> bytes, KeptFrame& out, Digest& ty
         std::string plug = in.get_text();
         out.made_from.contents.emplace_back(std::move(plug), in.get<Digest>());
     }
+    return out;
 }
 
-KeptFrame decode(const Registry& registry, const NodeType& type, const LaidFrame& frame, bool with_state) {
+/// \param like outputs of another frame, of which what is equal is shared; or nothing
+KeptFrame decode(const Registry& registry, const NodeType& type, const LaidFrame& frame,
+                 const std::vector<Value>& like) {
     KeptFrame out;
-    Sections sections(frame);
-    Digest made_by;
-    read_made_from(sections.next(), out, made_by);
+    Sections sections(frame.told);
+    ByteReader made(sections.next());
+    const auto made_by = made.get<Digest>();
+    out.frame = static_cast<int>(made.get<std::int64_t>());
     if (made_by != identity(type).finish()) throw BadBytes("it was made by another version of the program");
-    out.state = sections.next(with_state);
     Entry entry;
     bool whole = true;
-    for (const AttributeInfo& info : type.outputs) {
-        const std::vector<std::byte> section = sections.next();
-        ByteReader in(section);
+    for (std::size_t i = 0; i < type.outputs.size(); ++i) {
+        ByteReader in(sections.next());
         const bool there = in.get<std::uint8_t>() != 0;
         const auto digest = in.get<Digest>();
         entry.known.push_back(digest);
-        const Codec* codec = registry.find_codec(info.type);
+        const Codec* codec = registry.find_codec(type.outputs[i].type);
         Value value;
         if (there && codec && in.get_text() == codec->type_name && in.get<std::int64_t>() == codec->version) {
-            value = codec->read(in);
+            value = codec->read(in, i < like.size() && like[i] ? &like[i] : nullptr);
             if (value.digest() != digest) throw BadBytes("what it gives is not what was kept");
         }
         whole = whole && value;
         entry.outputs.push_back(std::move(value));
     }
-    const std::vector<std::byte> warnings = sections.next();
-    ByteReader in(warnings);
+    ByteReader in(sections.next());
     entry.warnings = get_warnings(in);
     out.warnings_of_state = get_warnings(in);
     if (whole) entry.known.clear();
     out.entry = std::make_shared<const Entry>(std::move(entry));
+    if (!frame.state) return out;
+    const std::span<const std::byte> state = Sections(*frame.state).next();
+    out.state.assign(state.begin(), state.end());
     return out;
 }
 
@@ -181,29 +196,57 @@ std::size_t bytes_of(std::span<const std::byte> section, std::size_t b) {
     return std::min(block, section.size() - b * block);
 }
 
-/// The blocks of a frame that are not those of the start frame at the same place of the same section.
-std::vector<std::byte> differing(const LaidFrame& frame, const LaidFrame* start, const Digest& start_key) {
-    ByteWriter out;
-    out.put(start_key);
-    out.put<std::uint64_t>(frame.bytes.size());
-    out.put_list(frame.first_block);
+/// Appends the blocks that are not those of the start frame at the same place of the same section.
+void put_differing(ByteWriter& out, const LaidPart& part, const LaidPart* start) {
+    out.put<std::uint64_t>(part.bytes.size());
+    out.put_list(part.first_block);
     std::vector<std::uint32_t> others;
-    for (std::size_t k = 0; k < frame.first_block.size(); ++k) {
-        const auto section = frame.section(k), base = start ? start->section(k) : std::span<const std::byte>();
+    for (std::size_t k = 0; k < part.first_block.size(); ++k) {
+        const auto section = part.section(k), base = start ? start->section(k) : std::span<const std::byte>();
         for (std::size_t b = 0; b * block < section.size(); ++b) {
             const std::size_t count = bytes_of(section, b);
             const bool same = b * block + count <= base.size() &&
                               std::memcmp(section.data() + b * block, base.data() + b * block, count) == 0;
-            if (!same) others.push_back(frame.first_block[k] + static_cast<std::uint32_t>(b));
+            if (!same) others.push_back(part.first_block[k] + static_cast<std::uint32_t>(b));
         }
     }
     out.put_list(others);
     out.bytes.reserve(out.bytes.size() + others.size() * block);
     for (const std::uint32_t b : others) {
-        const auto part = std::span(frame.bytes).subspan(std::size_t{b} * block, bytes_of(frame.bytes, b));
-        out.bytes.insert(out.bytes.end(), part.begin(), part.end());
+        const auto bytes = std::span(part.bytes).subspan(std::size_t{b} * block, bytes_of(part.bytes, b));
+        out.bytes.insert(out.bytes.end(), bytes.begin(), bytes.end());
     }
-    return std::move(out.bytes);
+}
+
+/// The part again, from what `put_differing` wrote. Throws BadBytes.
+void get_differing(ByteReader in, const LaidPart* start, LaidPart& out) {
+    const auto size = in.get<std::uint64_t>();
+    out.first_block = in.get_list<std::uint32_t>();
+    const auto& first = out.first_block;
+    const bool in_order = std::is_sorted(first.begin(), first.end());
+    if (!in_order || (!first.empty() && std::size_t{first.back()} * block > size))
+        throw BadBytes("its parts lie beyond its end");
+    const auto others = in.get_list<std::uint32_t>();
+    // What the start frame does not have is in blocks of its own; its last may be short.
+    const std::size_t from_start = start ? start->bytes.size() + block : 0;
+    if (size > from_start + others.size() * block) throw BadBytes("it is longer than its blocks");
+    out.bytes.resize(size); // of its last frame nothing may stay
+    if (first.empty() || first.front() > 0) std::fill(out.bytes.begin(), out.bytes.end(), std::byte{0});
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        const auto section = start ? start->section(k) : std::span<const std::byte>();
+        const std::size_t all = out.section(k).size(), count = std::min(section.size(), all);
+        const auto at = out.bytes.begin() + std::ptrdiff_t{first[k]} * std::ptrdiff_t{block};
+        std::copy_n(section.begin(), count, at);
+        std::fill_n(at + static_cast<std::ptrdiff_t>(count), all - count, std::byte{0});
+    }
+    for (const std::uint32_t b : others) {
+        if (std::size_t{b} * block >= size) throw BadBytes("its blocks lie beyond its end");
+        const std::size_t count = bytes_of(out.bytes, b);
+        if (count > in.rest.size()) throw BadBytes("it ends too early");
+        std::memcpy(out.bytes.data() + std::size_t{b} * block, in.rest.data(), count);
+        in.rest = in.rest.subspan(count);
+    }
+    if (!in.rest.empty()) throw BadBytes("it holds more than its blocks");
 }
 
 void append_rows(const fs::path& file, std::span<const PlugContent> rows) {
@@ -270,13 +313,28 @@ FrameStore::FrameStore(fs::path folder, std::uintmax_t budget, std::string_view 
     , files_(folder_, std::string(frames_ending), std::move(files))
     , written_(budget) {} // so that room is made before the first is written
 
-FrameStore::Bytes FrameStore::start_of(const Digest& start) const {
+std::shared_ptr<LaidFrame> FrameStore::take_room() const {
+    std::shared_ptr<LaidFrame> room;
     {
         const std::lock_guard lock(mutex_);
-        if (const auto it = starts_.find(start); it != starts_.end()) return it->second;
+        room.swap(room_);
     }
-    std::string fault;
-    Bytes bytes = whole(start, true, fault);
+    return room ? room : std::make_shared<LaidFrame>();
+}
+
+void FrameStore::give_back(std::shared_ptr<LaidFrame> room) const {
+    if (room->capacity() > most_room) return;
+    const std::lock_guard lock(mutex_);
+    room_ = std::move(room);
+}
+
+FrameStore::Bytes FrameStore::start_of(const Digest& start, bool with_state) const {
+    {
+        const std::lock_guard lock(mutex_);
+        if (const auto it = starts_.find(start); it != starts_.end() && (it->second->state || !with_state))
+            return it->second;
+    }
+    Bytes bytes = whole(start, true, with_state).bytes;
     if (!bytes) return nullptr;
     const std::lock_guard lock(mutex_);
     if (starts_.size() >= most_starts) starts_.clear();
@@ -284,63 +342,57 @@ FrameStore::Bytes FrameStore::start_of(const Digest& start) const {
     return bytes;
 }
 
-FrameStore::Bytes FrameStore::whole(const Digest& key, bool is_start, std::string& fault) const {
-    DiskStore::Found found = files_.read(key);
-    fault = found.fault;
-    if (!found.payload) return nullptr;
+FrameStore::Whole FrameStore::whole(const Digest& key, bool is_start, bool with_state) const {
+    Whole out;
+    const std::shared_ptr<LaidFrame> laid = is_start ? std::make_shared<LaidFrame>() : take_room();
+    DiskStore::Found found = files_.read(key, with_state, std::move(laid->file));
+    out.fault = std::move(found.fault);
+    if (!found.payload) return out;
     try {
-        ByteReader in(*found.payload);
-        const auto start = in.get<Digest>();
-        const auto size = in.get<std::uint64_t>();
-        auto out = std::make_shared<LaidFrame>();
-        out->first_block = in.get_list<std::uint32_t>();
-        const auto& first = out->first_block;
-        const bool in_order = std::is_sorted(first.begin(), first.end());
-        if (!in_order || (!first.empty() && std::size_t{first.back()} * block > size))
-            throw BadBytes("its parts lie beyond its end");
-        const auto others = in.get_list<std::uint32_t>();
-        if (start != key && is_start) throw BadBytes("the start frame differs from yet another frame");
-        const Bytes base = start != key ? start_of(start) : nullptr;
-        if (start != key && !base) throw BadBytes("the start frame that it differs from is gone");
-        // What the start frame does not have is in blocks of its own; its last may be short.
-        const std::size_t from_start = base ? base->bytes.size() + block : 0;
-        if (size > from_start + others.size() * block) throw BadBytes("it is longer than its blocks");
-        out->bytes.resize(size);
-        for (std::size_t k = 0; base && k < first.size(); ++k) {
-            const auto section = base->section(k);
-            const std::size_t count = std::min(section.size(), out->section(k).size());
-            std::copy_n(section.begin(), count, out->bytes.begin() + std::ptrdiff_t{first[k]} * std::ptrdiff_t{block});
-        }
-        for (const std::uint32_t b : others) {
-            if (std::size_t{b} * block >= size) throw BadBytes("its blocks lie beyond its end");
-            const std::size_t count = bytes_of(out->bytes, b);
-            if (count > in.rest.size()) throw BadBytes("it ends too early");
-            std::memcpy(out->bytes.data() + std::size_t{b} * block, in.rest.data(), count);
-            in.rest = in.rest.subspan(count);
-        }
-        if (!in.rest.empty()) throw BadBytes("it holds more than its blocks");
-        return out;
+        ByteReader told(*found.payload);
+        out.start = told.get<Digest>();
+        const bool differs = out.start != key;
+        if (differs && is_start) throw BadBytes("the start frame differs from yet another frame");
+        const Bytes base = differs ? start_of(out.start, with_state) : nullptr;
+        if (differs && !base) throw BadBytes("the start frame that it differs from is gone");
+        get_differing(told, base ? &base->told : nullptr, laid->told);
+        if (!with_state) laid->state.reset();
+        if (with_state && !laid->state) laid->state.emplace();
+        if (with_state) get_differing(ByteReader(found.tail), base ? &*base->state : nullptr, *laid->state);
+        if (!is_start) laid->file = std::move(*found.payload);
+        out.bytes = laid;
     } catch (const BadBytes& bad) {
-        fault = bad.what();
-        return nullptr;
+        out.fault = bad.what();
     } catch (const std::bad_alloc&) {
-        fault = "it says that it is larger than memory";
-        return nullptr;
+        out.fault = "it says that it is larger than memory";
     }
+    return out;
+}
+
+std::vector<Value> FrameStore::last_outputs(const Digest& start) const {
+    const std::lock_guard lock(mutex_);
+    const auto it = outputs_.find(start);
+    return it == outputs_.end() ? std::vector<Value>() : it->second;
 }
 
 FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& type, const Digest& key,
                                    bool with_state) const {
     Found out;
     const Digest name = name_of(key);
-    const Bytes bytes = whole(name, false, out.fault);
-    if (!bytes) return out;
+    Whole kept = whole(name, false, with_state);
+    out.fault = std::move(kept.fault);
+    if (!kept.bytes) return out;
     try {
-        out.frame = decode(registry, type, *bytes, with_state);
+        out.frame = decode(registry, type, *kept.bytes, last_outputs(kept.start));
         files_.touch(name);
     } catch (const BadBytes& bad) {
         out.fault = bad.what();
     }
+    give_back(std::move(kept.bytes));
+    if (!out.frame) return out;
+    const std::lock_guard lock(mutex_);
+    if (outputs_.size() >= most_starts) outputs_.clear();
+    outputs_[kept.start] = out.frame->entry->outputs;
     return out;
 }
 
@@ -348,30 +400,25 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
                        const KeptFrame& frame) {
     make_room();
     const Digest key = name_of(frame_key), start = name_of(start_key);
-    std::shared_ptr<LaidFrame> laid;
-    {
-        const std::lock_guard lock(mutex_);
-        laid.swap(room_);
-    }
-    if (!laid) laid = std::make_shared<LaidFrame>();
+    std::shared_ptr<LaidFrame> laid = take_room();
     encode(registry, type, frame, *laid);
     Bytes base;
     if (key != start) {
-        base = start_of(start);
+        base = start_of(start, true);
         files_.touch(start); // it is needed as long as the frames that differ from it
     }
-    // Without the start frame's file it stands for itself.
-    const std::vector<std::byte> payload = differing(*laid, base.get(), base ? start : key);
-    files_.write(key, payload, false);
+    ByteWriter told, state;
+    told.put(base ? start : key); // without the start frame's file it stands for itself
+    put_differing(told, laid->told, base ? &base->told : nullptr);
+    put_differing(state, *laid->state, base ? &*base->state : nullptr);
+    files_.write(key, told.bytes, false, state.bytes);
+    if (key != start) give_back(std::move(laid));
     const std::lock_guard lock(mutex_);
-    written_ += payload.size();
-    if (key == start) {
-        if (starts_.size() >= most_starts) starts_.clear();
-        laid->bytes.shrink_to_fit();
-        starts_[start] = std::move(laid);
-    } else if (laid->bytes.capacity() <= most_room) {
-        room_ = std::move(laid);
-    }
+    written_ += told.bytes.size() + state.bytes.size();
+    if (key != start) return;
+    if (starts_.size() >= most_starts) starts_.clear();
+    laid->told.bytes.shrink_to_fit(), laid->state->bytes.shrink_to_fit();
+    starts_[start] = std::move(laid);
 }
 
 void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) const {
@@ -416,16 +463,14 @@ void FrameStore::add_rows(std::span<const PlugContent> rows) {
 std::vector<FrameStore::Listed> FrameStore::frames_of(const std::string& node) const {
     std::vector<Listed> out;
     for (const Digest& key : files_.newest_first()) {
-        std::string fault;
-        const Bytes bytes = whole(key, false, fault);
-        if (!bytes) continue;
+        Whole kept = whole(key, false, false);
+        if (!kept.bytes) continue;
         try {
-            KeptFrame frame;
-            Digest type;
-            read_made_from(Sections(*bytes).next(), frame, type);
-            if (frame.made_from.node == node) out.push_back({std::move(frame.made_from), frame.frame});
+            Listed frame = read_made_from(Sections(kept.bytes->told).next());
+            if (frame.made_from.node == node) out.push_back(std::move(frame));
         } catch (const BadBytes&) {
         }
+        give_back(std::move(kept.bytes));
     }
     return out;
 }

@@ -2,8 +2,9 @@
 // plugs hold, so that a later process finds the keys without evaluating what leads to them.
 //
 // A frame repeats much of the one at the start: connectivity, anchors, rest poses. So it is written as the blocks in
-// which it differs from that one, part by part. Files are whole or not there; a damaged one is not used. Several
-// processes may share the folder.
+// which it differs from that one, part by part. Its state, which only who simulates on needs, is the file's second part
+// and read for them alone. Files are whole or not there; a damaged one is not used. Several processes may share the
+// folder.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/eval/disk_store.h"
@@ -27,9 +28,9 @@ struct PlugContent {
     Digest plug, content;
 };
 
-struct LaidFrame; ///< a frame's bytes, and where its parts begin
+struct LaidFrame; ///< a frame's bytes, and where the parts of them begin
 struct KeptFrame {
-    KeptInputs made_from;
+    KeptInputs made_from; ///< of what is read, frames_of tells it
     int frame = 0;
     EntryPtr entry;               ///< outputs whose type has no codec are missing
     std::vector<std::byte> state; ///< as the node type saves it
@@ -71,9 +72,17 @@ class FrameStore {
     using Bytes = std::shared_ptr<const LaidFrame>;
     Digest name_of(const Digest& key) const { return Hasher().add(key).add(build_).finish(); }
     /// Here and in start_of: of files, not of frames.
+    struct Whole {
+        std::shared_ptr<LaidFrame> bytes; ///< null: there is none
+        Digest start;
+        std::string fault;
+    };
     /// \param is_start it must stand for itself, and not differ from another one in turn
-    Bytes whole(const Digest& name, bool is_start, std::string& fault) const;
-    Bytes start_of(const Digest& start) const;
+    Whole whole(const Digest& name, bool is_start, bool with_state) const;
+    Bytes start_of(const Digest& start, bool with_state) const;
+    std::shared_ptr<LaidFrame> take_room() const;
+    void give_back(std::shared_ptr<LaidFrame> room) const;
+    std::vector<Value> last_outputs(const Digest& start) const;
     void make_room();
 
     std::filesystem::path folder_;
@@ -81,10 +90,11 @@ class FrameStore {
     Digest build_;
     DiskStore files_;
     mutable std::mutex mutex_;
-    mutable std::map<Digest, Bytes> starts_; ///< start frames that are in use
-    std::shared_ptr<LaidFrame> room_;        ///< that the last frame was laid out in, for the next one
-    std::filesystem::path rows_;             ///< this process's file of rows; empty: none yet
-    std::uintmax_t written_ = 0;             ///< since room was made
+    mutable std::map<Digest, Bytes> starts_;               ///< start frames that are in use
+    mutable std::map<Digest, std::vector<Value>> outputs_; ///< of the last frame that was read, by its start frame
+    mutable std::shared_ptr<LaidFrame> room_;              ///< that the last frame was laid out in, for the next one
+    std::filesystem::path rows_;                           ///< this process's file of rows; empty: none yet
+    std::uintmax_t written_ = 0;                           ///< since room was made
 };
 
 /// What a cache folder holds.

@@ -63,7 +63,7 @@ Entry decode_entry(const Registry& registry, const NodeType& type, std::span<con
         if (in.get_text() != codec.type_name || in.get<std::int64_t>() != codec.version)
             throw BadBytes("its values are written in another way");
         const auto digest = in.get<Digest>();
-        out.outputs.push_back(codec.read(in));
+        out.outputs.push_back(codec.read(in, nullptr));
         if (out.outputs.back().digest() != digest) throw BadBytes("what it gives is not what was kept");
     }
     const auto warnings = in.get<std::uint64_t>();

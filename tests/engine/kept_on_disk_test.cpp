@@ -168,10 +168,11 @@ TEST_CASE("a frame on disk holds the blocks that differ from the start's, whatev
     FrameStore store(folder.path, 1 << 30, "build");
     store.write(registry, type, start, start, frame(1, length, 1));
     store.write(registry, type, next, start, frame(2, length + 1, 2));
-    // Of each file: its header, the start's key, how long it is, where its four parts begin, which blocks follow.
-    constexpr std::uintmax_t sum = 16, header = 13 + 2 * sum + 8, before = sum + 8 + (8 + 4 * 4) + 8;
-    // What it was made from, the state's first block, and the one that its last byte stands in.
-    CHECK(fs::file_size(store.file_of(next)) == header + before + 3 * (4 + block));
+    // Of each file: its header, the start's key; of what is told and of the state how long it is, where its sections
+    // begin, three and one, and which blocks follow.
+    constexpr std::uintmax_t sum = 16, header = 13 + sum + 2 * (sum + 8), before = sum + 2 * (8 + 8 + 8) + 4 * 4;
+    // What it was made from, the state's first block, and its last byte, which stands in one that ends with it.
+    CHECK(fs::file_size(store.file_of(next)) == header + before + 2 * (4 + block) + (4 + 1));
     CHECK(fs::file_size(store.file_of(start)) > 50 * block);
     for (const auto& [key, number] : {std::pair{start, 1}, {next, 2}}) {
         const FrameStore::Found found = FrameStore(folder.path, 1 << 30, "build").read(registry, type, key, true);

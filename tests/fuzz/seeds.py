@@ -12,7 +12,7 @@ import samples
 
 BETWEEN = b"\n%%%%\n"
 ENDINGS = {"obj": "obj", "off": "off", "ply": "ply", "stl": "stl", "mesh": "medit", "vtk": "vtk", "msh": "gmsh", "veg": "veg"}
-MARK, HEADER = b"sinew kept 3\n", len(b"sinew kept 3\n") + 2 * 16 + 8
+HEADER = len(b"sinew kept 5\n") + 16 + 2 * (16 + 8)
 BLOCK = 4096
 
 TINY = {"format": "sinew 1", "timing": {"start": 1, "end": 2}, "nodes": {
@@ -46,9 +46,9 @@ def kept_values():
             + points, b"\3" + bytes(1000), b"\4" + contact, b"\5" + marks, b"\6" + numbers("d", [0, 0.5, 1])]
 
 
-def sections(payload):
-    """The parts of a frame that is written whole: (offset, length) of each."""
-    at, out = 24, []
+def sections(payload, before):
+    """The sections of a part that is written whole, which begins after so many bytes: (offset, length) of each."""
+    at, out = before + 8, []
     for _ in range(2):  # where parts begin, and which blocks follow
         at += 8 + 4 * struct.unpack_from("<Q", payload, at)[0]
     base = at
@@ -73,17 +73,19 @@ def from_a_run(program):
         frames = []
         for name in sorted(glob.glob(folder + "/*.frame")):
             with open(name, "rb") as file:
-                frames.append(file.read()[HEADER:])
-        for payload in sorted(frames, key=len, reverse=True)[:1]:
-            parts = sections(payload)
-            version = parts[0][0]
+                bytes_of_it = file.read()
+            told = struct.unpack_from("<Q", bytes_of_it, HEADER - 16 - 2 * 8)[0]
+            frames.append((bytes_of_it[HEADER:HEADER + told], bytes_of_it[HEADER + told:]))
+        for told, state in sorted(frames, key=lambda f: len(f[1]), reverse=True)[:1]:
+            version = sections(told, 16)[0][0]
             # Zeros where the target puts in what this build and this folder need.
-            whole = bytes(16) + payload[16:version] + bytes(16) + payload[version + 16:]
-            out["frame"].append(whole)
-            other = [f for f in frames if f != payload]
-            out["frame"] += [whole + BETWEEN + bytes(16) + f[16:] for f in other]
-            begin, length = parts[1]
-            out["state"].append(payload[begin:begin + length])
+            whole = bytes(16) + told[16:version] + bytes(16) + told[version + 16:]
+            out["frame"].append(BETWEEN.join([whole, b"", state]))
+            for other_told, other_state in frames:
+                if other_told != told:
+                    out["frame"].append(BETWEEN.join([whole, bytes(16) + other_told[16:], state, other_state]))
+            begin, length = sections(state, 0)[0]
+            out["state"].append(state[begin:begin + length])
         for name in glob.glob(folder + "/*.rows"):
             with open(name, "rb") as file:
                 out["rows"].append(file.read()[:2000])

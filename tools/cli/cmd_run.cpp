@@ -5,6 +5,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/kept_warnings.h"
 #include "tools/cli/long_task.h"
 #include "tools/cli/motion_range.h"
 #include "tools/cli/print.h"
@@ -105,8 +106,8 @@ class Run {
         , notes_(std::move(notes))
         , json_(in.arguments.has("--json"))
         , progress_(style_of(in.arguments), plan_.graph, static_cast<int>(plan_.frames.size()), in.out, in.err)
-        , evaluator_(store_policy(in.arguments, *plan_.graph),
-                     in.arguments.whole_number("--threads", 0, 1, most_threads), &progress_)
+        , policy_(store_policy(in.arguments, *plan_.graph))
+        , evaluator_(policy_, in.arguments.whole_number("--threads", 0, 1, most_threads), &progress_)
         , output_(plan_.out, plan_.formats, fs::path(plan_.graph->file()).stem().string(), plan_.graph->timing().fps,
                   scene_axes(*plan_.graph, plan_.needed), plan_.frames.size(), run_mark(*plan_.graph),
                   plan_.graph->files()) {
@@ -142,7 +143,7 @@ class Run {
             sort_by_place(problems);
             if (has_error(problems)) throw engine::Failure(std::move(problems));
             for (const engine::Diagnostic& d : problems) progress_.warning(d);
-            for (const engine::Diagnostic& d : doubts(failures)) progress_.warning(d);
+            warn_of_doubts(failures);
             warn_of_timing();
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
@@ -181,10 +182,22 @@ class Run {
 
     bool is_quiet() const { return json_ || in_.arguments.has("--quiet"); }
 
-    std::vector<engine::Diagnostic> doubts(const std::shared_ptr<engine::Failures>& failures) {
+    /// What nodes say of themselves, too, which those who find a frame on disk do not evaluate.
+    void warn_of_doubts(const std::shared_ptr<engine::Failures>& failures) {
+        const KeptWarnings kept(policy_, *plan_.graph, plan_.needed);
+        if (const auto warnings = kept.read()) {
+            std::set<std::string> told;
+            for (const engine::Diagnostic& d : progress_.warnings()) told.insert(d.code + d.node + d.message);
+            for (const engine::Diagnostic& d : *warnings)
+                if (!told.contains(d.code + d.node + d.message)) progress_.warning(d);
+            return;
+        }
         const LongTask task(in_.err, "looking for what is hardly meant", is_quiet());
-        return doubts::find_doubts(plan_.graph, evaluator_, plan_.needed, start_frame(*plan_.graph, plan_.needed),
-                                   doubts::Look::in_passing, in_.stop, failures);
+        for (const engine::Diagnostic& d :
+             doubts::find_doubts(plan_.graph, evaluator_, plan_.needed, start_frame(*plan_.graph, plan_.needed),
+                                 doubts::Look::in_passing, in_.stop, failures))
+            progress_.warning(d);
+        kept.keep(progress_.warnings());
     }
 
     void warn_of_timing() {
@@ -415,6 +428,7 @@ class Run {
     std::vector<engine::Diagnostic> notes_;
     const bool json_;
     Progress progress_;
+    const engine::StorePolicy policy_;
     engine::Evaluator evaluator_;
     RunOutput output_;
     ReadFiles read_;

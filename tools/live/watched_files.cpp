@@ -68,17 +68,17 @@ std::vector<std::string> graphs_named_in(const std::string& file, const engine::
     return {out.begin(), out.end()};
 }
 
-std::optional<WatchedFiles::Stamp> WatchedFiles::look(const std::string& file) {
+std::optional<FileStamp> stamp_of(const std::string& file) {
     struct stat s {};
     if (::stat(file.c_str(), &s) != 0) return {};
-    return Stamp{s.st_mtim.tv_sec, s.st_mtim.tv_nsec, s.st_size, s.st_ino};
+    return FileStamp{s.st_mtim.tv_sec, s.st_mtim.tv_nsec, s.st_size, s.st_ino};
 }
 
 void WatchedFiles::watch(const std::vector<std::string>& files) {
-    std::map<std::string, std::optional<Stamp>> now;
+    std::map<std::string, std::optional<FileStamp>> now;
     for (const std::string& file : files) {
         const auto before = seen_.find(file);
-        now[file] = before != seen_.end() ? before->second : look(file);
+        now[file] = before != seen_.end() ? before->second : stamp_of(file);
     }
     seen_ = std::move(now);
 }
@@ -86,7 +86,7 @@ void WatchedFiles::watch(const std::vector<std::string>& files) {
 std::vector<std::string> WatchedFiles::take_changed() {
     std::vector<std::string> out;
     for (auto& [file, seen] : seen_)
-        if (const auto now = look(file); now != seen) {
+        if (const auto now = stamp_of(file); now != seen) {
             seen = now;
             out.push_back(file);
         }

@@ -23,7 +23,15 @@ std::vector<std::string> files_of(const engine::Graph& graph);
 /// What `files` refuses is not looked at.
 std::vector<std::string> graphs_named_in(const std::string& file, const engine::FileAccess& files = {});
 
-/// Looks by name, size, time of change and inode, so that editors that write aside and rename are seen as well.
+/// What tells a file from what it was: editors that write aside and rename are seen as well.
+struct FileStamp {
+    std::int64_t seconds = 0, nanoseconds = 0, size = 0; ///< time of change
+    std::uint64_t inode = 0;
+    bool operator==(const FileStamp&) const = default;
+};
+/// None: it is not there.
+std::optional<FileStamp> stamp_of(const std::string& file);
+
 class WatchedFiles {
   public:
     /// Files that were watched before keep what was last seen of them.
@@ -32,13 +40,7 @@ class WatchedFiles {
     std::vector<std::string> take_changed();
 
   private:
-    struct Stamp {
-        std::int64_t seconds = 0, nanoseconds = 0, size = 0;
-        std::uint64_t inode = 0;
-        bool operator==(const Stamp&) const = default;
-    };
-    static std::optional<Stamp> look(const std::string& file);
-    std::map<std::string, std::optional<Stamp>> seen_; ///< none: it was never there
+    std::map<std::string, std::optional<FileStamp>> seen_; ///< none: it was never there
 };
 
 } // namespace sinew::live

@@ -70,7 +70,7 @@ void read_kept_value(std::string_view bytes) {
     const std::type_index type = types[static_cast<unsigned char>(bytes.front()) % std::size(types)];
     refused_or_read([&] {
         engine::ByteReader in(as_bytes(bytes.substr(1)));
-        const engine::Value value = registry().find_codec(type)->read(in);
+        const engine::Value value = registry().find_codec(type)->read(in, nullptr);
         if (value.is<nodes::Mesh>()) check(value.as<nodes::Mesh>());
         if (value.is<nodes::TetMeshValue>()) check(value.as<nodes::TetMeshValue>());
         if (value.is<nodes::MeshList>())
@@ -78,15 +78,17 @@ void read_kept_value(std::string_view bytes) {
     });
 }
 
-/// The first of two files is the start frame's, the other the frame's. What the frame says of its start and of its own
-/// version is made right where zeros stand: else no bytes would come further.
+/// Of four files the first is what the start frame tells, the second, if it is not empty, what another frame does; the
+/// others are their states. What a frame says of its start and of its own version is made right where zeros stand: else
+/// no bytes would come further.
 void read_kept_frame(std::string_view bytes) {
     const auto files = files_in(bytes);
     const engine::NodeType& solver = *registry().find("zSolver");
     const engine::FrameStore store(folder(), std::uintmax_t{1} << 30, "fuzz");
     const engine::DiskStore disk(folder(), ".frame");
     std::vector<engine::Digest> keys;
-    for (std::size_t i = 0; i < files.size() && i < 2; ++i) keys.push_back({i + 1, 7});
+    for (std::size_t i = 0; i < files.size() && i < 2; ++i)
+        if (i == 0 || !files[i].empty()) keys.push_back({i + 1, 7});
     const auto name_of = [&](const engine::Digest& key) {
         const std::string hex = store.file_of(key).stem().string();
         return engine::Digest{std::stoull(hex.substr(0, 16), nullptr, 16), std::stoull(hex.substr(16), nullptr, 16)};
@@ -97,8 +99,8 @@ void read_kept_frame(std::string_view bytes) {
         const engine::Digest start = name_of(keys.front()), other = name_of(keys.back());
         if (payload.size() >= sizeof start && payload.front() <= std::byte{1})
             std::memcpy(payload.data(), payload.front() == std::byte{0} ? &start : &other, sizeof start);
-        // Which version of the node made it stands behind the numbers of the parts, those of the blocks and the length
-        // of the first part.
+        // Which version of the node made it stands behind the numbers of the sections, those of the blocks and the
+        // length of the first section.
         constexpr std::size_t number = sizeof(std::uint64_t);
         std::size_t at = sizeof start + number;
         for (int list = 0; list < 2; ++list) {
@@ -110,7 +112,7 @@ void read_kept_frame(std::string_view bytes) {
         const engine::Digest type = engine::identity(solver).finish();
         if (payload.size() > at + sizeof type && payload[at] == std::byte{0})
             std::memcpy(payload.data() + at, &type, sizeof type);
-        disk.write(name_of(keys[i]), payload, false);
+        disk.write(name_of(keys[i]), payload, false, as_bytes(i + 2 < files.size() ? files[i + 2] : ""));
     }
     refused_or_read([&] {
         const auto found = store.read(registry(), solver, keys.back(), true);
@@ -119,6 +121,8 @@ void read_kept_frame(std::string_view bytes) {
             for (const engine::Value& value : found.frame->entry->outputs)
                 if (value.is<nodes::MeshList>())
                     for (const nodes::Mesh& mesh : value.as<nodes::MeshList>().meshes) check(mesh);
+        const auto told = store.read(registry(), solver, keys.back(), false);
+        promise(!found.frame || told.frame, "a frame that can only be read with its state");
         store.frames_of("solver");
     });
     for (const engine::Digest& key : keys) fs::remove(store.file_of(key));

@@ -1,0 +1,31 @@
+// What a run warns of before its first step, found once: a run whose frames are all there does not make its tissues
+// again only to say the same of them.
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "engine/digest.h"
+#include "engine/eval/disk_store.h"
+#include "engine/evaluator.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace sinew::cli {
+
+class KeptWarnings {
+  public:
+    /// \param policy where frames are kept, warnings are; elsewhere nothing is
+    /// \param nodes that are looked at
+    KeptWarnings(const engine::StorePolicy& policy, const engine::Graph& graph, const std::vector<std::string>& nodes);
+
+    /// What was said of the same graph with the same files by the same program. None: it has to be found.
+    std::optional<std::vector<engine::Diagnostic>> read() const;
+    void keep(const std::vector<engine::Diagnostic>& warnings) const;
+
+  private:
+    const engine::Graph& graph_;
+    std::optional<engine::DiskStore> disk_;
+    engine::Digest key_;
+};
+
+} // namespace sinew::cli
