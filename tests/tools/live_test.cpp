@@ -7,10 +7,13 @@
 #include "tests/tools/program.h"
 #include "tools/live/watched_files.h"
 
+#include <array>
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <httplib.h>
@@ -113,6 +116,53 @@ TEST_CASE("live: a save runs what changed, a save of the same runs nothing, and 
     CHECK(live.ended(3)["simulated"] == 6);
     live.program.signal(SIGINT);
     CHECK(live.program.exit_code() == 0);
+}
+
+TEST_CASE("live: the first frame that is new is there before its page, and nothing is packed", "[live]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    const std::string file = write_graph(folder, graph);
+    const Live live({"live", file, "--no-cache"});
+    const auto look = [&] { return json::parse(live.http->Get(live.root + "preview/1")->body); };
+    const json first = live.ended(1);
+    CHECK(first["preview"] == 1);
+    CHECK((first["preview_s"] > 0 && first["preview_s"] <= first["firstPage_s"]));
+    CHECK(look()["frame"] == 2); // the start was there when it was looked for what is wrong
+    // With a key at frame 4 the frames before it are those of the last run.
+    graph["nodes"]["flesh"]["inputs"]["youngsModulus"] = {{"keys", {{3, 20000}, {4, 40000}}}, {"interp", "step"}};
+    write(file, graph.dump());
+    CHECK(live.ended(2)["preview"] == 2);
+    const json there = look();
+    CHECK(there["frame"] == 4);
+    REQUIRE(there["bodies"].size() == 3);
+    CHECK(there["bodies"][2]["name"] == "block");
+    // Its first point as a run writes it.
+    const Said ran = run_program(
+        {"run", file, "--no-cache", "--frames", "4", "--out", (folder / "out").string(), "--format", "obj"});
+    REQUIRE(ran.code == 0);
+    const std::string obj = read_text(folder / "out" / "obj" / "block.0004.obj");
+    double x = 0, y = 0, z = 0;
+    REQUIRE(std::sscanf(obj.c_str() + obj.find("\nv "), "\nv %lf %lf %lf", &x, &y, &z) == 3);
+    const std::string packed = there["bodies"][2]["positions"];
+    std::vector<unsigned char> bytes;
+    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (std::size_t i = 0; i < 16; i += 4) {
+        std::uint32_t four = 0;
+        for (std::size_t k = 0; k < 4; ++k) four = four << 6 | static_cast<std::uint32_t>(letters.find(packed[i + k]));
+        for (const int shift : {16, 8, 0}) bytes.push_back(static_cast<unsigned char>(four >> shift));
+    }
+    std::array<float, 3> point{};
+    std::memcpy(point.data(), bytes.data(), sizeof point);
+    CHECK(point[0] == Approx(x).margin(1e-5));
+    CHECK(point[1] == Approx(y).margin(1e-5));
+    CHECK(point[2] == Approx(z).margin(1e-5));
+    // A save that changes nothing has nothing new to show. Packing would take longer than sending.
+    write(file, graph.dump(2));
+    CHECK(live.ended(3)["preview"] == 2);
+    for (const char* what : {"nodes", "preview/2", "status", "page/1"}) {
+        const auto answer = live.http->Get(live.root + what, {{"Accept-Encoding", "gzip, br"}});
+        CHECK_FALSE(answer->has_header("Content-Encoding"));
+    }
 }
 
 TEST_CASE("live: a broken save is told with its place, and the last page stays", "[live]") {

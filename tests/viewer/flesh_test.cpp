@@ -68,6 +68,43 @@ TEST_CASE("tet vertices beside the flesh are drawn at the place of its skin next
     CHECK(top > corner_top - 0.2);
 }
 
+TEST_CASE("what was found out about shapes at rest is found once, whatever the muscles do") {
+    const ViewScene scene = collect(with_block(R"("width": 4, "height": 8, "depth": 4)", R"("tetSize": 3)"));
+    const ViewBody& block = scene.bodies.at(2);
+    REQUIRE(block.fibres.size() == 1);
+    FleshMemory memory;
+    const auto kept = [&](ViewBody body, FleshMemory* with) {
+        body.lattice->skin.clear();
+        keep_to_flesh(body, with);
+        return body;
+    };
+    const auto same = [](const ViewBody& a, const ViewBody& b) {
+        bool out = a.lattice->skin.size() == b.lattice->skin.size() && a.fibres[0].tets == b.fibres[0].tets &&
+                   a.fibres[0].centre == b.fibres[0].centre && a.fibres[0].reach == b.fibres[0].reach;
+        for (std::size_t i = 0; out && i < a.lattice->skin.size(); ++i)
+            out = a.lattice->skin[i].vertex == b.lattice->skin[i].vertex &&
+                  a.lattice->skin[i].host == b.lattice->skin[i].host;
+        return out;
+    };
+    const ViewBody alone = kept(block, nullptr), first = kept(block, &memory);
+    CHECK(same(alone, first));
+    // Another excitation, the same shapes: it keeps its own.
+    ViewBody excited = block;
+    for (float& e : excited.fibres[0].excitation) e = 0.75f;
+    const ViewBody again = kept(excited, &memory);
+    CHECK(same(again, alone));
+    CHECK(again.fibres[0].excitation == excited.fibres[0].excitation);
+    // Another shape, or flesh that is no longer known to have an inside, is found out anew.
+    ViewBody wider = block;
+    for (std::size_t i = 0; i < wider.rest.size(); i += 3) wider.rest[i] *= 0.8f;
+    CHECK(same(kept(wider, &memory), kept(wider, nullptr)));
+    CHECK_FALSE(same(kept(wider, &memory), alone));
+    ViewBody open = block;
+    open.volume.clear();
+    CHECK(kept(open, &memory).lattice->skin.empty());
+    CHECK(same(kept(block, &memory), alone));
+}
+
 TEST_CASE("lines of fibres begin and end in the flesh, also where it is thinner than a tet") {
     for (const auto& [size, tets, half] :
          {std::tuple(R"("width": 4, "height": 8, "depth": 4)", R"("tetSize": 3)", Vec3(2, 4, 2)),

@@ -67,8 +67,19 @@ test("a save shows the new run, keeps camera and frame, and a broken save keeps 
     const text = await readFile(file, "utf8");
     const graph = JSON.parse(text), solver = Object.keys(graph.nodes).find((n) => graph.nodes[n].type === "zSolver");
     graph.nodes[solver].inputs.gravity = [0, -30, 0];
+    // The first new frame is seen in the page of the last run, before there is another one.
+    const previews = page.evaluate(() => new Promise((resolve) => new MutationObserver(() => {
+        const sinew = document.querySelector("iframe:not(.next)").contentWindow.sinew;
+        resolve([sinew.frame, ...sinew.scene.bodies.map((b) => [...b.positionsAt(sinew.frames.indexOf(sinew.frame)).slice(0, 30)])]);
+    }).observe(document.documentElement, { attributeFilter: ["data-preview"] })));
+    const framesBefore = await inside(page, () => sinew.scene.bodies.map((b) => [...b.positionsAt(1).slice(0, 30)]));
     await writeFile(file, JSON.stringify(graph));
+    const [previewed, ...there] = await previews;
+    assert.equal(previewed, 2); // the start is as it was
     await isReady(page, first.run + 1);
+    const framesAfter = await inside(page, () => sinew.scene.bodies.map((b) => [...b.positionsAt(1).slice(0, 30)]));
+    assert.notDeepEqual(framesAfter, framesBefore);
+    there.forEach((positions, b) => positions.forEach((x, k) => assert.ok(Math.abs(x - framesAfter[b][k]) < 1e-3, `${b} ${k}`)));
     assert.equal(await inside(page, () => sinew.frame), 9);
     assert.notDeepEqual(await inside(page, (b) => sinew.vertexPosition(b, 0), body), before);
 

@@ -3,7 +3,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/evaluator.h"
+#include "tools/live/changes.h"
 #include "tools/live/watched_files.h"
+#include "tools/viewer/flesh.h"
 
 #include <condition_variable>
 #include <functional>
@@ -29,13 +31,6 @@ struct Options {
     int threads = 0;
 };
 
-/// What an attribute was given in the page.
-struct Change {
-    engine::Plug input;
-    std::string json;         ///< what a graph file would hold there
-    std::optional<int> frame; ///< a key there; else the input itself
-};
-
 /// Thread-safe: every function may be called by any thread at any time. Changes, discards and saves wait for each other
 /// (each reads the graph's file, which takes as long as that takes); everything else waits for nothing but a few
 /// assignments. Graphs are immutable and reading one shares nothing with other threads, so a run goes on meanwhile.
@@ -50,6 +45,8 @@ class Session {
     std::pair<std::uint64_t, std::string> wait_status(std::uint64_t seen) const;
     /// The newest page that could be made; null: none yet.
     std::shared_ptr<const std::string> page() const;
+    /// JSON: where the bodies are in the first frame of the run that is new; empty: there is none yet.
+    std::shared_ptr<const std::string> preview() const;
     /// JSON: each node's type and inputs as they are now, with what the reference says of them.
     std::string nodes() const;
     /// Throws Failure, with nothing changed, for what a graph file could not hold there, and where an earlier change no
@@ -82,12 +79,13 @@ class Session {
     std::stop_source current_; ///< of the run that goes on
     struct Status;
     std::unique_ptr<Status> status_;
-    std::shared_ptr<const std::string> page_;
+    std::shared_ptr<const std::string> page_, preview_;
     std::shared_ptr<const engine::Graph> graph_; ///< the newest that could be read
     std::vector<Change> changes_;
     WatchedFiles files_;
     std::unique_ptr<Watcher> watcher_;
     std::unique_ptr<engine::Evaluator> evaluator_;
+    std::shared_ptr<viewer::FleshMemory> memory_ = std::make_shared<viewer::FleshMemory>(); ///< of all runs
     std::jthread worker_, looker_; ///< last: they end before what they use
 };
 

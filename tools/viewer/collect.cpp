@@ -24,7 +24,6 @@ namespace {
 struct Source {
     Plug meshes;
     bool is_solver = false;
-    std::vector<std::string> given;  ///< nodes wired to its "bodies"
     std::vector<std::string> nodes;  ///< of its bodies
     std::vector<std::size_t> bodies; ///< in the scene
     std::vector<std::size_t> solved; ///< of those that take part: positions in `bodies`
@@ -49,7 +48,7 @@ class Collector {
         scene_.units_per_metre = axes.units_per_metre, scene_.up = axes.up;
         for (Plug& plug : shown) {
             const bool is_solver = plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
-            sources_.push_back({std::move(plug), is_solver, {}, {}, {}, {}});
+            sources_.push_back({std::move(plug), is_solver, {}, {}, {}});
         }
         if (sources_.empty())
             scene_.notes.push_back(
@@ -72,10 +71,22 @@ class Collector {
 
     bool has_ended() const { return has_ended_; }
 
+    std::vector<GraphCollector::Place> look(int frame) {
+        stop_ = e_.stop;
+        std::vector<GraphCollector::Place> out;
+        std::map<std::string, int> taken;
+        for (const Source& source : sources_) {
+            const std::vector<nodes::Mesh> meshes = cli::meshes_in(pull(source.meshes, frame));
+            const std::vector<std::string> names = names_of(source, meshes.size(), taken);
+            for (std::size_t i = 0; i < meshes.size(); ++i) out.push_back({names[i], meshes[i].points});
+        }
+        return out;
+    }
+
     ViewScene finish() {
         for (BodyRecorder& recorder : recorders_) {
             scene_.bodies.push_back(recorder.finish(scene_.notes));
-            keep_to_flesh(scene_.bodies.back());
+            keep_to_flesh(scene_.bodies.back(), e_.memory.get());
         }
         find_faults(scene_);
         return std::move(scene_);
@@ -123,16 +134,13 @@ class Collector {
     void begin(Source& source, const std::vector<nodes::Mesh>& meshes, int frame) {
         const engine::Graph& graph = *e_.graph;
         const auto labels = cli::body_labels(graph, source.meshes, meshes.size());
-        if (source.is_solver)
-            for (const Plug& plug : connections(graph, source.meshes.node, "bodies")) source.nodes.push_back(plug.node);
-        source.given = source.nodes;
+        const std::vector<std::string> names = names_of(source, meshes.size(), names_);
+        source.nodes = given_to(source);
         source.nodes.resize(meshes.size(), source.meshes.node);
         for (std::size_t i = 0; i < meshes.size(); ++i) {
             source.bodies.push_back(recorders_.size());
-            // Nodes keep their names; files have others where a file cannot be called so.
-            const bool is_node = source.is_solver && meshes.size() == source.given.size();
-            recorders_.emplace_back(unique_name(is_node ? source.given[i] : labels[i].name), source.nodes[i],
-                                    labels[i].kind, static_cast<int>(recorders_.size()), labels[i].appearance);
+            recorders_.emplace_back(names[i], source.nodes[i], labels[i].kind, static_cast<int>(recorders_.size()),
+                                    labels[i].appearance);
             recorders_.back().set_rest(meshes[i].surface());
         }
         if (source.is_solver) begin_solver(source, frame);
@@ -225,9 +233,27 @@ class Collector {
                 static_cast<float>(inputs.fibers[i].excitation * inputs.fibers[i].envelope));
     }
 
-    std::string unique_name(const std::string& wanted) {
-        const int count = ++names_[wanted];
-        return count == 1 ? wanted : wanted + "_" + std::to_string(count);
+    /// The nodes wired to a solver's bodies.
+    std::vector<std::string> given_to(const Source& source) const {
+        std::vector<std::string> out;
+        if (source.is_solver)
+            for (const Plug& plug : connections(*e_.graph, source.meshes.node, "bodies")) out.push_back(plug.node);
+        return out;
+    }
+
+    /// What `count` bodies of a source are called. Nodes keep their names; files have others where a file cannot be
+    /// called so.
+    /// \param taken how often each name is in use
+    std::vector<std::string> names_of(const Source& source, std::size_t count,
+                                      std::map<std::string, int>& taken) const {
+        std::vector<std::string> out = given_to(source);
+        if (!source.is_solver || out.size() != count) {
+            out.clear();
+            for (const auto& label : cli::body_labels(*e_.graph, source.meshes, count)) out.push_back(label.name);
+        }
+        for (std::string& name : out)
+            if (const int times = ++taken[name]; times > 1) name += "_" + std::to_string(times);
+        return out;
     }
 
     const Evaluation e_;
@@ -266,6 +292,7 @@ GraphCollector::GraphCollector(Evaluation evaluation)
 GraphCollector::~GraphCollector() = default;
 void GraphCollector::add(int frame) { impl_->collector.add(frame); }
 ViewScene GraphCollector::so_far() const { return Collector(impl_->collector).finish(); }
+std::vector<GraphCollector::Place> GraphCollector::look(int frame) { return impl_->collector.look(frame); }
 ViewScene GraphCollector::finish() { return impl_->collector.finish(); }
 
 } // namespace sinew::viewer

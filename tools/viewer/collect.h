@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/evaluator.h"
+#include "tools/viewer/flesh.h"
 #include "tools/viewer/view_data.h"
 
 #include <filesystem>
@@ -24,6 +25,7 @@ struct Evaluation {
     std::vector<engine::Plug> shown = {}; ///< whose meshes; empty = outMeshes of shown_nodes
     bool keeps_frames = true;             ///< a later frame that fails ends the run with a note; without, it throws
     bool with_lattices = true;            ///< without: smaller, but no tets, fibres, marks and heat maps
+    std::shared_ptr<FleshMemory> memory = std::make_shared<FleshMemory>(); ///< of one run unless it is shared
 };
 
 /// The nodes whose meshes are shown: all zSolvers and zEmbedders, in file order.
@@ -42,6 +44,12 @@ class GraphCollector {
     void add(int frame);
     /// What has been added up to now; more may be added.
     ViewScene so_far() const;
+    struct Place {
+        std::string body;
+        std::shared_ptr<const solver::Points> points; ///< scene units
+    };
+    /// Where the bodies are in a frame, which need not have been added.
+    std::vector<Place> look(int frame);
     ViewScene finish();
 
   private:

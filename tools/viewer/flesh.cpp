@@ -171,7 +171,7 @@ ViewFibres kept(const ViewLattice& lattice, const ViewFibres& all, const Flesh* 
     std::vector<Line> lines(all.tets.size());
     solver::parallel_for(lines.size(), 64, [&](std::size_t i) { lines[i] = line_of(lattice, all, i, flesh); });
     ViewFibres out;
-    out.node = all.node, out.excitation = all.excitation;
+    out.node = all.node;
     for (std::size_t i = 0; i < lines.size(); ++i) {
         if (!lines[i].is_there) continue;
         out.tets.push_back(all.tets[i]);
@@ -183,18 +183,61 @@ ViewFibres kept(const ViewLattice& lattice, const ViewFibres& all, const Flesh* 
     return out;
 }
 
-} // namespace
-
-void keep_to_flesh(ViewBody& body) {
-    if (!body.lattice) return;
+/// Of a body with a lattice.
+FleshMemory::Found find_flesh(const ViewBody& body) {
     std::vector<solver::Triangle> triangles = body.triangles;
     for (solver::Triangle& t : triangles)
         for (int& v : t)
             if (!body.shading.empty()) v = body.shading[static_cast<std::size_t>(v)];
     std::optional<Flesh> flesh;
     if (!body.volume.empty()) flesh.emplace(body, std::move(triangles));
-    if (flesh) body.lattice->skin = flesh->skin();
-    for (ViewFibres& fibres : body.fibres) fibres = kept(*body.lattice, fibres, flesh ? &*flesh : nullptr);
+    FleshMemory::Found out;
+    if (flesh) out.skin = flesh->skin();
+    for (const ViewFibres& fibres : body.fibres)
+        out.fibres.push_back(kept(*body.lattice, fibres, flesh ? &*flesh : nullptr));
+    return out;
+}
+
+/// Of all that find_flesh reads.
+engine::Digest digest_of_shapes(const ViewBody& body) {
+    engine::Hasher h;
+    const auto add = [&](const auto& list) { h.add_bytes(std::as_bytes(std::span(list))); };
+    add(body.rest), add(body.triangles), add(body.shading);
+    h.add(body.volume.empty());
+    add(body.lattice->tets), add(body.lattice->rest);
+    for (const ViewFibres& fibres : body.fibres) {
+        h.add(fibres.node);
+        add(fibres.tets), add(fibres.directions), add(fibres.weights);
+    }
+    return h.finish();
+}
+
+} // namespace
+
+const FleshMemory::Found* FleshMemory::find(const engine::Digest& shapes) const {
+    const auto it = found_.find(shapes);
+    return it == found_.end() ? nullptr : &it->second;
+}
+
+const FleshMemory::Found& FleshMemory::keep(const engine::Digest& shapes, Found found) {
+    constexpr std::size_t most = 1000; // bodies: several graphs as they are and as they were
+    if (found_.size() >= most) found_.clear();
+    return found_.insert_or_assign(shapes, std::move(found)).first->second;
+}
+
+void keep_to_flesh(ViewBody& body, FleshMemory* memory) {
+    if (!body.lattice) return;
+    FleshMemory own;
+    FleshMemory& there = memory ? *memory : own;
+    const engine::Digest shapes = digest_of_shapes(body);
+    const FleshMemory::Found* found = there.find(shapes);
+    if (!found) found = &there.keep(shapes, find_flesh(body));
+    body.lattice->skin = found->skin;
+    for (std::size_t i = 0; i < body.fibres.size(); ++i) {
+        std::vector<float> excitation = std::move(body.fibres[i].excitation);
+        body.fibres[i] = found->fibres[i];
+        body.fibres[i].excitation = std::move(excitation);
+    }
 }
 
 Coordinates drawn_lattice(const ViewBody& body, std::size_t frame) {

@@ -77,6 +77,23 @@ export function makeApi(app, loadMs) {
         /** Of the second run, where there is one. */
         otherDrawn: () => (api.draw(), world.other.group.visible ? world.other.bodies.filter((v) => v.group.visible).map((v) => v.body.name) : []),
         measuredRange: (quantity) => world.measuredRange(quantity),
+        /** A frame of a newer run in place of this one's, as `sinew live` gives it. False, and nothing is changed, where that
+            run has other bodies or moves its bones otherwise, and where more is shown than bodies. */
+        preview({ frame, bodies }) {
+            const index = api.frames.indexOf(frame), { overlays, colourBy, playing } = store.state;
+            if (index < 0 || playing || !world.stage || bodies.length !== scene.bodies.length) return false;
+            if (colourBy !== "material" || overlayNames.some((name) => overlays[name] && name !== "grid")) return false;
+            const all = bodies.map((b) => new Float32Array(Uint8Array.from(atob(b.positions), (c) => c.charCodeAt(0)).buffer));
+            const nearly = 1e-4 * world.stage.size, stands = (b, p) => b.positionsAt(index).every((x, k) => Math.abs(x - p[k]) < nearly);
+            if (!scene.bodies.every((b, i) => b.name === bodies[i].name && b.isThere(index) && all[i].length === 3 * b.vertices
+                && (!b.isRigid || stands(b, all[i])))) return false;
+            scene.bodies.forEach((b, i) => b.isRigid || b.showInstead(index, all[i]));
+            for (const view of world.bodies) view.shownFrame = -1;
+            world.dirty = true;
+            player.goTo(index);
+            api.draw();
+            return true;
+        },
         look: (name) => (world.look(name), api.draw()),
         colourAt: (scale, t) => colourAt(scale, t),
         draw: () => world.stage?.draw(),

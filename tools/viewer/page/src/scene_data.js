@@ -128,8 +128,13 @@ export class BodyData {
     pose(frame) {
         return this.poses.subarray(7 * frame, 7 * frame + 7);
     }
+    /** From now on `positions` at `frame`, until the page goes. */
+    showInstead(frame, positions) {
+        this.instead = { frame, positions };
+    }
     /** Positions of all vertices; the array is reused by the next call. */
     positionsAt(frame) {
+        if (this.instead?.frame === frame) return this.instead.positions;
         if (this.at === frame) return this.positions;
         this.at = frame;
         if (this.isRigid) this.writeRigid(frame);
