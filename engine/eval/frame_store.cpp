@@ -418,6 +418,7 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     if (key != start) return;
     if (starts_.size() >= most_starts) starts_.clear();
     laid->told.bytes.shrink_to_fit(), laid->state->bytes.shrink_to_fit();
+    laid->file = {};
     starts_[start] = std::move(laid);
 }
 

@@ -135,6 +135,7 @@ class Run {
                 read_.check_kept(*file, "--report");
             }
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
+            const KeptWarnings kept(policy_, *plan_.graph, plan_.needed);
             const auto failures = engine::remember_failures();
             std::vector<engine::Diagnostic> problems = std::move(notes_);
             for (auto& d : find_problems(plan_.graph, evaluator_, plan_.needed, in_.stop, failures))
@@ -143,7 +144,7 @@ class Run {
             sort_by_place(problems);
             if (has_error(problems)) throw engine::Failure(std::move(problems));
             for (const engine::Diagnostic& d : problems) progress_.warning(d);
-            warn_of_doubts(failures);
+            warn_of_doubts(kept, failures);
             warn_of_timing();
             warn_of_motion();
             if (!plan_.out.empty()) expect_sizes();
@@ -183,8 +184,7 @@ class Run {
     bool is_quiet() const { return json_ || in_.arguments.has("--quiet"); }
 
     /// What nodes say of themselves, too, which those who find a frame on disk do not evaluate.
-    void warn_of_doubts(const std::shared_ptr<engine::Failures>& failures) {
-        const KeptWarnings kept(policy_, *plan_.graph, plan_.needed);
+    void warn_of_doubts(const KeptWarnings& kept, const std::shared_ptr<engine::Failures>& failures) {
         if (const auto warnings = kept.read()) {
             std::set<std::string> told;
             for (const engine::Diagnostic& d : progress_.warnings()) told.insert(d.code + d.node + d.message);

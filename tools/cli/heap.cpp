@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <malloc.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
@@ -17,8 +18,8 @@ namespace {
 
 #if defined(__GLIBC__)
 
-/// Arrays of that size go back to the system as soon as they are let go. By default glibc keeps larger and larger ones,
-/// which go to pieces in its heap. Smaller ones stay: each frame takes them anew.
+/// Once the room below is used up, arrays of that size go back to the system as soon as they are let go: by default
+/// glibc keeps larger and larger ones, which go to pieces in its heap. Smaller ones stay: each frame takes them anew.
 constexpr int returned_at_once = 16 << 20;
 /// What stays free at the heap's end beyond the room below.
 constexpr int kept_at_end = 64 << 20;
@@ -48,10 +49,24 @@ bool has_limited_space() {
     return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
 }
 
+namespace {
+
+/// Whether addresses that are taken count, used or not: `ulimit -v`, `ulimit -d`, or a system that promises no more
+/// than it has (vm.overcommit_memory).
+[[maybe_unused]] bool addresses_count() {
+    rlimit data{};
+    if (has_limited_space() || (getrlimit(RLIMIT_DATA, &data) == 0 && data.rlim_cur != RLIM_INFINITY)) return true;
+    int promises = 0;
+    std::ifstream("/proc/sys/vm/overcommit_memory") >> promises;
+    return promises == 2;
+}
+
+} // namespace
+
 void set_up_heap() {
 #if defined(__GLIBC__)
-    // Limited addresses are not to be used up by what may never be needed.
-    const std::size_t room = has_limited_space() ? 0 : std::min(most_room, engine::memory_limit() / 8);
+    // What counts is not to be used up by what may never be needed.
+    const std::size_t room = addresses_count() ? 0 : std::min(most_room, engine::memory_limit() / 8);
     mallopt(M_MMAP_THRESHOLD, returned_at_once);
     mallopt(M_TRIM_THRESHOLD, static_cast<int>(room) + kept_at_end); // which else is small as soon as another is set
     if (room > 0) make_room(room);

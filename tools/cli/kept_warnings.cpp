@@ -40,11 +40,15 @@ engine::Digest key_of(const std::string& build, const engine::Graph& graph, cons
 
 KeptWarnings::KeptWarnings(const engine::StorePolicy& policy, const engine::Graph& graph,
                            const std::vector<std::string>& nodes)
-    : graph_(graph) {
+    : graph_(graph)
+    , nodes_(nodes)
+    , build_(policy.build) {
     if (!policy.keeps_frames || policy.disk_folder.empty()) return;
     disk_.emplace(policy.disk_folder, std::string(ending), policy.files);
-    key_ = key_of(policy.build, graph, nodes);
+    key_ = key_now();
 }
+
+engine::Digest KeptWarnings::key_now() const { return key_of(build_, graph_, nodes_); }
 
 std::optional<std::vector<Diagnostic>> KeptWarnings::read() const {
     const auto found = disk_ ? disk_->read(key_) : engine::DiskStore::Found();
@@ -68,8 +72,10 @@ std::optional<std::vector<Diagnostic>> KeptWarnings::read() const {
     }
 }
 
-void KeptWarnings::keep(const std::vector<Diagnostic>& warnings) const {
-    if (!disk_) return;
+void KeptWarnings::keep(const std::vector<Diagnostic>& all) const {
+    if (!disk_ || key_now() != key_) return;
+    std::vector<Diagnostic> warnings = all;
+    std::erase_if(warnings, [](const Diagnostic& d) { return d.code == "IO406" || d.code == "IO407"; });
     engine::ByteWriter out;
     out.put<std::uint64_t>(warnings.size());
     for (const Diagnostic& d : warnings) {

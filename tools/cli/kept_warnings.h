@@ -20,10 +20,16 @@ class KeptWarnings {
 
     /// What was said of the same graph with the same files by the same program. None: it has to be found.
     std::optional<std::vector<engine::Diagnostic>> read() const;
+    /// Not what is said of the cache folder itself; and nothing where a file has changed since this was made, so that
+    /// it has to be made before the files are read.
     void keep(const std::vector<engine::Diagnostic>& warnings) const;
 
   private:
+    engine::Digest key_now() const;
+
     const engine::Graph& graph_;
+    std::vector<std::string> nodes_;
+    std::string build_;
     std::optional<engine::DiskStore> disk_;
     engine::Digest key_;
 };

@@ -197,7 +197,7 @@ void Progress::progress(const std::string& node, double done, std::string_view w
 
 void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
-    if (!d.code.starts_with("FE3") || d.code >= "FE320")
+    if (d.code != "FE301" && d.code != "FE306") // which are of single frames
         if (kept_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) warnings_.push_back(d);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;

@@ -13,6 +13,19 @@ export function makeApi(app, loadMs) {
         if (!scene.bodies[index]) throw new Error(`no body ${body}`);
         return index;
     };
+    const forgetDrawn = () => {
+        for (const view of world.bodies) view.shownFrame = -1;
+        world.dirty = true;
+    };
+    const ownFrames = () => {
+        if (!scene.bodies.some((b) => b.instead)) return false;
+        for (const b of scene.bodies) b.showInstead(0, null);
+        forgetDrawn();
+        api.draw();
+        return true;
+    };
+    // Tets, marks and heat maps are this run's.
+    store.on(["overlays", "colourBy"], ownFrames);
     const api = {
         scene,
         loadMs, // since the browser began to open the page
@@ -78,8 +91,10 @@ export function makeApi(app, loadMs) {
         otherDrawn: () => (api.draw(), world.other.group.visible ? world.other.bodies.filter((v) => v.group.visible).map((v) => v.body.name) : []),
         measuredRange: (quantity) => world.measuredRange(quantity),
         /** A frame of a newer run in place of this one's, as `sinew live` gives it. False, and nothing is changed, where that
-            run has other bodies or moves its bones otherwise, and where more is shown than bodies. */
-        preview({ frame, bodies }) {
+            run has other bodies or moves its bones otherwise, and where more is shown than bodies. Null: this run's own again. */
+        preview(newer) {
+            if (!newer) return ownFrames();
+            const { frame, bodies } = newer;
             const index = api.frames.indexOf(frame), { overlays, colourBy, playing } = store.state;
             if (index < 0 || playing || !world.stage || bodies.length !== scene.bodies.length) return false;
             if (colourBy !== "material" || overlayNames.some((name) => overlays[name] && name !== "grid")) return false;
@@ -88,8 +103,7 @@ export function makeApi(app, loadMs) {
             if (!scene.bodies.every((b, i) => b.name === bodies[i].name && b.isThere(index) && all[i].length === 3 * b.vertices
                 && (!b.isRigid || stands(b, all[i])))) return false;
             scene.bodies.forEach((b, i) => b.isRigid || b.showInstead(index, all[i]));
-            for (const view of world.bodies) view.shownFrame = -1;
-            world.dirty = true;
+            forgetDrawn();
             player.goTo(index);
             api.draw();
             return true;

@@ -128,9 +128,9 @@ export class BodyData {
     pose(frame) {
         return this.poses.subarray(7 * frame, 7 * frame + 7);
     }
-    /** From now on `positions` at `frame`, until the page goes. */
+    /** From now on `positions` at `frame`; null: its own again. */
     showInstead(frame, positions) {
-        this.instead = { frame, positions };
+        this.instead = positions && { frame, positions };
     }
     /** Positions of all vertices; the array is reused by the next call. */
     positionsAt(frame) {
