@@ -62,10 +62,11 @@ DiskStore::Found DiskStore::read(const Digest& key, bool with_tail, std::vector<
     const auto useless = [](std::string why) { return Found{{}, {}, std::move(why)}; };
     const std::filesystem::path path = file_of(key);
     std::error_code error;
-    if (!std::filesystem::exists(path, error)) return {};
-    if (std::filesystem::is_directory(path, error)) return useless("a folder is in its place");
+    const auto kind = std::filesystem::status(path, error).type();
+    if (kind == std::filesystem::file_type::not_found) return {};
+    if (kind == std::filesystem::file_type::directory) return useless("a folder is in its place");
     // Whoever opens a pipe that nobody writes to waits for ever.
-    if (!std::filesystem::is_regular_file(path, error)) return useless("what is in its place is no file");
+    if (kind != std::filesystem::file_type::regular) return useless("what is in its place is no file");
     if (files_.refusal(path)) return useless("it is a link out of the root");
     std::ifstream file(path, std::ios::binary);
     if (!file) return std::filesystem::exists(path, error) ? useless("it cannot be opened") : Found();

@@ -278,6 +278,13 @@ TEST_CASE("a run whose frames are all there makes nothing again, and says what t
     graph["nodes"]["loose"] = json::parse(
         R"({"type": "zTissue", "inputs": {"mesh": {"from": "blockMesh.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}})");
     graph["nodes"]["solver"]["inputs"]["bodies"].push_back({{"from", "loose.outBody"}});
+    // A sheet whose edges would crumple.
+    graph["nodes"]["sheetMesh"] = json::parse(R"({"type": "polyPlane", "inputs": {"width": 2, "height": 2}})");
+    graph["nodes"]["taut"] =
+        json::parse(R"({"type": "zMaterial", "inputs": {"shearStiffness": 10, "surfaceTension": 11}})");
+    graph["nodes"]["sheet"] = json::parse(
+        R"({"type": "zCloth", "inputs": {"mesh": {"from": "sheetMesh.outMesh"}, "materials": [{"from": "taut.outMaterial"}]}})");
+    graph["nodes"]["solver"]["inputs"]["bodies"].push_back({{"from", "sheet.outBody"}});
     const std::string file = write_graph(folder, graph);
     const fs::path cache = folder / "cache", report = folder / "report.json";
     const auto look = [&](const std::vector<std::string>& more = {}) {
@@ -295,7 +302,7 @@ TEST_CASE("a run whose frames are all there makes nothing again, and says what t
     const auto has = [&](const char* code) {
         return std::any_of(said.begin(), said.end(), [&](const std::string& w) { return w.find(code) != w.npos; });
     };
-    CHECK((has("FE260") && has("FE246")));
+    CHECK((has("FE260") && has("FE246") && has("FE316")));
     CHECK(look() == std::pair(std::size_t{0}, said));
     // Another value is looked at anew, and so is the graph where its file has changed.
     CHECK(look({"--set", "flesh.youngsModulus=30kPa"}).first > 0);

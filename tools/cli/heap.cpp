@@ -14,9 +14,13 @@
 
 namespace sinew::cli {
 
-namespace {
+bool has_limited_space() {
+    rlimit space{};
+    return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
+}
 
 #if defined(__GLIBC__)
+namespace {
 
 /// Once the room below is used up, arrays of that size go back to the system as soon as they are let go: by default
 /// glibc keeps larger and larger ones, which go to pieces in its heap. Smaller ones stay: each frame takes them anew.
@@ -40,20 +44,9 @@ void make_room(std::size_t bytes) {
     if (end > begin) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
 }
 
-#endif
-
-} // namespace
-
-bool has_limited_space() {
-    rlimit space{};
-    return getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY;
-}
-
-namespace {
-
 /// Whether addresses that are taken count, used or not: `ulimit -v`, `ulimit -d`, or a system that promises no more
 /// than it has (vm.overcommit_memory).
-[[maybe_unused]] bool addresses_count() {
+bool addresses_count() {
     rlimit data{};
     if (has_limited_space() || (getrlimit(RLIMIT_DATA, &data) == 0 && data.rlim_cur != RLIM_INFINITY)) return true;
     int promises = 0;
@@ -62,6 +55,7 @@ namespace {
 }
 
 } // namespace
+#endif
 
 void set_up_heap() {
 #if defined(__GLIBC__)

@@ -19,36 +19,32 @@ std::array<std::string Diagnostic::*, 5> texts() {
     return {&Diagnostic::code, &Diagnostic::node, &Diagnostic::attribute, &Diagnostic::message, &Diagnostic::hint};
 }
 
-/// The graph as it was read, with what the command line sets, and its files by name, time of change and size: reading
-/// them all would take longer than the frames do.
-engine::Digest key_of(const std::string& build, const engine::Graph& graph, const std::vector<std::string>& nodes) {
-    engine::Hasher key;
-    key.add("sinew warnings").add(build).add(engine::write_graph(graph));
-    for (const std::string& name : nodes) key.add(name);
-    for (const std::string& file : live::files_of(graph)) {
-        key.add(file);
-        if (const auto stamp = live::stamp_of(file))
-            key.add(static_cast<std::uint64_t>(stamp->seconds))
-                .add(static_cast<std::uint64_t>(stamp->nanoseconds))
-                .add(static_cast<std::uint64_t>(stamp->size))
-                .add(stamp->inode);
-    }
-    return key.finish();
-}
-
 } // namespace
 
 KeptWarnings::KeptWarnings(const engine::StorePolicy& policy, const engine::Graph& graph,
                            const std::vector<std::string>& nodes)
-    : graph_(graph)
-    , nodes_(nodes)
-    , build_(policy.build) {
+    : graph_(graph) {
     if (!policy.keeps_frames || policy.disk_folder.empty()) return;
     disk_.emplace(policy.disk_folder, std::string(ending), policy.files);
+    // The graph as it was read, with what the command line sets.
+    engine::Hasher asked;
+    asked.add("sinew warnings").add(policy.build).add(engine::write_graph(graph));
+    for (const std::string& name : nodes) asked.add(name);
+    asked_ = asked.finish();
     key_ = key_now();
 }
 
-engine::Digest KeptWarnings::key_now() const { return key_of(build_, graph_, nodes_); }
+/// Files by name, time of change and size: reading them all would take longer than the frames do.
+engine::Digest KeptWarnings::key_now() const {
+    engine::Hasher key;
+    key.add(asked_);
+    for (const std::string& file : live::files_of(graph_)) {
+        key.add(file);
+        if (const auto stamp = live::stamp_of(file))
+            key.add(stamp->seconds).add(stamp->nanoseconds).add(stamp->size).add(stamp->inode);
+    }
+    return key.finish();
+}
 
 std::optional<std::vector<Diagnostic>> KeptWarnings::read() const {
     const auto found = disk_ ? disk_->read(key_) : engine::DiskStore::Found();

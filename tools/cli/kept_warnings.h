@@ -28,10 +28,8 @@ class KeptWarnings {
     engine::Digest key_now() const;
 
     const engine::Graph& graph_;
-    std::vector<std::string> nodes_;
-    std::string build_;
     std::optional<engine::DiskStore> disk_;
-    engine::Digest key_;
+    engine::Digest asked_, key_; ///< of all but the files, and of all
 };
 
 } // namespace sinew::cli
