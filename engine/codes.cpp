@@ -77,6 +77,8 @@ constexpr CodeInfo table[] = {
     {"DG135", "includes without an end", "Include fewer graphs inside each other, or fewer nodes."},
     {"DG136", "included graph of other frames a second", "Write the same fps in both, or leave it out there."},
     {"DG137", "edit of what an included file says", "Edit that file, or the include."},
+    // ---- DG14x: hosts, what DG12x has no room for ----
+    {"DG140", "session called from its own callback", "Call it once the evaluation has ended, or from another thread."},
     // ---- DG15x: graphs made around meshes ----
     {"DG150", "folder without meshes", "Name a folder that has mesh files in it."},
     {"DG151", "unit of meshes that cannot be told", "Say it with --unit."},

@@ -262,6 +262,42 @@ TEST_CASE("what an observer throws comes out of the evaluation, and finished fra
     CHECK(other.counts().simulated == 5);
 }
 
+TEST_CASE("a session that is called from its own callback refuses, and does not wait for itself", "[embed]") {
+    struct Caller : engine::Observer {
+        Session* session = nullptr;
+        std::vector<std::string> codes;
+        void stepped(const std::string&, double frame, double) override {
+            if (frame != 2) return;
+            for (const std::function<void()>& call : std::vector<std::function<void()>>{
+                     [&] { session->evaluate(3); }, [&] { session->is_ready(1); },
+                     [&] { set(*session, "plate", "matrix", lifted(1)); }, [&] { session->load_text(hanging); }}) {
+                bool misuse = false;
+                codes.push_back(code(call, &misuse));
+                CHECK(misuse);
+            }
+            CHECK(session->counts().simulated >= 1);
+            CHECK(session->graph()->find("plate"));
+        }
+    } caller;
+    Session s({}, &caller);
+    caller.session = &s;
+    s.load_text(hanging);
+    const auto tip = s.evaluate(2).meshes[0].points->back();
+    CHECK(caller.codes == std::vector<std::string>(4, "DG140"));
+    CHECK(s.evaluate(2).meshes[0].points->back() == tip);
+    // What is refused and not caught comes out of the call that called back.
+    struct Naive : engine::Observer {
+        Session* session = nullptr;
+        void stepped(const std::string&, double, double) override { session->evaluate(1); }
+    } naive;
+    Session other({}, &naive);
+    naive.session = &other;
+    other.load_text(hanging);
+    bool misuse = false;
+    CHECK(code([&] { other.evaluate(2); }, &misuse) == "DG140");
+    CHECK(misuse);
+}
+
 TEST_CASE("names and frames that are not there are misuse, values are not", "[embed]") {
     Session s;
     s.load_text(hanging);

@@ -303,6 +303,27 @@ class Going(unittest.TestCase):
         session.evaluate(6)
         self.assertEqual(session.counts.simulated, 6)
 
+    def test_a_session_refuses_its_own_callbacks(self):
+        told = []
+
+        def watch(event):
+            if event.kind == "stepped" and event.frame == 2:
+                for call in (
+                    lambda: session.evaluate(3),
+                    lambda: session.is_ready(1),
+                    lambda: session.set_input("plate.matrix", 3, lifted(1)),
+                ):
+                    try:
+                        call()
+                    except sinew.UsageError as error:
+                        told.append(error.diagnostics[0].code)
+
+        session = sinew.Session(text=hanging(), on_event=watch)
+        session.evaluate(3)
+        self.assertEqual(told, ["DG140"] * 3)
+        naive = sinew.Session(text=hanging(), on_event=lambda event: naive.evaluate(1) and None)
+        self.assertRaisesRegex(sinew.UsageError, "its own callback", naive.evaluate, 2)
+
     def test_another_thread_may_cancel(self):
         reached = threading.Event()
         session = sinew.Session(text=hanging(), on_event=lambda e: e.kind == "stepped" and e.frame == 3 and

@@ -34,6 +34,22 @@ TEST_CASE("a mesh that cannot be written is told of its own frame, which is not 
     CHECK(mark.at("error").at("frame") == failing);
 }
 
+TEST_CASE("an animation that cannot be written leaves the report of its frames", "[tools]") {
+    const TemporaryFolder folder;
+    const fs::path out = folder / "out", report = folder / "report.json";
+    fs::create_directories(out / "small.glb" / "in_its_place");
+    const Said said = run_program(
+        {"run", write_graph(folder, small_graph()), "--no-cache", "--out", out.string(), "--report", report.string()});
+    INFO(said.err);
+    CHECK(said.code == 1);
+    CHECK(said.err.find("[IO405]") == said.err.rfind("[IO405]")); // told once
+    CHECK(said.err.find("small.glb") != std::string::npos);
+    const json told = json::parse(read_text(report));
+    CHECK(told.at("error").at("code") == "IO405");
+    CHECK(told.at("frames").size() == 6);
+    CHECK(json::parse(read_text(out / "unfinished.0001.json")).at("error").at("code") == "IO405");
+}
+
 TEST_CASE("cleaning a cache counts what was removed, and tells what was not", "[tools]") {
     const TemporaryFolder folder;
     const fs::path cache = folder / "cache";

@@ -9,7 +9,7 @@
  *
  * Threads: every function may be called from any thread. Edits of a session come one after the other; evaluations run
  * side by side, and each sees the graph as it was when it began. Callbacks come from worker threads, one at a time a
- * session; in one, of that session only sinew_cancel and sinew_get_counts may be called.
+ * session; in one, of that session only sinew_cancel and sinew_get_counts may be called (else SINEW_USAGE, DG140).
  *
  * Structures begin with their size, which the caller sets (SINEW_SIZED): programs built with an older header keep
  * working with a newer library, which leaves alone what they do not know. Within one number of SINEW_ABI_VERSION

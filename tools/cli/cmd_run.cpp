@@ -159,7 +159,12 @@ class Run {
             throw;
         }
         departure_.forbid(); // all is there: what follows only writes it
-        close();
+        try {
+            close();
+        } catch (...) { // the frames are simulated: what they took and how they went is not lost with a file
+            end_early(std::current_exception());
+            throw;
+        }
         if (!plan_.out.empty())
             for (const engine::Diagnostic& d : output_.older_files()) progress_.warning(d);
         report_.wall_s = seconds_since(start_);
@@ -343,6 +348,7 @@ class Run {
     }
 
     void close() {
+        if (std::exchange(is_closed_, true)) return; // what failed by this is not tried again
         progress_.clear();
         const LongTask task(in_.err, "writing into " + plan_.out.string(), is_quiet() || plan_.out.empty());
         if (!plan_.out.empty()) output_.finish();
@@ -438,7 +444,7 @@ class Run {
     const Clock::time_point start_ = Clock::now();
     int frame_ = 0;       ///< the one at work
     std::set<int> shown_; ///< steps that a frame has shown
-    bool has_begun_ = false, has_ended_ = false;
+    bool has_begun_ = false, is_closed_ = false, has_ended_ = false;
 };
 
 ExitCode run_graph(const Invocation& in) {

@@ -15,6 +15,7 @@
 #include <list>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 namespace sinew::embed {
 
@@ -68,6 +69,8 @@ class Watch : public engine::Observer {
         const std::lock_guard lock(mutex_);
         return std::exchange(error_, nullptr);
     }
+    /// Whether it is the host's observer that this thread is in.
+    bool tells_here() const { return telling_ == std::this_thread::get_id(); }
     std::atomic<std::int64_t> computed_count = 0, stepped_count = 0, reused_count = 0;
     std::function<void()> stop; ///< ends the evaluations that run
 
@@ -77,14 +80,17 @@ class Watch : public engine::Observer {
     void pass(Call&& call) {
         if (!next_) return;
         const std::lock_guard lock(mutex_);
+        telling_ = std::this_thread::get_id();
         try {
             call(*next_);
         } catch (...) {
             if (!error_) error_ = std::current_exception();
             if (stop) stop();
         }
+        telling_ = std::thread::id();
     }
     Observer* next_;
+    std::atomic<std::thread::id> telling_;
     std::mutex mutex_;
     std::exception_ptr error_;
 };
@@ -196,6 +202,13 @@ struct Session::Impl {
         watch.stop = [this] { cancel(); };
     }
 
+    /// The call that the observer is told of holds what others need: they would wait for each other for ever.
+    void refuse_in_callback() const {
+        if (watch.tells_here())
+            throw Misuse("DG140", "the session is called from its own callback",
+                         "in callbacks it can be cancelled, and counted");
+    }
+
     void cancel() {
         const std::lock_guard lock(mutex);
         for (std::stop_source& source : running) source.request_stop();
@@ -273,11 +286,13 @@ Session::Session(Options options, engine::Observer* watch)
 Session::~Session() = default;
 
 void Session::load_file(const std::string& path) {
+    impl_->refuse_in_callback();
     const std::lock_guard edits(impl_->editing);
     impl_->watched([&] { impl_->take(engine::load_graph(impl_->registry, path, impl_->files)); });
 }
 
 void Session::load_text(std::string_view json, const std::string& file_name) {
+    impl_->refuse_in_callback();
     const std::lock_guard edits(impl_->editing);
     impl_->watched([&] { impl_->take(engine::read_graph(impl_->registry, json, file_name, impl_->files)); });
 }
@@ -289,6 +304,7 @@ std::shared_ptr<const Graph> Session::graph() const {
 }
 
 void Session::edit(const std::function<void(Edit&)>& changes) {
+    impl_->refuse_in_callback();
     const std::lock_guard edits(impl_->editing);
     Edit edit(graph());
     changes(edit);
@@ -359,6 +375,7 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
 }
 
 Frame Session::evaluate(double frame, std::string_view plug, std::stop_token stop) {
+    impl_->refuse_in_callback();
     return impl_->watched([&] { return evaluated(frame, plug, std::move(stop)); });
 }
 
@@ -401,11 +418,14 @@ bool Session::is_ready(double frame, std::string_view plug) const {
 }
 
 engine::Verdict Session::explain(double frame, std::string_view plug) const {
+    impl_->refuse_in_callback();
     const auto g = graph();
     const Plug at = impl_->plug_of(*g, plug);
     check_frame(frame, at);
     return impl_->watched([&] { return impl_->evaluator.explain({g, at, frame, {}, {}}); });
 }
+
+void Session::refuse_in_callback() const { impl_->refuse_in_callback(); }
 
 void Session::cancel() { impl_->cancel(); }
 

@@ -82,9 +82,9 @@ struct Frame {
 /// began. Throws Failure with every problem (Misuse where the call itself is wrong), SolveFailure, Cancelled.
 class Session {
   public:
-    /// \param watch told of what goes on, from worker threads, one call at a time; must not call the session but for
-    /// cancel() and counts(). What it throws stops the evaluations that run, as cancel() does, and comes out of one of
-    /// them, or of the load; finished frames stay.
+    /// \param watch told of what goes on, from worker threads, one call at a time; may not call the session but for
+    /// cancel(), counts() and graph() (Misuse DG140). What it throws stops the evaluations that run, as cancel() does,
+    /// and comes out of one of them, or of the load; finished frames stay.
     explicit Session(Options options = {}, engine::Observer* watch = nullptr);
     ~Session();
     Session(const Session&) = delete;
@@ -113,6 +113,9 @@ class Session {
     bool is_ready(double frame, std::string_view plug = {}) const;
     /// "Why would this run?"
     engine::Verdict explain(double frame, std::string_view plug = {}) const;
+    /// Throws Misuse DG140 within a callback of this session, on the thread that it is on. All that may not be called
+    /// there begins with it; layers that go on in a thread of their own call it before.
+    void refuse_in_callback() const;
     /// Stops the evaluations that are running now; finished frames stay.
     void cancel();
     Counts counts() const;

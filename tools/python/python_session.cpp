@@ -149,6 +149,7 @@ void PythonSession::throw_of_callback() {
 
 embed::Frame PythonSession::evaluate(double frame, const std::string& plug) {
     if (keeps_lock()) throw engine::Cancelled();
+    session_->refuse_in_callback();
     std::exception_ptr interrupted, failed;
     std::optional<embed::Frame> out;
     {
