@@ -16,7 +16,7 @@ import zlib
 
 ROOT = os.path.abspath(os.path.join(os.path.dirname(__file__), "..", ".."))
 LARGEST = 8  # files a group: what an edit of one of them compiles
-MEAN = 5
+MEAN = 5  # of files until another group begins, by their names
 
 TYPE = re.compile(r"(?:template <.*?> )?(?:class|struct|union|enum class|enum|concept)\s+(\w+)")
 OTHER = re.compile(r"[^(={;]*?(\w+)\s*(?:<[^(]*>)?\s*(?:\[[^]]*\]\s*)?[(={;]")
