@@ -276,6 +276,30 @@ TEST_CASE("what a callback throws cancels and goes no further", "[embed]") {
     CHECK(frame == nullptr);
 }
 
+TEST_CASE("in a callback a session is refused to all but what counts and cancels", "[embed]") {
+    static sinew_session* own;
+    static std::vector<std::string> refused, allowed;
+    refused.clear(), allowed.clear();
+    sinew_options options = SINEW_SIZED(sinew_options);
+    options.on_event = [](void*, const sinew_event* e) -> int {
+        if (e->kind != SINEW_STEPPED || e->frame != 2) return 0;
+        for (const Call& c : session_calls()) {
+            if (std::string(c.name) == "cancel") continue; // which would end what this is called by
+            const sinew_status status = c.call(own);
+            if (status == SINEW_OK) allowed.push_back(c.name);
+            if (status == SINEW_USAGE && code() == "DG140") refused.push_back(c.name);
+        }
+        return 0;
+    };
+    Session s(true, &options);
+    own = s.handle;
+    sinew_frame* frame = nullptr;
+    REQUIRE(sinew_evaluate(s.handle, nullptr, 2, &frame) == SINEW_OK);
+    sinew_release(frame);
+    CHECK(allowed == std::vector<std::string>{"get_counts"});
+    CHECK(refused.size() == session_calls().size() - 2);
+}
+
 TEST_CASE("threads may share a session, cancel it and close it while others evaluate", "[embed]") {
     for (int round = 0; round < 4; ++round) {
         sinew_session* s = nullptr;

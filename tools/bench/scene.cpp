@@ -28,8 +28,7 @@ struct Pass {
 Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::string& node, const RunOptions& options,
              SceneRow& row, SceneBench& scene, Motion& motion) {
     motion.clear();
-    // Which gives the heap back: the turns after the first have theirs as a program has it that does nothing else.
-    const bool measures_memory = row.bytes_per_tet == 0;
+    const bool measures_memory = row.bytes_per_tet == 0; // in one turn: the heap is given back by it
     const double before = measures_memory ? resident_bytes() : 0;
     engine::Evaluator evaluator;
     Pass pass;

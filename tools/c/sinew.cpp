@@ -16,17 +16,11 @@ static_assert(sizeof(int) == sizeof(std::int32_t));
 static_assert(static_cast<int>(engine::Severity::error) == SINEW_ERROR &&
               static_cast<int>(engine::Severity::note) == 0);
 
-struct OpenSession;
-
-/// The session whose callback this thread is in; null outside of callbacks.
-thread_local const OpenSession* calling_back = nullptr;
-
 /// Passes events on to the host, and lets nothing that it throws get into a worker.
 class Callbacks : public engine::Observer {
   public:
-    Callbacks(const sinew_options& options, const OpenSession& owner)
-        : options_(options)
-        , owner_(owner) {}
+    explicit Callbacks(const sinew_options& options)
+        : options_(options) {}
     void computed(const std::string& node, double frame, double seconds) override {
         tell(SINEW_COMPUTED, node, frame, seconds, 1, "");
     }
@@ -56,17 +50,14 @@ class Callbacks : public engine::Observer {
     }
     template <class Call>
     void call(Call&& host) {
-        const OpenSession* before = std::exchange(calling_back, &owner_);
         int answer = 1;
         try {
             answer = host();
         } catch (...) { // a host in C++ that throws wants no more
         }
-        calling_back = before;
         if (answer != 0 && session) session->cancel();
     }
     const sinew_options options_;
-    const OpenSession& owner_;
 };
 
 embed::Options options_of(const sinew_options& o) {
@@ -82,7 +73,7 @@ embed::Options options_of(const sinew_options& o) {
 
 struct OpenSession {
     explicit OpenSession(const sinew_options& options)
-        : callbacks(options, *this)
+        : callbacks(options)
         , session(options_of(options), &callbacks) {
         callbacks.session = &session;
     }
@@ -150,8 +141,7 @@ enum class From { anywhere, outside_of_callbacks };
 
 std::shared_ptr<OpenSession> session_of(sinew_session* handle, From from = From::outside_of_callbacks) {
     auto found = alive(tables().sessions, handle, "session");
-    if (from == From::outside_of_callbacks && calling_back == found.get())
-        refuse("a callback of the session calls it", "call sinew_cancel or sinew_get_counts there, and nothing else");
+    if (from == From::outside_of_callbacks) found->session.refuse_in_callback();
     return found;
 }
 

@@ -206,7 +206,7 @@ struct Session::Impl {
     void refuse_in_callback() const {
         if (watch.tells_here())
             throw Misuse("DG140", "the session is called from its own callback",
-                         "in callbacks it can be cancelled, and counted");
+                         "cancel it there or ask for its counts, and nothing else");
     }
 
     void cancel() {
