@@ -27,6 +27,14 @@ const Input<double> refinement_quality{
            "flat tets need. Keep it at 0.8 or above for simulation.",
     .keyable = false,
 };
+const Input<double> max_time{
+    .name = "maxTime",
+    .def = 120,
+    .unit = "s",
+    .limits = {.min = 0, .max = 1e9},
+    .doc = "Gives up with FE233 after so many seconds; 0 waits for ever. It never changes the tets.",
+    .keyable = false,
+};
 const Output<TetMeshValue> out_tets{
     .name = "outTets",
     .doc = "The tets, in scene units; connect to zTissue.tets or zTet.tets. Their boundary is the input's "
@@ -40,14 +48,14 @@ void compute(const Reads& in, Writes& out) {
         Hasher().add("zDelaunayTetMesh").add(in.digest_of(mesh.name)).add(in[refinement_quality]).finish();
     auto made = in.lease<TetMeshValue>(key, [&] {
         const Mesh& m = in[mesh];
-        const solver::DelaunayTetOptions options{in[refinement_quality]};
+        const solver::DelaunayTetOptions options{in[refinement_quality], in[max_time]};
         return std::make_shared<TetMeshValue>(
             guarded(in, mesh.name,
                     [&] {
                         return TetMeshValue::from(
                             solver::make_delaunay_tets(*m.points, m.topology->triangles, options, meshing_control(in)));
                     },
-                    {{"FE232", refinement_quality.name}}));
+                    {{"FE232", refinement_quality.name}, {"FE233", max_time.name}}));
     });
     out.set(out_tets, *made);
 }
@@ -59,7 +67,7 @@ void add_z_delaunay_tet_mesh(Registry& registry) {
     type.name = "zDelaunayTetMesh";
     type.numerics = 3; // made about the surface's middle, in its size
     type.doc = "Fills a closed surface with tets whose boundary is exactly that surface.";
-    type.inputs = {describe(mesh), describe(refinement_quality)};
+    type.inputs = {describe(mesh), describe(refinement_quality), describe(max_time)};
     type.outputs = {describe(out_tets)};
     type.compute = compute;
     registry.add(std::move(type));

@@ -110,14 +110,12 @@ class Recovery {
     Crossings across_edge(const Edge& e) const {
         Crossings out;
         const auto& [a, b] = e;
-        std::vector<int> open(complex_.tets_of[at(a)]);
-        std::set<int> seen(open.begin(), open.end());
+        std::vector<int> open;
+        std::set<int> seen; // of those met on the way
         const auto visit = [&](int t) {
             if (t >= 0 && seen.insert(t).second) open.push_back(t);
         };
-        while (!open.empty()) {
-            const int number = open.back();
-            open.pop_back();
+        const auto leave = [&](int number) {
             const Tet& t = complex_.tet(number);
             for (const auto& [i, j, k, l] : tet_faces) {
                 const Triangle f{t[i], t[j], t[k]};
@@ -132,18 +130,26 @@ class Recovery {
                     break;
                 case 2: {
                     const int p = f[which], q = f[(which + 1) % 3];
-                    out.edges.insert(edge_of(p, q));
+                    if (!out.edges.insert(edge_of(p, q)).second) break; // met from another tet of its ring before
                     for (const int s : complex_.tets_of[at(p)])
                         if (has_corner(complex_.tet(s), q)) out.tets.insert(s), visit(s);
                     break;
                 }
                 case 3:
                     out.hopeless = true;
-                    return out;
+                    break;
                 default:
                     break;
                 }
             }
+        };
+        // The hub of a wide fan is in thousands of tets, through few of which the edge goes.
+        for (const int t : complex_.tets_of[at(a)])
+            if (leave(t); out.hopeless) return out;
+        while (!open.empty() && !out.hopeless) {
+            const int t = open.back();
+            open.pop_back();
+            leave(t);
         }
         return out;
     }
@@ -159,7 +165,7 @@ class Recovery {
     Crossings across_face(const Triangle& f, std::vector<int> open = {}) const {
         Crossings out;
         for (const int v : f) open.insert(open.end(), complex_.tets_of[at(v)].begin(), complex_.tets_of[at(v)].end());
-        std::set<int> seen(open.begin(), open.end());
+        std::set<int> seen; // of those met on the way
         while (!open.empty()) {
             const Tet t = complex_.tet(open.back());
             open.pop_back();

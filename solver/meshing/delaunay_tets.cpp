@@ -119,7 +119,10 @@ MeshingControl part(const MeshingControl& control, double from, double to) {
 } // namespace
 
 TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& triangles,
-                           const DelaunayTetOptions& options, const MeshingControl& control) {
+                           const DelaunayTetOptions& options, const MeshingControl& watched) {
+    const MeshingControl control =
+        with_time_limit(watched, options.most_seconds, "the tets are",
+                        "Raise maxTime, or remesh the surface by zIsoMesh: triangles that are long take longest.");
     check_usable(SurfaceMesh::from_triangles(points, triangles));
     if (!(options.refinement_quality >= 0 && options.refinement_quality <= 1))
         throw Error("FE222",

@@ -10,6 +10,7 @@ struct DelaunayTetOptions {
     /// 0: no vertices inside, tets as they come. Above: inside, the edges grow by 1.2 (1 - quality) of the
     /// distance from the surface, and tets are improved; 1: as fine inside as on the surface.
     double refinement_quality = 0.8;
+    double most_seconds = 0; ///< wall clock; 0 = no limit
 };
 
 /// Delaunay triangulation of the surface's vertices, vertices on a graded body-centred lattice inside that
@@ -23,7 +24,7 @@ struct DelaunayTetOptions {
 ///                   facing outwards, or all inwards
 /// Throws Stopped; Error FE201 to FE203 (input), FE222 (options), FE230 (open: the edges), FE236 (not
 /// manifold, oriented or clean: the edges, vertices, triangles; parts that face the wrong way), FE237
-/// (triangles that cross, that could not be recovered, or that leave flat tets), FE232 (too many tets).
+/// (triangles that cross, that could not be recovered, or that leave flat tets), FE232 (too many tets), FE233 (time).
 TetMesh make_delaunay_tets(const Points& points, const std::vector<Triangle>& triangles,
                            const DelaunayTetOptions& options, const MeshingControl& control = {});
 

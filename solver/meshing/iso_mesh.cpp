@@ -13,7 +13,6 @@
 #include "solver/meshing/surface_mesher.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <limits>
@@ -39,22 +38,17 @@ void check(const IsoMeshOptions& o) {
     if (o.resolution < 16 || o.resolution > most_resolution)
         refuse("resolution " + std::to_string(o.resolution) + " is not between 16 and " +
                std::to_string(most_resolution));
-    if (!(o.most_seconds >= 0)) refuse("a time limit of " + short_number(o.most_seconds) + " s");
 }
 
 /// The caller's control with the time limit added.
 class Watch {
   public:
     Watch(const MeshingControl& control, double most_seconds)
-        : control_(control)
-        , most_seconds_(most_seconds)
-        , begin_(Clock::now()) {}
+        : control_(with_time_limit(control, most_seconds, "the iso mesh is",
+                                   "Raise maxTime, or choose a larger triangleSize or a smaller resolution.")) {}
 
     void check() const {
         if (control_.stop && control_.stop()) throw Stopped();
-        if (most_seconds_ > 0 && std::chrono::duration<double>(Clock::now() - begin_).count() > most_seconds_)
-            throw Error("FE233", "the iso mesh is not ready after " + short_number(most_seconds_) + " s",
-                        "Raise maxTime, or choose a larger triangleSize or a smaller resolution.");
     }
     void progress(double done, std::string_view what) {
         done_ = std::max(done_, std::min(done, 1.0));
@@ -70,10 +64,8 @@ class Watch {
     }
 
   private:
-    using Clock = std::chrono::steady_clock;
-    const MeshingControl& control_;
-    double most_seconds_, done_ = 0;
-    Clock::time_point begin_;
+    const MeshingControl control_;
+    double done_ = 0;
 };
 
 MeshFrame frame_for(const Points& points, const std::vector<Triangle>& triangles, double iso) {

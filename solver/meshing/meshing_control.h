@@ -22,6 +22,11 @@ struct MeshingControl {
     }
 };
 
+/// The same, but that it gives up: `stop` throws Error FE233 (`what`, as "the tets are", and `hint`) once
+/// `most_seconds` of the wall clock have gone by; 0 = never. Throws Error FE222 (a limit below 0 or none at all).
+MeshingControl with_time_limit(const MeshingControl& control, double most_seconds, std::string_view what,
+                               std::string_view hint);
+
 /// One part of the whole work: body(i) for i in [0, count), in parallel, with a report between blocks of
 /// pieces. The pieces are the same for any number of threads.
 struct MeshingPhase {

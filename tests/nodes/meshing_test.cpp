@@ -69,13 +69,16 @@ TEST_CASE("zDelaunayTetMesh fills an iso mesh and leaves its triangles as they a
     CHECK(s.counter.computes["iso"] == 1);
     CHECK(s.counter.warnings.empty());
     std::string text;
-    const auto refused = [&](const std::string& mesh) {
+    const auto refused = [&](const std::string& mesh, const std::string& more = "") {
         return codes(two_balls + R"("tets": {"type": "zDelaunayTetMesh", "inputs": {"mesh": {"from": ")" + mesh +
-                         R"("}}})",
+                         R"("})" + more + "}}",
                      "tets", "outTets", &text);
     };
     CHECK(refused("plane.outMesh") == Codes{"FE230"});
     CHECK(text.find("tets.mesh") != std::string::npos);
+    CHECK(refused("ball.outMesh", R"(, "maxTime": 0)").empty());
+    CHECK(refused("ball.outMesh", R"(, "maxTime": 1e-6)") == Codes{"FE233"});
+    CHECK(text.find("tets.maxTime") != std::string::npos);
 }
 
 TEST_CASE("a meshing node stops when the host asks", "[nodes]") {

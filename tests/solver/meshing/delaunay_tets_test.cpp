@@ -17,6 +17,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 using namespace soups;
 
@@ -243,6 +244,12 @@ TEST_CASE("what tets cannot have as their boundary is refused, and the message s
     CHECK(code_of({"nothing", {}, {}}) == "FE201");
     CHECK(code_of(ball, nullptr, 1.5) == "FE222");
     CHECK(code_of(ball, nullptr, NAN) == "FE222");
+    for (const double seconds : {-1.0, std::numeric_limits<double>::quiet_NaN(), 1e-6}) try {
+            make_delaunay_tets(ball.points, ball.triangles, {0.8, seconds});
+            FAIL(seconds);
+        } catch (const Error& e) {
+            CHECK(e.code == (seconds > 0 ? "FE233" : "FE222"));
+        }
     Shape infinite = ball;
     infinite.points[5].x() = INFINITY;
     CHECK(code_of(infinite) == "FE202");
