@@ -63,23 +63,23 @@ std::string all_texts(std::span<const Diagnostic> diagnostics) {
 std::string to_text(const Diagnostic& d) {
     std::string out;
     if (d.spot) {
-        out += d.spot->file;
+        out += shown_text(d.spot->file);
         if (d.spot->line > 0) out += ":" + std::to_string(d.spot->line) + ":" + std::to_string(d.spot->column);
         if (!out.empty()) out += ": ";
     }
     out += std::string(word(d.severity)) + " [" + d.code + "] ";
     if (!d.node.empty())
-        out += d.node + (d.attribute.empty() ? "" : "." + d.attribute) + ": ";
+        out += shown_text(d.node + (d.attribute.empty() ? "" : "." + d.attribute)) + ": ";
     else if (!d.attribute.empty())
-        out += d.attribute + ": ";
-    out += d.message;
+        out += shown_text(d.attribute) + ": ";
+    out += shown_text(d.message, true);
     if (d.frame) out += " (frame " + number_text(*d.frame) + ")";
-    if (!d.hint.empty()) out += "\n  hint: " + d.hint;
-    if (d.spot && !d.spot->pointer.empty()) out += "\n  at " + d.spot->pointer;
+    if (!d.hint.empty()) out += "\n  hint: " + shown_text(d.hint, true);
+    if (d.spot && !d.spot->pointer.empty()) out += "\n  at " + shown_text(d.spot->pointer);
     if (d.spot)
         for (const SourceSpot& s : d.spot->included_by)
-            out += "\n  included by " + s.file + ":" + std::to_string(s.line) + ":" + std::to_string(s.column) +
-                   " at " + s.pointer;
+            out += "\n  included by " + shown_text(s.file) + ":" + std::to_string(s.line) + ":" +
+                   std::to_string(s.column) + " at " + shown_text(s.pointer);
     return out;
 }
 

@@ -83,6 +83,23 @@ std::string json_quoted(std::string_view bytes) {
     return out + '"';
 }
 
+std::string shown_text(std::string_view text, bool may_break) {
+    static constexpr char digits[] = "0123456789abcdef";
+    std::string out;
+    const auto escape = [&](unsigned char c) { out += std::string("\\u00") + digits[c >> 4] + digits[c & 15]; };
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const auto c = static_cast<unsigned char>(text[i]);
+        const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
+        if (c == 0xc2 && next >= 0x80 && next < 0xa0)
+            escape(static_cast<unsigned char>(next)), ++i; // U+0080 to U+009F, as UTF-8
+        else if ((c < 0x20 && c != '\t' && !(c == '\n' && may_break)) || c == 0x7f)
+            escape(c);
+        else
+            out += text[i];
+    }
+    return out;
+}
+
 std::string pointer_token(std::string_view name) {
     std::string out = "/";
     for (char c : name) {

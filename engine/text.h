@@ -17,6 +17,9 @@ std::string rough_text(double v, int digits);
 std::string json_quoted(std::string_view text);
 /// The text itself, with U+FFFD for each byte that is not UTF-8.
 std::string utf8_text(std::string_view text);
+/// What a terminal shows and does not obey: control characters but tabs as \u001b.
+/// \param may_break newlines stay
+std::string shown_text(std::string_view text, bool may_break = false);
 /// One reference token of an RFC 6901 pointer, escaped, with its slash.
 std::string pointer_token(std::string_view name);
 /// With small letters for A to Z.

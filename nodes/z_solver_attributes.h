@@ -58,7 +58,14 @@ inline const Input<double> scale{
     .limits = {.min = 1e-12, .max = 1e12},
     .doc = "Scene units per metre: 100 reads the scene as centimetres, 1 as metres. Keyed, it scales the space that "
            "the simulation runs in, as translate moves it.",
-    .presets = {{"m", 1}, {"cm", 100}, {"mm", 1000}, {"inch", 1 / 0.0254}, {"foot", 1 / 0.3048}},
+    .presets = {{"m", 1},
+                {"dm", 10},
+                {"cm", 100},
+                {"mm", 1000},
+                {"in", 1 / 0.0254},
+                {"inch", 1 / 0.0254},
+                {"ft", 1 / 0.3048},
+                {"foot", 1 / 0.3048}},
 };
 inline const Input<Matrix4> matrix{
     .name = "matrix",

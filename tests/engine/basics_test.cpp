@@ -238,6 +238,14 @@ TEST_CASE("diagnostics read well and their JSON parses") {
     CHECK(j["frame"] == 12.5);
     CHECK(j["message"] == d.message);
     CHECK(Failure(std::vector<Diagnostic>{d, d}).what() == to_text(d) + "\n" + to_text(d));
+    // Names and messages come from graphs of strangers: a terminal shows them and does not obey them.
+    d.node = "\x1b[2Jx\n",
+    d.attribute = "a\xc2\x9b"
+                  "31m",
+    d.message = "one\ntwo\x7f\t\xc3\xa9";
+    d.spot->file = "\x07.json", d.spot->pointer = "/\r", d.hint = "\x1b]0;", d.frame.reset();
+    CHECK(to_text(d) == "\\u0007.json:7:25: error [DG011] \\u001b[2Jx\\u000a.a\\u009b31m: one\ntwo\\u007f\t\xc3\xa9\n"
+                        "  hint: \\u001b]0;\n  at /\\u000d");
     CHECK(nlohmann::json::parse(json_quoted("a\x01\"\\\n\xff\xc3\xa9")) == "a\x01\"\\\n\xef\xbf\xbd\xc3\xa9");
 }
 

@@ -183,9 +183,13 @@ TEST_CASE("words and vectors that are written as something else are told how the
     CHECK(has(said_of(R"("m": {"type": "zMaterial", "inputs": {"massDensity": "bone"}})"),
               "expected number, found text\n  hint: write a number; \"bone\" is a preset of youngsModulus alone\n"));
     CHECK(has(said_of(R"("s": {"type": "zSolver", "inputs": {"scale": "km"}})"), "s.scale: unknown preset \"km\""));
-    const Said scaled =
-        run_program({"graph", SINEW_SOURCE_DIR "/graphs/scenes/arm.json", "--json", "--set", "solver.scale=mm"});
-    CHECK(has(scaled.out, "\"scale\": 1000"));
+    // All units that `sinew new --unit` takes.
+    for (const auto& [unit, scale] :
+         {std::pair{"mm", "1000"}, {"dm", "10"}, {"in", "39.37007874015748"}, {"ft", "3.280839895013123"}}) {
+        const Said scaled = run_program({"graph", SINEW_SOURCE_DIR "/graphs/scenes/arm.json", "--json", "--set",
+                                         std::string("solver.scale=") + unit});
+        CHECK(has(scaled.out, std::string("\"scale\": ") + scale));
+    }
 }
 
 TEST_CASE("a file that is not there is answered by the one that is near", "[tools]") {
