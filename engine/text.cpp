@@ -62,8 +62,15 @@ std::string utf8_text(std::string_view text) {
     return out;
 }
 
-std::string json_quoted(std::string_view bytes) {
+namespace {
+/// As JSON writes a character below U+0100 by its number.
+std::string escaped(unsigned char c) {
     static constexpr char digits[] = "0123456789abcdef";
+    return std::string("\\u00") + digits[c >> 4] + digits[c & 15];
+}
+} // namespace
+
+std::string json_quoted(std::string_view bytes) {
     const std::string text = utf8_text(bytes);
     std::string out = "\"";
     for (const char c : text) {
@@ -76,7 +83,7 @@ std::string json_quoted(std::string_view bytes) {
         else if (c == '\r')
             out += "\\r";
         else if (static_cast<unsigned char>(c) < 0x20)
-            out += std::string("\\u00") + digits[(c >> 4) & 15] + digits[c & 15];
+            out += escaped(static_cast<unsigned char>(c));
         else
             out += c;
     }
@@ -84,16 +91,14 @@ std::string json_quoted(std::string_view bytes) {
 }
 
 std::string shown_text(std::string_view text, bool may_break) {
-    static constexpr char digits[] = "0123456789abcdef";
     std::string out;
-    const auto escape = [&](unsigned char c) { out += std::string("\\u00") + digits[c >> 4] + digits[c & 15]; };
     for (std::size_t i = 0; i < text.size(); ++i) {
         const auto c = static_cast<unsigned char>(text[i]);
         const auto next = i + 1 < text.size() ? static_cast<unsigned char>(text[i + 1]) : 0;
         if (c == 0xc2 && next >= 0x80 && next < 0xa0)
-            escape(static_cast<unsigned char>(next)), ++i; // U+0080 to U+009F, as UTF-8
+            out += escaped(static_cast<unsigned char>(next)), ++i; // U+0080 to U+009F, as UTF-8
         else if ((c < 0x20 && c != '\t' && !(c == '\n' && may_break)) || c == 0x7f)
-            escape(c);
+            out += escaped(c);
         else
             out += text[i];
     }

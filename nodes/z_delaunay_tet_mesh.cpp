@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
 #include "nodes/adapters.h"
+#include "nodes/meshing_time.h"
 #include "solver/meshing/delaunay_tets.h"
 
 namespace sinew::nodes {
@@ -25,14 +26,6 @@ const Input<double> refinement_quality{
            "1.2 (1 - refinementQuality) of the distance from the surface; 0 puts no vertices inside but "
            "those that "
            "flat tets need. Keep it at 0.8 or above for simulation.",
-    .keyable = false,
-};
-const Input<double> max_time{
-    .name = "maxTime",
-    .def = 120,
-    .unit = "s",
-    .limits = {.min = 0, .max = 1e9},
-    .doc = "Gives up with FE233 after so many seconds; 0 waits for ever. It never changes the tets.",
     .keyable = false,
 };
 const Output<TetMeshValue> out_tets{

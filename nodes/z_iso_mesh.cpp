@@ -3,6 +3,7 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/limits.h"
+#include "nodes/meshing_time.h"
 #include "solver/meshing/iso_deviation.h"
 #include "solver/meshing/iso_mesh.h"
 
@@ -49,14 +50,6 @@ const Input<std::int64_t> resolution{
     .doc = "Cells along the longest side of the grid that holds the distance. Detail and gaps smaller than a "
            "cell "
            "are lost; time and memory grow with its square.",
-    .keyable = false,
-};
-const Input<double> max_time{
-    .name = "maxTime",
-    .def = 120,
-    .unit = "s",
-    .limits = {.min = 0, .max = 1e9},
-    .doc = "Gives up with FE233 after so many seconds; 0 waits for ever. It never changes the mesh.",
     .keyable = false,
 };
 const Input<bool> produce_manifold_mesh{

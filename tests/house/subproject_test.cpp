@@ -1,5 +1,5 @@
-// Sinew as a part of another build: its targets keep to their own names, and nothing of how it is compiled reaches the
-// host.
+// What CMake makes of the tree: alone, in an empty folder; and as a part of another build, where its targets keep to
+// their own names and nothing of how it is compiled reaches the host.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <catch2/catch.hpp>
 
@@ -38,4 +38,20 @@ TEST_CASE("a host configures with Sinew inside and compiles by its own flags", "
     CHECK(hosts == 1);
     CHECK(own > 200);
     fs::remove_all(folder);
+}
+
+TEST_CASE("presets configure in an empty folder", "[house]") {
+    for (const std::string preset : {"release", "debug", "asan"}) {
+        std::string folder = (fs::temp_directory_path() / "sinew-preset-XXXXXX").string();
+        REQUIRE(mkdtemp(folder.data()));
+        const std::string log = folder + "/log", command = "cd '" + std::string(SINEW_SOURCE_DIR) +
+                                                           "' && cmake --preset " + preset + " -B '" + folder +
+                                                           "/b' > '" + log + "' 2>&1";
+        const int code = std::system(command.c_str());
+        std::ifstream said(log);
+        INFO(std::string(std::istreambuf_iterator<char>(said), {}));
+        CHECK(code == 0);
+        CHECK(fs::exists(folder + "/b/build.ninja"));
+        fs::remove_all(folder);
+    }
 }
