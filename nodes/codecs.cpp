@@ -201,6 +201,8 @@ void visit_report(Report& r, const Visit& visit) {
     visit(r.worst.attachment), visit(r.worst.source_body), visit(r.worst.vertex), visit(r.worst.stretch);
     visit(r.worst.stretch_place), visit(r.worst.residual_body), visit(r.worst.contact_body);
     visit(r.worst.contact_target), visit(r.worst.depth), visit(r.worst.contact_place);
+    visit(r.worst.deep_body), visit(r.worst.deep_target), visit(r.worst.deep);
+    visit(r.worst.deep_share), visit(r.worst.deep_place);
 }
 
 void write_report(const SolveReport& r, ByteWriter& out) {

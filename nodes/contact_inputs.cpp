@@ -40,8 +40,9 @@ const Input<double> thickness{
     .limits = {.min = 0, .max = 1e60},
     .doc =
         "What the cloth takes up in contacts, half of it on either side of its faces; always in metres, whatever the "
-        "scale. Layers of cloth lie so far apart, and solids half of it. 0: only its points press into solids, and "
-        "nothing into it.",
+        "scale, and no more than half of the cloth's length. Layers of cloth lie so far apart, and solids half of it. "
+        "0: "
+        "only its points press into solids, and nothing into it.",
     .keyable = false,
 };
 const Input<std::string> collision_volume{
@@ -62,7 +63,7 @@ const Input<double> contact_stiffness{
     .name = "contactStiffness",
     .def = 1e6,
     .unit = "N/m^3",
-    .limits = {.min = 0, .max = 1e12},
+    .limits = {.min = 0, .max = most_contact_stiffness},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };
@@ -70,7 +71,7 @@ const Input<double> cloth_contact_stiffness{
     .name = "contactStiffness",
     .def = 1e5,
     .unit = "N/m^3",
-    .limits = {.min = 0, .max = 1e12},
+    .limits = {.min = 0, .max = most_contact_stiffness},
     .doc = "How hard it pushes out, as pressure per depth. A pair takes 2 a b / (a + b) of the two; 0 lets others "
            "through.",
 };

@@ -11,6 +11,9 @@ namespace sinew::nodes {
 /// Whose contact it is: a cloth is never a solid, a bone does not meet itself.
 enum class Collider { bone, tissue, cloth };
 
+/// Of a body's contactStiffness [N/m^3].
+inline constexpr double most_contact_stiffness = 1e12;
+
 std::vector<engine::AttributeInfo> contact_attributes(Collider kind);
 
 /// What a body brings to contact: a force on itself alone, without what zSolver adds. `surface`: what collides, its own

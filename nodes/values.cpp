@@ -325,6 +325,7 @@ void ValueTraits<nodes::SolveReport>::hash(Hasher& h, const nodes::SolveReport& 
     h.add(w.attachment).add(w.source_body).add(w.vertex).add(w.stretch).add_doubles(w.stretch_place);
     h.add(w.residual_body);
     h.add(w.contact_body).add(w.contact_target).add(w.depth).add_doubles(w.contact_place);
+    h.add(w.deep_body).add(w.deep_target).add(w.deep).add(w.deep_share).add_doubles(w.deep_place);
     h.add(static_cast<std::uint64_t>(v.lines.size()));
     for (const nodes::LineReport& l : v.lines) {
         h.add(l.body).add(l.fiber).add(l.excitation).add(l.growth);

@@ -253,6 +253,11 @@ struct WorstPlaces {
     int contact_body = -1, contact_target = -1;
     double depth = 0; ///< [m]
     std::array<double, 3> contact_place{};
+    /// Of bodies that contact does not keep apart, those that are deepest by their own thickness: whose point, whose
+    /// surface, how deep [m] and by what share. See nodes/deep_contact.h.
+    int deep_body = -1, deep_target = -1;
+    double deep = 0, deep_share = 0;
+    std::array<double, 3> deep_place{};
 };
 
 /// What one frame's solve reported; the command line writes it into --report.

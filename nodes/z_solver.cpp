@@ -4,6 +4,7 @@
 #include "nodes/adapters.h"
 #include "nodes/attachment_reach.h"
 #include "nodes/contacts.h"
+#include "nodes/deep_contact.h"
 #include "nodes/frame_warnings.h"
 #include "nodes/lines_of_action.h"
 #include "nodes/marks.h"
@@ -290,6 +291,7 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
         solved.carriers = setup.carriers;
         report.worst = find_worst(setup, *stage->scene, s.state);
         find_deepest(contacts, report.worst);
+        find_deep(in, setup, meshes, contacts, report);
         report.worst.residual_body = s.residual_body;
         if (report.worst.attachment >= 0)
             report.worst.vertex = nearest_vertex(

@@ -12,7 +12,7 @@ import samples
 
 BETWEEN = b"\n%%%%\n"
 ENDINGS = {"obj": "obj", "off": "off", "ply": "ply", "stl": "stl", "mesh": "medit", "vtk": "vtk", "msh": "gmsh", "veg": "veg"}
-HEADER = len(b"sinew kept 5\n") + 16 + 2 * (16 + 8)
+HEADER = len(b"sinew kept 6\n") + 16 + 2 * (16 + 8)
 BLOCK = 4096
 
 TINY = {"format": "sinew 1", "timing": {"start": 1, "end": 2}, "nodes": {

@@ -57,6 +57,69 @@ json last_frame(const json& graph, std::vector<std::string> more = {}) {
 
 } // namespace
 
+TEST_CASE("a frame that converges with bodies deep in each other is warned about, also when nothing is simulated",
+          "[tools][contact]") {
+    const TemporaryFolder folder;
+    const std::string report = (folder / "report.json").string(), cache = (folder / "cache").string();
+    json graph = falling(false);
+    for (const char* body : {"ground", "block"}) graph["nodes"][body]["inputs"]["contactStiffness"] = 50000;
+    graph["nodes"]["solver"]["inputs"]["massDamping"] = 5;
+    const std::vector<std::string> words{"run", write_graph(folder, graph), "--report", report, "--cache", cache};
+    const Said said = run_program(words);
+    REQUIRE(said.code == 0);
+    // It rests where 50 kPa a metre carry a metre of water: 0.196 m deep, more than 3/4 of the cube's volume by its
+    // area.
+    const json frames = json::parse(read_text(report)).at("frames");
+    int deep = 0;
+    for (const json& f : frames) {
+        if (!f.at("where").contains("deep_contact")) continue;
+        ++deep;
+        const json& where = f.at("where").at("deep_contact");
+        CHECK(std::set<std::string>{where.at("body"), where.at("in")} == std::set<std::string>{"block", "ground"});
+        CHECK(where.at("depth_m").get<double>() > 0.75 / 6);
+    }
+    CHECK(frames.back().at("where").at("deep_contact").at("depth_m").get<double>() == Approx(0.196).epsilon(0.1));
+    REQUIRE(deep > 0);
+    CHECK(deep < 40); // not while it falls
+    CHECK(said.err.find("warning [FE307] solver.collisionDetection: the frame ends with ") != std::string::npos);
+    CHECK(said.err.find("ends with block and ground 0.1") != std::string::npos);
+    CHECK(said.err.find("Raise contactStiffness of both to 1e+06 N/m^3 or more.") != std::string::npos);
+    const std::string counted = "  " + std::to_string(deep) + " frames converged with bodies DEEP in each other; ";
+    CHECK(said.out.find(counted) != std::string::npos);
+    // The same said of what is only looked up.
+    const Said again = run_program(words);
+    CHECK(again.out.find("40 reused") != std::string::npos);
+    CHECK(again.out.find(counted) != std::string::npos);
+    CHECK(run_program({"run", words[1], "--json", "--cache", cache}).lines().back().at("deep") == deep);
+    // Not with what is advised; but the same depth is nearly half of a thin plate.
+    for (const char* body : {"ground", "block"}) graph["nodes"][body]["inputs"]["contactStiffness"] = 1e6;
+    CHECK_FALSE(last_frame(graph).at("where").contains("deep_contact"));
+    graph["nodes"]["slab"]["inputs"]["height"] = 0.02, graph["nodes"]["slabPlace"]["inputs"]["translate"][1] = -0.01;
+    const json thin = last_frame(graph);
+    CHECK(thin.at("where").at("deep_contact").at("depth_m").get<double>() == Approx(9800 / 1e6).epsilon(0.1));
+}
+
+TEST_CASE("sheets of which everything is in reach of everything are refused before memory is full",
+          "[tools][contact]") {
+    json graph = json::parse(R"({
+      "format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 2},
+      "nodes": {
+        "plane": {"type": "polyPlane", "inputs": {"width": 1, "height": 1, "subdivisionsWidth": 60, "subdivisionsHeight": 60}},
+        "raised": {"type": "transform", "inputs": {"mesh": {"from": "plane.outMesh"}, "translate": [0, 0.3, 0]}},
+        "weave": {"type": "zMaterial"},
+        "lower": {"type": "zCloth", "inputs": {
+          "mesh": {"from": "plane.outMesh"}, "materials": [{"from": "weave.outMaterial"}], "thickness": 0.5}},
+        "upper": {"type": "zCloth", "inputs": {
+          "mesh": {"from": "raised.outMesh"}, "materials": [{"from": "weave.outMaterial"}], "thickness": 0.5}},
+        "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "lower.outBody"}, {"from": "upper.outBody"}],
+          "collisionDetection": true, "scale": 1, "stepHalvings": 0, "maxNewtonIterations": 60}}
+      }})");
+    const TemporaryFolder folder;
+    const Said said = run_program({"run", write_graph(folder, graph)});
+    CHECK(said.err.find("[FE308] solver.bodies: more than 10000000 pairs of points and faces") != std::string::npos);
+    CHECK(said.code != 0);
+}
+
 TEST_CASE("a tissue rests on a bone with its weight, and a second one on it with its own", "[tools][contact]") {
     const json one = last_frame(falling(false));
     CHECK(one.at("converged") == true);

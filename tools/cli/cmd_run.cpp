@@ -84,6 +84,7 @@ Plan make_plan(const Arguments& arguments, const std::shared_ptr<const engine::G
     }
     std::sort(plan.frames.begin(), plan.frames.end());
     plan.out = arguments.value("--out").value_or("");
+    if (plan.out.empty() && arguments.has("--out")) throw UsageError("--out needs the name of a folder.");
     plan.formats = parse_formats(arguments);
     if (plan.out.empty() && arguments.has("--format")) throw UsageError("--format needs --out DIR.");
     if (plan.out.empty() && arguments.has("--open")) throw UsageError("--open needs --out DIR.");
@@ -133,6 +134,7 @@ class Run {
             if (const auto file = in_.arguments.value("--report")) {
                 check_writable_file(*file, "--report");
                 read_.check_kept(*file, "--report");
+                output_.check_apart(*file, "--report", in_.arguments.has("--open"));
             }
             // All that is wrong at once, before anything is written or simulated. What this computes is kept.
             const KeptWarnings kept(policy_, *plan_.graph, plan_.needed);
@@ -299,12 +301,14 @@ class Run {
             f.step = size->record;
             f.worst = size->worst;
             f.lines = size->lines;
+            f.is_deep = size->worst.deep_body >= 0;
             // A frame is as good as the worst of its solvers.
             for (std::size_t k = 1; k < plan_.solvers.size(); ++k) {
                 const engine::Value other = evaluator_.pull(
                     {plan_.graph, {plan_.solvers[k], "outReport"}, static_cast<double>(frame), in_.stop});
-                const solver::StepRecord& record = other.as<nodes::SolveReport>().record;
-                add_solver(record, *f.step);
+                const auto& report = other.as<nodes::SolveReport>();
+                add_solver(report.record, *f.step);
+                f.is_deep = f.is_deep || report.worst.deep_body >= 0;
             }
         }
         f.wall_s = seconds_since(start);
@@ -411,6 +415,7 @@ class Run {
                                            {"frames_reused", report_.reused()},
                                            {"unconverged", report_.unconverged()},
                                            {"inverted", report_.inverted()},
+                                           {"deep", report_.deep()},
                                            {"written", nlohmann::ordered_json::array()}};
             for (const fs::path& path : output_.written()) line["written"].push_back(path.string());
             if (!page_.empty()) line["page"] = page_.string();

@@ -197,12 +197,14 @@ void Progress::progress(const std::string& node, double done, std::string_view w
 
 void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
-    if (d.code != "FE301" && d.code != "FE306") // which are of single frames
+    if (d.code != "FE301" && d.code != "FE306" && d.code != "FE307") // which are of single frames
         if (kept_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) warnings_.push_back(d);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
-    // So is one with inverted tets, which the bar tells of once; the summary counts them.
-    if (style_ == ProgressStyle::bar && d.code == "FE306" && !told_.insert(d.code).second) return;
+    // So is one with inverted tets, which the bar tells of once; the summary counts them. Of bodies that are deep in
+    // each other it says how deep.
+    if (style_ == ProgressStyle::bar && (d.code == "FE306" || d.code == "FE307") && !told_.insert(d.code).second)
+        return;
     // What is wrong with a mesh is said again by every frame that evaluates its node.
     if (d.code.starts_with("FE2") &&
         !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second)

@@ -133,6 +133,11 @@ int RunReport::inverted() const {
     }));
 }
 
+int RunReport::deep() const {
+    return static_cast<int>(std::count_if(
+        frames.begin(), frames.end(), [](const FrameReport& f) { return f.step && f.step->converged && f.is_deep; }));
+}
+
 int RunReport::reused() const {
     return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.reused; }));
 }
@@ -189,6 +194,20 @@ std::string summary(const RunReport& r) {
         out +=
             text("  %d frame%s converged with INVERTED tets; the worst is frame %d, tet %d of %s\n", frames,
                  frames == 1 ? "" : "s", worst->frame, worst->worst.tet, name_at(r.bodies, worst->worst.body).c_str());
+    }
+    if (const int frames = r.deep()) {
+        const FrameReport* worst = nullptr; // none: it was another solver than the one whose places are kept
+        for (const FrameReport& f : r.frames)
+            if (f.step && f.step->converged && f.worst.deep_body >= 0 &&
+                (!worst || f.worst.deep_share > worst->worst.deep_share))
+                worst = &f;
+        out += text("  %d frame%s converged with bodies DEEP in each other", frames, frames == 1 ? "" : "s");
+        if (worst)
+            out += text("; the worst is frame %d, %s and %s, %s mm", worst->frame,
+                        name_at(r.bodies, worst->worst.deep_body).c_str(),
+                        name_at(r.bodies, worst->worst.deep_target).c_str(),
+                        engine::rough_text(1000 * worst->worst.deep, 2).c_str());
+        out += "\n";
     }
     return out;
 }

@@ -17,6 +17,7 @@ struct FrameReport {
     double wall_s = 0;
     std::optional<solver::StepRecord> step; ///< none where no solver is involved
     nodes::WorstPlaces worst = {};
+    bool is_deep = false;                      ///< a solver left bodies deep in each other
     std::vector<nodes::LineReport> lines = {}; ///< of action
 };
 
@@ -48,6 +49,7 @@ struct RunReport {
     std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists
     int unconverged() const;
     int inverted() const; ///< frames that have converged with inverted tets
+    int deep() const;     ///< frames that have converged with bodies deep in each other
     int reused() const;   ///< frames that were there already, in memory or on disk
 };
 

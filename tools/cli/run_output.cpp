@@ -82,6 +82,22 @@ void RunOutput::check_kept(const ReadFiles& read, const engine::Graph& graph, co
             for (const BodyLabel& label : body_labels(graph, plug, count)) check(folder_ / format, label.name, format);
 }
 
+void RunOutput::check_apart(const fs::path& file, std::string_view flag, bool with_page) const {
+    if (folder_.empty()) return;
+    std::error_code error;
+    const auto place = [&](const fs::path& p) { return fs::weakly_canonical(fs::absolute(p, error), error); };
+    const fs::path wanted = place(file);
+    const bool is_glb = formats_.contains("glb") && wanted == place(glb_path_),
+               is_page = with_page && wanted == place(folder_ / "view.html");
+    if (wanted.empty() || (!is_glb && !is_page)) return;
+    engine::Diagnostic d;
+    d.code = "IO420";
+    d.message = std::string(flag) + " and " + (is_glb ? "the animation of --out" : "the page of --open") +
+                " would be one file: '" + file.string() + "'";
+    d.hint = "choose another place with " + std::string(flag);
+    throw engine::Failure(d);
+}
+
 void RunOutput::add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame) {
     for (std::size_t i = 0; i < meshes.size(); ++i) {
         const auto [it, is_new] = animated_.emplace(labels[i].name, topologies_.size());

@@ -63,6 +63,11 @@ Json where_json(const nodes::WorstPlaces& w, const std::vector<std::string>& bod
                               {"in", name_at(bodies, w.contact_target)},
                               {"depth_m", w.depth},
                               {"at", w.contact_place}};
+    if (w.deep_body >= 0)
+        out["deep_contact"] = {{"body", name_at(bodies, w.deep_body)},
+                               {"in", name_at(bodies, w.deep_target)},
+                               {"depth_m", w.deep},
+                               {"at", w.deep_place}};
     return out;
 }
 

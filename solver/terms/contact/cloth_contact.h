@@ -69,7 +69,8 @@ class ClothContact {
     /// sorted: what others look after.
     void begin(const std::vector<ContactPair>& pairs, const std::vector<std::array<std::vector<char>, 2>>& held,
                const std::vector<Points>& places, const std::vector<Lost>& lost);
-    /// Looks for all that may meet on the way from the start of the step to there.
+    /// Looks for all that may meet on the way from the start of the step to there. Throws Error FE308 if that is more
+    /// than ten million pairs.
     void search(const std::vector<Points>& later);
     /// How far a point may be from where it was looked for [m].
     double margin() const { return margin_; }

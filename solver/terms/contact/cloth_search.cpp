@@ -1,6 +1,7 @@
 // Which points and faces, and which edges, may meet within a step. Boxes of where things are, and of the ways that they
 // go: what moves along with its neighbours is as far from them as it was, however far all go.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "solver/error.h"
 #include "solver/mesh/segment_math.h"
 #include "solver/mesh/triangle_math.h"
 #include "solver/parallel.h"
@@ -8,6 +9,7 @@
 #include "solver/terms/contact/cloth_contact.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -50,16 +52,33 @@ void visit_near(const Bvh& tree, const std::vector<BvhNode>& boxes, const std::v
     }
 }
 
+/// Of points and faces, or of edges, that may meet within a step: a gigabyte.
+constexpr std::size_t most_items = 10'000'000;
+
 /// make(i, items) for i below a count on any number of threads, and what was made in order. `parts` is room to keep.
+/// Throws Error FE308 if there are more than `most_items`.
 template <class Item, class Make>
 void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, std::vector<Item>& out,
                      const Make& make) {
     parts.resize((count + piece - 1) / piece);
+    std::atomic<std::size_t> made = 0;
     parallel_for(parts.size(), 1, [&](std::size_t k) {
         parts[k].clear();
-        for (std::size_t i = k * piece; i < std::min(count, (k + 1) * piece); ++i) make(i, parts[k]);
+        for (std::size_t i = k * piece; i < std::min(count, (k + 1) * piece) && made <= most_items; ++i) {
+            const std::size_t before = parts[k].size();
+            make(i, parts[k]);
+            made += parts[k].size() - before;
+        }
     });
     out.clear();
+    if (made > most_items) {
+        parts.clear();
+        throw Error("FE308",
+                    "more than " + std::to_string(most_items) +
+                        " pairs of points and faces, or of edges, of cloth and what it meets are in reach of each "
+                        "other within one step",
+                    "Choose a smaller thickness, larger faces, or more substeps where things move fast.");
+    }
     for (const auto& part : parts) out.insert(out.end(), part.begin(), part.end());
 }
 
