@@ -20,6 +20,8 @@ constexpr int drawn_per_span = 8;
 constexpr int looked_at = 4;
 /// A line is near its muscle within this share of the muscle's size.
 constexpr double near_share = 0.1;
+/// By its muscle's size: what is shorter is a point and rounding.
+constexpr double least_length = 1e-6;
 
 double length_of(const Setup& setup, const SetupLine& l) {
     double length = 0;
@@ -70,7 +72,9 @@ std::vector<solver::LineMemory> start_lines(const Reads& in, const Setup& setup)
     std::vector<solver::LineMemory> out;
     for (const SetupLine& l : setup.lines) {
         const double length = length_of(setup, l);
-        if (!(length > 0))
+        const double muscle =
+            solver::bounding_box(*setup.body(l.body).rest->mesh.points).size().norm() / setup.key.scale;
+        if (!(length > least_length * muscle))
             in.fail(z_solver::bodies.name, "FE280", line_name(in, setup, l) + " has no length at the start frame",
                     "Give its curve points that lie apart.");
         out.push_back(solver::start_line(l.line->line->values, length));

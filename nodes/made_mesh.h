@@ -12,7 +12,7 @@ namespace sinew::nodes {
 inline constexpr double largest_length = solver::largest_coordinate;
 
 /// More faces than this are refused before any work: they would take gigabytes.
-inline constexpr double most_faces = 2e7;
+inline constexpr double most_faces = 1e7;
 
 /// Fails with FE232 at `attribute` if there would be more than most_faces; else makes the mesh.
 template <class Make>

@@ -257,6 +257,8 @@ TEST_CASE("lines of action that cannot be followed are refused", "[nodes][line]"
     flat.set("path", "points", "[0, 0, 0, 0, 0, 0]");
     CHECK(codes([&] { flat.pull("solver", "outMeshes"); }, &text) == Codes{"FE280"});
     CHECK(text.find("fiber 1 of box") != std::string::npos);
+    flat.set("path", "points", "[0, 0, 0, 0, 1e-9, 0]"); // a point and rounding
+    CHECK(codes([&] { flat.pull("solver", "outMeshes"); }) == Codes{"FE280"});
 
     Session far(all);
     far.set("path", "points", "[5, 0, 0, 6, 0, 0]");

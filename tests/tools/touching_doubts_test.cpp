@@ -64,6 +64,54 @@ TEST_CASE("check doubts bodies that collide and begin deep within each other", "
     CHECK(said_of(graph, {"floorPlace.translate=[0, -4, 0]"}).find("FE341") == std::string::npos);
 }
 
+TEST_CASE("check doubts boxes that were copied onto each other, corner in face", "[tools]") {
+    json graph = ball();
+    json& nodes = graph["nodes"];
+    nodes["boxMesh"] = json::parse(R"({"type": "polyCube", "inputs": {"width": 10, "height": 10, "depth": 10}})");
+    for (const std::string name : {"one", "two"}) {
+        nodes[name + "Place"] =
+            json::parse(R"({"type": "transform", "inputs": {"mesh": {"from": "boxMesh.outMesh"}}})");
+        nodes[name] = json::parse(R"({"type": "zTissue", "inputs": {"materials": [{"from": "flesh.outMaterial"}]}})");
+        nodes[name]["inputs"]["mesh"]["from"] = name + "Place.outMesh";
+        nodes["solver"]["inputs"]["bodies"].push_back({{"from", name + ".outBody"}});
+    }
+    nodes["solver"]["inputs"]["collisionDetection"] = true;
+    const auto beside = [&](const std::string& x) {
+        const std::string said =
+            said_of(graph, {"onePlace.translate=[40, 0, 0]", "twoPlace.translate=[" + x + ", 0, 0]"});
+        const std::size_t place = said.find("FE341");
+        return place == std::string::npos ? std::string() : said.substr(place, said.find(" | ", place) - place);
+    };
+    const std::string push = ", and contact is to push it out";
+    CHECK(beside("40.001") == "FE341 two.mesh: begins with 100 % of its points inside one" + push);
+    CHECK(beside("41") == "FE341 two.mesh: begins with 50 % of its points inside one" + push);
+    CHECK(beside("50").empty()); // face on face
+    CHECK(beside("60").empty());
+    // Of many the first few are told one by one: of five in one place there are ten pairs.
+    json many = graph;
+    for (const std::string name : {"three", "four", "five"}) {
+        many["nodes"][name + "Place"] = many["nodes"]["twoPlace"];
+        many["nodes"][name] = many["nodes"]["two"];
+        many["nodes"][name]["inputs"]["mesh"]["from"] = name + "Place.outMesh";
+        many["nodes"]["solver"]["inputs"]["bodies"].push_back({{"from", name + ".outBody"}});
+    }
+    const std::string said = said_of(many, {"onePlace.translate=[40, 0, 0]", "twoPlace.translate=[40.001, 0, 0]",
+                                            "threePlace.translate=[40.002, 0, 0]", "fourPlace.translate=[40.003, 0, 0]",
+                                            "fivePlace.translate=[40.004, 0, 0]"});
+    std::size_t told = 0;
+    for (std::size_t place = said.find("FE341 "); place != std::string::npos; place = said.find("FE341 ", place + 1))
+        ++told;
+    CHECK(told == 6);
+    CHECK(said.find("FE341 solver.bodies: 5 other pairs of bodies begin inside each other, too | ") !=
+          std::string::npos);
+    // A plate thinner than a hundredth of its breadth that lies on a box is not in it.
+    nodes["two"]["inputs"]["mesh"]["from"] = "platesPlace.outMesh";
+    nodes["thinMesh"] = json::parse(R"({"type": "polyCube", "inputs": {"width": 9, "height": 0.05, "depth": 9}})");
+    nodes["platesPlace"] = json::parse(R"({"type": "transform", "inputs": {"mesh": {"from": "thinMesh.outMesh"},
+        "translate": [40, 5.026, 0]}})");
+    CHECK(beside("0").empty());
+}
+
 TEST_CASE("check doubts a tissue in the very place of another, with contact or without", "[tools]") {
     json graph = ball();
     json& nodes = graph["nodes"];

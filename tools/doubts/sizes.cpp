@@ -15,6 +15,9 @@ namespace {
 constexpr double least_extent = 0.01, largest_extent = 5;
 /// Of what has fibres: longer than any muscle of a horse, shorter than a calf muscle in millimetres [m].
 constexpr double largest_muscle = 2.2;
+/// By the size of a scene how far it may lie from the origin. What is 1000 sizes away keeps four digits of its shape in
+/// numbers of 32 bits, which GLB and the graphics of computers have.
+constexpr double farthest_sizes = 1000;
 /// No body of a scene is so many times as large as another and none between them, if they are in one unit.
 constexpr double unit_gap = 60;
 
@@ -91,6 +94,24 @@ std::set<std::string> other_units(Doubting& d, const std::string& solver,
     return {};
 }
 
+void far_away(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
+    solver::Points corners; // of all that is simulated
+    for (const Member& m : members)
+        if (!m.body.is_bone() && !m.body.subtissue && !m.body.rest->mesh.points->empty()) {
+            const solver::Box box = solver::bounding_box(*m.body.rest->mesh.points);
+            corners.push_back(box.min), corners.push_back(box.max);
+        }
+    if (corners.empty()) return;
+    const solver::Box box = solver::bounding_box(corners);
+    const double size = box.size().norm(), away = box.centre().norm();
+    if (away <= farthest_sizes * size) return;
+    d.doubt("FE345", solver, "bodies",
+            "the scene lies " + rough(away) + " scene units from the origin, " + rough(away / size) +
+                " times its size: files and pictures hold places in 32 bits, here to " + rough(away * 6e-8) +
+                " scene units",
+            "model it near the origin, and move what comes out; or write --format obj, which holds all digits");
+}
+
 } // namespace
 
 void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units) {
@@ -100,6 +121,7 @@ void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Membe
         if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), m.name);
     const std::set<std::string> odd = other_units(d, solver, std::move(sizes));
     implausible_size(d, solver, members, units, odd);
+    far_away(d, solver, members);
 }
 
 void doubt_units_of_meshes(Doubting& d, const std::string& solver) {

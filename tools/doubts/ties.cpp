@@ -74,11 +74,21 @@ void doubt_attachment(Doubting& d, const std::string& name) {
     for (const char* end : {"source", "target"})
         for (const engine::Plug& plug : d.plugs(name, end))
             if (const auto body = d.value<nodes::Body>(plug)) of_cloth = of_cloth || body->is_cloth();
-    if (*stiffness >= (of_cloth ? least_tie_of_cloth : least_tie)) return;
+    const double least = of_cloth ? least_tie_of_cloth : least_tie;
+    const std::vector<double>& weights = attachment->rest.source_weights;
+    const double envelope = d.number<double>(name, "envelope").value_or(1),
+                 most = envelope *
+                        (weights.empty() ? 1 : std::max(0.0, *std::max_element(weights.begin(), weights.end())));
+    if (*stiffness >= least && most > 0 && most * *stiffness < least)
+        d.doubt("FE326", name, "weights",
+                "it holds nothing: weights and envelope are " + engine::rough_text(most, 2) +
+                    " at most, which leaves " + engine::rough_text(most * *stiffness, 2) + " N/m^3 of its stiffness",
+                "paint 1 where it is to hold fully: both multiply the stiffness");
+    if (*stiffness >= least) return;
     d.doubt("FE326", name, "stiffness",
             engine::number_text(*stiffness) +
                 " N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by " +
-                rough(9.8 * 10 / *stiffness) + " m",
+                (*stiffness < 1e-6 ? "kilometres" : rough(9.8 * 10 / *stiffness) + " m"),
             "it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5");
 }
 
@@ -131,13 +141,23 @@ void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Me
         for (const auto& [a, b] : links)
             if (held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
     }
+    std::vector<std::string> falling;
     for (std::size_t i = 0; i < members.size(); ++i)
-        if (!held[i] && !members[i].body.subtissue)
-            d.doubt("FE260", solver, "bodies",
-                    members[i].name + " falls: no chain of attachments ties it to a bone, and nothing holds it" +
-                        (collides ? " or could catch it" : "") +
-                        (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle),
-                    "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]");
+        if (!held[i] && !members[i].body.subtissue) falling.push_back(members[i].name);
+    // What a whole scene does is told once.
+    const bool many = falling.size() > 3;
+    const std::string why = std::string(": no chain of attachments ties ") + (many ? "them" : "it") +
+                            " to a bone, and nothing holds " + (many ? "them" : "it") +
+                            (collides ? many ? " or could catch them" : " or could catch it" : "") +
+                            (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle);
+    const std::string cure = many
+                                 ? "attach each to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]"
+                                 : "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]";
+    if (many)
+        falling = {falling[0] + ", " + falling[1] + ", " + falling[2] + " and " + std::to_string(falling.size() - 3) +
+                   (falling.size() > 4 ? " others fall" : " other fall")};
+    for (const std::string& name : falling)
+        d.doubt("FE260", solver, "bodies", name + (many ? "" : " falls") + why, cure);
 }
 
 void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members) {

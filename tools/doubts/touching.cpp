@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 
 namespace sinew::doubts {
 
@@ -19,6 +21,10 @@ constexpr double widest_spacing = 0.55;
 constexpr double deep_share = 0.35;
 /// Nor is a tenth of them ever a quarter of the body's breadth deep: such bodies go on through each other.
 constexpr double some_share = 0.1, deep_way = 0.25;
+/// Pairs that begin deep in each other: told one by one, and looked for.
+constexpr std::size_t most_deep_told = 5, most_deep = 100;
+/// Of its volume by area, which is half of a plate's thickness.
+constexpr double just_below = 0.1;
 /// Points of a body that are asked where they are.
 constexpr std::size_t most_asked = 400, most_asked_in_passing = 60;
 
@@ -82,16 +88,42 @@ struct Inside {
     double share() const { return asked ? static_cast<double>(count) / static_cast<double>(asked) : 0; }
 };
 
-Inside points_inside(const Member& body, const solver::Box& box, const solver::SurfaceTree& tree, std::size_t most) {
+/// A body's points and, of a solid, what is just below them: those of two bodies that were copied onto each other lie
+/// in each other's faces.
+struct Asked {
+    solver::Points points, below;
+};
+
+Asked asked_points(const Member& body, std::size_t most) {
+    const nodes::Mesh& mesh = mesh_of(body.body);
+    const std::vector<solver::Triangle>& triangles = mesh.topology->triangles;
+    const std::size_t step = mesh.points->size() / most + 1;
+    double below = 0;
+    solver::Points normals;
+    if (body.body.contact && rest_of(body).is_volume) {
+        const std::vector<double> areas = solver::vertex_areas(*mesh.points, triangles);
+        const double area = std::accumulate(areas.begin(), areas.end(), 0.0);
+        if (area > 0) below = just_below * std::max(0.0, solver::enclosed_volume(*mesh.points, triangles)) / area;
+        normals = solver::vertex_normals(*mesh.points, triangles);
+    }
+    Asked out;
+    for (std::size_t i = 0; i < mesh.points->size(); i += step) {
+        out.points.push_back((*mesh.points)[i]);
+        out.below.push_back(normals.empty() ? out.points.back() : solver::Vec3(out.points.back() - below * normals[i]));
+    }
+    return out;
+}
+
+Inside points_inside(const Asked& asked, const solver::Box& box, const solver::SurfaceTree& tree) {
     Inside out;
-    const solver::Points& points = *mesh_of(body.body).points;
-    const std::size_t step = points.size() / most + 1;
-    for (std::size_t i = 0; i < points.size(); i += step) {
-        ++out.asked;
-        const solver::Vec3& p = points[i];
-        if (!((p.array() > box.min.array()).all() && (p.array() < box.max.array()).all()) || !tree.inside(p)) continue;
+    const auto is_inside = [&](const solver::Vec3& p) {
+        return (p.array() > box.min.array()).all() && (p.array() < box.max.array()).all() && tree.inside(p);
+    };
+    out.asked = asked.points.size();
+    for (std::size_t i = 0; i < asked.points.size(); ++i) {
+        if (!is_inside(asked.below[i])) continue;
         ++out.count;
-        out.deepest = std::max(out.deepest, tree.closest(p).distance);
+        if (is_inside(asked.points[i])) out.deepest = std::max(out.deepest, tree.closest(asked.points[i]).distance);
     }
     return out;
 }
@@ -173,11 +205,13 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
     const double spacing = subdivided ? units * d.number<double>(solver, "collisionPointSpacing").value_or(0) : 0;
     const std::size_t most = d.look() == Look::closely ? most_asked : most_asked_in_passing;
     std::vector<solver::Box> boxes;
+    std::vector<std::optional<Asked>> asked(members.size());
     for (const Member& m : members) boxes.push_back(solver::bounding_box(*mesh_of(m.body).points));
     const auto apart = [](const solver::Box& a, const solver::Box& b) {
         return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
     };
-    for (std::size_t k = 0; k < members.size(); ++k) {
+    std::size_t deep = 0; // pairs
+    for (std::size_t k = 0; k < members.size() && deep < most_deep; ++k) {
         const Member& other = members[k];
         std::unique_ptr<solver::SurfaceTree> tree;
         bool solid = !other.body.subtissue && other.body.contact && rest_of(other).is_volume;
@@ -194,18 +228,27 @@ void doubt_contacts(Doubting& d, const std::string& solver, const std::vector<Me
                 if (!solid) continue;
                 tree = std::make_unique<solver::SurfaceTree>(*mesh.points, mesh.topology->triangles);
             }
-            const Inside found = points_inside(body, boxes[k], *tree, most);
+            if (!asked[i]) asked[i] = asked_points(body, most);
+            const Inside found = points_inside(*asked[i], boxes[k], *tree);
             if (found.share() < deep_share &&
                 !(found.share() > some_share && found.deepest > deep_way * breadth(*mesh_of(body.body).points)))
                 continue;
             told.insert(std::minmax(i, k));
+            if (++deep > most_deep_told) continue;
             d.doubt("FE341", body.name, "mesh",
-                    "begins with " + rough(100 * found.share()) + " % of its points inside " + other.name + ", up to " +
-                        rough(found.deepest) + " scene units deep, and contact is to push it out",
+                    "begins with " + rough(100 * found.share()) + " % of its points inside " + other.name +
+                        (found.deepest > 0 ? ", up to " + rough(found.deepest) + " scene units deep" : "") +
+                        ", and contact is to push it out",
                     "move it outside; or, if it belongs there, attach the two to each other, or let collisionSets or "
                     "collisions keep them from colliding");
         }
     }
+    if (deep > most_deep_told)
+        d.doubt("FE341", solver, "bodies",
+                (deep < most_deep ? std::to_string(deep - most_deep_told)
+                                  : "at least " + std::to_string(deep - most_deep_told)) +
+                    " other pairs of bodies begin inside each other, too",
+                "move them apart");
 }
 
 } // namespace sinew::doubts

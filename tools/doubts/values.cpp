@@ -15,8 +15,12 @@ namespace {
 constexpr double least_modulus = 100;
 /// [m/s^2]: the sun has 274.
 constexpr double largest_gravity = 300;
-/// Lungs have 250 [kg/m^3].
-constexpr double least_density = 50;
+/// Lungs have 250, the heaviest metals 23,000 [kg/m^3].
+constexpr double least_density = 50, largest_density = 25000;
+/// Of a length: what grows or shrinks by more is no growth.
+constexpr double largest_growth = 10;
+/// What is meant for the earth's gravity [m/s^2].
+constexpr double earthly_from = 5, earthly_to = 15;
 /// Heavier than a lead apron [kg/m^2].
 constexpr double heaviest_sheet = 20;
 /// Of the weight of a cloth: a hurricane pushes a light one so.
@@ -55,12 +59,25 @@ void soft_material(Doubting& d, const std::string& name) {
                 "if kilopascals are meant, write \"" + engine::number_text(modulus) + " kPa\"");
 }
 
-void light_material(Doubting& d, const std::string& name) {
+void weight_of_material(Doubting& d, const std::string& name) {
     const auto density = d.number<double>(name, "massDensity");
-    if (!density || *density <= 0 || *density >= least_density) return;
-    d.doubt("FE323", name, "massDensity",
-            engine::number_text(*density) + " kg/m^3 is lighter than any flesh; water has 1000, a lung 250",
-            "if grams a cubic centimetre are meant, write \"" + engine::number_text(*density) + " g/cm^3\"");
+    if (!density || *density <= 0) return;
+    if (*density < least_density)
+        d.doubt("FE323", name, "massDensity",
+                engine::number_text(*density) + " kg/m^3 is lighter than any flesh; water has 1000, a lung 250",
+                "if grams a cubic centimetre are meant, write \"" + engine::number_text(*density) + " g/cm^3\"");
+    else if (*density > largest_density)
+        d.doubt("FE323", name, "massDensity",
+                rough(*density, 4) + " kg/m^3 is heavier than any metal; water has 1000, flesh 1060",
+                "massDensity is in kg/m^3, whatever the scene's scale: 1060");
+}
+
+void rest_scale_of_material(Doubting& d, const std::string& name) {
+    const auto scale = d.number<double>(name, "restScale");
+    if (!scale || (*scale <= largest_growth && *scale >= 1 / largest_growth)) return;
+    d.doubt("FE344", name, "restScale",
+            engine::number_text(*scale) + " makes it rest at " + rough(*scale) + " times its length",
+            "it is a factor of lengths: 0.8 is a fifth shorter; for a scene in other units there is zSolver.scale");
 }
 
 /// What of a layer a tissue and a cloth do not read.
@@ -73,7 +90,8 @@ constexpr std::array<std::string_view, 4> of_cloths{"tensileStiffness", "shearSt
 
 void doubt_material(Doubting& d, const std::string& name) {
     soft_material(d, name);
-    light_material(d, name);
+    weight_of_material(d, name);
+    rest_scale_of_material(d, name);
 }
 
 void doubt_unread_values(Doubting& d) {
@@ -147,6 +165,12 @@ void doubt_gravity(Doubting& d, const std::string& solver) {
     if (!gravity) return;
     const engine::Vec3& g = *gravity;
     const double size = std::hypot(g[0], g[1], g[2]);
+    const bool along_y = g[1] == size, along_z = g[2] == size;
+    if (size >= earthly_from && size <= earthly_to && (along_y || along_z))
+        d.doubt("FE322", solver, "gravity",
+                std::string("points along +") + (along_y ? "y" : "z") + ": where " + (along_y ? "y" : "z") +
+                    " is up, whatever is free goes up",
+                along_y ? "what falls along y has [0, -9.8, 0]" : "what falls along z has [0, 0, -9.8]");
     if (size <= largest_gravity) return;
     std::string cure;
     for (const double part : g) cure += (cure.empty() ? "[" : ", ") + engine::number_text(part / size * 9.8 + 0.0);
