@@ -75,11 +75,15 @@ TEST_CASE("the key light comes from the upper left", "[tools]") {
 }
 
 TEST_CASE("a camera frames every point, touching the border that is nearest", "[tools]") {
-    const auto points = solver::make_cube(3, 1, 2, 4, 4, 4).points;
+    const auto modelled = solver::make_cube(3, 1, 2, 4, 4, 4).points;
+    auto points = modelled;
     for (const double azimuth : {0.0, 40.0, 135.0, -120.0})
         for (const double elevation : {-90.0, -20.0, 0.0, 55.0, 90.0})
             for (const double aspect : {0.4, 1.0, 2.5})
                 for (const char up : {'y', 'z'}) {
+                    // Wherever they are: a million times their size from the origin, too.
+                    const Vec3 away(up == 'y' ? 0 : 1e6, 0, aspect > 2 ? -1e6 : 0);
+                    for (std::size_t i = 0; i < points.size(); ++i) points[i] = modelled[i] + away;
                     const Camera camera = frame_points({&points}, {azimuth, elevation, up}, aspect, 0.05);
                     double widest = 0;
                     for (const Vec3& p : points) {

@@ -23,6 +23,7 @@
 #include <ostream>
 #include <set>
 #include <span>
+#include <tbb/global_control.h>
 
 namespace sinew::cli {
 
@@ -249,7 +250,8 @@ ExitCode snapshot(const Invocation& in) {
         throw UsageError("--output writes PNG, and '" + *arguments.value("--output") +
                          "' has the ending of another format; name it .png.");
     const fs::path ffmpeg = movie_file ? check_movie(arguments, drawing) : fs::path();
-    const int fps = arguments.whole_number("--fps", 0, 1);
+    const int fps = arguments.whole_number("--fps", 0, 1),
+              threads = arguments.whole_number("--threads", 0, 1, most_threads);
 
     const fs::path source = arguments.operand(0).value();
     check_source(source, files);
@@ -263,6 +265,8 @@ ExitCode snapshot(const Invocation& in) {
     choose_bodies(arguments, album.scene);
     const std::string up = arguments.value("--up").value_or("");
     drawing.view.up = up.empty() ? album.scene.up : up[0];
+    std::optional<tbb::global_control> limit; // drawing asks no evaluator for threads
+    if (threads > 0) limit.emplace(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     if (!movie_file) {
         const std::string file = arguments.value("--output").value_or("snapshot.png");
         const LongTask task(in.err, "drawing " + file, false);
@@ -305,7 +309,7 @@ Command snapshot_command() {
          {"--smooth", "N", "samples along each side of a pixel; default: 3"},
          {"--pull", "NODE.PLUG", "graphs: what to draw; default: outMeshes of the only zSolver"},
          {"--set", "NODE.ATTR=JSON", "graphs: give an input another value", true},
-         {"--threads", "N", "graphs: default: all cores", false, 'j'},
+         {"--threads", "N", "default: all cores", false, 'j'},
          root_flag,
          memory_flag,
          cache_flag,

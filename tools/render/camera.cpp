@@ -55,6 +55,7 @@ void Framing::Wedge::add(double side, double depth, double tangent) {
 
 Framing::Framing(const View& view, double aspect, double margin)
     : nearest_(infinity)
+    , farthest_(-infinity)
     , horizontal_{-infinity, -infinity}
     , vertical_{-infinity, -infinity} {
     const double degree = std::numbers::pi / 180, a = view.azimuth * degree, e = view.elevation * degree;
@@ -75,7 +76,7 @@ void Framing::add(const Points& points) {
         const double depth = -axes_.backward.dot(p);
         horizontal_.add(axes_.right.dot(p), depth, tx_);
         vertical_.add(axes_.up.dot(p), depth, ty_);
-        nearest_ = std::min(nearest_, depth);
+        nearest_ = std::min(nearest_, depth), farthest_ = std::max(farthest_, depth);
     }
 }
 
@@ -86,7 +87,8 @@ Camera Framing::camera() const {
     Camera camera = axes_;
     if (!std::isfinite(nearest_)) return camera; // no points: any camera shows all of them
     double depth = std::min(horizontal_.apex(tx_), vertical_.apex(ty_));
-    depth = std::min(depth, nearest_ - 1e-3 * std::max(1e-6, std::abs(nearest_))); // a lone point or a line seen end on
+    // A line seen end on, or a lone point, wherever that is.
+    depth = std::min(depth, nearest_ - std::max({1e-3 * (farthest_ - nearest_), 1e-9 * std::abs(nearest_), 1e-9}));
     camera.eye = horizontal_.centre() * camera.right + vertical_.centre() * camera.up - depth * camera.backward;
     return camera;
 }

@@ -59,7 +59,7 @@ class Framing {
     };
 
     Camera axes_;
-    double tx_ = 1, ty_ = 1, nearest_;
+    double tx_ = 1, ty_ = 1, nearest_, farthest_;
     Wedge horizontal_, vertical_;
 };
 
