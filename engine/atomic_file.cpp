@@ -9,6 +9,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <ctime>
 #include <fcntl.h>
 #include <optional>
 #include <string>
@@ -107,14 +108,34 @@ int descriptor_named(const fs::path& path) {
     return fault == std::errc{} && end == name.data() + name.size() ? descriptor : -1;
 }
 
+/// A pipe without a reader would keep the program for ever, deaf to Ctrl-C: one is waited for a while.
+int open_device(const fs::path& path) {
+    constexpr int waits = 40;             // two seconds
+    const timespec moment{0, 50'000'000}; // 50 ms
+    for (int i = 0;; ++i) {
+        const int descriptor = open(path.c_str(), O_WRONLY | O_CLOEXEC | O_NONBLOCK);
+        if (descriptor >= 0) {
+            fcntl(descriptor, F_SETFL, fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
+            return descriptor;
+        }
+        struct stat about {};
+        if (errno != ENXIO || ::stat(path.c_str(), &about) != 0) return -1;
+        if (!S_ISFIFO(about.st_mode)) {
+            errno = ENXIO; // of a device, or a socket, that nobody is behind
+            return -1;
+        }
+        if (i == waits) fail(path, "nothing reads from this pipe");
+        nanosleep(&moment, nullptr);
+    }
+}
+
 /// Devices and pipes (/dev/null, /dev/stdout, a FIFO) are written to, never replaced by a file.
 class Device {
   public:
     /// \param descriptor under which it is open already, or -1
     Device(const fs::path& path, int descriptor)
         : path_(path)
-        , descriptor_(descriptor >= 0 ? fcntl(descriptor, F_DUPFD_CLOEXEC, 0)
-                                      : open(path.c_str(), O_WRONLY | O_CLOEXEC)) {
+        , descriptor_(descriptor >= 0 ? fcntl(descriptor, F_DUPFD_CLOEXEC, 0) : open_device(path)) {
         if (descriptor_ < 0) fail(path_);
     }
     ~Device() { close(descriptor_); }

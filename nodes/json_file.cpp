@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace sinew::nodes {
@@ -42,6 +43,41 @@ bool is_too_deep(std::string_view text) {
     return false;
 }
 
+namespace {
+
+/// Of what a file holds, in a message.
+constexpr std::size_t longest_shown = 40;
+
+std::string shortened(std::string text) {
+    return text.size() > longest_shown ? text.substr(0, longest_shown) + " …" : text;
+}
+
+/// The line, from 1, where a number stands first: as a whole, and not in quotes.
+std::ptrdiff_t line_of_number(std::string_view text, std::string_view number) {
+    constexpr std::string_view of_numbers = "+-.0123456789Ee";
+    bool quoted = false;
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (quoted) {
+            if (c == '\\') ++i;
+            quoted = c != '"';
+        } else if (c == '"') {
+            quoted = true;
+        } else if (of_numbers.find(c) != of_numbers.npos) {
+            const std::size_t end = std::min(text.find_first_not_of(of_numbers, i), text.size());
+            if (text.substr(i, end - i) == number) {
+                begin = i;
+                break;
+            }
+            i = end - 1;
+        }
+    }
+    return 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n');
+}
+
+} // namespace
+
 Json parse_json(std::string_view text, const std::string& path) {
     if (is_too_deep(text))
         throw Error("IO403",
@@ -49,6 +85,16 @@ Json parse_json(std::string_view text, const std::string& path) {
                     "Write plain lists of numbers.");
     try {
         return Json::parse(text);
+    } catch (const Json::out_of_range& e) { // it names the number, and not the place
+        const std::string says = e.what();
+        const std::size_t first = says.find('\''), last = says.rfind('\'');
+        if (first == says.npos || last <= first + 1)
+            throw Error("IO403", "'" + path + "': " + fault_of(e), "Correct the file.");
+        const std::string number = says.substr(first + 1, last - first - 1);
+        throw Error("IO403",
+                    "'" + path + "' line " + std::to_string(line_of_number(text, number)) + ": " + shortened(number) +
+                        " is too large for a number",
+                    "Correct the file at that place.");
     } catch (const Json::exception& e) {
         throw Error("IO403", "'" + path + "' is not JSON: " + fault_of(e), "Correct the file at that place.");
     }
@@ -69,9 +115,6 @@ const Json& part_of(const Json& json, const std::string& pointer, const std::str
 
 namespace {
 
-/// Of what a file holds, in a message.
-constexpr std::size_t longest_shown = 40;
-
 void collect(const Json& json, engine::NumberList& out, const std::string& what, const std::string& path) {
     for (const Json& entry : json) {
         if (entry.is_array()) {
@@ -79,8 +122,7 @@ void collect(const Json& json, engine::NumberList& out, const std::string& what,
         } else if (entry.is_number() && std::isfinite(entry.get<double>())) {
             out.push_back(entry.get<double>());
         } else {
-            std::string shown = entry.dump(-1, ' ', true); // in ASCII, so that it can be cut anywhere
-            if (shown.size() > longest_shown) shown = shown.substr(0, longest_shown) + " …";
+            const std::string shown = shortened(entry.dump(-1, ' ', true)); // in ASCII, so that it can be cut anywhere
             throw Error("IO403", "'" + path + "': " + what + " holds " + shown + ", which is not a number");
         }
     }

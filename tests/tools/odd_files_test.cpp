@@ -48,3 +48,53 @@ TEST_CASE("a file whose name is no UTF-8 is checked, run and told of in JSON", "
     CHECK(ran.lines().back().at("event") == "done");
     CHECK(json::parse(read_text(out + "/r.json")).at("frames").size() == 1);
 }
+
+TEST_CASE("a pipe that nobody reads is told of when the report is due, and frames are written", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string pipe = (folder / "pipe").string(), out = (folder / "out").string();
+    REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+    const Said said = run_program({"run", ball, "--frames", "1", "--no-cache", "--out", out, "--report", pipe});
+    CHECK(said.code == 1);
+    CHECK(said.err.find("cannot write '" + pipe + "': nothing reads from this pipe") != std::string::npos);
+    CHECK(std::filesystem::exists(out + "/01_hanging_ball.glb"));
+}
+
+TEST_CASE("a report does not go over the animation of its run, and a folder has a name", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string out = (folder / "out").string();
+    const auto run = [&](const std::string& into, const std::string& report) {
+        return run_program({"run", ball, "--frames", "1", "--no-cache", "--out", into, "--report", report});
+    };
+    for (const char* name : {"/01_hanging_ball.glb", "/../out/./01_hanging_ball.glb"}) {
+        const Said over = run(out, out + name);
+        CHECK(over.code == 1);
+        CHECK(over.err.find("error [IO420] --report and the animation of --out would be one file") !=
+              std::string::npos);
+        CHECK_FALSE(std::filesystem::exists(out + "/01_hanging_ball.glb"));
+    }
+    CHECK(run(out, out + "/01_hanging_ball.json").code == 0);
+    const Said page = run_program(
+        {"run", ball, "--frames", "1", "--no-cache", "--out", out, "--open", "--report", out + "/view.html"});
+    CHECK(page.code == 1);
+    CHECK(page.err.find("--report and the page of --open would be one file") != std::string::npos);
+    const Said unnamed = run(out, "");
+    CHECK(unnamed.code == 1);
+    CHECK(unnamed.err.find("cannot write '': it has no name") != std::string::npos);
+    const Said nowhere = run("", out + "/r.json");
+    CHECK(nowhere.code == 2);
+    CHECK(nowhere.err.find("--out needs the name of a folder.") != std::string::npos);
+}
+
+TEST_CASE("a number that is too large is told of with its line in the file", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string numbers = (folder / "n.json").string();
+    write_text(numbers, "[\"-1e999\",\n 2,\n 1.5,\n -1e999]");
+    json graph = json::parse(read_text(ball));
+    graph["nodes"]["list"] = {
+        {"type", "weights"},
+        {"inputs", {{"mesh", {{"from", "ballMesh.outMesh"}}}, {"mode", "file"}, {"file", numbers}}}};
+    write_text(folder / "graph.json", graph.dump());
+    const Said said = run_program({"eval", (folder / "graph.json").string(), "list.outWeights"});
+    CHECK(said.code == 1);
+    CHECK(said.err.find("n.json' line 4: -1e999 is too large for a number") != std::string::npos);
+}

@@ -54,6 +54,7 @@ void check_could_be_made(const std::filesystem::path& folder, std::string_view f
 
 void check_writable_file(const std::filesystem::path& file, std::string_view flag) {
     const std::string hint = "choose another file with " + std::string(flag);
+    if (file.filename().empty()) refuse(file, "it has no name", hint);
     std::error_code error;
     const auto there = std::filesystem::status(file, error);
     if (std::filesystem::is_directory(there)) refuse(file, "it is a directory", hint);
