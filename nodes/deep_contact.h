@@ -7,8 +7,8 @@
 
 namespace sinew::nodes {
 
-/// Puts into `report.worst` the sliding contact that is deepest by the thickness of what is thinner, where it is deeper
-/// than contact is meant to be, and warns of it in a frame that has converged (FE307). `meshes`: of zSolver.bodies at
+/// Puts into `report.worst` the contact that is deepest by the thickness of what is thinner, where it is deeper than
+/// contact is meant to be, and warns of it in a frame that has converged (FE307). `meshes`: of zSolver.bodies at
 /// that frame.
 void find_deep(const engine::Reads& in, const Setup& setup, const MeshList& meshes, const ContactList& contacts,
                SolveReport& report);

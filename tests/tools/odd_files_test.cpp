@@ -68,15 +68,22 @@ TEST_CASE("a report does not go over the animation of its run, and a folder has 
     for (const char* name : {"/01_hanging_ball.glb", "/../out/./01_hanging_ball.glb"}) {
         const Said over = run(out, out + name);
         CHECK(over.code == 1);
-        CHECK(over.err.find("error [IO420] --report and the animation of --out would be one file") !=
-              std::string::npos);
+        CHECK(over.err.find("error [IO420] --report and the animation of --out would be one: ") != std::string::npos);
         CHECK_FALSE(std::filesystem::exists(out + "/01_hanging_ball.glb"));
     }
     CHECK(run(out, out + "/01_hanging_ball.json").code == 0);
     const Said page = run_program(
         {"run", ball, "--frames", "1", "--no-cache", "--out", out, "--open", "--report", out + "/view.html"});
     CHECK(page.code == 1);
-    CHECK(page.err.find("--report and the page of --open would be one file") != std::string::npos);
+    CHECK(page.err.find("--report and the page of --open would be one: ") != std::string::npos);
+    std::filesystem::create_symlink("out/01_hanging_ball.glb", folder / "link");
+    std::filesystem::remove(out + "/01_hanging_ball.glb");
+    CHECK(run(out, (folder / "link").string()).err.find("the animation of --out would be one: ") != std::string::npos);
+    for (const char* name : {"/obj/ball.0001.obj", "/ply/ball.0001.ply", "/ball.0001.csv", "/unfinished.0001.json"})
+        CHECK(run(out, out + name).err.find("error [IO420] --report and ") != std::string::npos);
+    const std::string fresh = (folder / "fresh").string();
+    CHECK(run(fresh, fresh).err.find("error [IO420] --report and the folder of --out would be one: ") !=
+          std::string::npos);
     const Said unnamed = run(out, "");
     CHECK(unnamed.code == 1);
     CHECK(unnamed.err.find("cannot write '': it has no name") != std::string::npos);

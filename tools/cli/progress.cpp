@@ -197,14 +197,17 @@ void Progress::progress(const std::string& node, double done, std::string_view w
 
 void Progress::warning(const engine::Diagnostic& d) {
     const std::lock_guard lock(mutex_);
-    if (d.code != "FE301" && d.code != "FE306" && d.code != "FE307") // which are of single frames
-        if (kept_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second) warnings_.push_back(d);
+    if (d.code != "FE301" && d.code != "FE306") // which are of single frames; of FE307 the first is kept
+        if (kept_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + (d.code == "FE307" ? "" : d.message))
+                .second)
+            warnings_.push_back(d);
     // A frame that has not converged is counted and marked in its own line.
     if (style_ == ProgressStyle::bar && d.code == "FE301") return;
-    // So is one with inverted tets, which the bar tells of once; the summary counts them. Of bodies that are deep in
-    // each other it says how deep.
-    if (style_ == ProgressStyle::bar && (d.code == "FE306" || d.code == "FE307") && !told_.insert(d.code).second)
-        return;
+    // So is one with inverted tets, which the bar tells of once; the summary counts them. It counts frames that leave
+    // bodies deep in each other, too, and says which is the worst.
+    const bool once = style_ == ProgressStyle::bar ? d.code == "FE306" || d.code == "FE307"
+                                                   : style_ != ProgressStyle::json && d.code == "FE307";
+    if (once && !told_.insert(d.code).second) return;
     // What is wrong with a mesh is said again by every frame that evaluates its node.
     if (d.code.starts_with("FE2") &&
         !told_.insert(d.code + "\n" + d.node + "\n" + d.attribute + "\n" + d.message).second)

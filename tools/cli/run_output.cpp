@@ -85,15 +85,30 @@ void RunOutput::check_kept(const ReadFiles& read, const engine::Graph& graph, co
 void RunOutput::check_apart(const fs::path& file, std::string_view flag, bool with_page) const {
     if (folder_.empty()) return;
     std::error_code error;
-    const auto place = [&](const fs::path& p) { return fs::weakly_canonical(fs::absolute(p, error), error); };
-    const fs::path wanted = place(file);
-    const bool is_glb = formats_.contains("glb") && wanted == place(glb_path_),
-               is_page = with_page && wanted == place(folder_ / "view.html");
-    if (wanted.empty() || (!is_glb && !is_page)) return;
+    const auto place = [&](fs::path p) {
+        // A link whose file is yet to be made leads there as well.
+        for (int links = 0; links < 40 && fs::is_symlink(fs::symlink_status(p, error)); ++links) {
+            const fs::path to = fs::read_symlink(p, error);
+            p = to.is_absolute() ? to : p.parent_path() / to;
+        }
+        return fs::weakly_canonical(fs::absolute(p, error), error);
+    };
+    const fs::path wanted = place(file), folder = place(folder_);
+    if (wanted.empty()) return;
+    const auto is_of_frame = [&] { // NAME.0001.obj, unfinished.0001.json
+        const std::string ending = wanted.extension().string();
+        return !ending.empty() && parse_frame_file(wanted, ending.substr(1)).has_value();
+    };
+    std::string other;
+    if (wanted == folder) other = "the folder of --out";
+    if (formats_.contains("glb") && wanted == place(glb_path_)) other = "the animation of --out";
+    if (with_page && wanted == folder / "view.html") other = "the page of --open";
+    for (const fs::path& in : {folder, folder / "obj", folder / "ply"})
+        if (wanted.parent_path() == in && is_of_frame()) other = "a file of --out";
+    if (other.empty()) return;
     engine::Diagnostic d;
     d.code = "IO420";
-    d.message = std::string(flag) + " and " + (is_glb ? "the animation of --out" : "the page of --open") +
-                " would be one file: '" + file.string() + "'";
+    d.message = std::string(flag) + " and " + other + " would be one: '" + file.string() + "'";
     d.hint = "choose another place with " + std::string(flag);
     throw engine::Failure(d);
 }

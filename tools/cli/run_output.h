@@ -33,7 +33,8 @@ class RunOutput {
     /// file that is read.
     void check_kept(const ReadFiles& read, const engine::Graph& graph, const engine::Plug& plug,
                     const engine::Value& value, const std::vector<int>& frames) const;
-    /// Throws Failure IO420 if `file` is the GLB that will be written, or the page beside it.
+    /// Throws Failure IO420 if `file` is the folder, the GLB that will be written, the page beside it, or has the name
+    /// of a frame's file.
     void check_apart(const std::filesystem::path& file, std::string_view flag, bool with_page) const;
     /// What `plug` gave at `frame`: meshes, or a file. Anything else is left alone. Sequences are written
     /// beside the next frame's work; what goes wrong there is thrown by the next call. Throws Failure (IO405,

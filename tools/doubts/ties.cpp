@@ -15,6 +15,9 @@ constexpr double nearly_whole = 0.9;
 /// [N/m^3]: by what is softer the weight of 10 cm of flesh hangs a metre away, and that of a heavy cloth.
 constexpr double least_tie = 1000, least_tie_of_cloth = 10;
 
+/// Weights below which it is the paint that leaves nothing of a stiffness.
+constexpr double faintly = 0.1;
+
 /// The body, or where several are alike (bones of one mesh in one place) all that may be meant.
 std::vector<int> bodies_meant(const std::vector<nodes::BodyId>& ids, const nodes::BodyId& wanted) {
     if (const int one = find_body(ids, wanted); one >= 0) return {one};
@@ -79,7 +82,7 @@ void doubt_attachment(Doubting& d, const std::string& name) {
     const double envelope = d.number<double>(name, "envelope").value_or(1),
                  most = envelope *
                         (weights.empty() ? 1 : std::max(0.0, *std::max_element(weights.begin(), weights.end())));
-    if (*stiffness >= least && most > 0 && most * *stiffness < least)
+    if (*stiffness >= least && most > 0 && most < faintly && most * *stiffness < least)
         d.doubt("FE326", name, "weights",
                 "it holds nothing: weights and envelope are " + engine::rough_text(most, 2) +
                     " at most, which leaves " + engine::rough_text(most * *stiffness, 2) + " N/m^3 of its stiffness",

@@ -57,8 +57,11 @@ bool falls_on(const nodes::Mesh& body, const nodes::Mesh& other, const engine::V
     const auto along =
         std::max_element(gravity.begin(), gravity.end(), [](double a, double b) { return std::abs(a) < std::abs(b); }) -
         gravity.begin();
-    const solver::Vec3 down(gravity[0], gravity[1], gravity[2]);
-    if (!((two.centre() - one.centre()).dot(down) > 0)) return false;
+    // It may begin inside what is open above, as a bowl.
+    const auto axis_down = static_cast<Eigen::Index>(along);
+    const double below = gravity[static_cast<std::size_t>(along)] > 0 ? two.max[axis_down] - one.centre()[axis_down]
+                                                                      : one.centre()[axis_down] - two.min[axis_down];
+    if (!(below > 0)) return false;
     for (Eigen::Index axis = 0; axis < 3; ++axis)
         if (axis != along && (one.max[axis] < two.min[axis] || two.max[axis] < one.min[axis])) return false;
     return true;

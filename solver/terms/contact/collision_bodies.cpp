@@ -2,14 +2,21 @@
 #include "solver/terms/contact/collision_bodies.h"
 
 #include "solver/error.h"
+#include "solver/mesh/surface_mesh.h"
 #include "solver/terms/contact/contact.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace sinew::solver {
 
 namespace {
+
+/// All of such a cloth would be in reach of all of it.
+bool is_too_thick(const Points& points, double thickness) {
+    return thickness > 0.5 * bounding_box(points).size().maxCoeff();
+}
 
 /// A switch is a number between two times of which one has it on: on from halfway.
 bool on(double value) { return value >= 0.5; }
@@ -39,6 +46,7 @@ CollisionBodies::CollisionBodies(const Scene& scene) {
         }
         rests_.push_back(rest);
         parts_.push_back(k);
+        too_thick_.push_back(bodies_.back().is_cloth() && is_too_thick(bodies_.back().modelled(), rest->thickness));
     }
 }
 
@@ -49,6 +57,8 @@ bool CollisionBodies::make_pair(const std::vector<PartValues>& values, std::size
     if (!bodies_[a].deforms() && !bodies_[b].deforms()) return false;
     if (itself && !on(one.collides_with_itself)) return false;
     if (!may_meet(*rests_[a], one, *rests_[b], other)) return false;
+    for (const std::size_t k : {a, b})
+        if (too_thick_[k]) refuse_thickness(k);
     out.source = static_cast<int>(a), out.target = static_cast<int>(b);
     out.stiffness = 2 * one.stiffness * other.stiffness / (one.stiffness + other.stiffness);
     out.friction = std::sqrt(one.friction * other.friction);
@@ -58,6 +68,17 @@ bool CollisionBodies::make_pair(const std::vector<PartValues>& values, std::size
     out.slides = on(one.slides) && on(other.slides);
     out.both_ways = has_faces(a);
     return true;
+}
+
+void CollisionBodies::refuse_thickness(std::size_t body) const {
+    char text[160];
+    std::snprintf(text, sizeof text, "a cloth that is %.4g m long cannot be %.4g m thick",
+                  bounding_box(bodies_[body].modelled()).size().maxCoeff(), rests_[body]->thickness);
+    Error e("FE298", text,
+            "Write zCloth.thickness in metres, whatever the scale, and well below its length: 0.001 is a millimetre, "
+            "and 0 has nothing meet it.");
+    e.body = bodies_[body].body();
+    throw e;
 }
 
 void CollisionBodies::find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const {

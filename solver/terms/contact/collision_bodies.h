@@ -29,18 +29,22 @@ class CollisionBodies {
     const CollisionBody& operator[](int body) const { return bodies_[at(body)]; }
     const ContactRest& rest(int body) const { return *rests_[at(body)]; }
     std::size_t part(int body) const { return parts_[at(body)]; } ///< of the scene's
-    /// Pairs that collide under these values, in fixed order.
+    /// Pairs that collide under these values, in fixed order. Throws Error FE298 if one is a cloth thicker than half of
+    /// its length.
     void find_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
-    /// Those of cloth that has a thickness with others and with itself: each once, the lower number first.
+    /// Those of cloth that has a thickness with others and with itself: each once, the lower number first. Throws
+    /// Error FE298 likewise.
     void find_thick_pairs(const std::vector<PartValues>& values, std::vector<ContactPair>& out) const;
 
   private:
     bool has_faces(std::size_t body) const { return sinew::solver::has_faces(*rests_[body]); }
     /// What of a pair follows from values alone; false: it does not collide.
     bool make_pair(const std::vector<PartValues>& values, std::size_t a, std::size_t b, ContactPair& out) const;
+    [[noreturn]] void refuse_thickness(std::size_t body) const;
     std::vector<CollisionBody> bodies_;
     std::vector<const ContactRest*> rests_;
     std::vector<std::size_t> parts_;
+    std::vector<char> too_thick_; ///< cloth that is thicker than half of its length
 };
 
 } // namespace sinew::solver

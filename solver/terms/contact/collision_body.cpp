@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/terms/contact/collision_body.h"
 
-#include "solver/error.h"
-#include "solver/mesh/surface_mesh.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <map>
 
 namespace sinew::solver {
@@ -27,23 +24,11 @@ std::optional<SurfaceInPlace> shape_of(const ContactRest& rest) {
     return SurfaceInPlace{rest.shape->surface, rest.shape->triangles, rest.shape->carriers};
 }
 
-/// All of such a cloth would be in reach of all of it.
-void refuse_too_thick(const Points& points, double thickness) {
-    const double longest = bounding_box(points).size().maxCoeff();
-    if (thickness <= 0.5 * longest) return;
-    char text[160];
-    std::snprintf(text, sizeof text, "a cloth that is %.4g m long cannot be %.4g m thick", longest, thickness);
-    throw Error("FE298", text,
-                "Write zCloth.thickness in metres, whatever the scale, and well below its length: 0.001 is a "
-                "millimetre, and 0 has nothing meet it.");
-}
-
 } // namespace
 
 CollisionBody::CollisionBody(const Scene& scene, int body, const ContactRest& rest)
     : CarriedSurface(scene, body, rest.spacing, shape_of(rest))
     , has_two_sides_(scene.cloth(body) != nullptr) {
-    if (has_two_sides_) refuse_too_thick(modelled(), rest.thickness);
     for (const auto& [a, b, c] : triangles())
         modelled_areas_.push_back(0.5 * (modelled(b) - modelled(a)).cross(modelled(c) - modelled(a)).norm());
     find_carriers();

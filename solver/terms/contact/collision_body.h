@@ -9,8 +9,7 @@ namespace sinew::solver {
 /// Immutable. Its triangles are cut to the spacing, and their corners are the points that are tested.
 class CollisionBody : public CarriedSurface {
   public:
-    /// Throws Error FE232 if the spacing asks for more than 4 million triangles, FE298 if a cloth is thicker than half
-    /// of its length.
+    /// Throws Error FE232 if the spacing asks for more than 4 million triangles.
     CollisionBody(const Scene& scene, int body, const ContactRest& rest);
 
     bool is_cloth() const { return has_two_sides_; }
