@@ -41,8 +41,7 @@ const Input<double> thickness{
     .doc =
         "What the cloth takes up in contacts, half of it on either side of its faces; always in metres, whatever the "
         "scale, and no more than half of the cloth's length. Layers of cloth lie so far apart, and solids half of it. "
-        "0: "
-        "only its points press into solids, and nothing into it.",
+        "0: only its points press into solids, and nothing into it.",
     .keyable = false,
 };
 const Input<std::string> collision_volume{

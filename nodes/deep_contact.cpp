@@ -105,7 +105,7 @@ class Breadths {
                 if (const double d = ((*mesh.points)[v] - place).squaredNorm(); d < least)
                     least = d, part = static_cast<std::size_t>(kept.part[v]);
         }
-        return kept.sizes[part] > 0 ? kept.sizes[part] / units_ : infinity;
+        return part < kept.sizes.size() && kept.sizes[part] > 0 ? kept.sizes[part] / units_ : infinity;
     }
 
   private:

@@ -85,7 +85,17 @@ TEST_CASE("a frame that converges with bodies deep in each other is warned about
     CHECK(said.err.find("ends with block and ground 0.1") != std::string::npos);
     CHECK(said.err.find("Raise contactStiffness of block and ground to 1e+07 N/m^3 or more.") != std::string::npos);
     const std::string counted = "  " + std::to_string(deep) + " frames converged with bodies DEEP in each other; ";
-    CHECK(said.out.find(counted) != std::string::npos);
+    CHECK(said.out.find(counted + "the worst is frame ") != std::string::npos);
+    CHECK(said.out.find(", block in ground, ") != std::string::npos);
+    const auto times_told = [](const Said& s) {
+        std::size_t n = 0;
+        for (std::size_t at = s.err.find("[FE307]"); at != std::string::npos; at = s.err.find("[FE307]", at + 1)) ++n;
+        return n;
+    };
+    CHECK(times_told(said) == 1); // the summary counts the rest
+    // What makes several outputs of the frame says it once.
+    CHECK(times_told(run_program({"snapshot", words[1], "--frames", "40", "--cache", cache, "--size", "32x32", "-o",
+                                  (folder / "s.png").string()})) == 1);
     // The same said of what is only looked up.
     const Said again = run_program(words);
     CHECK(again.out.find("40 reused") != std::string::npos);

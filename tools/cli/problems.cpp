@@ -26,12 +26,12 @@ WarningCollector::WarningCollector(std::shared_ptr<const engine::Graph> graph, d
 void WarningCollector::warning(const Diagnostic& d) {
     const std::lock_guard lock(mutex_);
     // Outputs that are made one after the other say the same.
-    const auto same = [&](const Diagnostic& other) { return engine::to_json(other) == engine::to_json(d); };
-    if (std::ranges::none_of(warnings_, same)) warnings_.push_back(d);
+    if (texts_.insert(engine::to_json(d)).second) warnings_.push_back(d);
 }
 
 std::vector<Diagnostic> WarningCollector::take() {
     const std::lock_guard lock(mutex_);
+    texts_.clear();
     return std::exchange(warnings_, {});
 }
 

@@ -5,6 +5,7 @@
 #include "tools/cli/progress.h"
 
 #include <mutex>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class WarningCollector : public engine::Observer {
   private:
     std::mutex mutex_;
     std::vector<engine::Diagnostic> warnings_;
+    std::set<std::string> texts_; ///< of warnings_
     Progress progress_;
 };
 

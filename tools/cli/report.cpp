@@ -203,9 +203,11 @@ std::string summary(const RunReport& r) {
                 worst = &f;
         out += text("  %d frame%s converged with bodies DEEP in each other", frames, frames == 1 ? "" : "s");
         if (worst)
-            out += text("; the worst is frame %d, %s and %s, %s mm", worst->frame,
+            out += text("; the worst is frame %d, %s in %s, %s mm", worst->frame,
                         name_at(r.bodies, worst->worst.deep_body).c_str(),
-                        name_at(r.bodies, worst->worst.deep_target).c_str(),
+                        worst->worst.deep_body == worst->worst.deep_target
+                            ? "itself"
+                            : name_at(r.bodies, worst->worst.deep_target).c_str(),
                         engine::rough_text(1000 * worst->worst.deep, 2).c_str());
         out += "\n";
     }
