@@ -3,14 +3,13 @@
 
 #include "nodes/contact_inputs.h"
 #include "nodes/z_solver_attributes.h"
-#include "solver/mesh/surface_mesh.h"
 #include "solver/terms/contact/contact_rest.h"
+#include "solver/terms/pressure/surface_pieces.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <numeric>
 
 namespace sinew::nodes {
 
@@ -20,7 +19,7 @@ using namespace z_solver;
 namespace {
 
 /// Volume by area, in the units of the points: half a plate's thickness, half a rod's radius, a third of a ball's; of
-/// each part of a surface whose vertices hang together. `part`: of each vertex.
+/// each piece of a surface. `part`: the piece of each vertex.
 std::vector<double> volumes_by_area(const solver::Points& points, const std::vector<solver::Triangle>& triangles,
                                     const std::vector<int>& part, std::size_t parts) {
     std::vector<double> out(parts, 0.0), areas(parts, 0.0);
@@ -36,30 +35,6 @@ std::vector<double> volumes_by_area(const solver::Points& points, const std::vec
     for (std::size_t k = 0; k < parts; ++k) out[k] = areas[k] > 0 ? std::max(0.0, out[k] / areas[k]) : 0;
     return out;
 }
-
-/// Which vertices hang together.
-struct Parts {
-    std::vector<int> of_vertex;
-    std::size_t count = 0;
-    Parts(std::size_t vertices, const std::vector<solver::Triangle>& triangles)
-        : of_vertex(vertices) {
-        std::vector<int> root(vertices);
-        std::iota(root.begin(), root.end(), 0);
-        const auto top = [&](int v) {
-            for (; root[static_cast<std::size_t>(v)] != v; v = root[static_cast<std::size_t>(v)])
-                root[static_cast<std::size_t>(v)] = root[static_cast<std::size_t>(root[static_cast<std::size_t>(v)])];
-            return v;
-        };
-        for (const solver::Triangle& t : triangles)
-            for (const int v : {t[1], t[2]})
-                if (const int a = top(t[0]), b = top(v); a != b)
-                    root[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-        for (std::size_t v = 0; v < vertices; ++v) { // a root comes before what hangs on it
-            const auto above = static_cast<std::size_t>(top(static_cast<int>(v)));
-            of_vertex[v] = above == v ? static_cast<int>(count++) : of_vertex[above];
-        }
-    }
-};
 
 const solver::ContactRest& rest_of(const Body& body) {
     return static_cast<const solver::ContactRest&>(*body.contact->rest);
@@ -102,7 +77,7 @@ class Breadths {
         if (kept.sizes.size() > 1) {
             double least = infinity;
             for (std::size_t v = 0; v < mesh.points->size(); ++v)
-                if (const double d = ((*mesh.points)[v] - place).squaredNorm(); d < least)
+                if (const double d = ((*mesh.points)[v] - place).squaredNorm(); kept.part[v] >= 0 && d < least)
                     least = d, part = static_cast<std::size_t>(kept.part[v]);
         }
         return part < kept.sizes.size() && kept.sizes[part] > 0 ? kept.sizes[part] / units_ : infinity;
@@ -111,7 +86,7 @@ class Breadths {
   private:
     struct Kept {
         std::vector<double> sizes; ///< of each part, in scene units
-        std::vector<int> part;     ///< of each vertex, where there are several
+        std::vector<int> part;     ///< of each vertex, where there are several; -1: of none
     };
     void measure(const Body& body, const Mesh& mesh, Kept& kept) const {
         if (const auto& shape = rest_of(body).shape) { // as modelled, which it keeps nearly
@@ -121,10 +96,13 @@ class Breadths {
         }
         const MeshTopology& topology = *mesh.topology;
         const std::uint64_t vertices = mesh.points->size();
-        auto parts = in_.lease<Parts>(Hasher().add("contact.parts").add(topology.digest).add(vertices).finish(),
-                                      [&] { return std::make_shared<Parts>(mesh.points->size(), topology.triangles); });
-        kept.sizes = volumes_by_area(*mesh.points, topology.triangles, parts->of_vertex, parts->count);
-        if (parts->count > 1) kept.part = parts->of_vertex;
+        auto pieces = in_.lease<solver::SurfacePieces>(
+            Hasher().add("contact.pieces").add(topology.digest).add(vertices).finish(), [&] {
+                return std::make_shared<solver::SurfacePieces>(
+                    solver::find_pieces(mesh.points->size(), topology.triangles));
+            });
+        kept.sizes = volumes_by_area(*mesh.points, topology.triangles, pieces->of_point, pieces->count());
+        if (pieces->count() > 1) kept.part = pieces->of_point;
     }
     const Reads& in_;
     const Setup& setup_;

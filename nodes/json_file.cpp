@@ -24,17 +24,25 @@ std::string fault_of(const Json::exception& e) {
     return after == says.npos ? says : says.substr(after + 2);
 }
 
+namespace {
+
+/// The next place from `i` on that is not in quotes; text.size() if there is none. `i` is not in quotes itself.
+std::size_t next_unquoted(std::string_view text, std::size_t i) {
+    while (i < text.size() && text[i] == '"') {
+        for (++i; i < text.size() && text[i] != '"'; ++i)
+            if (text[i] == '\\') ++i;
+        ++i;
+    }
+    return std::min(i, text.size());
+}
+
+} // namespace
+
 bool is_too_deep(std::string_view text) {
     int depth = 0;
-    bool quoted = false;
-    for (std::size_t i = 0; i < text.size(); ++i) {
+    for (std::size_t i = next_unquoted(text, 0); i < text.size(); i = next_unquoted(text, i + 1)) {
         const char c = text[i];
-        if (quoted) {
-            if (c == '\\') ++i;
-            quoted = c != '"';
-        } else if (c == '"') {
-            quoted = true;
-        } else if (c == '[' || c == '{') {
+        if (c == '[' || c == '{') {
             if (++depth > most_json_depth) return true;
         } else if (c == ']' || c == '}') {
             --depth;
@@ -55,23 +63,15 @@ std::string shortened(std::string text) {
 /// The line, from 1, where a number stands first: as a whole, and not in quotes.
 std::ptrdiff_t line_of_number(std::string_view text, std::string_view number) {
     constexpr std::string_view of_numbers = "+-.0123456789Ee";
-    bool quoted = false;
     std::size_t begin = 0;
-    for (std::size_t i = 0; i < text.size(); ++i) {
-        const char c = text[i];
-        if (quoted) {
-            if (c == '\\') ++i;
-            quoted = c != '"';
-        } else if (c == '"') {
-            quoted = true;
-        } else if (of_numbers.find(c) != of_numbers.npos) {
-            const std::size_t end = std::min(text.find_first_not_of(of_numbers, i), text.size());
-            if (text.substr(i, end - i) == number) {
-                begin = i;
-                break;
-            }
-            i = end - 1;
+    for (std::size_t i = next_unquoted(text, 0); i < text.size(); i = next_unquoted(text, i + 1)) {
+        if (of_numbers.find(text[i]) == of_numbers.npos) continue;
+        const std::size_t end = std::min(text.find_first_not_of(of_numbers, i), text.size());
+        if (text.substr(i, end - i) == number) {
+            begin = i;
+            break;
         }
+        i = end - 1;
     }
     return 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(begin), '\n');
 }

@@ -157,7 +157,7 @@ TEST_CASE("a killed run leaves its frames, and the next one goes on bit for bit"
         {
             const Program program({"run", file, "--cache", cache.string(), "--quiet"});
             const int wanted = there + 4 + 3 * kills;
-            for (int waited = 0; waited < 2000; ++waited) {
+            for (int waited = 0; waited < 60000; ++waited) { // an instrumented program takes long
                 if (fs::exists(cache) && static_cast<int>(files(cache, ".frame").size()) >= wanted) break;
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
             }
