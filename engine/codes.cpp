@@ -176,6 +176,7 @@ constexpr CodeInfo table[] = {
      "Write whole numbers, separated by spaces, shared with another body."},
     {"FE256", "collisions that leave a body alone",
      "Give both bodies of a pair a number in common, and one of them a volume or a thickness."},
+    {"FE257", "weights that are cut off at 0 and 1", "Scale them: 0.01 for percent."},
     {"FE260", "tissue that nothing holds", "Attach it to a bone, hold a part of it, or switch gravity off."},
     {"FE261", "size that flesh hardly has", "Set zSolver.scale to the number of scene units in a metre."},
     {"FE262", "tets larger than thin parts or narrow gaps",

@@ -3,9 +3,7 @@
 
 #include "nodes/json_file.h"
 #include "solver/error.h"
-
-#include <locale>
-#include <sstream>
+#include "solver/mesh/text_scanner.h"
 
 namespace sinew::nodes {
 
@@ -14,12 +12,12 @@ engine::NumberList parse_curve(std::string_view text, const std::string& path, c
         const nlohmann::json json = parse_json(text, path);
         return numbers_of(part_of(json, pointer, path), "the curve", path);
     }
-    std::istringstream numbers{std::string(text)};
-    numbers.imbue(std::locale::classic());
     engine::NumberList out;
-    for (double number = 0; numbers >> number;) out.push_back(number);
-    if (!numbers.eof())
-        throw solver::Error("IO403", "'" + path + "' holds more than numbers", "Write three numbers a line.");
+    try {
+        for (solver::TextScanner numbers(text, path); !numbers.at_end();) out.push_back(numbers.number("a coordinate"));
+    } catch (const solver::Error& e) {
+        throw solver::Error("IO403", e.what(), "Write three numbers a line.");
+    }
     return out;
 }
 

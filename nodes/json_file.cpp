@@ -115,15 +115,19 @@ const Json& part_of(const Json& json, const std::string& pointer, const std::str
 
 namespace {
 
-void collect(const Json& json, engine::NumberList& out, const std::string& what, const std::string& path) {
-    for (const Json& entry : json) {
+/// `place`: of the list, as a JSON pointer from the outermost one on.
+void collect(const Json& json, engine::NumberList& out, const std::string& place, const std::string& what,
+             const std::string& path) {
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const Json& entry = json[i];
         if (entry.is_array()) {
-            collect(entry, out, what, path);
+            collect(entry, out, place + "/" + std::to_string(i), what, path);
         } else if (entry.is_number() && std::isfinite(entry.get<double>())) {
             out.push_back(entry.get<double>());
         } else {
             const std::string shown = shortened(entry.dump(-1, ' ', true)); // in ASCII, so that it can be cut anywhere
-            throw Error("IO403", "'" + path + "': " + what + " holds " + shown + ", which is not a number");
+            throw Error("IO403", "'" + path + "': " + what + " holds " + shown + " at \"" + place + "/" +
+                                     std::to_string(i) + "\", which is not a number");
         }
     }
 }
@@ -133,7 +137,7 @@ void collect(const Json& json, engine::NumberList& out, const std::string& what,
 engine::NumberList numbers_of(const Json& json, const std::string& what, const std::string& path) {
     if (!json.is_array()) throw Error("IO403", "'" + path + "': " + what + " is not a list of numbers");
     engine::NumberList out;
-    collect(json, out, what, path);
+    collect(json, out, "", what, path);
     return out;
 }
 

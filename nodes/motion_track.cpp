@@ -141,17 +141,15 @@ MatrixTrack parse_matrix_track(std::string_view text, const std::string& path, c
     for_frames(file, path, [&](double number, const Json& frame) {
         const Json bones = frame.value("bones", Json::object());
         if (!bones.is_object() || !bones.contains(bone)) throw_unknown(path, number, "bone", bone, bones);
-        const engine::NumberList m = numbers_of(bones[bone], "the matrix of '" + bone + "'", path);
+        const std::string matrix = "the matrix of '" + bone + "' at frame " + engine::number_text(number);
+        const engine::NumberList m = numbers_of(bones[bone], matrix, path);
         if (m.size() != 16)
-            throw Error("IO403",
-                        "'" + path + "': the matrix of '" + bone + "' has " + std::to_string(m.size()) + " numbers",
+            throw Error("IO403", "'" + path + "': " + matrix + " has " + std::to_string(m.size()) + " numbers",
                         "Give 16, row by row.");
         track.frames.push_back(number);
         std::copy(m.begin(), m.end(), track.matrices.emplace_back().begin());
         if (!is_affine(track.matrices.back()))
-            throw Error("IO403",
-                        "'" + path + "': the last row of the matrix of '" + bone + "' at frame " +
-                            engine::number_text(number) + " is not 0 0 0 1",
+            throw Error("IO403", "'" + path + "': the last row of " + matrix + " is not 0 0 0 1",
                         "Write matrices row by row, with the translation in the last column.");
     });
     return track;

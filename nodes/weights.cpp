@@ -1,6 +1,7 @@
 // weights: a painted map, one number per vertex or face of a mesh, by one of several rules.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/registry.h"
+#include "engine/text.h"
 #include "nodes/adapters.h"
 #include "nodes/limits.h"
 #include "nodes/options.h"
@@ -241,8 +242,29 @@ NumberList by_rule(const Reads& in) {
     throw std::logic_error("a rule of weights without a map");
 }
 
+/// Numbers that were painted in another unit, or go beyond what rounding leaves. Who scales or inverts counts on the
+/// limits.
+void warn_of_cut_off(const Reads& in, const NumberList& map) {
+    constexpr double rounding = 1e-3;
+    const Rule rule = meaning(rules, in[mode]);
+    const std::string_view attribute = rule == Rule::list       ? values.name
+                                       : rule == Rule::constant ? value.name
+                                                                : file.name;
+    if (map.empty() || in[invert] || in[scale] != 1 || in[offset] != 0) return;
+    const auto [least, most] = std::minmax_element(map.begin(), map.end());
+    if (*least >= -rounding && *most <= 1 + rounding) return;
+    const auto outside = std::count_if(map.begin(), map.end(), [](double w) { return w < 0 || w > 1; });
+    in.warn(attribute, "FE257",
+            std::to_string(outside) + " of " + std::to_string(map.size()) +
+                " weights are not between 0 and 1 and are cut off there: they go from " + rough_text(*least, 4) +
+                " to " + rough_text(*most, 4),
+            *least >= 0 && *most > 10 && *most <= 100 ? "if they are percent, write \"scale\": 0.01"
+                                                      : "scale them where they are made");
+}
+
 void compute(const Reads& in, Writes& out) {
     NumberList map = by_rule(in);
+    warn_of_cut_off(in, map);
     for (double& w : map) w = std::clamp((in[invert] ? 1 - w : w) * in[scale] + in[offset], 0.0, 1.0);
     out.set(out_weights, std::move(map));
 }

@@ -42,6 +42,32 @@ TEST_CASE("brackets in very many brackets are refused in every JSON data file", 
     CHECK(nodes::is_too_deep("\"\\\\\"" + std::string(1000, '{')));
 }
 
+TEST_CASE("what is no number in a data file is told of with its place", "[nodes]") {
+    const auto said = [](auto call) -> std::string {
+        try {
+            call();
+            return "";
+        } catch (const solver::Error& e) {
+            return e.code + " " + e.what();
+        }
+    };
+    CHECK(said([] { nodes::parse_curve("[[1, 2, 3], [4, null, 6]]", "a.json", ""); }) ==
+          "IO403 'a.json': the curve holds null at \"/1/1\", which is not a number");
+    const auto track = [](const char* entry) {
+        return std::string(R"({"frames": [{"frame": 7.5, "bones": {"ulna": [[1,0,0,0],[0,1,0,)") + entry +
+               R"(],[0,0,1,0],[0,0,0,1]]}}]})";
+    };
+    CHECK(said([&] { nodes::parse_matrix_track(track("\"2\""), "m.json", "ulna"); }) ==
+          "IO403 'm.json': the matrix of 'ulna' at frame 7.5 holds \"2\" at \"/1/3\", which is not a number");
+    CHECK(said([&] { nodes::parse_matrix_track(track("2, 2"), "m.json", "ulna"); }) ==
+          "IO403 'm.json': the matrix of 'ulna' at frame 7.5 has 17 numbers");
+    CHECK(nodes::parse_curve("1 2 3\n# by hand\n+4 5e-400 6\n", "c.txt", "") == engine::NumberList{1, 2, 3, 4, 0, 6});
+    CHECK(said([] { nodes::parse_curve("1 2 3\n4 1e999 6\n", "c.txt", ""); }) ==
+          "IO403 c.txt:2: a coordinate is '1e999', which is not finite");
+    CHECK(said([] { nodes::parse_curve("1 2 3\n4, 5, 6\n", "c.txt", ""); }) ==
+          "IO403 c.txt:2: '4,' is not a number; a coordinate was expected");
+}
+
 TEST_CASE("JSON data files and graphs have a size beyond which they are not read", "[nodes]") {
     const test::TemporaryFolder folder;
     const auto hole = [&](const char* name, std::uintmax_t size) {

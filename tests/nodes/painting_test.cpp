@@ -45,6 +45,26 @@ TEST_CASE("a constant map is adjusted by invert, scale and offset and kept withi
     CHECK(by_x(R"("offset": -3)") == Line(5, 0));
 }
 
+TEST_CASE("numbers of a map that are cut off at 0 and 1 are told of", "[nodes]") {
+    const auto said = [](const std::string& inputs) {
+        Session s(weights(inputs));
+        s.get<NumberList>("w", "outWeights");
+        std::string out;
+        for (const engine::Diagnostic& d : s.counter.warnings) out += d.attribute + ": " + d.message + " | " + d.hint;
+        return out;
+    };
+    const std::string list = R"("mode": "list", "values": [0, 0, 0, 0, 0, 0, 0, 0, )";
+    CHECK(said(list + "100, 50]") ==
+          "values: 2 of 10 weights are not between 0 and 1 and are cut off there: they go from 0 to 100 | if they are "
+          "percent, write \"scale\": 0.01");
+    CHECK(said(list + "1, -0.5]") == "values: 1 of 10 weights are not between 0 and 1 and are cut off there: they go "
+                                     "from -0.5 to 1 | scale them where they are made");
+    CHECK(said(R"("value": 1e50)").starts_with("value: 10 of 10 weights are not between 0 and 1 "));
+    CHECK(said(list + "1.0000001, 1]").empty());
+    CHECK(said(list + "100, 50], \"scale\": 0.01").empty());
+    CHECK(said(list + "3, 2], \"scale\": 2").empty()); // a ramp that is to be steeper
+}
+
 TEST_CASE("a ramp rises between two coordinates, straight or smooth, either way", "[nodes]") {
     CHECK(by_x(R"("mode": "ramp", "start": 0, "end": 4)") == Line{0, 0.25, 0.5, 0.75, 1});
     CHECK(by_x(R"("mode": "ramp", "start": 3, "end": 1)") == Line{1, 1, 0.5, 0, 0});

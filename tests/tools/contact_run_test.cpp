@@ -139,6 +139,32 @@ TEST_CASE("a frame that converges with bodies deep in each other is warned about
     CHECK(thin.at("where").at("deep_contact").at("depth_m").get<double>() == Approx(9800 / 1e6).epsilon(0.1));
 }
 
+TEST_CASE("frames of another solver with bodies deep in each other are counted with its name", "[tools][contact]") {
+    json graph = falling(true);
+    for (const char* body : {"ground", "block"}) graph["nodes"][body]["inputs"]["contactStiffness"] = 50000;
+    graph["nodes"]["solver"]["inputs"]["bodies"].erase(2);
+    graph["nodes"]["shape"] =
+        json::parse(R"({"type": "pickMesh", "inputs": {"meshes": {"from": "solver.outMeshes"}, "body": "block"}})");
+    graph["nodes"]["carrier"] = json::parse(R"({"type": "zBone", "inputs": {"mesh": {"from": "shape.outMesh"}}})");
+    graph["nodes"]["later"] = json::parse(R"({"type": "zSolver", "inputs": {
+        "bodies": [{"from": "carrier.outBody"}, {"from": "upper.outBody"}], "scale": 1, "gravity": [0, 0, 0]}})");
+    const TemporaryFolder folder;
+    const std::string path = write_graph(folder, graph);
+    const auto counted = [](const std::string& out) {
+        const std::size_t at = out.find(" frames converged with bodies DEEP in each other"),
+                          line = out.rfind('\n', at) + 1;
+        return at == out.npos ? "" : out.substr(line, out.find('\n', at) - line);
+    };
+    const std::string alone = counted(run_program({"run", path, "--pull", "solver.outMeshes"}).out),
+                      both = counted(run_program({"run", path}).out);
+    REQUIRE(alone.find("; the worst is frame ") != std::string::npos);
+    CHECK(alone.ends_with(" mm"));
+    CHECK(both == alone.substr(0, alone.find(';')) + ", in solver");
+    graph["nodes"]["ground"]["inputs"]["contactStiffness"] = graph["nodes"]["block"]["inputs"]["contactStiffness"] =
+        1e7;
+    CHECK(counted(run_program({"run", write_graph(folder, graph)}).out).empty());
+}
+
 TEST_CASE("sheets of which everything is in reach of everything are refused before memory is full",
           "[tools][contact]") {
     json graph = json::parse(R"({

@@ -26,6 +26,29 @@ TEST_CASE("check doubts gravity that points up, flesh heavier than metal, and re
     CHECK(said_of(ball(), {"flesh.restScale=2"}).empty());
 }
 
+TEST_CASE("check doubts gravity that points up by keys or with fields", "[tools]") {
+    json graph = ball();
+    json& gravity = graph["nodes"]["solver"]["inputs"]["gravity"];
+    gravity = json::parse(R"({"keys": [[1, [0, 9.8, 0]], [20, [0, -9.8, 0]]]})");
+    CHECK(said_of(graph).starts_with("FE322 solver.gravity: points along +y: "));
+    gravity = json::parse(R"({"keys": [[1, [0, -9.8, 0]], [20, [0, 9.8, 0]]]})"); // a scene that is turned over
+    CHECK(said_of(graph).empty());
+    graph["nodes"]["pull"] = {{"type", "gravityField"}, {"inputs", {{"direction", {0, 2, 0}}}}};
+    graph["nodes"]["solver"]["inputs"]["forces"].push_back({{"from", "pull.outForce"}});
+    const auto said = [&](double y, double magnitude) {
+        gravity = {0, y, 0};
+        graph["nodes"]["pull"]["inputs"]["magnitude"] = magnitude;
+        return said_of(graph);
+    };
+    CHECK(said(-9.8, 9.8).find("FE322") == std::string::npos); // it takes the weight away
+    CHECK(
+        said(0, 9.8).starts_with("FE322 pull.direction: points along +y: where y is up, whatever is free goes up | "));
+    CHECK(said(-9.8, 19.6).starts_with("FE322 pull.direction: with it the sum of gravity points along +y: "));
+    graph["nodes"]["pull"]["inputs"]["direction"] = {0, -1, 0};
+    CHECK(said(0, -9.8).starts_with("FE322 pull.magnitude: points along +y: "));
+    CHECK(said(0, 9.8).find("FE322") == std::string::npos);
+}
+
 TEST_CASE("check doubts an attachment whose weights leave nothing of its stiffness", "[tools]") {
     // The ramp ends so far away that what is painted is a trace: 2 of 1e60 at the top.
     CHECK(said_of(ball(), {"top.end=1e60"})

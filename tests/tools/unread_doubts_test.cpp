@@ -179,10 +179,9 @@ TEST_CASE("check doubts sheets that are thick, heavy or fall apart", "[tools]") 
       "solver": {"type": "zSolver", "inputs": {"bodies": [{"from": "sheet.outBody"}], "forces": [{"from": "hold.outForce"}]}}
     }})");
     CHECK(said_of(graph).empty());
-    CHECK(
-        said_of(graph, {"sheet.thickness=0.1"}) ==
-        "FE337 sheet.thickness: 100 mm is 50 % of its length of 20 scene units | thickness is in metres, whatever the "
-        "scene's scale: 0.001 is a millimetre\n");
+    CHECK(said_of(graph, {"sheet.thickness=0.1"}) ==
+          "FE337 sheet.thickness: 100 mm is 50 % of its length of 200 mm | thickness is in metres, whatever the "
+          "scene's scale: 0.001 is a millimetre\n");
     // Contact would have all of it in reach of all of it.
     const std::string too_thick =
         all_said_of(graph, {"sheet.thickness=0.11", "solver.collisionDetection=true", "sheet.selfCollisions=true"}, 1);

@@ -300,6 +300,7 @@ class Run {
             size = value.as<nodes::SolveReport>();
             f.step = size->record;
             f.worst = size->worst;
+            f.inverted_here = size->record.inverted;
             f.lines = size->lines;
             f.is_deep = size->worst.deep_body >= 0;
             // A frame is as good as the worst of its solvers.
@@ -309,6 +310,9 @@ class Run {
                 const auto& report = other.as<nodes::SolveReport>();
                 add_solver(report.record, *f.step);
                 f.is_deep = f.is_deep || report.worst.deep_body >= 0;
+                if (!report.record.converged) continue;
+                if (report.record.inverted > 0) report_.inverted_elsewhere.insert(plan_.solvers[k]);
+                if (report.worst.deep_body >= 0) report_.deep_elsewhere.insert(plan_.solvers[k]);
             }
         }
         f.wall_s = seconds_since(start);

@@ -120,6 +120,19 @@ std::string nodes_text(const RunReport& r) {
     return out.empty() ? out : out + "\n";
 }
 
+/// The other solvers in which a thing has been: it has no place in the lists of the first one. `too`: in that, too.
+std::string elsewhere(const std::set<std::string>& solvers, bool too) {
+    constexpr std::size_t most_named = 3;
+    std::string out;
+    std::size_t named = 0;
+    for (const std::string& solver : solvers) {
+        if (named == most_named) break;
+        out += (named++ == 0 ? " in " : ", ") + solver;
+    }
+    if (named < solvers.size()) out += " and " + std::to_string(solvers.size() - named) + " more";
+    return out.empty() ? out : (too ? "; also" : ",") + out;
+}
+
 } // namespace
 
 int RunReport::unconverged() const {
@@ -189,14 +202,16 @@ std::string summary(const RunReport& r) {
     if (const int frames = r.inverted()) {
         const FrameReport* worst = nullptr;
         for (const FrameReport& f : r.frames)
-            if (f.step && f.step->converged && f.step->inverted > 0 && (!worst || f.worst.j < worst->worst.j))
+            if (f.step && f.step->converged && f.inverted_here > 0 && (!worst || f.worst.j < worst->worst.j))
                 worst = &f;
-        out +=
-            text("  %d frame%s converged with INVERTED tets; the worst is frame %d, tet %d of %s\n", frames,
-                 frames == 1 ? "" : "s", worst->frame, worst->worst.tet, name_at(r.bodies, worst->worst.body).c_str());
+        out += text("  %d frame%s converged with INVERTED tets", frames, frames == 1 ? "" : "s");
+        if (worst)
+            out += text("; the worst is frame %d, tet %d of %s", worst->frame, worst->worst.tet,
+                        name_at(r.bodies, worst->worst.body).c_str());
+        out += elsewhere(r.inverted_elsewhere, worst != nullptr) + "\n";
     }
     if (const int frames = r.deep()) {
-        const FrameReport* worst = nullptr; // none: it was another solver than the one whose places are kept
+        const FrameReport* worst = nullptr;
         for (const FrameReport& f : r.frames)
             if (f.step && f.step->converged && f.worst.deep_body >= 0 &&
                 (!worst || f.worst.deep_share > worst->worst.deep_share))
@@ -209,7 +224,7 @@ std::string summary(const RunReport& r) {
                             ? "itself"
                             : name_at(r.bodies, worst->worst.deep_target).c_str(),
                         engine::rough_text(1000 * worst->worst.deep, 2).c_str());
-        out += "\n";
+        out += elsewhere(r.deep_elsewhere, worst != nullptr) + "\n";
     }
     return out;
 }

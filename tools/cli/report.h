@@ -6,6 +6,7 @@
 
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,9 @@ struct FrameReport {
     int frame = 0;
     bool reused = false; ///< nothing was simulated for it
     double wall_s = 0;
-    std::optional<solver::StepRecord> step; ///< none where no solver is involved
-    nodes::WorstPlaces worst = {};
+    std::optional<solver::StepRecord> step;    ///< none where no solver is involved
+    nodes::WorstPlaces worst = {};             ///< in the first of the solvers; `step` is of all
+    int inverted_here = 0;                     ///< tets of that solver
     bool is_deep = false;                      ///< a solver left bodies deep in each other
     std::vector<nodes::LineReport> lines = {}; ///< of action
 };
@@ -45,8 +47,9 @@ struct RunReport {
     std::map<std::string, NodeCost> computed; ///< by node type
     std::vector<engine::Diagnostic> warnings; ///< of the graph, each once; of single frames the frames tell
     std::optional<RunError> error;
-    std::optional<nodes::SolveReport> size;       ///< of the last frame
-    std::vector<std::string> bodies, attachments; ///< nodes in the order of the solver's lists
+    std::optional<nodes::SolveReport> size;                   ///< of the last frame
+    std::vector<std::string> bodies, attachments;             ///< nodes in the order of the solver's lists
+    std::set<std::string> inverted_elsewhere, deep_elsewhere; ///< other solvers whose converged frames have such
     int unconverged() const;
     int inverted() const; ///< frames that have converged with inverted tets
     int deep() const;     ///< frames that have converged with bodies deep in each other

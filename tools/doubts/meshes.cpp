@@ -202,7 +202,7 @@ void doubt_thickness(Doubting& d, const Member& m, double units) {
         thickness && *thickness * units > thickest_sheet * length)
         d.doubt("FE337", m.name, "thickness",
                 rough(1000 * *thickness) + " mm is " + rough(100 * *thickness * units / length) +
-                    " % of its length of " + rough(length) + " scene units",
+                    " % of its length of " + rough(1000 * length / units) + " mm",
                 "thickness is in metres, whatever the scene's scale: 0.001 is a millimetre");
 }
 

@@ -160,17 +160,52 @@ void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes) {
                 "direction alone");
 }
 
+namespace {
+
+/// What all that has mass falls with at the start [m/s^2], and the input that gave it its direction.
+struct Falling {
+    engine::Vec3 gravity{};
+    std::string node, attribute;
+    bool is_sum = false;
+};
+
+std::optional<Falling> falling(const Doubting& d, const std::string& solver) {
+    const auto gravity = d.at_start<engine::Vec3>(solver, "gravity");
+    if (!gravity) return {};
+    Falling out{.gravity = *gravity, .node = solver, .attribute = "gravity"};
+    for (const engine::Plug& plug : d.plugs(solver, "forces")) {
+        if (d.graph().find(plug.node)->type_name != "gravityField") continue;
+        const auto magnitude = d.number<double>(plug.node, "magnitude");
+        const auto direction = d.at_start<engine::Vec3>(plug.node, "direction");
+        if (!magnitude || !direction) return {};
+        const double length = std::hypot((*direction)[0], (*direction)[1], (*direction)[2]);
+        for (std::size_t i = 0; i < 3 && length > 0; ++i) out.gravity[i] += *magnitude * (*direction)[i] / length;
+        out.is_sum = *gravity != engine::Vec3{} || out.node != solver;
+        out.node = plug.node, out.attribute = *magnitude < 0 ? "magnitude" : "direction";
+    }
+    return out;
+}
+
+void gravity_upwards(Doubting& d, const Falling& f) {
+    const engine::Vec3& g = f.gravity;
+    const double size = std::hypot(g[0], g[1], g[2]);
+    const bool along_y = g[1] == size, along_z = g[2] == size;
+    if (size < earthly_from || size > earthly_to || !(along_y || along_z)) return;
+    const std::string up = along_y ? "y" : "z";
+    d.doubt("FE322", f.node, f.attribute,
+            (f.is_sum ? "with it the sum of gravity points along +" : "points along +") + up + ": where " + up +
+                " is up, whatever is free goes up",
+            "what falls along " + up + " has " + (along_y ? "[0, -9.8, 0]" : "[0, 0, -9.8]"));
+}
+
+} // namespace
+
 void doubt_gravity(Doubting& d, const std::string& solver) {
-    const auto gravity = d.number<engine::Vec3>(solver, "gravity");
+    if (const auto all = falling(d, solver)) gravity_upwards(d, *all);
+    const auto gravity = d.at_start<engine::Vec3>(solver, "gravity");
     if (!gravity) return;
     const engine::Vec3& g = *gravity;
     const double size = std::hypot(g[0], g[1], g[2]);
-    const bool along_y = g[1] == size, along_z = g[2] == size;
-    if (size >= earthly_from && size <= earthly_to && (along_y || along_z))
-        d.doubt("FE322", solver, "gravity",
-                std::string("points along +") + (along_y ? "y" : "z") + ": where " + (along_y ? "y" : "z") +
-                    " is up, whatever is free goes up",
-                along_y ? "what falls along y has [0, -9.8, 0]" : "what falls along z has [0, 0, -9.8]");
     if (size <= largest_gravity) return;
     std::string cure;
     for (const double part : g) cure += (cure.empty() ? "[" : ", ") + engine::number_text(part / size * 9.8 + 0.0);
