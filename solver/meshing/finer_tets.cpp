@@ -79,6 +79,36 @@ TetMesh cut_in_eight(const TetMesh& tets) {
     return out;
 }
 
+/// Winding numbers at the vertices of the parts of tets that are cut, by corner_windings; 0 at others.
+std::vector<double> windings_at_corners(const TetMesh& parts, const std::vector<std::size_t>& cut, const Solid& solid,
+                                        const MeshingControl& control) {
+    std::vector<double> edge(parts.vertices.size(), 0.0); // of a tet there
+    for (const std::size_t t : cut)
+        for (std::size_t k = 8 * t; k < 8 * t + 8; ++k) {
+            const Tet& part = parts.tets[k];
+            const double length = (parts.vertices[at(part[1])] - parts.vertices[at(part[0])]).norm();
+            for (const int v : part) edge[at(v)] = length;
+        }
+    std::vector<std::size_t> corners;
+    for (std::size_t v = 0; v < edge.size(); ++v)
+        if (edge[v] > 0) corners.push_back(v);
+    // Middles of the edges of one vertex follow each other: what is asked together lies together.
+    constexpr std::size_t together = 8;
+    std::vector<double> out(edge.size(), 0.0);
+    MeshingPhase{control, 0, 0.5, "cutting tets"}.run(
+        (corners.size() + together - 1) / together, 2, [&](std::size_t i) {
+            const auto from = corners.begin() + static_cast<std::ptrdiff_t>(i * together),
+                       to = corners.begin() + static_cast<std::ptrdiff_t>(std::min((i + 1) * together, corners.size()));
+            Points points;
+            std::vector<double> edges;
+            std::for_each(from, to,
+                          [&](std::size_t v) { points.push_back(parts.vertices[v]), edges.push_back(edge[v]); });
+            const std::vector<double> found = corner_windings(solid, points, edges);
+            for (auto v = from; v != to; ++v) out[*v] = found[static_cast<std::size_t>(v - from)];
+        });
+    return out;
+}
+
 /// What of each part is solid: of a tet that is cut the part's own share. Nothing where the eight do not agree with
 /// what their tets know of themselves: parts of one coverage on both sides of a wall would be worse than the tet as it
 /// is.
@@ -95,12 +125,16 @@ std::optional<std::vector<double>> parts_coverage(const TetMesh& parts, const st
     if (!solid) return {};
     constexpr double alike = 1e-6;
     const TriangleFinder finder(*solid);
+    const std::vector<double> winding = windings_at_corners(parts, cut, *solid, control);
     std::vector<char> disagrees(cut.size(), 0);
-    MeshingPhase{control, 0, 1, "cutting tets"}.run(cut.size(), 8, [&](std::size_t i) {
+    MeshingPhase{control, 0.5, 1, "cutting tets"}.run(cut.size(), 8, [&](std::size_t i) {
         std::array<double, 8> shares;
         for (std::size_t k = 0; k < 8; ++k) {
-            const std::array<Vec3, 4> corners = corners_of(parts.vertices, parts.tets[8 * cut[i] + k]);
-            shares[k] = std::clamp(closed_share(*solid, corners, finder.touching(corners)), 0.0, 1.0);
+            const Tet& part = parts.tets[8 * cut[i] + k];
+            const std::array<Vec3, 4> corners = corners_of(parts.vertices, part);
+            const std::array<double, 4> at_corners{winding[at(part[0])], winding[at(part[1])], winding[at(part[2])],
+                                                   winding[at(part[3])]};
+            shares[k] = std::clamp(closed_share(*solid, corners, finder.touching(corners), at_corners), 0.0, 1.0);
         }
         const double mean = std::accumulate(shares.begin(), shares.end(), 0.0) / 8;
         disagrees[i] = std::abs(mean - known[cut[i]]) > alike;

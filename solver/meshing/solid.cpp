@@ -89,7 +89,8 @@ std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Tri
             places.push_back(middle - step), places.push_back(middle + step);
             return true;
         });
-        const auto first = sides_at(tree.winding_number(places[0]), tree.winding_number(places[1]));
+        const std::vector<double> two = tree.winding_numbers({places[0], places[1]});
+        const auto first = sides_at(two[0], two[1]);
         if (!first) return;
         for (std::size_t from = 2, several = 4; from < places.size(); from += several, several *= 4) {
             const auto begin = places.begin() + static_cast<std::ptrdiff_t>(from),

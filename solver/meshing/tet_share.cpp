@@ -153,15 +153,26 @@ class TetFrame {
     Mat3 inverse_;
 };
 
+/// Where a corner tells nothing; `edge` is the length of one of a tet there.
+bool is_on_surface(const Solid& solid, const Vec3& corner, double edge) {
+    return solid.tree.closest(corner, 1e-7 * edge).triangle >= 0;
+}
+
+/// The winding number at a corner, whole; NaN on the surface.
+double corner_winding(const Solid& solid, const Vec3& corner, double edge) {
+    return is_on_surface(solid, corner, edge) ? std::nan("") : std::round(solid.winding_number(corner));
+}
+
 /// Integral of the winding number over the tet, per volume; NaN if every corner lies on the surface. Adds to
-/// `moments`, where wanted, those of the winding number.
+/// `moments`, where wanted, those of the winding number. `known`: corner_winding of each, where it is known.
 double winding_integral(const Solid& solid, const std::array<Vec3, 4>& corners, const TetFrame& frame,
-                        const std::vector<int>& triangles, TetMoments* moments) {
-    const double near = 1e-7 * (corners[1] - corners[0]).norm();
+                        const std::vector<int>& triangles, TetMoments* moments,
+                        const std::array<double, 4>* known = nullptr) {
+    const double edge = (corners[1] - corners[0]).norm();
     for (int reference = 0; reference < 4; ++reference) {
-        const Vec3& corner = corners[static_cast<std::size_t>(reference)];
-        if (solid.tree.closest(corner, near).triangle >= 0) continue;
-        double integral = std::round(solid.winding_number(corner));
+        const auto i = static_cast<std::size_t>(reference);
+        double integral = known ? (*known)[i] : corner_winding(solid, corners[i], edge);
+        if (std::isnan(integral)) continue;
         if (moments) moments->add(whole_moments(moments->degree), integral);
         for (int t : triangles) integral += share_of_triangle(frame(solid, t), reference, moments);
         return integral;
@@ -270,7 +281,7 @@ void add_between(const Solid::Sides& sides, const Part& part, const TetMoments& 
 }
 
 double split_share(const Solid& solid, const Part& part, const std::vector<int>& triangles, int depth,
-                   TetMoments* moments) {
+                   TetMoments* moments, const std::array<double, 4>* known = nullptr) {
     const std::array<Vec3, 4>& corners = part.corners;
     const auto as_whole = [&](double share) {
         add_part(part, share, moments);
@@ -280,7 +291,10 @@ double split_share(const Solid& solid, const Part& part, const std::vector<int>&
         const Vec3 middle = (corners[0] + corners[1] + corners[2] + corners[3]) / 4;
         return solid.tree.inside_either_way(middle) ? 1.0 : 0.0;
     };
-    if (triangles.empty()) return as_whole(inside_middle());
+    if (triangles.empty()) {
+        if (known && !std::isnan((*known)[0])) return as_whole((*known)[0] != 0 ? 1 : 0);
+        return as_whole(inside_middle());
+    }
     const Solid::Sides sides = common_sides(solid, triangles);
     const bool is_simple = sides.are_known();
     if (is_simple && sides.below != 0 && sides.above != 0) return as_whole(1);
@@ -288,7 +302,7 @@ double split_share(const Solid& solid, const Part& part, const std::vector<int>&
     if (is_simple || depth == deepest_split) {
         TetMoments winding;
         if (moments) winding.degree = moments->degree;
-        const double integral = winding_integral(solid, corners, frame, triangles, moments ? &winding : nullptr);
+        const double integral = winding_integral(solid, corners, frame, triangles, moments ? &winding : nullptr, known);
         if (is_simple)
             if (const auto share = share_between(sides, integral)) {
                 if (moments) add_between(sides, part, winding, *share, *moments);
@@ -320,6 +334,18 @@ double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, cons
     return split_share(solid, {corners}, triangles, 0, moments);
 }
 
+std::vector<double> corner_windings(const Solid& solid, const Points& corners, const std::vector<double>& edges) {
+    std::vector<double> out = solid.tree.winding_numbers(corners);
+    for (std::size_t i = 0; i < out.size(); ++i)
+        out[i] = is_on_surface(solid, corners[i], edges[i]) ? std::nan("") : std::round(out[i]);
+    return out;
+}
+
+double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
+                    const std::array<double, 4>& windings) {
+    return split_share(solid, {corners}, triangles, 0, nullptr, &windings);
+}
+
 namespace {
 
 Vec3 point_at(const std::array<Vec3, 4>& corners, const Barycentric& b) {
@@ -333,11 +359,10 @@ std::optional<double> winding_integral_in(const Solid& a, const Solid& b, const 
                                           double share_b) {
     constexpr double least_piece = 1e-10; // of less there is nothing to be known but rounding
     const TetFrame frame(corners);
-    const double near = 1e-7 * (corners[1] - corners[0]).norm();
+    const double edge = (corners[1] - corners[0]).norm();
     for (int reference = 0; reference < 4; ++reference) {
-        const Vec3& corner = corners[static_cast<std::size_t>(reference)];
-        if (a.tree.closest(corner, near).triangle >= 0) continue;
-        double integral = std::round(a.winding_number(corner)) * share_b;
+        double integral = corner_winding(a, corners[static_cast<std::size_t>(reference)], edge) * share_b;
+        if (std::isnan(integral)) continue;
         for (int t : triangles_a)
             add_pieces(frame(a, t), reference, [&](double volume, const std::array<Barycentric, 4>& piece) {
                 if (!(std::abs(volume) > least_piece)) return;
