@@ -62,7 +62,8 @@ class FibreField {
         , surface_(t.surface)
         , triangles_(t.triangles)
         , finer_(solver::finer_tets(t.tets, t.surface, t.triangles, control))
-        , embedding_(solver::embed(finer_.mesh, t.surface)) {}
+        , locator_(finer_.mesh)
+        , embedding_(solver::embed(locator_, t.surface)) {}
 
     /// Their means in the simulation's tets.
     solver::Points between(const NumberList& end_points) const {
@@ -73,7 +74,7 @@ class FibreField {
             ends.push_back(is_source(e) ? 0.0 : is_sink(e) ? 1.0 : e);
         }
         const solver::Points gradients =
-            solver::fibre_gradients(finer_.mesh, {surface_, triangles_, embedding_}, ends, painted);
+            solver::fibre_gradients(finer_.mesh, {surface_, triangles_, embedding_, &locator_}, ends, painted);
         return solver::fibre_directions(tets_, solver::means_over_parts(finer_, gradients, tets_.tets.size()));
     }
 
@@ -82,6 +83,7 @@ class FibreField {
     const solver::Points& surface_;
     const std::vector<solver::Triangle>& triangles_;
     solver::FinerTets finer_;
+    solver::TetLocator locator_;
     solver::Embedding embedding_;
 };
 

@@ -18,6 +18,8 @@ struct Embedding {
 /// Each point in the tet that holds it, or extrapolated from the nearest tet. A point on a vertex of the mesh
 /// gets exactly that vertex (coordinates 1 and 0).
 Embedding embed(const TetMesh& mesh, const Points& points);
+class TetLocator;
+Embedding embed(const TetLocator& locator, const Points& points);
 /// The same for points that are asked for one after the other. Immutable; queries are thread-safe. The mesh must
 /// outlive it.
 class TetLocator {

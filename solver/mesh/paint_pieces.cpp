@@ -147,8 +147,8 @@ void add(PaintPieces& out, int tet, const std::array<double, 4>& barycentric, do
 void add_samples(PaintPieces& out, const TetMesh& mesh, const PaintedSurface& surface,
                  const std::vector<double>& values, const std::vector<Triangle>& triangles) {
     if (triangles.empty()) return;
-    const PaintSamples samples =
-        sample_paint(mesh, {surface.points, triangles, surface.embedding}, std::vector<char>(surface.points.size(), 1));
+    const PaintSamples samples = sample_paint(mesh, {surface.points, triangles, surface.embedding, surface.locator},
+                                              std::vector<char>(surface.points.size(), 1));
     const std::vector<double> painted = samples.values(values);
     for (std::size_t i = 0; i < samples.areas.size(); ++i)
         if (samples.areas[i] > 0)

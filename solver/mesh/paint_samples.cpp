@@ -168,7 +168,8 @@ PaintSamples sample_paint(const TetMesh& mesh, const PaintedSurface& surface, co
     }
     if (large.empty()) return out;
 
-    const TetLocator locator(mesh);
+    std::optional<TetLocator> own;
+    const TetLocator& locator = surface.locator ? *surface.locator : own.emplace(mesh);
     std::vector<std::vector<Sample>> samples(large.size());
     parallel_for(large.size(), 8, [&](std::size_t i) {
         samples[i] = Splitter(mesh, surface, surface.triangles[large[i]]).split(locator);

@@ -11,7 +11,8 @@ namespace sinew::solver {
 struct PaintedSurface {
     const Points& points;
     const std::vector<Triangle>& triangles;
-    const Embedding& embedding; ///< of the points, in the tet mesh
+    const Embedding& embedding;          ///< of the points, in the tet mesh
+    const TetLocator* locator = nullptr; ///< of the tet mesh, where there is one already
 };
 
 /// The surface's vertices, then further points on painted triangles.

@@ -8,13 +8,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace sinew::solver {
 namespace {
 
+/// One of those with the same lowest corner.
 struct Face {
-    std::array<int, 3> sorted;
-    int tet, side;
+    std::array<int, 2> upper; ///< the other corners, sorted
+    std::size_t number;       ///< four a tet
 };
 
 /// Tets on the same four vertices would count twice in mass and stiffness.
@@ -48,33 +50,41 @@ double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 TetBoundary tet_boundary(const std::vector<Tet>& tets) {
     // Corners of the face opposite corner i, outward for a positively oriented tet.
     constexpr int faces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
-    std::vector<Face> all;
-    all.reserve(4 * tets.size());
-    for (std::size_t t = 0; t < tets.size(); ++t)
-        for (int side = 0; side < 4; ++side) {
-            std::array<int, 3> key{tets[t][at(faces[side][0])], tets[t][at(faces[side][1])],
-                                   tets[t][at(faces[side][2])]};
-            std::sort(key.begin(), key.end());
-            all.push_back({key, static_cast<int>(t), side});
-        }
-    std::sort(all.begin(), all.end(), [](const Face& a, const Face& b) {
-        if (a.sorted != b.sorted) return a.sorted < b.sorted;
-        return a.tet != b.tet ? a.tet < b.tet : a.side < b.side;
-    });
-    std::vector<Face> border;
-    for (std::size_t i = 0; i < all.size();) {
-        std::size_t end = i + 1;
-        while (end < all.size() && all[end].sorted == all[i].sorted) ++end;
-        if (end == i + 1) border.push_back(all[i]);
-        i = end;
+    // Faces by their lowest corner: few share one, so that little is left to be sorted.
+    int vertices = 0;
+    for (const Tet& t : tets) vertices = std::max(vertices, *std::max_element(t.begin(), t.end()) + 1);
+    std::vector<std::size_t> end(at(vertices) + 1, 0);
+    const auto corners = [&](std::size_t face) {
+        const Tet& t = tets[face / 4];
+        const auto& f = faces[face % 4];
+        return Triangle{t[at(f[0])], t[at(f[1])], t[at(f[2])]};
+    };
+    const auto lowest = [](const Triangle& t) { return at(std::min({t[0], t[1], t[2]})); };
+    const std::size_t count = 4 * tets.size();
+    for (std::size_t f = 0; f < count; ++f) ++end[lowest(corners(f)) + 1];
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Face> sorted(count);
+    for (std::size_t f = 0; f < count; ++f) {
+        Triangle c = corners(f);
+        std::sort(c.begin(), c.end());
+        sorted[end[at(c[0])]++] = {{c[1], c[2]}, f};
     }
-    std::sort(border.begin(), border.end(),
-              [](const Face& a, const Face& b) { return a.tet != b.tet ? a.tet < b.tet : a.side < b.side; });
+    std::vector<char> is_border(count, 0);
+    for (std::size_t v = 0, begin = 0; v < at(vertices); begin = end[v++]) {
+        const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin),
+                   last = sorted.begin() + static_cast<std::ptrdiff_t>(end[v]);
+        std::sort(first, last, [](const Face& a, const Face& b) { return a.upper < b.upper; });
+        for (auto i = first; i != last;) {
+            const auto next = std::find_if(i, last, [&](const Face& f) { return f.upper != i->upper; });
+            is_border[i->number] = next - i == 1;
+            i = next;
+        }
+    }
     TetBoundary result;
-    for (const Face& f : border) {
-        const Tet& t = tets[at(f.tet)];
-        result.triangles.push_back({t[at(faces[f.side][0])], t[at(faces[f.side][1])], t[at(faces[f.side][2])]});
-        result.tet.push_back(f.tet);
+    for (std::size_t f = 0; f < count; ++f) {
+        if (!is_border[f]) continue;
+        result.triangles.push_back(corners(f));
+        result.tet.push_back(static_cast<int>(f / 4));
     }
     return result;
 }
