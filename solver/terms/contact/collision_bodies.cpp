@@ -35,6 +35,7 @@ bool may_meet(const ContactRest& a, const ContactValues& of_a, const ContactRest
 
 CollisionBodies::CollisionBodies(const Scene& scene) {
     const std::vector<Part>& parts = scene.description().parts;
+    bodies_.reserve(parts.size());
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (parts[k].type != &contact_type) continue;
         const auto* rest = static_cast<const ContactRest*>(parts[k].rest.get());

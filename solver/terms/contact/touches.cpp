@@ -53,6 +53,7 @@ TouchSearch::TouchSearch(const CollisionBodies& bodies)
     , areas_(bodies.count())
     , known_(bodies.count() * bodies.count())
     , elsewhere_(bodies.count())
+    , inside_(bodies.count())
     , last_(bodies.count())
     , later_(bodies.count())
     , behind_(bodies.count())
@@ -60,6 +61,7 @@ TouchSearch::TouchSearch(const CollisionBodies& bodies)
 
 void TouchSearch::begin(const std::vector<const double*>& carriers) {
     ++step_;
+    std::fill(inside_.begin(), inside_.end(), nullptr);
     parallel_for(bodies_.count(), 1, [&](std::size_t b) {
         const CollisionBody& body = bodies_[static_cast<int>(b)];
         last_[b] = boxes_[b].places();
@@ -200,13 +202,16 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
     if (pair.source == pair.target || pair.two_sided) return;
     const SurfaceBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
     if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
-    const SurfaceTree tree(boxes.places(), target.triangles());
+    const auto may_be_inside = [&](const Vec3& place) {
+        return (place.array() >= boxes.low().array()).all() && (place.array() <= boxes.high().array()).all();
+    };
+    if (!std::any_of(own.places().begin(), own.places().end(), may_be_inside)) return;
+    std::shared_ptr<const SurfaceTree>& tree = inside_[at(pair.target)];
+    if (!tree) tree = std::make_shared<SurfaceTree>(boxes.places(), target.triangles());
     std::vector<ClosestFeature> found(source.point_count());
     parallel_for(found.size(), 64, [&](std::size_t p) {
         const Vec3& place = own.places()[p];
-        if ((place.array() < boxes.low().array()).any() || (place.array() > boxes.high().array()).any()) return;
-        if (!tree.inside(place)) return;
-        found[p] = find_feature(target, boxes, place, 1e300);
+        if (may_be_inside(place) && tree->inside(place)) found[p] = find_feature(target, boxes, place, 1e300);
     });
     for (std::size_t p = 0; p < found.size(); ++p)
         if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))

@@ -7,10 +7,13 @@
 #include "solver/terms/contact/collision_bodies.h"
 #include "solver/terms/contact/contact_memory.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
 namespace sinew::solver {
+
+class SurfaceTree;
 
 /// A point of one body and the surface of another, or of the same one.
 struct Touch {
@@ -109,10 +112,11 @@ class TouchSearch {
     void bring_up_to_date(const ContactPair& pair);
     std::vector<KnownOfPair> known_; ///< [source and target]
     long long step_ = 0;
-    std::vector<std::vector<std::vector<int>>> elsewhere_; ///< per body that touches itself: CollisionBody::elsewhere
-    std::vector<Points> last_, later_;                     ///< per body, of its points: at the step before, and later
-    std::vector<BodyMotion> behind_, ahead_;               ///< from the step before, and to later
-    std::vector<char> has_;                                ///< of a search, per point
+    std::vector<std::vector<std::vector<int>>> elsewhere_;   ///< per body that touches itself: CollisionBody::elsewhere
+    std::vector<std::shared_ptr<const SurfaceTree>> inside_; ///< per body whose inside was asked for in this step
+    std::vector<Points> last_, later_;                       ///< per body, of its points: at the step before, and later
+    std::vector<BodyMotion> behind_, ahead_;                 ///< from the step before, and to later
+    std::vector<char> has_;                                  ///< of a search, per point
     std::vector<ClosestFeature> found_;
 };
 
