@@ -45,6 +45,9 @@ struct Key {
     double frame = 0;
     KeyNumbers value; ///< one number, three for a vector, 16 for a matrix, any count for a list of numbers
     std::vector<double> tangent_in = {}, tangent_out = {}; ///< value per frame; empty = automatic
+    /// Edit::set_input put it in front of a frame that was sent, and it keeps what holds until there: it follows what
+    /// is sent before it. A file does not say so.
+    bool keeps = false;
 };
 
 /// Keys sorted by frame, all of one width. Before the first and after the last key the value is constant.

@@ -368,7 +368,7 @@ class Edit::Draft {
         const auto at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame,
                                          [](const Key& k, double f) { return k.frame < f; });
         if (at != curve.keys.end() && at->frame == op.frame)
-            at->value = {op.value};
+            at->value = {op.value}, at->keeps = false;
         else
             curve.keys.insert(at, Key{op.frame, {op.value}});
         bind(op.plug, std::move(curve));
@@ -449,13 +449,15 @@ class Edit::Draft {
                                    number_text((at - 1)->frame) + " and " + number_text(at->frame) +
                                    ", whose values differ: the frames before it would change",
                                "give the input a plain value first, or set its keys");
-            curve.keys.insert(at, Key{kept, std::move(stays)});
+            curve.keys.insert(at, Key{.frame = kept, .value = std::move(stays), .keeps = true});
         }
         at = std::lower_bound(curve.keys.begin(), curve.keys.end(), op.frame, earlier);
         if (at != curve.keys.end() && at->frame == op.frame)
-            at->value = sent;
+            at->value = sent, at->keeps = false;
         else
             at = curve.keys.insert(at, Key{op.frame, sent});
+        // What is sent holds until the next frame that was, in whatever order they come.
+        if (const auto next = at + 1; next != curve.keys.end() && next->keeps) next->value = sent;
         if (bound == n.inputs.end() || !std::holds_alternative<Curve>(bound->second)) {
             bind(op.plug, std::move(curve));
             return;

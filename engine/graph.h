@@ -126,11 +126,12 @@ class Edit {
     Edit& set_json(Plug input, std::string json);
     Edit& set_key(Plug input, double frame,
                   double value); ///< adds or replaces one key; a literal becomes a curve
-    /// What a host sends frame by frame: at `frame` the input holds `value`, and from there on until the next key. Up
-    /// to the whole frame before, everything stays as it is, to the bit; in between sub-steps interpolate (stepped for
-    /// bool, integers and words; matrices turn as recorded motion does). So a simulation goes on from frame-1, and the
-    /// same values sent again find the same frames. Kept as keys: a literal becomes a curve. DG043 where a curve would
-    /// have to be cut between two keys of different values, or is smooth: earlier frames could not stay.
+    /// What a host sends frame by frame: at `frame` the input holds `value`, and from there on until the next frame
+    /// that was sent, in whatever order they are, or the next key of the graph. Up to the whole frame before,
+    /// everything stays as it is, to the bit; in between sub-steps interpolate (stepped for bool, integers and words;
+    /// matrices turn as recorded motion does). So a simulation goes on from frame-1, and the same values sent again
+    /// find the same frames. Kept as keys: a literal becomes a curve. DG043 where a curve would have to be cut between
+    /// two keys of different values, or is smooth: earlier frames could not stay.
     Edit& set_input(Plug input, double frame, Value value);
     Edit& reset(Plug input); ///< back to the default, disconnected; of included nodes to what their file says
     Edit& set_editor_json(std::string json);

@@ -7,6 +7,8 @@
 #include "solver/mesh/coordinates.h"
 
 #include <algorithm>
+#include <stdexcept>
+#include <string>
 
 namespace sinew::nodes {
 
@@ -125,6 +127,9 @@ Mesh Mesh::from(solver::SurfaceMesh mesh) {
 }
 
 Mesh Mesh::with_points(solver::Points moved) const {
+    if (moved.size() != points->size())
+        throw std::invalid_argument(std::to_string(moved.size()) + " points for a mesh of " +
+                                    std::to_string(points->size()));
     Mesh out;
     out.topology = topology;
     out.points_digest = digest_of(moved);
@@ -223,7 +228,11 @@ using nodes::add;
 using nodes::numbers;
 using nodes::size_of;
 
-void ValueTraits<nodes::Mesh>::hash(Hasher& h, const nodes::Mesh& v) { add(h, v); }
+void ValueTraits<nodes::Mesh>::hash(Hasher& h, const nodes::Mesh& v) {
+    if (!v.topology || !v.points)
+        throw std::logic_error("a mesh without points or faces; nodes::Mesh::from makes one of a surface");
+    add(h, v);
+}
 std::size_t ValueTraits<nodes::Mesh>::bytes(const nodes::Mesh& v) {
     // Deformed copies share their topology: who made it pays for it.
     const nodes::MeshTopology& t = *v.topology;

@@ -181,7 +181,11 @@ void Session::tell() {
 
 EntryPtr make_entry(const Place& p, const Writes& writes, std::vector<Diagnostic> warnings) {
     const auto bug = [&](std::string_view output, const char* what) {
-        throw std::logic_error(std::string(p.type->name) + " " + what + " output \"" + std::string(output) + "\"");
+        const std::string wrong = std::string(p.type->name) + " " + what + " output \"" + std::string(output) + "\"";
+        if (p.type->revision.empty()) throw std::logic_error(wrong);
+        Diagnostic d; // of a type that a host brings
+        d.code = "DG127", d.node = p.name, d.message = wrong, d.hint = "this node type is the host's: repair it there";
+        throw Failure(std::move(d));
     };
     auto out = std::make_shared<Entry>();
     out->warnings = std::move(warnings);

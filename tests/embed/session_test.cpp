@@ -1,6 +1,8 @@
 // The facade for hosts: bodies by name, what was sent keyed by content, frames kept for later processes, cancelling.
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "nodes/register_all.h"
 #include "tests/tools/temporary_folder.h"
+#include "tools/embed/host_types.h"
 #include "tools/embed/session.h"
 
 #include <catch2/catch.hpp>
@@ -296,6 +298,113 @@ TEST_CASE("a session that is called from its own callback refuses, and does not 
     bool misuse = false;
     CHECK(code([&] { other.evaluate(2); }, &misuse) == "DG140");
     CHECK(misuse);
+}
+
+TEST_CASE("a session has at most as many threads as there may be", "[embed]") {
+    for (const int threads : {-1, 1025, 2'000'000'000}) {
+        bool misuse = false;
+        CHECK(code([&] { Session s({.threads = threads}); }, &misuse) == "DG123");
+        CHECK(misuse);
+    }
+    CHECK(code([] { Session s({.threads = 3}); }).empty());
+}
+
+TEST_CASE("a session does not wait for itself within a change or a node of it", "[embed]") {
+    auto registry = std::make_shared<engine::Registry>();
+    nodes::register_all(*registry);
+    const engine::Output<double> out_value{.name = "outValue", .doc = "What it asked for."};
+    Session* asked = nullptr;
+    engine::NodeType type;
+    type.name = "asks", type.doc = "Evaluates a session.", type.revision = "1";
+    type.outputs = {engine::describe(out_value)};
+    type.compute = [&](const engine::Reads&, engine::Writes& out) {
+        out.set(out_value, asked->evaluate(1, "other.outValue").value.as<double>());
+    };
+    embed::add_host_type(*registry, type);
+    engine::NodeType plain = type;
+    plain.name = "plain";
+    plain.compute = [&](const engine::Reads&, engine::Writes& out) { out.set(out_value, 4.0); };
+    embed::add_host_type(*registry, plain);
+    const std::string text = R"({"format": "sinew 1", "nodes": {"own": {"type": "asks"}, "other": {"type": "plain"}}})";
+    Session s({.registry = registry}), another({.registry = registry});
+    s.load_text(text), another.load_text(text);
+    asked = &s;
+    CHECK(code([&] { s.evaluate(1, "own.outValue"); }) == "DG140");
+    CHECK(s.evaluate(1, "other.outValue").value.as<double>() == 4);
+    asked = &another;
+    s.load_text(R"({"format": "sinew 1", "nodes": {"own": {"type": "asks"}}})");
+    CHECK(s.evaluate(1, "own.outValue").value.as<double>() == 4);
+    CHECK(code([&] { s.edit([&](engine::Edit&) { s.load_text(text); }); }) == "DG140");
+    CHECK(code([&] { s.edit([&](engine::Edit&) { s.set_json({"own", "x"}, "1"); }); }) == "DG140");
+    s.edit([](engine::Edit& e) { e.add_node("later", "plain"); });
+    CHECK(s.evaluate(1, "later.outValue").value.as<double>() == 4);
+}
+
+TEST_CASE("a mesh of a host's node type that is none is told of", "[embed]") {
+    auto registry = std::make_shared<engine::Registry>();
+    nodes::register_all(*registry);
+    const engine::Input<std::int64_t> points{.name = "points", .def = 0, .doc = "How many; 0: no mesh."};
+    const engine::Output<nodes::Mesh> out_mesh{.name = "outMesh", .doc = "A mesh."};
+    engine::NodeType type;
+    type.name = "made", type.doc = "Makes a mesh.", type.revision = "1";
+    type.inputs = {engine::describe(points)}, type.outputs = {engine::describe(out_mesh)};
+    type.compute = [&](const engine::Reads& in, engine::Writes& out) {
+        if (in[points] == 0) return out.set(out_mesh, nodes::Mesh());
+        const auto cube = nodes::Mesh::from(solver::SurfaceMesh::from_triangles(
+            {solver::Vec3(0, 0, 0), solver::Vec3(1, 0, 0), solver::Vec3(0, 1, 0)}, {{0, 1, 2}}));
+        out.set(out_mesh,
+                cube.with_points(solver::Points(static_cast<std::size_t>(in[points]), solver::Vec3(1, 2, 3))));
+    };
+    embed::add_host_type(*registry, type);
+    Session s({.registry = registry});
+    const auto made = [&](int count) {
+        s.load_text(R"({"format": "sinew 1", "nodes": {"m": {"type": "made", "inputs": {"points": )" +
+                    std::to_string(count) + "}}}}");
+        return code([&] { s.evaluate(1, "m.outMesh"); });
+    };
+    CHECK(made(0) == "DG127");
+    CHECK(made(2) == "DG127");
+    CHECK(made(3).empty());
+}
+
+TEST_CASE("a host's node type that does not write what it declares is told of", "[embed]") {
+    const engine::Output<double> out_value{.name = "outValue", .doc = "A number."},
+        other{.name = "other", .doc = "None."};
+    const engine::Output<std::string> out_text{.name = "outValue", .doc = "A text."};
+    const auto told = [&](const std::function<void(engine::Writes&)>& writes) -> std::string {
+        auto registry = std::make_shared<engine::Registry>();
+        nodes::register_all(*registry);
+        engine::NodeType type;
+        type.name = "writes", type.doc = "Writes.", type.revision = "1", type.outputs = {engine::describe(out_value)};
+        type.compute = [&](const engine::Reads&, engine::Writes& out) { writes(out); };
+        embed::add_host_type(*registry, type);
+        Session s({.registry = registry});
+        s.load_text(R"({"format": "sinew 1", "nodes": {"w": {"type": "writes"}}})");
+        try {
+            s.evaluate(1, "w.outValue");
+        } catch (const engine::Failure& f) {
+            const engine::Diagnostic& d = f.diagnostics().front();
+            return d.code + " " + d.node + ": " + d.message;
+        }
+        return "";
+    };
+    CHECK(told([](engine::Writes&) {}) == "DG127 w: writes did not write output \"outValue\"");
+    CHECK(told([&](engine::Writes& out) { out.set(out_text, std::string("one")); }) ==
+          "DG127 w: writes wrote another type to output \"outValue\"");
+    CHECK(told([&](engine::Writes& out) { out.set(out_value, 1.0), out.set(other, 1.0); }) ==
+          "DG127 w: writes wrote the undeclared output \"other\"");
+    CHECK(told([&](engine::Writes& out) { out.set(out_value, 1.0); }).empty());
+}
+
+TEST_CASE("a wrong first mesh of a host is replaced by one of another count of points", "[embed]") {
+    Session s;
+    s.load_text(R"({"format": "sinew 1", "nodes": {"m": {"type": "hostMesh"}}})");
+    const std::vector<double> points{0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5};
+    const std::vector<int> corners{0, 1, 2};
+    s.set_mesh("m", 1, {points, {}, corners});
+    s.set_mesh("m", 1, {std::span(points).first(9), {}, corners});
+    CHECK(s.evaluate(1, "m.outMesh").meshes[0].points->size() == 3);
+    CHECK(s.evaluate(9, "m.outMesh").meshes[0].points->size() == 3);
 }
 
 TEST_CASE("names and frames that are not there are misuse, values are not", "[embed]") {

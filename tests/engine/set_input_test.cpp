@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/support/engine_toys.h"
 
+#include <algorithm>
 #include <bit>
 #include <catch2/catch.hpp>
 
@@ -102,6 +103,41 @@ TEST_CASE("a value sent at a frame leaves the past alone, also frames that were 
     const auto back = Edit(other).set_input({"p", "matrix"}, 11, Value::of<Matrix4>(place_at(40))).commit().graph;
     number(e, back, plug, 12);
     CHECK(counts->advances == steps + 2);
+}
+
+TEST_CASE("frames that are sent in any order give the same curve, and each holds until the next") {
+    const auto g = graph(registry(), R"("n": {"type": "number", "inputs": {"value": 9}})");
+    const auto read = [](const std::shared_ptr<const Graph>& sent) {
+        Evaluator e({}, 1);
+        std::vector<double> out;
+        for (const double f : {0.0, 1.0, 2.0, 2.5, 3.0, 4.0, 4.5, 5.0, 6.0, 7.0, 8.0})
+            out.push_back(number(e, sent, {"n", "out"}, f));
+        return out;
+    };
+    const auto send = [](std::shared_ptr<const Graph> sent, double frame, double value) {
+        return Edit(sent).set_input({"n", "value"}, frame, Value::of<double>(value)).commit().graph;
+    };
+    std::vector<double> frames{1, 3, 5, 6};
+    do {
+        auto sent = g;
+        for (const double f : frames) sent = send(sent, f, 10 * f);
+        CHECK(read(sent) == std::vector<double>{9, 10, 10, 20, 30, 30, 40, 50, 60, 60, 60});
+        // Again and anew: until the next one that was sent.
+        CHECK(write_graph(*send(sent, 3, 30)) == write_graph(*sent));
+        CHECK(read(send(sent, 3, 100)) == std::vector<double>{9, 10, 10, 55, 100, 100, 75, 50, 60, 60, 60});
+        // Next to another one, and where only something was kept.
+        CHECK(read(send(sent, 4, 40)) == std::vector<double>{9, 10, 10, 20, 30, 40, 45, 50, 60, 60, 60});
+        CHECK(read(send(sent, 2, 20)) == std::vector<double>{9, 10, 20, 25, 30, 30, 40, 50, 60, 60, 60});
+        CHECK(read(send(sent, 0, 1)) == std::vector<double>{1, 10, 10, 20, 30, 30, 40, 50, 60, 60, 60});
+    } while (std::next_permutation(frames.begin(), frames.end()));
+    // Time is scrubbed.
+    auto sent = g;
+    for (const double f : {1.0, 10.0, 5.0, 3.0, 4.0, 7.0}) sent = send(sent, f, f);
+    CHECK(read(sent) == std::vector<double>{9, 1, 1, 2, 3, 4, 4.5, 5, 5, 7, 7});
+    // A key that someone sets there is a key.
+    sent = send(g, 5, 50);
+    sent = Edit(sent).set_key({"n", "value"}, 4, 7).commit().graph;
+    CHECK(number(*std::make_unique<Evaluator>(StorePolicy{}, 1), send(sent, 1, 1), {"n", "out"}, 4) == 7);
 }
 
 TEST_CASE("numbers, words, switches and whole numbers can be sent too, and each has an inverse") {

@@ -141,10 +141,29 @@ class NodeTypes(unittest.TestCase):
             dict(inputs={"a": sinew.Input("number", 5, "A number.", max=3)}),
             dict(inputs={"a": sinew.Input("number", 5, "A number.", unit="parsnips")}),
             dict(inputs={"a": sinew.Input("text", "c", "A text.", options=("a", "b"))}),
+            dict(version=1), dict(doc=None), dict(inputs={1: sinew.Input("number", 5, "A number.")}),
+            dict(inputs={"a": sinew.Input("number", 5, "A number.", unit=None)}),
+            dict(inputs={"a": sinew.Input("text", "c", "A text.", options="ab")}),
+            dict(inputs={"a": sinew.Input("number", 5, "A number.", min="a")}),
+            dict(inputs={"a": sinew.Input("number", 5, "A number.", keyable="yes")}),
+            dict(inputs={"a": sinew.Input("vector", [1, 2], "Too few.")}),
+            dict(inputs={"a": sinew.Input("vector", "abc", "No numbers.")}),
+            dict(inputs={"a": sinew.Output("number", "An output.")}),
+            dict(inputs={"frame": sinew.Input("number", 7, "A number.")}, uses_time=True),
         ):
             with self.assertRaises(sinew.UsageError, msg=wrong) as caught:
                 sinew.Session(node_types=[sinew.NodeType(**{**good, **wrong})])
             self.assertEqual([d.code for d in caught.exception.diagnostics], ["DG128"], wrong)
+        self.assertRaisesRegex(sinew.UsageError, "a part of its declaration is of another kind",
+                               lambda: sinew.Session(node_types=[3]))
+
+    def test_numbers_are_told_from_what_is_none(self):
+        for given in ("abc", {1.0, 2.0, 3.0}, [1, [2, 3]], [1, 2, None], [1j, 2, 3]):
+            broken = sinew.NodeType("broken", "1", "Fails.", {}, {"out": sinew.Output("vector", "Three.")}, lambda: given)
+            session = sinew.Session(text=hanging(b={"type": "broken"}), node_types=[broken])
+            with self.assertRaises(sinew.GraphError) as caught:
+                session.evaluate(1, "b.out")
+            self.assertIn("is of another kind: a " + type(given).__name__, caught.exception.diagnostics[0].message)
 
 
 if __name__ == "__main__":

@@ -242,6 +242,50 @@ class Wrong(unittest.TestCase):
         self.assertEqual(mesh.with_points(mesh.points + 1).points.sum(), mesh.points.sum() + 9)
         self.assertRaises(ValueError, mesh.with_points, mesh.points[:2])
 
+    def test_numbers_of_corners_stay_what_they_are(self):
+        square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+        for wrong in (np.array([0, 1, 2]) + 2**32, np.array([0, 1, 2 + 2**63], np.uint64)):
+            self.assertRaisesRegex(ValueError, "a corner is no vertex number", sinew.Mesh, square, wrong)
+        self.assertRaises(ValueError, sinew.Mesh, square, [0, 1, 2], [2**32 + 3])
+        quads = sinew.Mesh(square, np.array([[0, 1, 2, 3]] * 3))
+        self.assertEqual(quads.face_sizes.tolist(), [4, 4, 4])
+        self.assertEqual(sinew.Mesh(square, [[0, 1, 2], [0, 2, 3]]).face_sizes.tolist(), [3, 3])
+        self.assertRaises(ValueError, sinew.Mesh, square, np.zeros((1, 1, 3), int))
+        self.assertRaisesRegex(TypeError, "corners are whole numbers", sinew.Mesh, square, [[0, 1, 2], [0, 1, 2, 3]])
+
+    def test_what_is_no_number_does_not_become_one(self):
+        session = sinew.Session(text=hanging())
+        masked = np.ma.masked_array(np.eye(4), np.eye(4) > 0)
+        for wrong in (1j, np.eye(4) * 1j, masked, ["1"] * 16, np.array(["2020-01-01"] * 16, "datetime64[D]"), [1, None]):
+            self.assertRaisesRegex(TypeError, "a value is a number", session.set_input, "plate.matrix", 1, wrong)
+        for wrong in (np.eye(3) * 1j, [["0", "1", "2"]], "abc", [[0, 0, 0], [1, 2]]):
+            self.assertRaisesRegex(TypeError, "points are an array", sinew.Mesh, wrong, [0, 1, 2])
+        with self.assertRaisesRegex(sinew.UsageError, "a text as \"30 kPa\""):
+            session.set_input("flesh.youngsModulus", 2, {"value": 30, "unit": "kPa"})
+
+        class Stops:
+            def __array__(self, *_, **__):
+                raise KeyboardInterrupt
+
+        self.assertRaises(KeyboardInterrupt, session.set_input, "plate.matrix", 1, Stops())
+
+    def test_frames_may_be_sent_in_any_order(self):
+        def motion(order):
+            session = sinew.Session(text=hanging())
+            for frame in order:
+                session.set_input("plate.matrix", frame, lifted(frame / 8))
+            return [session.evaluate(f)["plate"].points[:, 1].max() for f in range(1, 7)]
+
+        wanted = [0.5 + h / 8 for h in (1, 1, 3, 3, 5, 5)]
+        for order in ((1, 3, 5), (1, 5, 3), (5, 1, 3), (5, 3, 1)):
+            self.assertEqual(motion(order), wanted, order)
+
+    def test_meshes_are_found_by_name_or_place_alone(self):
+        frame = sinew.Session(text=hanging()).evaluate(1)
+        for wrong in (1.5, None, slice(0, 1)):
+            self.assertRaisesRegex(TypeError, "by the name of its body or by its place", lambda: frame[wrong])
+        self.assertEqual(frame[np.int64(1)].name, "plate")
+
 
 class Going(unittest.TestCase):
     def test_events_tell_what_runs_and_what_is_reused(self):

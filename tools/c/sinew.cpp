@@ -61,7 +61,6 @@ class Callbacks : public engine::Observer {
 };
 
 embed::Options options_of(const sinew_options& o) {
-    if (o.threads < 0) refuse("there cannot be " + std::to_string(o.threads) + " threads", "0 takes all");
     embed::Options out;
     out.threads = o.threads;
     out.memory_bytes = o.memory_bytes;

@@ -10,6 +10,7 @@
 #include "tools/embed/frame_json.h"
 #include "tools/embed/graph_walk.h"
 
+#include <algorithm>
 #include <atomic>
 #include <exception>
 #include <list>
@@ -41,9 +42,11 @@ class Watch : public engine::Observer {
     explicit Watch(Observer* next)
         : next_(next) {}
     void begins(const std::string& node, double frame) override {
+        at_work().push_back(this);
         pass([&](Observer& o) { o.begins(node, frame); });
     }
     void ends(const std::string& node, double frame) override {
+        at_work().pop_back();
         pass([&](Observer& o) { o.ends(node, frame); });
     }
     void computed(const std::string& node, double frame, double seconds) override {
@@ -71,10 +74,17 @@ class Watch : public engine::Observer {
     }
     /// Whether it is the host's observer that this thread is in.
     bool tells_here() const { return telling_ == std::this_thread::get_id(); }
+    /// Whether this thread computes a node of the session.
+    bool works_here() const { return std::ranges::find(at_work(), this) != at_work().end(); }
     std::atomic<std::int64_t> computed_count = 0, stepped_count = 0, reused_count = 0;
     std::function<void()> stop; ///< ends the evaluations that run
 
   private:
+    /// Of the nodes that the calling thread computes, one within the other.
+    static std::vector<const Watch*>& at_work() {
+        thread_local std::vector<const Watch*> list;
+        return list;
+    }
     /// One call at a time, those of readers among them.
     template <class Call>
     void pass(Call&& call) {
@@ -209,6 +219,31 @@ struct Session::Impl {
                          "cancel it there or ask for its counts, and nothing else");
     }
 
+    /// A node that waits for its own session may wait for itself.
+    void refuse_in_compute() const {
+        if (watch.works_here())
+            throw Misuse("DG140", "the session is asked for a value by a node that it computes",
+                         "a node reads its inputs alone: connect what it needs");
+    }
+
+    /// One at a time, and not within itself.
+    class Editing {
+      public:
+        explicit Editing(Impl& impl)
+            : impl_(impl) {
+            impl.refuse_in_callback();
+            if (impl.editor == std::this_thread::get_id())
+                throw Misuse("DG140", "the session is changed within a change of it", "use the Edit that is given");
+            lock_ = std::unique_lock(impl.editing);
+            impl.editor = std::this_thread::get_id();
+        }
+        ~Editing() { impl_.editor = std::thread::id(); }
+
+      private:
+        Impl& impl_;
+        std::unique_lock<std::mutex> lock_;
+    };
+
     void cancel() {
         const std::lock_guard lock(mutex);
         for (std::stop_source& source : running) source.request_stop();
@@ -277,23 +312,34 @@ struct Session::Impl {
     engine::Evaluator evaluator;
     mutable std::mutex mutex; ///< of what follows
     std::mutex editing;       ///< one edit at a time; evaluations need not wait for it
+    std::atomic<std::thread::id> editor;
     std::shared_ptr<const Graph> graph;
     std::list<std::stop_source> running;
 };
 
+namespace {
+
+Options checked(Options options) {
+    constexpr int most_threads = 1024; // more than any machine has; each takes memory
+    if (options.threads < 0 || options.threads > most_threads)
+        throw Misuse("DG123", "there cannot be " + std::to_string(options.threads) + " threads",
+                     "0 takes all; " + std::to_string(most_threads) + " are the most");
+    return options;
+}
+
+} // namespace
+
 Session::Session(Options options, engine::Observer* watch)
-    : impl_(std::make_unique<Impl>(std::move(options), watch)) {}
+    : impl_(std::make_unique<Impl>(checked(std::move(options)), watch)) {}
 Session::~Session() = default;
 
 void Session::load_file(const std::string& path) {
-    impl_->refuse_in_callback();
-    const std::lock_guard edits(impl_->editing);
+    const Impl::Editing edits(*impl_);
     impl_->watched([&] { impl_->take(engine::load_graph(impl_->registry, path, impl_->files)); });
 }
 
 void Session::load_text(std::string_view json, const std::string& file_name) {
-    impl_->refuse_in_callback();
-    const std::lock_guard edits(impl_->editing);
+    const Impl::Editing edits(*impl_);
     impl_->watched([&] { impl_->take(engine::read_graph(impl_->registry, json, file_name, impl_->files)); });
 }
 
@@ -304,8 +350,7 @@ std::shared_ptr<const Graph> Session::graph() const {
 }
 
 void Session::edit(const std::function<void(Edit&)>& changes) {
-    impl_->refuse_in_callback();
-    const std::lock_guard edits(impl_->editing);
+    const Impl::Editing edits(*impl_);
     Edit edit(graph());
     changes(edit);
     auto done = committed(edit);
@@ -352,6 +397,13 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
             throw Misuse("DG123", "\"" + node + "\" is a " + n->type_name + " and takes no mesh from a host",
                          "send it to a hostMesh", {node, ""});
         std::vector<double> points(mesh.points.begin(), mesh.points.end());
+        // Points of another count are another mesh, even with the same faces.
+        const auto counts_differ = [&] {
+            const auto it = n ? n->inputs.find("points") : decltype(n->inputs.find("points")){};
+            if (!n || it == n->inputs.end()) return false;
+            const auto* keys = std::get_if<engine::Curve>(&it->second);
+            return keys && keys->width() != points.size();
+        };
         const auto differs = [&](const char* input, const Value& value) {
             const auto it = n ? n->inputs.find(input) : decltype(n->inputs.find(input)){};
             if (!n || it == n->inputs.end()) return true;
@@ -361,7 +413,7 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
         if (!mesh.face_vertices.empty()) {
             const Value corners = Value::of<engine::NumberList>(as_numbers(mesh.face_vertices));
             const Value sizes = Value::of<engine::NumberList>(as_numbers(mesh.face_sizes));
-            if (differs("faceVertices", corners) || differs("faceSizes", sizes)) {
+            if (differs("faceVertices", corners) || differs("faceSizes", sizes) || counts_differ()) {
                 // Another mesh: nothing of the one before holds.
                 e.set({node, "faceVertices"}, corners).set({node, "faceSizes"}, sizes).reset({node, "points"});
                 if (mesh.face_sizes.empty())
@@ -376,6 +428,7 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
 
 Frame Session::evaluate(double frame, std::string_view plug, std::stop_token stop) {
     impl_->refuse_in_callback();
+    impl_->refuse_in_compute();
     return impl_->watched([&] { return evaluated(frame, plug, std::move(stop)); });
 }
 

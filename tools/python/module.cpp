@@ -123,7 +123,8 @@ std::size_t place_of(const embed::Frame& f, const py::object& which) {
         throw py::key_error("there is no mesh '" + name + "'; " + engine::name_hint(name, f.names, "meshes"));
     }
     const auto count = static_cast<py::ssize_t>(f.meshes.size());
-    auto i = which.cast<py::ssize_t>();
+    if (!PyIndex_Check(which.ptr())) throw py::type_error("a mesh is found by the name of its body or by its place");
+    auto i = which.attr("__index__")().cast<py::ssize_t>();
     if (i < 0) i += count;
     if (i < 0 || i >= count) throw py::index_error("there are " + std::to_string(count) + " meshes");
     return static_cast<std::size_t>(i);
@@ -221,7 +222,6 @@ std::vector<embed::Setting> settings_of(const Inputs& inputs) {
 std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std::string cache,
                                             std::uintmax_t cache_size, std::string root, py::object on_event,
                                             py::object on_warning, const std::vector<py::object>& node_types) {
-    if (threads < 0) throw py::value_error("threads are 0, which takes all, or more");
     embed::Options options;
     std::vector<Kept> kept;
     if (!node_types.empty()) {
@@ -284,10 +284,9 @@ void add_sessions(py::module_& module) {
                  freely(s, [&] { s.session().set_at(frame, settings); });
              })
         .def("set_mesh",
-             [](PythonSession& s, const std::string& node, double frame, const Doubles& points,
+             [](PythonSession& s, const std::string& node, double frame, const py::object& given,
                 const Ints& face_vertices, const Ints& face_sizes) {
-                 if (points.ndim() != 2 || points.shape(1) != 3)
-                     throw py::value_error("points are an array of shape (n, 3)");
+                 const Doubles points = points_array(given);
                  const auto list = [](const auto& a) {
                      return std::span(a.data(), static_cast<std::size_t>(a.size()));
                  };

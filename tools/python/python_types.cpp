@@ -37,9 +37,7 @@ std::array<double, N> exactly(const std::vector<double>& v) {
 }
 
 std::vector<double> numbers_of(const py::handle& object) {
-    const auto array = Doubles::ensure(object);
-    if (!array) throw py::error_already_set();
-    return numbers(array);
+    return numbers(doubles_of(object, "it is a number or an array of numbers"));
 }
 
 /// From what a Python function gives to the type of an output or a default.
@@ -153,6 +151,14 @@ const Kind& find_kind(const std::string& type, const py::object& attribute) {
     refuse(type, "there is no kind of value '" + word + "'", "the kinds are " + known);
 }
 
+void check_limits(const std::string& type, const std::string& name, const py::object& given) {
+    for (const char* limit : {"min", "max"})
+        if (const py::object v = given.attr(limit); !v.is_none() && !PyNumber_Check(v.ptr()))
+            refuse(type, std::string(limit) + " of " + name + " is no number", "give a number, or leave it out");
+    if (!PyBool_Check(given.attr("keyable").ptr()))
+        refuse(type, "keyable of " + name + " is neither True nor False", "give one of the two");
+}
+
 AttributeInfo add_input(Description& d, const std::string& type, const std::string& name, const py::object& given) {
     const auto form = given.attr("form").cast<std::string>();
     Attribute a{name, &find_kind(type, given)};
@@ -166,10 +172,18 @@ AttributeInfo add_input(Description& d, const std::string& type, const std::stri
         std::vector<std::string_view> options;
         for (const auto& word : given.attr("options").cast<std::vector<std::string>>()) options.push_back(d.keep(word));
         const std::string_view unit = d.keep(given.attr("unit").cast<std::string>());
+        check_limits(type, name, given);
+        const auto of_another_kind = [&] {
+            refuse(type, "the default of " + name + " is of another kind", "give a value of the kind that it has");
+        };
         try {
             info = a.kind->input(given, kept, doc, unit, std::move(options));
         } catch (const py::cast_error&) {
-            refuse(type, "the default of " + name + " is of another kind", "give a value of the kind that it has");
+            of_another_kind();
+        } catch (const py::type_error&) {
+            of_another_kind();
+        } catch (const py::value_error& e) {
+            refuse(type, "the default of " + name + ": " + e.what(), "give as many as the kind has");
         }
     }
     d.inputs.push_back(std::move(a));
@@ -245,6 +259,8 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
                 throw py::type_error(of_another_kind(a, given));
             } catch (const py::reference_cast_error&) { // None in a list of meshes
                 throw py::type_error(of_another_kind(a, given));
+            } catch (const py::type_error&) {
+                throw py::type_error(of_another_kind(a, given));
             }
         }
     } catch (const py::error_already_set& e) {
@@ -252,9 +268,7 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
     } // the others, with words of their own, become the same (embed::add_host_type)
 }
 
-} // namespace
-
-Kept add_python_type(engine::Registry& registry, const py::object& given) {
+Kept add_described(engine::Registry& registry, const py::object& given) {
     auto d = std::make_shared<Description>();
     engine::NodeType type;
     const auto name = given.attr("name").cast<std::string>();
@@ -264,6 +278,8 @@ Kept add_python_type(engine::Registry& registry, const py::object& given) {
     type.uses_time = d->uses_time = given.attr("uses_time").cast<bool>();
     for (const auto& [key, value] : given.attr("inputs").cast<py::dict>())
         type.inputs.push_back(add_input(*d, name, key.cast<std::string>(), py::reinterpret_borrow<py::object>(value)));
+    if (d->uses_time && given.attr("inputs").contains("frame"))
+        refuse(name, "an input is named frame, as the frame that compute is given", "give the input another name");
     for (const auto& [key, value] : given.attr("outputs").cast<py::dict>()) {
         const auto attribute = py::reinterpret_borrow<py::object>(value);
         Attribute a{key.cast<std::string>(), &find_kind(name, attribute)};
@@ -274,6 +290,27 @@ Kept add_python_type(engine::Registry& registry, const py::object& given) {
     type.compute = [d](const Reads& in, engine::Writes& out) { compute(*d, in, out); };
     embed::add_host_type(registry, std::move(type));
     return *d->function;
+}
+
+} // namespace
+
+Kept add_python_type(engine::Registry& registry, const py::object& given) {
+    const auto of_another_kind = [&] {
+        const std::string name =
+            py::str(py::getattr(given, "name", py::type::handle_of(given).attr("__name__"))).cast<std::string>();
+        refuse(name, "a part of its declaration is of another kind",
+               "name, doc, version, unit and kind are texts, options a list of texts, inputs and outputs dicts of "
+               "sinew.Input, Wire, WireList and Output; sinew.node_type makes it");
+    };
+    try {
+        return add_described(registry, given);
+    } catch (const py::cast_error&) {
+        of_another_kind();
+    } catch (const py::error_already_set& e) {
+        if (!e.matches(PyExc_AttributeError)) throw;
+        of_another_kind();
+    }
+    throw std::logic_error("a declaration was neither taken nor refused");
 }
 
 } // namespace sinew::python

@@ -20,9 +20,7 @@ py::array shown(const Value& value, const T& numbers, std::vector<py::ssize_t> s
 }
 
 solver::Points points_of(const py::handle& given) {
-    const auto array = Doubles::ensure(given);
-    if (!array) throw py::error_already_set();
-    if (array.ndim() != 2 || array.shape(1) != 3) throw py::value_error("points are an array of shape (n, 3)");
+    const Doubles array = points_array(given);
     solver::Points out(static_cast<std::size_t>(array.shape(0)));
     for (std::size_t i = 0; i < out.size(); ++i)
         out[i] = solver::Vec3(array.data()[3 * i], array.data()[3 * i + 1], array.data()[3 * i + 2]);
@@ -30,11 +28,14 @@ solver::Points points_of(const py::handle& given) {
 }
 
 std::vector<int> list_of(const py::handle& given) {
-    const auto any = py::array::ensure(given);
-    if (!any) throw py::error_already_set();
+    const py::array any = plain_numbers(given, "corners are whole numbers");
     const char kind = any.dtype().kind();
     if (any.size() > 0 && kind != 'i' && kind != 'u') throw py::value_error("corners are whole numbers");
-    return whole_numbers(Ints::ensure(any));
+    Ints out = Ints::ensure(any);
+    // What does not fit into an int has become another number.
+    if (!py::module_::import("numpy").attr("array_equal")(out, any).cast<bool>())
+        throw py::value_error("a corner is no vertex number");
+    return whole_numbers(out);
 }
 
 /// What the solver says of a mesh, as a failure of the graph.
@@ -71,22 +72,21 @@ py::object to_python(const Value& v) {
 }
 
 embed::HostValue host_value(const py::handle& value) {
+    const char* what = "a value is a number, an array of numbers, a text, or JSON as a dict or list of dicts";
     if (py::isinstance<py::str>(value)) return value.cast<std::string>();
-    if (value.is_none() || py::isinstance<py::bytes>(value))
-        throw py::type_error("a value is a number, an array of numbers, a text, or JSON as a dict or list of dicts");
-    const auto array = Doubles::ensure(value);
-    if (!array) {
-        PyErr_Clear();
-        throw py::type_error("a value is a number, an array of numbers, a text, or JSON as a dict or list of dicts");
-    }
-    return numbers(array);
+    if (value.is_none() || py::isinstance<py::bytes>(value)) throw py::type_error(what);
+    return numbers(doubles_of(value, what));
 }
 
 nodes::Mesh make_mesh(const py::handle& points, const py::handle& face_vertices, const py::handle& face_sizes) {
     solver::Points made = points_of(points);
     std::vector<int> corners = list_of(face_vertices), sizes;
+    const auto shape = plain_numbers(face_vertices, "corners are whole numbers");
+    if (shape.ndim() > 2) throw py::value_error("face_vertices has one axis, or two: faces and their corners");
     if (!face_sizes.is_none())
         sizes = list_of(face_sizes);
+    else if (shape.ndim() == 2)
+        sizes.assign(static_cast<std::size_t>(shape.shape(0)), static_cast<int>(shape.shape(1)));
     else if (corners.size() % 3 == 0)
         sizes.assign(corners.size() / 3, 3);
     std::size_t sum = 0;
@@ -120,7 +120,9 @@ void add_meshes(py::module_& module) {
                  return NamedMesh{make_mesh(points, face_vertices, face_sizes), ""};
              }),
              py::arg("points"), py::arg("face_vertices"), py::arg("face_sizes") = py::none(),
-             "Of points (n, 3) and the corners of the faces, face after face; without face_sizes they are triangles.")
+             "Of points (n, 3) and the corners of the faces, face after face; without face_sizes they are triangles, "
+             "and an "
+             "array of shape (m, k) holds faces of k corners.")
         .def(
             "with_points",
             [](const NamedMesh& m, const py::object& points) {

@@ -32,5 +32,6 @@ __all__ = [
     "UsageError",
     "Wire",
     "WireList",
+    "__version__",
     "node_type",
 ]

@@ -151,6 +151,9 @@ class Session:
 
     def set_inputs(self, frame: float, values: Mapping[str, Value]) -> None:
         """The same of several: all of them or none."""
+        for plug, value in values.items():
+            if _is_json(value):
+                raise UsageError(f'{plug}: at a frame a value is a number, an array of numbers or a text as "30 kPa"')
         self._core.set_at(frame, [(*_split(plug), value) for plug, value in values.items()])
 
     def set_mesh(
@@ -165,7 +168,13 @@ class Session:
 
         points: (n, 3). face_vertices: corners, face after face, wanted once; left out, the faces stay. Without
         face_sizes they are triangles, and an array of shape (m, k) holds faces of k corners."""
+        if face_vertices is None and face_sizes is not None:
+            raise UsageError("face_sizes says nothing without face_vertices")
         corners = np.zeros(0, np.int32) if face_vertices is None else np.asarray(face_vertices)
+        if corners.ndim > 2:
+            raise UsageError("face_vertices has one axis, or two: faces and their corners")
+        if len(points) == 0:
+            raise UsageError("the mesh has no points")
         sizes = np.zeros(0, np.int32) if face_sizes is None else np.asarray(face_sizes)
         if corners.ndim == 2 and face_sizes is None and corners.shape[1] != 3:
             sizes = np.full(corners.shape[0], corners.shape[1])
