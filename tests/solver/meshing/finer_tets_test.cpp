@@ -4,6 +4,8 @@
 #include "solver/mesh/primitives.h"
 #include "solver/meshing/finer_tets.h"
 #include "solver/meshing/lattice.h"
+#include "solver/meshing/solid.h"
+#include "solver/meshing/tet_share.h"
 #include "tests/solver/meshing/lattice_checks.h"
 #include "tests/support/side_fibres.h"
 
@@ -13,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <tbb/global_control.h>
 
 using namespace sinew::solver;
@@ -66,6 +69,26 @@ Muscle side_strip() {
 }
 
 } // namespace
+
+TEST_CASE("a corner on the surface tells nothing of the share inside, and the others do", "[solver]") {
+    const SurfaceMesh box = make_cube(2, 2, 2, 1, 1, 1);
+    const Solid cube = make_solid(box.points, box.triangles);
+    const std::vector<double> windings =
+        corner_windings(cube, {Vec3(0.1, 0.2, 1), Vec3(0.1, 0.2, 0.5), Vec3(0.1, 0.2, 1.5)}, {1, 1, 1});
+    CHECK(std::isnan(windings[0]));
+    CHECK(windings[1] == 1);
+    CHECK(windings[2] == 0);
+    // Cut by the plane z = 1 through a corner: the edges of the part below are 1, 1/4 and 1/4 of the tet's.
+    const std::array<Vec3, 4> corners{Vec3(0, 0, 1), Vec3(0, 0.5, 1.75), Vec3(0.5, 0, 1.75), Vec3(0.1, 0.1, 0.75)};
+    std::vector<int> all(box.triangles.size());
+    std::iota(all.begin(), all.end(), 0);
+    const std::vector<int> touching = touching_triangles(cube, corners, all);
+    const std::vector<double> at_corners =
+        corner_windings(cube, Points(corners.begin(), corners.end()), {0.9, 0.9, 0.9, 0.9});
+    const double share = closed_share(cube, corners, touching);
+    CHECK(closed_share(cube, corners, touching, {at_corners[0], at_corners[1], at_corners[2], at_corners[3]}) == share);
+    CHECK(std::abs(share - 1.0 / 16) < 1e-12);
+}
 
 TEST_CASE("parts of tets have their volume, and of what is cut the solid's", "[mesh][finer]") {
     const SurfaceMesh ball = make_sphere(1, 20, 20);
