@@ -23,7 +23,7 @@ const Input<NumberList> points{
 const Input<File> file{
     .name = "file",
     .doc = "A file with the points, instead of `points`: JSON (a list of [x, y, z]) or text (three "
-           "numbers a line).",
+           "numbers a line; # begins a comment).",
 };
 const Input<std::string> key{
     .name = "key",

@@ -18,8 +18,6 @@ struct Embedding {
 /// Each point in the tet that holds it, or extrapolated from the nearest tet. A point on a vertex of the mesh
 /// gets exactly that vertex (coordinates 1 and 0).
 Embedding embed(const TetMesh& mesh, const Points& points);
-class TetLocator;
-Embedding embed(const TetLocator& locator, const Points& points);
 /// The same for points that are asked for one after the other. Immutable; queries are thread-safe. The mesh must
 /// outlive it.
 class TetLocator {
@@ -33,6 +31,8 @@ class TetLocator {
     class Impl;
     std::unique_ptr<Impl> impl_;
 };
+/// embed() with a locator that is there already.
+Embedding embed(const TetLocator& locator, const Points& points);
 /// How far each point lies outside of the tet that carries it, in widths (longest edges) of that tet: 0 inside, else at
 /// most the distance to the tet. Beyond about 1, what is extrapolated swings about when the tet turns or shears.
 std::vector<double> widths_outside(const TetMesh& mesh, const Embedding& e);
