@@ -98,7 +98,8 @@ TEST_CASE("kept bodies share with those of another frame what is as it was there
     // Faces that are shared are not looked at again; that they fit the points is.
     const auto said = [&](const solver::Points& points) {
         nodes::MeshList wrong;
-        wrong.meshes = {before.meshes[0].with_points(points)};
+        wrong.meshes = {before.meshes[0]};
+        wrong.meshes[0].points = std::make_shared<const solver::Points>(points);
         engine::ByteWriter bytes;
         codec.write(engine::Value::of(wrong), bytes);
         engine::ByteReader reader(bytes.bytes);

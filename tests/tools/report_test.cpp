@@ -45,7 +45,7 @@ RunReport report() {
         solver::StepRecord& s = *r.frames[i].step;
         s.seconds_assembly = assembly[i], s.seconds_factor = factor[i], s.seconds_solve = 0.003;
         s.seconds_other = other[i];
-        s.inverted = inverted[i];
+        s.inverted = r.frames[i].inverted_here = inverted[i];
         s.measured = {{&stretch, stretches[i]}, {&count, counts[i]}, {&force, forces[i]}, {&each, 99, 0}};
     }
     r.frames[1].step->converged = false;
@@ -65,6 +65,17 @@ std::string line_of(const std::string& text, const std::string& part) {
 }
 
 } // namespace
+
+TEST_CASE("the summary names the other solvers that have inverted tets", "[tools]") {
+    RunReport r = report();
+    const auto said = [&] { return line_of(summary(r), "INVERTED"); };
+    r.inverted_elsewhere = {"muscles"};
+    CHECK(said() == "  2 frames converged with INVERTED tets; the worst is frame 4, tet 22 of biceps; also in muscles");
+    for (FrameReport& f : r.frames) f.inverted_here = 0;
+    CHECK(said() == "  2 frames converged with INVERTED tets, in muscles");
+    r.inverted_elsewhere = {"a", "b", "c", "d", "e"};
+    CHECK(said() == "  2 frames converged with INVERTED tets, in a, b, c and 2 more");
+}
 
 TEST_CASE("the summary of known numbers", "[tools]") {
     CHECK(summary(report()) ==
