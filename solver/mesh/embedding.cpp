@@ -35,11 +35,6 @@ Barycentric coordinates(const TetMesh& mesh, std::size_t tet, const Vec3& p) {
     return {1 - l1 - l2 - l3, l1, l2, l3};
 }
 
-void refuse_infinite(const Points& points) {
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (!points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
-}
-
 } // namespace
 
 class TetLocator::Impl {
@@ -123,7 +118,6 @@ int TetLocator::locate(const Vec3& p, Barycentric& barycentric) const {
 
 Embedding embed(const TetMesh& mesh, const Points& points) {
     if (points.empty()) return {};
-    refuse_infinite(points);
     return embed(TetLocator(mesh), points); // refuses a mesh without tets
 }
 
@@ -131,7 +125,8 @@ Embedding embed(const TetLocator& locator, const Points& points) {
     Embedding result;
     result.tet.resize(points.size());
     result.barycentric.resize(points.size());
-    refuse_infinite(points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (!points[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
     parallel_for(points.size(), 64,
                  [&](std::size_t i) { result.tet[i] = locator.locate(points[i], result.barycentric[i]); });
     return result;

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "tools/cli/command.h"
+#include "tools/embed/most_threads.h"
 
 #include <climits>
 #include <map>
@@ -52,8 +53,7 @@ std::optional<double> to_number(std::string_view text);
 std::optional<double> to_bytes(std::string_view text);
 /// "23.5 GB"
 std::string rounded_bytes(double bytes);
-/// More threads than this are a typing error, and no machine is quicker with them.
-inline constexpr int most_threads = 1024;
+using embed::most_threads;
 
 /// "1", "1-24", "1,64,128" or "1-4,8": frames in this order, without repeats. Throws UsageError.
 std::vector<int> parse_frames(std::string_view text);

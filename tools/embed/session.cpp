@@ -9,6 +9,7 @@
 #include "tools/embed/build_mark.h"
 #include "tools/embed/frame_json.h"
 #include "tools/embed/graph_walk.h"
+#include "tools/embed/most_threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -320,7 +321,6 @@ struct Session::Impl {
 namespace {
 
 Options checked(Options options) {
-    constexpr int most_threads = 1024; // more than any machine has; each takes memory
     if (options.threads < 0 || options.threads > most_threads)
         throw Misuse("DG123", "there cannot be " + std::to_string(options.threads) + " threads",
                      "0 takes all; " + std::to_string(most_threads) + " are the most");
@@ -397,17 +397,17 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
             throw Misuse("DG123", "\"" + node + "\" is a " + n->type_name + " and takes no mesh from a host",
                          "send it to a hostMesh", {node, ""});
         std::vector<double> points(mesh.points.begin(), mesh.points.end());
+        const auto bound = [&](const char* input) -> const engine::Binding* {
+            const auto it = n ? n->inputs.find(input) : decltype(n->inputs.find(input)){};
+            return n && it != n->inputs.end() ? &it->second : nullptr;
+        };
         // Points of another count are another mesh, even with the same faces.
         const auto counts_differ = [&] {
-            const auto it = n ? n->inputs.find("points") : decltype(n->inputs.find("points")){};
-            if (!n || it == n->inputs.end()) return false;
-            const auto* keys = std::get_if<engine::Curve>(&it->second);
+            const auto* keys = std::get_if<engine::Curve>(bound("points"));
             return keys && keys->width() != points.size();
         };
         const auto differs = [&](const char* input, const Value& value) {
-            const auto it = n ? n->inputs.find(input) : decltype(n->inputs.find(input)){};
-            if (!n || it == n->inputs.end()) return true;
-            const auto* there = std::get_if<Value>(&it->second);
+            const auto* there = std::get_if<Value>(bound(input));
             return !there || there->digest() != value.digest();
         };
         if (!mesh.face_vertices.empty()) {

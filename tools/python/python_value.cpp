@@ -80,13 +80,13 @@ embed::HostValue host_value(const py::handle& value) {
 
 nodes::Mesh make_mesh(const py::handle& points, const py::handle& face_vertices, const py::handle& face_sizes) {
     solver::Points made = points_of(points);
-    std::vector<int> corners = list_of(face_vertices), sizes;
-    const auto shape = plain_numbers(face_vertices, "corners are whole numbers");
-    if (shape.ndim() > 2) throw py::value_error("face_vertices has one axis, or two: faces and their corners");
+    const py::array faces = plain_numbers(face_vertices, "corners are whole numbers");
+    std::vector<int> corners = list_of(faces), sizes;
+    if (faces.ndim() > 2) throw py::value_error("face_vertices has one axis, or two: faces and their corners");
     if (!face_sizes.is_none())
         sizes = list_of(face_sizes);
-    else if (shape.ndim() == 2)
-        sizes.assign(static_cast<std::size_t>(shape.shape(0)), static_cast<int>(shape.shape(1)));
+    else if (faces.ndim() == 2)
+        sizes.assign(static_cast<std::size_t>(faces.shape(0)), static_cast<int>(faces.shape(1)));
     else if (corners.size() % 3 == 0)
         sizes.assign(corners.size() / 3, 3);
     std::size_t sum = 0;
