@@ -11,6 +11,14 @@
 
 namespace sinew::solver {
 
+namespace {
+
+/// Where components take more bytes than this while they are made, all together, those of more than the second are made
+/// one after another, by all threads and in the same memory.
+constexpr std::size_t much_room = std::size_t{64} << 20, own_room = std::size_t{8} << 20;
+
+} // namespace
+
 ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
     const bool plain = factoring == Factoring::plain;
     const std::vector<int> component = plain ? std::vector<int>(at(pattern.rows), 0) : components(pattern);
@@ -25,6 +33,7 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
         local[i] = static_cast<int>(rows.size());
         rows.push_back(static_cast<int>(i));
     }
+    std::vector<SingleCholesky*> singles;
     for (auto& part : parts_) {
         std::vector<std::pair<int, int>> couplings;
         std::size_t blocks = 0;
@@ -38,12 +47,23 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
         part->pattern = make_pattern(static_cast<int>(part->rows.size()), couplings);
         std::vector<int>().swap(part->pattern.lower_start);
         std::vector<std::pair<int, int>>().swap(part->pattern.lower);
-        if (factoring == Factoring::single)
-            part->factor = std::make_unique<SingleCholesky>(part->pattern);
-        else
+        if (factoring == Factoring::single) {
+            auto single = std::make_unique<SingleCholesky>(part->pattern);
+            singles.push_back(single.get());
+            part->factor = std::move(single);
+        } else
             part->factor = std::make_unique<Cholesky>(part->pattern, plain);
         part->in.resize(3 * part->rows.size());
         part->out.resize(3 * part->rows.size());
+    }
+    std::size_t working = 0;
+    for (const SingleCholesky* single : singles) working += single->working_bytes();
+    SingleCholesky* first = nullptr;
+    for (std::size_t k = 0; k < singles.size() && working > much_room; ++k) {
+        if (singles[k]->working_bytes() <= own_room) continue;
+        parts_[k]->in_one_room = true;
+        if (first) singles[k]->share_memory(*first);
+        if (!first) first = singles[k];
     }
     std::stable_sort(parts_.begin(), parts_.end(),
                      [](const auto& a, const auto& b) { return a->rows.size() > b->rows.size(); });
@@ -55,13 +75,17 @@ bool ComponentFactors::rests(const Part& part, std::span<const char> resting) {
 
 bool ComponentFactors::factorize(const BlockMatrix& a, std::span<const char> resting) {
     std::atomic<bool> good = true, indefinite = false;
-    parallel_for(parts_.size(), 1, [&](std::size_t k) {
-        Part& part = *parts_[k];
+    const auto make = [&](Part& part) {
         if (rests(part, resting)) return;
         part.made = part.factor->factorize({part.pattern, a, part.source});
         if (part.made) return;
         good = false;
         if (part.factor->surely_indefinite()) indefinite = true;
+    };
+    for (const auto& part : parts_)
+        if (part->in_one_room) make(*part);
+    parallel_for(parts_.size(), 1, [&](std::size_t k) {
+        if (!parts_[k]->in_one_room) make(*parts_[k]);
     });
     surely_indefinite_ = indefinite;
     return good;

@@ -41,7 +41,8 @@ class ComponentFactors {
         BlockPattern pattern;    ///< without the lists that products with it would read
         std::vector<int> source; ///< per block of the part: the block of the whole
         std::unique_ptr<SparseFactor> factor;
-        bool made = false; ///< the factor is one of a positive definite matrix
+        bool made = false;        ///< the factor is one of a positive definite matrix
+        bool in_one_room = false; ///< it is made in the memory of others, one after another
         std::vector<double> in, out;
     };
     static bool rests(const Part& part, std::span<const char> resting);

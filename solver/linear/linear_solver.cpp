@@ -75,10 +75,10 @@ LinearSolver::LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
 void LinearSolver::begin_frame(const LinearMemory& memory) {
     used_ = false;
     late_iterations_ = memory.late_iterations, fresh_iterations_ = memory.fresh_iterations;
-    if (memory.factor && memory.factor == source_ && kept_ == Kept::single) return;
+    if (memory.factor && memory.factor == made_of_ && kept_ == Kept::single) return;
     // Nor is anything left of it: components that rest would take up what another frame has made.
     kept_ = Kept::none;
-    source_.reset(), again_.reset();
+    made_of_.reset(), draft_.reset(), again_.reset();
     for (ComponentFactors* factors : {single_.get(), factors_.get()})
         if (factors) factors->forget();
     if (memory.factor && memory.factor->pattern == mark_ &&
@@ -91,14 +91,14 @@ void LinearSolver::end_frame(LinearMemory& memory) {
     const bool worth_it = used_ && kept_ == Kept::single && !places_.any_sheet &&
                           late_iterations_ * costs_.factor_solve < too_late * costs_.factor;
     if (!worth_it) {
-        source_.reset();
         memory.factor.reset(), memory.late_iterations = memory.fresh_iterations = 0;
         return;
     }
-    if (!source_)
-        source_ = std::make_shared<const FactorSource>(FactorSource{
-            mark_, std::vector<float>(rounded_->values.begin(), rounded_->values.end()), single_->rows_without()});
-    memory.factor = source_;
+    if (draft_) {
+        draft_->pattern = mark_, draft_->without = single_->rows_without();
+        made_of_ = std::move(draft_);
+    }
+    memory.factor = made_of_;
     memory.late_iterations = late_iterations_, memory.fresh_iterations = fresh_iterations_;
 }
 
@@ -181,27 +181,31 @@ void LinearSolver::prepare_single() {
     if (factors_) factors_->release_if_large();
     if (single_) return;
     single_ = std::make_unique<ComponentFactors>(pattern_, Factoring::single);
-    rounded_ = std::make_unique<BlockMatrix>(pattern_);
     ++symbolic_analyses_;
 }
 
 /// Rows of bodies that rest keep what their factor, if any, was made of.
-void LinearSolver::round_to_single(const BlockMatrix& a) {
+void LinearSolver::keep_rounded(const BlockMatrix& a) {
+    if (!draft_)
+        draft_ = made_of_ && !resting_.empty() ? std::make_unique<FactorSource>(*made_of_)
+                                               : std::make_unique<FactorSource>();
+    made_of_.reset();
+    std::vector<float>& values = draft_->values;
+    values.resize(9 * pattern_.block_count());
     parallel_for(at(pattern_.rows), 256, [&](std::size_t i) {
         if (!resting_.empty() && resting_[i]) return;
         const auto first = 9 * at(pattern_.row_start[i]), last = 9 * at(pattern_.row_start[i + 1]);
-        for (std::size_t k = first; k < last; ++k) rounded_->values[k] = static_cast<float>(a.values[k]);
+        for (std::size_t k = first; k < last; ++k) values[k] = static_cast<float>(a.values[k]);
     });
 }
 
 bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
     const Stopwatch timer(outcome.seconds_factor);
     prepare_single();
-    round_to_single(a);
-    const bool good = single_->factorize(*rounded_, resting_);
+    keep_rounded(a);
+    const bool good = single_->factorize(a, resting_); // which rounds alike
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
-    source_.reset();
     late_iterations_ = 0;
     return good;
 }
@@ -210,9 +214,10 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
 void LinearSolver::make_again() {
     const auto source = std::exchange(again_, nullptr);
     prepare_single();
-    std::copy(source->values.begin(), source->values.end(), rounded_->values.begin());
-    if (!single_->factorize(*rounded_, source->without)) return; // of a state that was spoiled
-    source_ = source;
+    BlockMatrix rounded(pattern_);
+    std::copy(source->values.begin(), source->values.end(), rounded.values.begin());
+    if (!single_->factorize(rounded, source->without)) return; // of a state that was spoiled
+    made_of_ = source;
     kept_ = single_->is_made(resting_) ? Kept::single : Kept::none;
 }
 

@@ -67,7 +67,7 @@ class LinearSolver {
     enum class Kept { none, full, single };
     bool make_single(const BlockMatrix& a, Outcome& outcome);
     void prepare_single();
-    void round_to_single(const BlockMatrix& a);
+    void keep_rounded(const BlockMatrix& a);
     void make_again();
     void factorize_and_solve(const BlockMatrix& a, const std::vector<double>& b, std::vector<double>& x,
                              double tolerance, bool projected, Outcome& outcome, bool plain = false);
@@ -103,11 +103,11 @@ class LinearSolver {
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
-    std::uint64_t mark_;                   ///< of the pattern
-    std::unique_ptr<BlockMatrix> rounded_; ///< what single_ was made of: each component's, when that was
-    /// Of the factor that single_ holds, if it is one of a state; and of one that is to be made again before it is
-    /// used.
-    std::shared_ptr<const FactorSource> source_, again_;
+    std::uint64_t mark_; ///< of the pattern
+    /// What single_ was made of, each component of it when that was: in a state already, or still one's own; and what
+    /// it is to be made of again before it is used.
+    std::shared_ptr<const FactorSource> made_of_, again_;
+    std::unique_ptr<FactorSource> draft_;
     bool used_ = false;         ///< the kept factor, in this frame
     int late_iterations_ = 0;   ///< see LinearMemory
     int fresh_iterations_ = 0;  ///< likewise

@@ -104,9 +104,11 @@ struct SingleCholesky::Impl {
     std::vector<int> above;       ///< supernodes above them, ascending
     std::vector<int> above_place; ///< of each row of the factor among those of `above`
 
-    LargeArray<float> values;            ///< while the factor is made
-    LargeArray<Short> kept;              ///< for solves
-    std::vector<std::size_t> kept_start; ///< per supernode and one past the end
+    std::shared_ptr<LargeArray<float>> memory =
+        std::make_shared<LargeArray<float>>(); ///< of the numbers, while it is made
+    float* values = nullptr;                   ///< in it
+    LargeArray<Short> kept;                    ///< for solves
+    std::vector<std::size_t> kept_start;       ///< per supernode and one past the end
     std::vector<float> inverse_diagonal, scale, x;
     std::vector<Float4> work; ///< the right side, then the solution
     bool surely_indefinite = false;
@@ -267,7 +269,7 @@ void SingleCholesky::Impl::subtract(const Supernode& s, const Update& u, int fir
     if (from >= to) return;
     const int columns = 3 * (std::min(u.to, to) - u.from), count = 3 * (to - from), width = 3 * d.width,
               stride = 3 * d.rows;
-    const float* block = values.data() + d.value_start;
+    const float* block = values + d.value_start;
     if (width > most_own_width && columns > most_own_columns) {
         const float one = 1, zero = 0;
         sgemm_("N", "T", &count, &columns, &width, &one, block + 3 * from, &stride, block + 3 * u.from, &stride, &zero,
@@ -287,7 +289,7 @@ void SingleCholesky::Impl::subtract(const Supernode& s, const Update& u, int fir
     }
     for (int c = 0; c < columns; ++c) {
         const int column = 3 * (row[u.from + c / 3] - s.first) + c % 3;
-        float* out = values.data() + s.value_start + at(column) * 3 * at(s.rows);
+        float* out = values + s.value_start + at(column) * 3 * at(s.rows);
         const float* in = w.product.data() + at(c) * at(count);
         const int first = u.from + c / 3 - from; // the lower triangle alone
         for (const Run& run : w.runs) {
@@ -302,7 +304,7 @@ void SingleCholesky::Impl::subtract(const Supernode& s, const Update& u, int fir
 /// The dense factor of a supernode whose updates are taken off. Gives the least pivot, as make_factor does.
 float SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
     if (!in_tiles) return make_factor(column(s));
-    float* block = values.data() + s.value_start;
+    float* block = values + s.value_start;
     float least = std::numeric_limits<float>::max();
     const float one = 1, minus = -1;
     const int columns = 3 * s.width, rows = 3 * s.rows;
@@ -338,7 +340,7 @@ float SingleCholesky::Impl::factor_dense(const Supernode& s, bool in_tiles) {
 void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std::vector<int>& place_in_node) {
     const Supernode& s = tree.nodes[at(node)];
     const std::size_t stride = 3 * at(s.rows);
-    float* block = values.data() + s.value_start;
+    float* block = values + s.value_start;
     std::fill_n(block, stride * 3 * at(s.width), 0.0f);
     for (std::size_t e = entry_start[at(node)]; e < entry_start[at(node) + 1]; ++e) {
         const int i = entries[e].row, j = a.pattern->column[at(entries[e].block)];
@@ -383,7 +385,7 @@ float SingleCholesky::Impl::make(int node, const BlockView& a, bool in_tiles) {
 }
 
 BlockColumn SingleCholesky::Impl::column(const Supernode& s) {
-    return {values.data() + s.value_start, inverse_diagonal.data() + 3 * s.first, 3 * s.rows, 3 * s.width, 3 * s.rows};
+    return {values + s.value_start, inverse_diagonal.data() + 3 * s.first, 3 * s.rows, 3 * s.width, 3 * s.rows};
 }
 
 ShortColumn SingleCholesky::Impl::kept_column(int node) const {
@@ -420,15 +422,19 @@ SingleCholesky::SingleCholesky(const BlockPattern& pattern)
 SingleCholesky::~SingleCholesky() = default;
 
 void SingleCholesky::release() {
-    impl_->values.release();
+    impl_->memory->release();
     impl_->kept.release();
 }
 
 bool SingleCholesky::surely_indefinite() const { return impl_->surely_indefinite; }
 
 std::size_t SingleCholesky::bytes() const {
-    return impl_->values.capacity() * sizeof(float) + impl_->kept.capacity() * sizeof(Short);
+    return impl_->memory->capacity() * sizeof(float) + impl_->kept.capacity() * sizeof(Short);
 }
+
+std::size_t SingleCholesky::working_bytes() const { return impl_->tree.value_count * sizeof(float); }
+
+void SingleCholesky::share_memory(const SingleCholesky& other) { impl_->memory = other.impl_->memory; }
 
 double SingleCholesky::factor_operations() const { return impl_->tree.operations; }
 
@@ -436,15 +442,17 @@ bool SingleCholesky::factorize(const BlockView& a) {
     Impl& f = *impl_;
     f.surely_indefinite = false;
     for (std::size_t i = 0; i < f.scale.size(); ++i) {
-        const double d = a.block(at(a.pattern->row_start[i / 3]))[4 * (i % 3)];
+        // Rounded here as its entries are, so that the factor is that of the rounded matrix.
+        const auto d = static_cast<float>(a.block(at(a.pattern->row_start[i / 3]))[4 * (i % 3)]);
         if (!(d > 0) || !std::isfinite(d)) {
             f.surely_indefinite = d <= 0;
             return false;
         }
-        f.scale[i] = static_cast<float>(1 / std::sqrt(d));
+        f.scale[i] = static_cast<float>(1 / std::sqrt(static_cast<double>(d)));
     }
     if (!a.finite()) return false;
-    f.values.resize(f.tree.value_count), f.kept.resize(f.kept_start.back());
+    f.memory->resize(f.tree.value_count), f.kept.resize(f.kept_start.back());
+    f.values = f.memory->data();
     parallel_for(f.pieces.size(), 1, [&](std::size_t p) {
         const OneOpenMpThread guard;
         const FlushDenormals flush;
@@ -465,7 +473,7 @@ bool SingleCholesky::factorize(const BlockView& a) {
         good = pivot > 0;
         f.surely_indefinite = pivot < -rounding;
     }
-    if (f.tree.value_count * sizeof(float) > large) f.values.release();
+    if (working_bytes() > large) f.memory->release();
     return good;
 }
 

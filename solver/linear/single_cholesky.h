@@ -18,12 +18,16 @@ class SingleCholesky final : public SparseFactor {
   public:
     explicit SingleCholesky(const BlockPattern& pattern);
     ~SingleCholesky() override;
-    /// False also where a matrix is positive definite by less than single precision can tell.
+    /// Of the matrix rounded to single precision. False also where it is positive definite by less than that can tell.
     bool factorize(const BlockView& a) override;
     bool surely_indefinite() const override;
     double factor_operations() const override;
     void release() override;
     std::size_t bytes() const override;
+    /// What it takes beside the factor while that is made.
+    std::size_t working_bytes() const;
+    /// From here on in the memory of another one. The two must not be made at once.
+    void share_memory(const SingleCholesky& other);
     /// Right to three digits times the condition of the scaled matrix: what the factor is kept in for solves has 11
     /// bits.
     void solve(const double* b, double* x) override;

@@ -17,7 +17,7 @@ namespace sinew::bench {
 
 namespace {
 
-using Motion = std::vector<std::vector<solver::Points>>; ///< [frame][mesh]
+using Motion = std::vector<std::vector<std::shared_ptr<const solver::Points>>>; ///< [frame][mesh]
 
 struct Pass {
     std::array<double, 4> ms{}; ///< assembly, factor, solve, other, per frame
@@ -40,7 +40,7 @@ Pass pass_of(const std::shared_ptr<const engine::Graph>& graph, const std::strin
         const engine::Value report =
             evaluator.pull({graph, {node, "outReport"}, static_cast<double>(frame), options.stop});
         motion.emplace_back();
-        for (const nodes::Mesh& m : meshes.as<nodes::MeshList>().meshes) motion.back().push_back(*m.points);
+        for (const nodes::Mesh& m : meshes.as<nodes::MeshList>().meshes) motion.back().push_back(m.points);
         const auto& solved = report.as<nodes::SolveReport>();
         const solver::StepRecord& r = solved.record;
         scene.tets = solved.tets, scene.unknowns = solved.dofs;
@@ -62,8 +62,8 @@ double farthest(const Motion& a, const Motion& b) {
     double out = 0;
     for (std::size_t frame = 0; frame < a.size(); ++frame)
         for (std::size_t mesh = 0; mesh < a[frame].size(); ++mesh)
-            for (std::size_t v = 0; v < a[frame][mesh].size(); ++v)
-                out = std::max(out, (a[frame][mesh][v] - b[frame][mesh][v]).norm());
+            for (std::size_t v = 0; v < a[frame][mesh]->size(); ++v)
+                out = std::max(out, ((*a[frame][mesh])[v] - (*b[frame][mesh])[v]).norm());
     return out;
 }
 
