@@ -385,7 +385,7 @@ FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& typ
     try {
         out.frame = decode(registry, type, *kept.bytes, last_outputs(kept.start));
         files_.touch(name);
-    } catch (const BadBytes& bad) {
+    } catch (const std::exception& bad) { // BadBytes, or what a codec of a host throws
         out.fault = bad.what();
     }
     give_back(std::move(kept.bytes));

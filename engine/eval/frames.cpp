@@ -119,7 +119,12 @@ bool FrameGoal::load_nearest(std::unique_lock<std::mutex>& lock) {
     if (kept) {
         try {
             stored = {place().type->simulation->load(kept->state), std::move(kept->warnings_of_state)};
-        } catch (const Failure&) { // bytes that were whole and are no state: another build under the same numerics
+        } catch (const Cancelled&) {
+            throw;
+        } catch (const std::exception& fault) { // bytes that were whole and are no state: made by other code
+            const auto* failure = dynamic_cast<const Failure*>(&fault);
+            if (not_on_disk_.empty()) // those before it will be none either
+                s.tell_unusable(simulation_, key, failure ? failure->diagnostics().front().message : fault.what());
             kept.reset();
         }
     }

@@ -113,14 +113,16 @@ Digest Session::frame_key(int simulation) {
 std::optional<KeptFrame> Session::read_frame(int simulation, const Digest& key, bool with_state) {
     const Place& p = program->place(simulation);
     FrameStore::Found found = core.frames->read(program->graph()->registry(), *p.type, key, with_state);
-    if (!found.fault.empty()) {
-        Diagnostic d = program->about(p, {}, "IO406",
-                                      "the frame kept in '" + core.frames->file_of(key).string() +
-                                          "' cannot be used and is made anew: " + found.fault);
-        d.severity = Severity::warning;
-        core.observe([&](Observer& o) { o.warning(d); });
-    }
+    if (!found.fault.empty()) tell_unusable(simulation, key, found.fault);
     return std::move(found.frame);
+}
+
+void Session::tell_unusable(int simulation, const Digest& key, const std::string& fault) {
+    Diagnostic d = program->about(program->place(simulation), {}, "IO406",
+                                  "the frame kept in '" + core.frames->file_of(key).string() +
+                                      "' cannot be used and is made anew: " + fault);
+    d.severity = Severity::warning;
+    core.observe([&](Observer& o) { o.warning(d); });
 }
 
 void Session::keep_frame(int simulation, int at, const Digest& key, const EntryPtr& entry, const StoredState& state) {
@@ -138,8 +140,8 @@ void Session::keep_frame(int simulation, int at, const Digest& key, const EntryP
         rows.swap(core.learned);
         start = keys.frame_key(simulation, p.start_frame);
     }
-    kept.state = p.type->simulation->save(state.state);
     try {
+        kept.state = p.type->simulation->save(state.state);
         core.frames->add_rows(rows);
         core.frames->write(program->graph()->registry(), *p.type, key, start, kept);
     } catch (const Failure& failure) {

@@ -82,6 +82,8 @@ class Session {
     /// Without the mutex. A frame of a simulation that is kept on disk; none, with a warning where there is one that
     /// cannot be used.
     std::optional<KeptFrame> read_frame(int simulation, const Digest& key, bool with_state);
+    /// Without the mutex. Warns that what is kept of a frame is of no use.
+    void tell_unusable(int simulation, const Digest& key, const std::string& fault);
     /// Without the mutex. Keeps a frame on disk; where that fails, it is told once.
     void keep_frame(int simulation, int frame, const Digest& key, const EntryPtr& entry, const StoredState& state);
 

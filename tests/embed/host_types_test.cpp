@@ -2,14 +2,32 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/graph_file.h"
 #include "nodes/register_all.h"
+#include "tests/tools/temporary_folder.h"
 #include "tools/embed/host_types.h"
 #include "tools/embed/session.h"
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <cstring>
 #include <functional>
 
 using namespace sinew;
+
+namespace {
+
+/// The state of a simulation of the host's.
+struct Count {
+    double value = 0;
+};
+
+} // namespace
+
+template <>
+struct sinew::engine::ValueTraits<Count> {
+    static constexpr std::string_view name = "count";
+    static void hash(Hasher& h, const Count& c) { h.add(c.value); }
+    static std::size_t bytes(const Count&) { return sizeof(Count); }
+};
 
 namespace {
 
@@ -144,4 +162,67 @@ TEST_CASE("declarations of a host that cannot be are refused", "[embed]") {
     CHECK(refused([](engine::NodeType& t) { t.compute = {}; }));
     CHECK(refused([](engine::NodeType& t) { t.inputs.push_back(t.inputs.front()); }));
     CHECK_FALSE(refused([](engine::NodeType&) {}));
+}
+
+TEST_CASE("what a host's simulation throws at its kept states is told once, and the frames are made anew", "[embed]") {
+    enum class Fault { none, loading, loading_odd, saving };
+    const auto registry = [](Fault fault) {
+        engine::SimulationType<Count> type;
+        static const engine::Input<double> start{.name = "startFrame", .def = 1, .doc = "First.", .keyable = false};
+        static const engine::Input<std::int64_t> substeps{
+            .name = "substeps", .def = 1, .limits = {.min = 1}, .doc = "Steps a frame."};
+        static const engine::Output<nodes::MeshList> out{.name = "outMeshes", .doc = "A triangle, higher each frame."};
+        type.base.name = "counter", type.base.doc = "Counts.", type.base.revision = "1";
+        type.base.inputs = {engine::describe(start), engine::describe(substeps)};
+        type.base.outputs = {engine::describe(out)};
+        type.initial = [](const engine::Reads&) { return Count{1}; };
+        type.advance = [](const Count& before, std::span<const engine::SubstepReads>) {
+            return Count{before.value + 1};
+        };
+        type.publish = [](const Count& now, const engine::Reads&, engine::Writes& writes) {
+            writes.set(out, nodes::MeshList{{nodes::Mesh::from(solver::SurfaceMesh::from_triangles(
+                                {{0, now.value, 0}, {1, now.value, 0}, {0, now.value, 1}}, {{0, 1, 2}}))}});
+        };
+        type.save = [fault](const Count& now) {
+            if (fault == Fault::saving) throw std::runtime_error("no saving here");
+            const auto bytes = std::as_bytes(std::span(&now.value, 1));
+            return std::vector<std::byte>(bytes.begin(), bytes.end());
+        };
+        type.load = [fault](std::span<const std::byte> bytes) {
+            if (fault == Fault::loading) throw std::runtime_error("no loading here");
+            if (fault == Fault::loading_odd) throw 7;
+            Count out;
+            std::memcpy(&out.value, bytes.data(), sizeof out.value);
+            return out;
+        };
+        auto all = std::make_shared<engine::Registry>();
+        nodes::register_all(*all);
+        embed::add_host_type(*all, engine::erase(type));
+        return all;
+    };
+    struct Told : engine::Observer {
+        std::vector<std::string> warnings;
+        void warning(const engine::Diagnostic& d) override { warnings.push_back(d.code + ": " + d.message); }
+    };
+    const test::TemporaryFolder folder;
+    const auto run = [&](Fault fault, double frame, std::int64_t simulated) {
+        Told told;
+        embed::Session s({.registry = registry(fault), .cache_folder = folder.path().string()}, &told);
+        s.load_text(R"({"format": "sinew 1", "timing": {"fps": 24, "start": 1, "end": 9},
+                        "nodes": {"rise": {"type": "counter"}}})");
+        CHECK(s.evaluate(frame, "rise.outMeshes").meshes.at(0).points->at(0).y() == frame);
+        CHECK(s.counts().simulated == simulated);
+        return told.warnings;
+    };
+    const auto one_with = [](const std::vector<std::string>& warnings, const std::string& code, const char* words) {
+        REQUIRE(warnings.size() == 1);
+        CHECK(warnings[0].starts_with(code));
+        CHECK(warnings[0].find(words) != std::string::npos);
+    };
+    one_with(run(Fault::saving, 2, 2), "IO407", "saving a state of counter: no saving here");
+    CHECK(run(Fault::none, 3, 3).empty());
+    CHECK(run(Fault::none, 4, 1).empty());
+    one_with(run(Fault::loading, 5, 5), "IO406", "made anew: loading a state of counter: no loading here");
+    one_with(run(Fault::loading_odd, 6, 6), "IO406", "loading a state of counter threw something");
+    CHECK(run(Fault::loading, 6, 0).empty()); // its outputs are whole
 }

@@ -424,6 +424,15 @@ TEST_CASE("names and frames that are not there are misuse, values are not", "[em
     refused([&] { s.is_ready(never); }, "DG104");
     CHECK(code([&] { s.set_json({"solver", "substeps"}, "-1"); }, &misuse) == "DG013");
     CHECK_FALSE(misuse);
+    const std::vector<double> points{0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const std::vector<int> corners{0, 1, 2};
+    try {
+        s.set_mesh("nope", 1, {points, {}, corners});
+        FAIL("a mesh was taken by no node");
+    } catch (const Misuse& told) { // once, not for each of the inputs that a mesh is made of
+        REQUIRE(told.diagnostics().size() == 1);
+        CHECK(told.diagnostics().front().code == "DG040");
+    }
 }
 
 TEST_CASE("sessions in threads give the bits that one alone gives", "[embed]") {

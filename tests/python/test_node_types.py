@@ -120,6 +120,15 @@ class NodeTypes(unittest.TestCase):
         self.assertIn("no output 'other'", failing(lambda: {"out": 1.0, "other": 2}))
         self.assertIn("nothing is given", failing(lambda: {}))
 
+    def test_it_may_cancel(self):
+        def give_up():
+            raise sinew.Cancelled("not now", [])
+
+        broken = sinew.NodeType("broken", "1", "Gives up.", {}, {"out": sinew.Output("number", "A number.")}, give_up)
+        session = sinew.Session(text=hanging(b={"type": "broken"}), node_types=[broken])
+        self.assertRaises(sinew.Cancelled, session.evaluate, 1, "b.out")
+        self.assertEqual(session.evaluate(2).number, 2)
+
     def test_none_for_a_mesh_is_told(self):
         for kind, given, told in (("mesh", None, "None in place of a sinew.Mesh"),
                                   ("meshes", [None], "a list in place of a list of sinew.Mesh")):

@@ -213,6 +213,9 @@ TEST_CASE("new rig: what stands in the way is said, and no file is written", "[t
     SECTION("a folder that is not there") {
         fs::remove_all(rig.bones);
         fails("IO401", rig.bones);
+        fs::remove_all(rig.muscles); // both at once
+        fails("IO401", rig.bones);
+        fails("IO401", rig.muscles);
     }
     SECTION("unreadable meshes, all at once") {
         write_text(rig.muscles + "/broken.obj", "v 0 0 nonsense\n");

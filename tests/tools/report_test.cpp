@@ -92,6 +92,26 @@ TEST_CASE("the summary of known numbers", "[tools]") {
           "  nodes: zTet 2.61 s (5 computed), transform 0.20 s (2 computed), polyCube 0.06 s (1 computed)");
 }
 
+TEST_CASE("what --strict says of faults that frames converge with", "[tools]") {
+    RunReport report;
+    CHECK(faults_text(report) == "");
+    const auto add = [&](bool converged, int inverted, bool is_deep) {
+        FrameReport f;
+        f.step.emplace();
+        f.step->converged = converged, f.step->inverted = inverted, f.is_deep = is_deep;
+        report.frames.push_back(f);
+    };
+    add(true, 0, false);
+    CHECK(faults_text(report) == "");
+    add(true, 2, false);
+    CHECK(faults_text(report) == "1 frame converged with inverted tets");
+    add(true, 0, true), add(true, 1, true);
+    CHECK(faults_text(report) == "2 frames converged with inverted tets, 2 converged with bodies deep in each other");
+    add(false, 5, true);
+    CHECK(faults_text(report) == "1 frame has not converged, 2 converged with inverted tets, 2 converged with bodies "
+                                 "deep in each other");
+}
+
 TEST_CASE("a residual that is no number is the worst one, whichever frame has it", "[tools]") {
     for (const std::size_t at : {std::size_t{1}, std::size_t{2}, std::size_t{3}}) {
         RunReport r = report();

@@ -494,6 +494,7 @@ TEST_CASE("frames that have not converged are counted, and --strict makes them a
     const Said single = run_program(strict);
     CHECK(single.code == 3);
     CHECK(single.lines().back().at("unconverged") == 1);
+    CHECK(single.err.ends_with("sinew run: 1 frame has not converged (--strict)\n"));
 }
 
 TEST_CASE("a frame that converges with inverted tets is warned about, and the report says where", "[tools]") {
@@ -527,6 +528,9 @@ TEST_CASE("a frame that converges with inverted tets is warned about, and the re
                         " converged with INVERTED tets") != std::string::npos);
     CHECK(said.out.find("of block\n") != std::string::npos);
     CHECK(run_program({"run", path, "--json"}).lines().back().at("inverted") == inverted);
+    const Said strict = run_program({"run", path, "--quiet", "--strict"});
+    CHECK(strict.code == 3);
+    CHECK(strict.err.find(" converged with inverted tets (--strict)\n") != std::string::npos);
     // A sound run says nothing of it, and names the attachment that gives most.
     const Said sound = run_program({"run", write_graph(folder, small_graph()), "--report", file});
     CHECK(sound.err.find("FE306") == std::string::npos);

@@ -175,8 +175,9 @@ class Run {
         if (!plan_.out.empty()) mark_finished(plan_.out, mark(), plan_.graph->files());
         progress_.clear();
         print_summary();
-        if (!in_.arguments.has("--strict") || report_.unconverged() == 0) return done;
-        in_.err << "sinew run: " << report_.unconverged() << " frames have not converged (--strict)\n";
+        const std::string faults = faults_text(report_);
+        if (!in_.arguments.has("--strict") || faults.empty()) return done;
+        in_.err << "sinew run: " << faults << " (--strict)\n";
         return solve_failed;
     }
 
@@ -483,7 +484,8 @@ Command run_command() {
              {"--open", "", "also write DIR/view.html, a page that plays the run, and say where it is"},
              {"--json", "", "one JSON object a line instead of text"},
              {"--quiet", "", "print warnings and errors only", false, 'q'},
-             {"--strict", "", "exit code 3 if a frame has not converged"}},
+             {"--strict", "",
+              "exit code 3 if a frame has not converged, has inverted tets, or leaves bodies deep in each other"}},
             "sinew run graphs/scenes/arm.json --out out/arm --format glb,obj --report out/arm/report.json\n"
             "sinew run graphs/scenes/arm.json --frames 1-10 --set solver.substeps=4 --json",
             run_graph};

@@ -151,6 +151,19 @@ int RunReport::deep() const {
         frames.begin(), frames.end(), [](const FrameReport& f) { return f.step && f.step->converged && f.is_deep; }));
 }
 
+std::string faults_text(const RunReport& r) {
+    std::string out;
+    const auto add = [&](int count, const char* how) {
+        if (count == 0) return;
+        const char* frames = count == 1 ? " frame" : " frames";
+        out += (out.empty() ? "" : ", ") + std::to_string(count) + (out.empty() ? frames : "") + how;
+    };
+    add(r.unconverged(), r.unconverged() == 1 ? " has not converged" : " have not converged");
+    add(r.inverted(), " converged with inverted tets");
+    add(r.deep(), " converged with bodies deep in each other");
+    return out;
+}
+
 int RunReport::reused() const {
     return static_cast<int>(std::count_if(frames.begin(), frames.end(), [](const FrameReport& f) { return f.reused; }));
 }

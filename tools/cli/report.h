@@ -60,6 +60,9 @@ struct RunReport {
 std::string report_json(const RunReport& report);
 /// "128 frames in 41.2 s, 322 ms a frame: …", several lines.
 std::string summary(const RunReport& report);
+/// "3 frames have not converged, 1 converged with inverted tets": what makes a run useless to who looks at no picture.
+/// Empty if nothing does.
+std::string faults_text(const RunReport& report);
 /// "0:07", "12:34", "1:02:03".
 std::string clock_text(double seconds);
 

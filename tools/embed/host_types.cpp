@@ -28,6 +28,28 @@ auto told(const engine::Reads& in, Call&& call) {
     }
 }
 
+[[noreturn]] void fail_without_node(const std::string& message) {
+    engine::Diagnostic d;
+    d.code = "DG127", d.message = message, d.hint = "this node type is the host's: repair it there";
+    throw engine::Failure(std::move(d));
+}
+
+/// As above where there is no node to name: `what` it does, and with which type.
+template <class Call>
+auto told_of(const std::string& what, Call&& call) {
+    try {
+        return call();
+    } catch (const engine::Failure&) {
+        throw;
+    } catch (const engine::Cancelled&) {
+        throw;
+    } catch (const std::exception& e) {
+        fail_without_node(what + ": " + e.what());
+    } catch (...) {
+        fail_without_node(what + " threw something that is no std::exception");
+    }
+}
+
 engine::NodeType with_errors_told(engine::NodeType type) {
     if (type.compute)
         type.compute = [compute = type.compute](const engine::Reads& in, engine::Writes& out) {
@@ -42,6 +64,13 @@ engine::NodeType with_errors_told(engine::NodeType type) {
     };
     wrapped->publish = [plain](const engine::Value& state, const engine::Reads& in, engine::Writes& out) {
         told(in, [&] { plain.publish(state, in, out); });
+    };
+    const std::string name(type.name);
+    wrapped->save = [plain, name](const engine::Value& state) {
+        return told_of("saving a state of " + name, [&] { return plain.save(state); });
+    };
+    wrapped->load = [plain, name](std::span<const std::byte> bytes) {
+        return told_of("loading a state of " + name, [&] { return plain.load(bytes); });
     };
     type.simulation = std::move(wrapped);
     return type;

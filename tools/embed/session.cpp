@@ -397,9 +397,13 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
             throw Misuse("DG123", "\"" + node + "\" is a " + n->type_name + " and takes no mesh from a host",
                          "send it to a hostMesh", {node, ""});
         std::vector<double> points(mesh.points.begin(), mesh.points.end());
+        if (!n) { // which is told once
+            e.set_input({node, "points"}, frame, Value::of<engine::NumberList>(std::move(points)));
+            return;
+        }
         const auto bound = [&](const char* input) -> const engine::Binding* {
-            const auto it = n ? n->inputs.find(input) : decltype(n->inputs.find(input)){};
-            return n && it != n->inputs.end() ? &it->second : nullptr;
+            const auto it = n->inputs.find(input);
+            return it != n->inputs.end() ? &it->second : nullptr;
         };
         // Points of another count are another mesh, even with the same faces.
         const auto counts_differ = [&] {

@@ -264,6 +264,7 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
             }
         }
     } catch (const py::error_already_set& e) {
+        if (e.matches(py::module_::import("sinew.errors").attr("Cancelled"))) throw engine::Cancelled();
         in.fail({}, "DG127", described(e), "this node type is the host's: repair it there");
     } // the others, with words of their own, become the same (embed::add_host_type)
 }

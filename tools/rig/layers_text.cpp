@@ -183,8 +183,7 @@ class Writer {
 
 Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     Layers out;
-    std::vector<std::string> soft = mesh_files(files.tissues);
-    const std::vector<std::string> bones = mesh_files(files.bones);
+    auto [soft, bones] = mesh_files(files.tissues, files.bones);
     if (soft.empty() || bones.empty())
         throw engine::Failure(
             say(Severity::error, "DG156", "",

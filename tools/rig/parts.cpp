@@ -57,6 +57,21 @@ void add_folder(const std::string& folder, std::vector<std::string>& files, std:
     files.insert(files.end(), found.begin(), found.end());
 }
 
+std::vector<std::string> find_files(const std::vector<std::string>& paths, std::vector<Diagnostic>& wrong) {
+    std::vector<std::string> files;
+    for (const std::string& path : paths) {
+        std::error_code error;
+        if (fs::is_directory(path, error))
+            add_folder(path, files, wrong);
+        else if (fs::exists(path, error))
+            files.push_back(path);
+        else
+            wrong.push_back(say(Severity::error, "IO401", "", "there is no file or folder '" + path + "'",
+                                "Name a mesh file, or a folder of mesh files."));
+    }
+    return files;
+}
+
 /// Of positions and triangles: of what makes two files the same mesh.
 engine::Digest digest_of(const Part& part) {
     const nodes::Mesh mesh = nodes::Mesh::from(solver::SurfaceMesh::from_triangles(part.points, part.triangles));
@@ -205,18 +220,17 @@ std::string camel_case(const std::string& stem) {
 }
 
 std::vector<std::string> mesh_files(const std::vector<std::string>& paths) {
-    std::vector<std::string> files;
     std::vector<Diagnostic> wrong;
-    for (const std::string& path : paths) {
-        std::error_code error;
-        if (fs::is_directory(path, error))
-            add_folder(path, files, wrong);
-        else if (fs::exists(path, error))
-            files.push_back(path);
-        else
-            wrong.push_back(say(Severity::error, "IO401", "", "there is no file or folder '" + path + "'",
-                                "Name a mesh file, or a folder of mesh files."));
-    }
+    std::vector<std::string> files = find_files(paths, wrong);
+    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
+    return files;
+}
+
+std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
+                                                                         const std::vector<std::string>& others) {
+    std::vector<Diagnostic> wrong;
+    std::pair<std::vector<std::string>, std::vector<std::string>> files;
+    files.first = find_files(some, wrong), files.second = find_files(others, wrong);
     if (!wrong.empty()) throw engine::Failure(std::move(wrong));
     return files;
 }

@@ -33,6 +33,9 @@ constexpr int wrap_resolution = 256;
 /// The mesh files that `paths` stand for: those in a folder, by name, or the path itself. Throws engine::Failure:
 /// IO401, DG150 for a folder without meshes.
 std::vector<std::string> mesh_files(const std::vector<std::string>& paths);
+/// The same of two lists, what is wrong with either told at once.
+std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
+                                                                         const std::vector<std::string>& others);
 
 /// Reads and names them; does not wrap. Throws engine::Failure with all files that cannot be used: IO4xx, FE2xx, DG153
 /// for a bone and a muscle that are the same mesh. What two files of one kind have in common is left out of the second
