@@ -13,13 +13,12 @@ namespace sinew::solver {
 
 namespace {
 
-/// Where components take more bytes than this while they are made, all together, those of more than the second are made
-/// one after another, by all threads and in the same memory.
-constexpr std::size_t much_room = std::size_t{64} << 20, own_room = std::size_t{8} << 20;
+/// Of the bytes that all may take beside each other: a component of less has its own.
+constexpr std::size_t own_share = 8;
 
 } // namespace
 
-ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring) {
+ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factoring, std::size_t most_beside) {
     const bool plain = factoring == Factoring::plain;
     const std::vector<int> component = plain ? std::vector<int>(at(pattern.rows), 0) : components(pattern);
     std::vector<int> part_of(component.size(), -1), local(component.size());
@@ -59,8 +58,8 @@ ComponentFactors::ComponentFactors(const BlockPattern& pattern, Factoring factor
     std::size_t working = 0;
     for (const SingleCholesky* single : singles) working += single->working_bytes();
     SingleCholesky* first = nullptr;
-    for (std::size_t k = 0; k < singles.size() && working > much_room; ++k) {
-        if (singles[k]->working_bytes() <= own_room) continue;
+    for (std::size_t k = 0; k < singles.size() && working > most_beside; ++k) {
+        if (singles[k]->working_bytes() <= most_beside / own_share) continue;
         parts_[k]->in_one_room = true;
         if (first) singles[k]->share_memory(*first);
         if (!first) first = singles[k];

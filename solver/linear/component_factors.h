@@ -17,7 +17,10 @@ enum class Factoring { by_component, single, plain };
 class ComponentFactors {
   public:
     /// One symbolic analysis per component.
-    explicit ComponentFactors(const BlockPattern& pattern, Factoring factoring = Factoring::by_component);
+    /// \param most_beside where components in single precision take more bytes than this while they are made, all
+    /// together, the large ones are made one after another, by all threads and in the same memory
+    explicit ComponentFactors(const BlockPattern& pattern, Factoring factoring = Factoring::by_component,
+                              std::size_t most_beside = std::size_t{64} << 20);
     std::size_t count() const { return parts_.size(); }
     /// False if a component is not positive definite. Components whose rows all have a flag in `resting` (empty: none
     /// has) keep the factor they have, if any.

@@ -146,6 +146,44 @@ TEST_CASE("a factor that gave its memory back takes it again, with the same bits
     }
 }
 
+TEST_CASE("components that are made in the same memory, one after another, have the bits of each alone", "[linear]") {
+    const GridMatrix small(7), large(9);
+    const int first = 343, rows = 343 + 729;
+    std::vector<std::pair<int, int>> couplings;
+    for (const GridMatrix* grid : {&small, &large})
+        for (int i = 0; i < grid->pattern.rows; ++i)
+            for (int e = grid->pattern.row_start[std::size_t(i)]; e < grid->pattern.row_start[std::size_t(i) + 1]; ++e)
+                couplings.emplace_back((grid == &large ? first : 0) + i,
+                                       (grid == &large ? first : 0) + grid->pattern.column[std::size_t(e)]);
+    const BlockPattern both = make_pattern(rows, couplings);
+    BlockMatrix a(both);
+    std::copy(small.a.values.begin(), small.a.values.end(), a.values.begin());
+    std::copy(large.a.values.begin(), large.a.values.end(), a.values.begin() + std::ptrdiff_t(small.a.values.size()));
+    const std::vector<double> b = random_numbers(std::size_t(3 * rows), 8);
+    std::vector<double> expected(b.size()), x(b.size());
+    SingleCholesky of_small(small.pattern), of_large(large.pattern);
+    REQUIRE((of_small.factorize(small.a) && of_large.factorize(large.a)));
+    of_small.solve(b.data(), expected.data());
+    of_large.solve(b.data() + 3 * first, expected.data() + 3 * first);
+    std::vector<char> second(std::size_t(rows), 0);
+    std::fill(second.begin() + first, second.end(), char{1});
+    for (const std::size_t most_beside : {std::size_t{0}, std::size_t{1} << 40}) {
+        ComponentFactors factors(both, Factoring::single, most_beside);
+        REQUIRE(factors.count() == 2);
+        REQUIRE(factors.factorize(a));
+        factors.solve(b.data(), x.data());
+        CHECK(x == expected);
+        // What one of them finds does not spoil the other.
+        BlockMatrix bad = a;
+        bad.block(std::size_t(both.row_start[first + 40]))[4] = -1;
+        CHECK_FALSE(factors.factorize(bad));
+        CHECK(factors.surely_indefinite());
+        CHECK(factors.rows_without() == second);
+        factors.solve(b.data(), x.data(), second);
+        CHECK(std::equal(x.begin(), x.begin() + 3 * first, expected.begin()));
+    }
+}
+
 TEST_CASE("a factor's memory is counted before it is made, and a cycle's cost grows with the matrix without leaps",
           "[linear]") {
     const GridMatrix grid(16);
