@@ -116,12 +116,16 @@ int resolve(const Reads& in, const Setup& setup, std::string_view attribute, std
                 "two bodies are exactly alike, so the " + std::string(end) + " of " + name + " could be either",
                 "Make them differ in place or material.");
     // Bones of one topology have one rest digest. At the start, where both wires are read at one time, what is meant
-    // has the same place, too; from then on the key tells which it was.
-    if (found >= 0 && (!is_start || setup.ids[static_cast<std::size_t>(found)] == wanted)) return found;
-    for (const Body& b : setup.bodies) // what is disabled, or a part of what is
-        if ((!b.takes_part || b.subtissue) && b.rest->digest == wanted.rest && (!is_start || id_of(b) == wanted))
-            return disabled;
-    return not_there;
+    // has the same place, too; from then on the key tells which it was, but for what is disabled and not in the key.
+    if (found >= 0 && setup.ids[static_cast<std::size_t>(found)] == wanted) return found;
+    const auto is_off = [&](const Body& b) { return !b.takes_part || b.subtissue; }; // disabled, or a part of what is
+    const auto any_off = [&](const auto& fits) {
+        return std::ranges::any_of(setup.bodies, [&](const Body& b) { return is_off(b) && fits(b); });
+    };
+    if (any_off([&](const Body& b) { return id_of(b) == wanted; })) return disabled;
+    if (is_start) return not_there;
+    if (found >= 0) return found;
+    return any_off([&](const Body& b) { return b.rest->digest == wanted.rest; }) ? disabled : not_there;
 }
 
 /// An input of what is connected to the solver, and what stands there that the solver does not have.

@@ -175,8 +175,8 @@ Verdict Explainer::undecided(const Needs& needs, int simulation, double frame) {
             }
             out.changed_plugs = differs_from_frames(simulation, next);
             if (!out.changed_plugs.empty())
-                out.because +=
-                    "; what is kept of frame " + std::to_string(next) + " differs in " + joined(out.changed_plugs);
+                out.because += ", unless what differs comes to the same for " + p.name + "; what is kept of frame " +
+                               std::to_string(next) + " differs in " + joined(out.changed_plugs);
         }
     } else {
         out.readiness = Readiness::undecided;

@@ -168,6 +168,34 @@ TEST_CASE("keys that switch a tissue on later are another scene, keys that chang
     CHECK(s.counter.steps["solver"] == 3);
 }
 
+TEST_CASE("a bone that is off at all times is not taken for another of the same faces", "[nodes]") {
+    const auto scene = [](const std::string& enable, const std::string& ties) {
+        return R"("cube": {"type": "polyCube", "inputs": {"width": 0.2, "height": 0.2, "depth": 0.2}},
+        "above": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "translate": [0, 0.2, 0]}},
+        "aside": {"type": "transform", "inputs": {"mesh": {"from": "cube.outMesh"}, "translate": [0.2, 0.2, 0]}},
+        "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 1e5}},
+        "tets": {"type": "zTet", "inputs": {"mesh": {"from": "above.outMesh"}, "tetSize": 0.2}},
+        "block": {"type": "zTissue", "inputs": {"mesh": {"from": "above.outMesh"}, "tets": {"from": "tets.outTets"}, "materials": [{"from": "flesh.outMaterial"}]}},
+        "bone": {"type": "zBone", "inputs": {"mesh": {"from": "cube.outMesh"}}},
+        "post": {"type": "zBone", "inputs": {"mesh": {"from": "aside.outMesh"}, "enable": )" +
+               enable + R"(}},
+        "below": {"type": "zAttachment", "inputs": {"source": {"from": "block.outBody"}, "target": {"from": "bone.outBody"}}},
+        "beside": {"type": "zAttachment", "inputs": {"source": {"from": "block.outBody"}, "target": {"from": "post.outBody"}}},
+        "solver": {"type": "zSolver", "inputs": {"scale": 1, "bodies": [{"from": "bone.outBody"}, {"from": "post.outBody"}, {"from": "block.outBody"}],
+            "attachments": [)" +
+               ties + "]}}";
+    };
+    const std::string below = R"({"from": "below.outAttachment"})", beside = R"({"from": "beside.outAttachment"})";
+    Session alone(scene("false", below));
+    for (const std::string& ties : {beside + ", " + below, below + ", " + beside}) {
+        Session off(scene("false", ties));
+        CHECK(points(off, 4, 2) == points(alone, 4, 2));
+        CHECK(off.get<nodes::SolveReport>("solver", "outReport", 4).attachments == 1);
+    }
+    Session on(scene("true", beside + ", " + below));
+    CHECK(on.get<nodes::SolveReport>("solver", "outReport", 4).attachments == 2);
+}
+
 TEST_CASE("a bone that is switched off lets its attachments go and touches nothing", "[nodes]") {
     Session s(beam(R"(, "integrator": "QuasiStatic")", false));
     (void)points(s, 3);

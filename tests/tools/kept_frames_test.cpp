@@ -111,6 +111,8 @@ TEST_CASE("a key that changes simulates again from its frame on, and explain nam
                          .at(0);
     CHECK(why.at("readiness") == "would run");
     CHECK(why.at("changed_plugs") == json::array({"flesh.youngsModulus"}));
+    CHECK(why.at("because").get<std::string>().find("would be simulated, unless what differs comes to the same for "
+                                                    "solver; what is kept of frame 5 differs in") != std::string::npos);
     CHECK(why.at("steps").at("first_frame") == 5);
     CHECK(why.at("steps").at("last_frame") == 6);
     CHECK(why.at("valid_frames") == json::array({"1-4"}));
