@@ -15,7 +15,7 @@ namespace sinew::solver {
 
 namespace {
 
-constexpr std::string_view magic = "sinew state 12\n";
+constexpr std::string_view magic = "sinew state 13\n";
 
 /// Hands on plain values, vectors with their length first: large ones as they lie in memory, small ones gathered.
 class Writer {
@@ -283,6 +283,7 @@ void write(const State& s, const ByteSink& to) {
     w.put_all(s.history.x), w.put_all(s.history.v), w.put_all(s.history.acceleration);
     put_bones(w, s.history.bones);
     put_values(w, s.history.values);
+    w.put_all(s.history.frozen);
     put_memories(w, s.memories);
     put_parts(w, s.parts);
     put_bones(w, s.bones);
@@ -313,6 +314,7 @@ State load(std::span<const std::byte> bytes) {
     r.get_all(s.history.x), r.get_all(s.history.v), r.get_all(s.history.acceleration);
     get_bones(r, s.history.bones);
     get_values(r, s.history.values);
+    r.get_all(s.history.frozen);
     get_memories(r, s.memories);
     get_parts(r, s.parts);
     get_bones(r, s.bones);

@@ -37,6 +37,7 @@ struct History {
     std::vector<Points> bones;        ///< likewise, per body
     std::vector<double> acceleration; ///< at the end of the last step, 3 per vertex [m/s^2]; empty = not known
     std::optional<StepInputs> values; ///< that the last step ended with, as copy_values leaves them
+    std::vector<char> frozen;         ///< flags of bodies that stood still in it, which is no past; empty: none did
 };
 
 struct State {

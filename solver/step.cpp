@@ -149,7 +149,8 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         quasi_static_form(s, impl.form);
         break;
     case Integrator::bdf2:
-        bdf2_form(s, h, impl.form);
+        // A body that stood still has no past that its motion could go on from.
+        impl.potential.lets_go(s.history.frozen) ? backward_euler_form(s, h, impl.form) : bdf2_form(s, h, impl.form);
         break;
     case Integrator::tr_bdf2: {
         if (s.history.acceleration.empty()) impl.potential.accelerations(s, s.history.acceleration);
@@ -198,6 +199,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         s.history.v.swap(s.v);
         s.history.bones.swap(s.bones);
         s.history.acceleration.swap(impl.acceleration);
+        s.history.frozen = impl.potential.frozen();
         if (in.integrator == Integrator::tr_bdf2) {
             if (!s.history.values) s.history.values.emplace();
             copy_values(in, *s.history.values);

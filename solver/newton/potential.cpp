@@ -117,6 +117,12 @@ void Potential::begin_step(const State& before, const StepInputs& inputs) {
     }
 }
 
+bool Potential::lets_go(const std::vector<char>& frozen_before) const {
+    for (std::size_t d = 0; d < frozen_before.size(); ++d)
+        if (frozen_before[d] && (frozen_.empty() || !frozen_[d])) return true;
+    return false;
+}
+
 void Potential::stop_frozen(Positions& v) const {
     for (std::size_t d = 0; d < frozen_.size() && !v.empty(); ++d) {
         const Deformable& body = numbering_.deformables[d];

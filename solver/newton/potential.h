@@ -40,6 +40,10 @@ class Potential {
         affine_momentum_.remove(numbering_, masses(), dynamics_.inputs(), x, v);
     }
     bool has_frozen() const { return !frozen_.empty(); }
+    /// Flags of bodies that are frozen in the step; empty: none is.
+    const std::vector<char>& frozen() const { return frozen_; }
+    /// Whether one of those flagged is frozen no longer.
+    bool lets_go(const std::vector<char>& frozen_before) const;
     /// Sets v, 3 a vertex, to zero where bodies are frozen (TissueInputs::enable).
     void stop_frozen(Positions& v) const;
     /// Puts their vertices to where they are in `from`.

@@ -47,3 +47,19 @@ TEST_CASE("what rests on something comes back to it when it has been switched of
         CHECK(lowest(s, 40) == Approx(rest).epsilon(0.02));
     }
 }
+
+TEST_CASE("the energy of contact goes with it, whatever was simulated before", "[nodes]") {
+    const std::string off = R"({"keys": [[1, true], [20, false]]})";
+    for (const std::string& cube : {R"(, "collisions": )" + off, R"(, "enable": )" + off}) {
+        INFO(cube);
+        const auto energy = [&](bool goes_on) {
+            Session s(standing(cube, ""));
+            const auto report = [&](double frame) { return s.get<nodes::SolveReport>("solver", "outReport", frame); };
+            CHECK(value_of(report(19).record.measured, "contact", "force_N") > 0);
+            (void)report(21);
+            if (!goes_on) s.evaluator.drop_scratch();
+            return report(22).record.energy;
+        };
+        CHECK(energy(true) == energy(false));
+    }
+}

@@ -149,6 +149,16 @@ TEST_CASE("a tissue that is switched off stands still, and starts from rest when
     CHECK(points(late, 3) == points(late, 1));
     CHECK(largest_difference(points(late, 6), points(late, 3)) > 1e-3);
     CHECK(late.get<nodes::SolveReport>("solver", "outReport", 3).bodies == 2);
+    // A scheme of two steps has no past to go on from either: it falls as one that begins there.
+    for (const char* integrator : {R"(, "integrator": "BDF2")", R"(, "integrator": "TR-BDF2")"}) {
+        Session on(beam(integrator, false)), begins(beam(integrator, false));
+        for (Session* of : {&on, &begins}) of->set("solver", "attachments", "[]");
+        on.set("beam", "enable", R"({"keys": [[1, false], [4, true]]})");
+        begins.set("solver", "startFrame", "3");
+        CHECK(largest_difference(points(on, 3), points(begins, 3)) < 1e-15);
+        CHECK(largest_difference(points(on, 8), points(begins, 8)) < 1e-12);
+        CHECK(largest_difference(points(on, 8), points(begins, 3)) > 0.1);
+    }
     // Off for good it has no place in the scene.
     Session never(beam("", false));
     never.set("beam", "enable", R"({"keys": [[1, false], [4, false]]})");

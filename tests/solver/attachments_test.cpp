@@ -546,10 +546,10 @@ TEST_CASE("a state holds an attachment's samples once, 128 bytes each, and those
     for (const TermMemory& m : start.memories) memories += length + m.term.size() + 4 + length + m.bytes.size();
     CHECK(memories < memory + 100);
     const std::size_t positions_and_velocities = 2 * (length + 27 * 3 * 8),
-                      history = 8 + 3 * length + length + 1, // step, x, v, acceleration, bones, values
-        bones = length + length + (length + 4 * 3 * 8),      // none of the tissue
+                      history = 8 + 3 * length + length + 1 + length, // step, x, v, acceleration, bones, values, frozen
+        bones = length + length + (length + 4 * 3 * 8),               // none of the tissue
         record = 2 * 8 + 8 + 6 * 4 + 1 + length;
-    const std::string_view mark = "sinew state 12\n";
+    const std::string_view mark = "sinew state 13\n";
     CHECK(save(start).size() ==
           mark.size() + positions_and_velocities + history + memories + length + bones + (8 + 3 * 4 + 1) + record);
     Workspace w(scene);

@@ -137,6 +137,7 @@ void Contacts::find_all_touches() {
     search_.begin(before_);
     sweep(expected_);
     touches_.clear(), pair_of_touch_.clear(), clearance_.clear(), areas_.clear(), starts_.clear();
+    now_.clear(), forces_.clear(); // where no pair is left nothing else does
     for (PointTriangleElement& e : elements_) e.forget();
     strong_.assign(pairs_.size(), 0);
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
