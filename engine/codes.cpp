@@ -253,6 +253,7 @@ constexpr CodeInfo table[] = {
     {"FE343", "too few Newton iterations for cloth that touches", "Write 60: it is a limit, not a cost."},
     {"FE344", "rest scale that is hardly meant", "It is a factor of lengths: 0.8 is a fifth shorter."},
     {"FE345", "scene far from the origin", "Model it near the origin, and move what comes out."},
+    {"FE346", "quadratic tets of which only the solid share is known", "Let zTet make them, or take linear ones."},
     // ---- IO4xx: files ----
     {"IO401", "file is missing", "Correct the path; relative paths start at the graph's folder."},
     {"IO402", "file cannot be read", "Check permissions, and that it is a file and not a folder."},

@@ -14,8 +14,9 @@ namespace sinew::nodes {
 /// Raised when the same parts give rest data with other bits; part of the digest below, and zTissue's `numerics`.
 /// 3: paint holds on triangles, not only at vertices, where they are larger than the tets. 4: maps and fibre
 /// directions are solved for by supernodal Cholesky. 5: the default lattice knows the moments of what it cuts. 6: tets
-/// are fitted to the borders of layers. 7: fibres follow a field on smaller tets.
-constexpr int tissue_numerics = 8;
+/// are fitted to the borders of layers. 7: fibres follow a field on smaller tets. 9: paint is that of the
+/// solid part of each tet.
+constexpr int tissue_numerics = 9;
 
 /// What is noticed of a tissue's parts, each in the order of BodyRest::parts.
 struct FoundParts {

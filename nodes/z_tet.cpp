@@ -162,6 +162,14 @@ void compute(const Reads& in, Writes& out) {
         own->mesh->cut.degree != 4)
         in.fail(tets.name, "DG110", "these tets are a lattice for linear elements; here element is quadratic",
                 "Set element to quadratic on the zTet that makes the lattice.");
+    const auto is_thinner = [](double share) { return share < 1; };
+    if (own && element_of(in) == solver::ElementKind::quadratic && own->mesh->cut.tets.empty() &&
+        std::ranges::any_of(own->mesh->coverage, is_thinner))
+        in.warn(tets.name, "FE346",
+                "of tets that the surface cuts only the share that is solid is known, so quadratic ones are taken for "
+                "thinner all over",
+                "Connect the tissue's mesh and let zTet make the tets, or take linear ones, to which the share is "
+                "nearly enough.");
     TetMeshValue result = (own ? *own : make_tets(in)).with_element(element_of(in));
     out.set(out_mesh, Mesh::from(solver::SurfaceMesh::from_triangles(result.mesh->vertices,
                                                                      solver::boundary_triangles(result.mesh->tets))));

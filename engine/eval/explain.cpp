@@ -280,6 +280,12 @@ Verdict Explainer::of_frame(int simulation, int frame) {
                 "its inputs differ from frame " + std::to_string(differs) + " on (" + joined(out.changed_plugs) + "); ";
         }
     }
+    if (out.changed_plugs.empty() && nearest < frame) { // or from what an earlier process left
+        out.changed_plugs = differs_from_frames(simulation, out.first_frame);
+        if (!out.changed_plugs.empty())
+            change = "what is kept of frame " + std::to_string(out.first_frame) + " differs in " +
+                     joined(out.changed_plugs) + "; ";
+    }
     if (nearest == frame) {
         out.because = change + "the state is there, only the outputs have to be published";
     } else {

@@ -309,6 +309,9 @@ std::vector<double> harmonic_extension(const TetMesh& mesh, const Embedding& sur
     return harmonic_extensions(mesh, surface, areas, {values}, painted, range)[0];
 }
 
+/// Of a tet's volume: of less than this all that is known of where it lies is rounding.
+constexpr double least_inside = 1e-9;
+
 std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& per_vertex) {
     check_per_vertex(mesh, per_vertex);
     std::vector<double> means;
@@ -316,6 +319,16 @@ std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& pe
     for (const Tet& t : mesh.tets)
         means.push_back(0.25 *
                         (per_vertex[at(t[0])] + per_vertex[at(t[1])] + per_vertex[at(t[2])] + per_vertex[at(t[3])]));
+    for (std::size_t k = 0; k < mesh.cut.tets.size(); ++k) { // the value at the middle of what is solid
+        const double* moments = mesh.cut.of(k);
+        const std::size_t tet = at(mesh.cut.tets[k]);
+        double sum = 0, inside = 0;
+        for (std::size_t c = 0; c < 4; ++c) {
+            const double first = std::max(0.0, mesh.cut.degree == 1 ? moments[c] : MomentTensors(moments).first[c]);
+            sum += first * per_vertex[at(mesh.tets[tet][c])], inside += first;
+        }
+        if (inside > least_inside) means[tet] = sum / inside;
+    }
     return means;
 }
 

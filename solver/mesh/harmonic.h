@@ -44,7 +44,7 @@ std::vector<std::vector<double>> harmonic_extensions(const TetMesh& mesh, const 
                                                      const std::vector<std::vector<double>>& maps,
                                                      const std::vector<char>& painted,
                                                      HarmonicRange range = HarmonicRange::painted);
-/// Mean over each tet of a per-vertex field.
+/// Mean of a per-vertex field over what is solid of each tet.
 std::vector<double> tet_means(const TetMesh& mesh, const std::vector<double>& per_vertex);
 /// Unit gradient per tet of a per-vertex field; zero vectors where the gradient vanishes (is less than 1e-9
 /// of the largest). Throws Error FE215 (a tet without volume).

@@ -155,6 +155,24 @@ TEST_CASE("tets written in every format come back as they were", "[nodes]") {
     }
 }
 
+TEST_CASE("quadratic tets from a file that knows of cut ones the share alone are warned about", "[nodes]") {
+    const Folder folder;
+    Session s(R"("ball": {"type": "polySphere"}, "fill": {"type": "zTet", "inputs": {"mesh": {"from": "ball.outMesh"}}},
+                 "write": {"type": "tetWriter", "inputs": {"tets": {"from": "fill.outTets"}, "format": "vtk"}})");
+    const std::string file = folder.write("t.vtk", s.get<nodes::FileContent>("write", "outFile").bytes);
+    const auto told = [&](const std::string& element) {
+        Session back(R"("t": {"type": "tetMeshFile", "inputs": {"file": ")" + file + R"("}},
+            "u": {"type": "zTet", "inputs": {"tets": {"from": "t.outTets"}, "element": ")" +
+                     element + R"("}})");
+        (void)back.pull("u", "outTets");
+        std::string out;
+        for (const engine::Diagnostic& d : back.counter.warnings) out += d.code + " " + d.node + "." + d.attribute;
+        return out;
+    };
+    CHECK(told("quadratic") == "FE346 u.tets");
+    CHECK(told("linear").empty());
+}
+
 TEST_CASE("TetGen's two files are named both, and both enter the key", "[nodes]") {
     const Folder folder;
     const auto reader = [](const std::string& node, const std::string& ele) {

@@ -121,6 +121,19 @@ TEST_CASE("a key that changes simulates again from its frame on, and explain nam
     CHECK(after.digests == run(file, {}).digests);
     CHECK(after.digests[3] == before.digests[3]);
     CHECK(after.digests[4] != before.digests[4]);
+    // An input of the solver's own is named as well.
+    const std::string keyed = R"(solver.gravity={"keys": [[1, [0, -9.8, 0]], [3, [0, -9.8, 0]], [4, [0, -5, 0]]],
+                                 "interp": "step"})";
+    for (const auto& [input, changed, first] :
+         {std::tuple{keyed, "solver.gravity", 4}, {std::string("solver.substeps=2"), "solver.substeps", 1}}) {
+        const json own = run_program({"explain", file, "solver.outMeshes", "--frame", "6", "--json", "--set", input,
+                                      "--cache", (folder / "cache").string()})
+                             .lines()
+                             .at(0);
+        CAPTURE(own.dump());
+        CHECK(own.at("changed_plugs") == json::array({changed}));
+        CHECK(own.at("steps").at("first_frame") == first);
+    }
     // And back: the frames of before are still there.
     modulus["keys"][2][1] = 20000;
     write_graph(folder, graph);

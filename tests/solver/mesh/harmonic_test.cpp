@@ -271,6 +271,31 @@ TEST_CASE("means and gradients of tets are those of the linear function", "[mesh
         REQUIRE(g == Vec3(0, 0, 0));
 }
 
+TEST_CASE("means over cut tets are those of their solid parts", "[mesh][harmonic]") {
+    const SurfaceMesh cube = make_cube(1, 1, 1, 1, 1, 1);
+    const Vec3 slope(1, -2, 0.5);
+    for (const int moments : {1, 4}) {
+        LatticeOptions options;
+        options.tet_size = 0.43;
+        options.moments = moments;
+        const TetMesh lattice = make_lattice(cube.points, cube.triangles, options);
+        REQUIRE(lattice.cut.degree == moments);
+        REQUIRE(lattice.cut.tets.size() > 20);
+        std::vector<double> field;
+        for (const Vec3& p : lattice.vertices) field.push_back(slope.dot(p) + 3);
+        const std::vector<double> means = tet_means(lattice, field);
+        double sum = 0;
+        for (std::size_t t = 0; t < lattice.tets.size(); ++t) {
+            const Tet& v = lattice.tets[t];
+            sum += means[t] * lattice.coverage[t] *
+                   tet_volume(lattice.vertices[at(v[0])], lattice.vertices[at(v[1])], lattice.vertices[at(v[2])],
+                              lattice.vertices[at(v[3])]);
+        }
+        const Box box = bounding_box(cube.points); // of volume 1: the integral is the value in its middle
+        CHECK(sum == Approx(slope.dot(box.centre()) + 3).epsilon(1e-9));
+    }
+}
+
 TEST_CASE("harmonic extension refuses what it cannot use", "[mesh][harmonic]") {
     Painted sphere(make_sphere(1, 8, 8), 1);
     const auto code = [&](const Painted& p) {
