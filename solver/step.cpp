@@ -313,7 +313,6 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
               const StepControl& control) {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
-    const Scene& scene = workspace.scene();
     Workspace::Impl& impl = workspace.impl();
     State s = before;
     StepRecord record;
