@@ -38,7 +38,7 @@ Cholesky::~Cholesky() = default;
 bool BlockView::finite() const {
     return std::isfinite(ordered_sum(pattern->block_count(), [&](std::size_t b) {
         double sum = 0;
-        for (int k = 0; k < 9; ++k) sum += block(b)[k];
+        for (std::size_t k = 0; k < 9; ++k) sum += number(b, k);
         return sum;
     }));
 }

@@ -72,7 +72,8 @@ bool ComponentFactors::rests(const Part& part, std::span<const char> resting) {
     return !resting.empty() && std::ranges::all_of(part.rows, [&](int row) { return resting[at(row)] != 0; });
 }
 
-bool ComponentFactors::factorize(const BlockMatrix& a, std::span<const char> resting) {
+template <class Whole>
+bool ComponentFactors::factorize_whole(const Whole& a, std::span<const char> resting) {
     std::atomic<bool> good = true, indefinite = false;
     const auto make = [&](Part& part) {
         if (rests(part, resting)) return;
@@ -88,6 +89,14 @@ bool ComponentFactors::factorize(const BlockMatrix& a, std::span<const char> res
     });
     surely_indefinite_ = indefinite;
     return good;
+}
+
+bool ComponentFactors::factorize(const BlockMatrix& a, std::span<const char> resting) {
+    return factorize_whole(a, resting);
+}
+
+bool ComponentFactors::factorize(std::span<const float> rounded, std::span<const char> resting) {
+    return factorize_whole(rounded, resting);
 }
 
 void ComponentFactors::release_if_large() {

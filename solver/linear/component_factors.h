@@ -25,6 +25,8 @@ class ComponentFactors {
     /// False if a component is not positive definite. Components whose rows all have a flag in `resting` (empty: none
     /// has) keep the factor they have, if any.
     bool factorize(const BlockMatrix& a, std::span<const char> resting = {});
+    /// The same in single precision, of a matrix with such numbers, 9 a block of the pattern.
+    bool factorize(std::span<const float> rounded, std::span<const char> resting = {});
     /// No component has one any more; their memory stays.
     void forget();
     /// Flags of the rows whose component has none; empty: all have one.
@@ -49,6 +51,8 @@ class ComponentFactors {
         std::vector<double> in, out;
     };
     static bool rests(const Part& part, std::span<const char> resting);
+    template <class Whole>
+    bool factorize_whole(const Whole& a, std::span<const char> resting);
     bool surely_indefinite_ = false;
     std::vector<std::unique_ptr<Part>> parts_; ///< the largest first, so that threads end together
 };

@@ -75,10 +75,10 @@ LinearSolver::LinearSolver(const BlockPattern& pattern, UnknownPlaces places)
 void LinearSolver::begin_frame(const LinearMemory& memory) {
     used_ = false;
     late_iterations_ = memory.late_iterations, fresh_iterations_ = memory.fresh_iterations;
-    if (memory.factor && memory.factor == made_of_ && kept_ == Kept::single) return;
+    if (memory.factor && memory.factor == source_ && kept_ == Kept::single) return;
     // Nor is anything left of it: components that rest would take up what another frame has made.
     kept_ = Kept::none;
-    made_of_.reset(), draft_.reset(), again_.reset();
+    source_.reset(), again_.reset();
     for (ComponentFactors* factors : {single_.get(), factors_.get()})
         if (factors) factors->forget();
     if (memory.factor && memory.factor->pattern == mark_ &&
@@ -91,14 +91,19 @@ void LinearSolver::end_frame(LinearMemory& memory) {
     const bool worth_it = used_ && kept_ == Kept::single && !places_.any_sheet &&
                           late_iterations_ * costs_.factor_solve < too_late * costs_.factor;
     if (!worth_it) {
+        source_.reset();
         memory.factor.reset(), memory.late_iterations = memory.fresh_iterations = 0;
         return;
     }
-    if (draft_) {
-        draft_->pattern = mark_, draft_->without = single_->rows_without();
-        made_of_ = std::move(draft_);
+    if (!source_) {
+        FactorSource source{mark_, made_of_, single_->rows_without()};
+        for (std::size_t i = 0; i < source.without.size(); ++i) // what is left there of other frames is none of it
+            if (source.without[i])
+                std::fill(source.values.begin() + 9 * pattern_.row_start[i],
+                          source.values.begin() + 9 * pattern_.row_start[i + 1], 0.0f);
+        source_ = std::make_shared<const FactorSource>(std::move(source));
     }
-    memory.factor = made_of_;
+    memory.factor = source_;
     memory.late_iterations = late_iterations_, memory.fresh_iterations = fresh_iterations_;
 }
 
@@ -186,16 +191,11 @@ void LinearSolver::prepare_single() {
 
 /// Rows of bodies that rest keep what their factor, if any, was made of.
 void LinearSolver::keep_rounded(const BlockMatrix& a) {
-    if (!draft_)
-        draft_ = made_of_ && !resting_.empty() ? std::make_unique<FactorSource>(*made_of_)
-                                               : std::make_unique<FactorSource>();
-    made_of_.reset();
-    std::vector<float>& values = draft_->values;
-    values.resize(9 * pattern_.block_count());
+    made_of_.resize(9 * pattern_.block_count());
     parallel_for(at(pattern_.rows), 256, [&](std::size_t i) {
         if (!resting_.empty() && resting_[i]) return;
         const auto first = 9 * at(pattern_.row_start[i]), last = 9 * at(pattern_.row_start[i + 1]);
-        for (std::size_t k = first; k < last; ++k) values[k] = static_cast<float>(a.values[k]);
+        for (std::size_t k = first; k < last; ++k) made_of_[k] = static_cast<float>(a.values[k]);
     });
 }
 
@@ -203,9 +203,10 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
     const Stopwatch timer(outcome.seconds_factor);
     prepare_single();
     keep_rounded(a);
-    const bool good = single_->factorize(a, resting_); // which rounds alike
+    const bool good = single_->factorize(made_of_, resting_);
     ++outcome.factors;
     kept_ = good ? Kept::single : Kept::none;
+    source_.reset();
     late_iterations_ = 0;
     return good;
 }
@@ -214,10 +215,9 @@ bool LinearSolver::make_single(const BlockMatrix& a, Outcome& outcome) {
 void LinearSolver::make_again() {
     const auto source = std::exchange(again_, nullptr);
     prepare_single();
-    BlockMatrix rounded(pattern_);
-    std::copy(source->values.begin(), source->values.end(), rounded.values.begin());
-    if (!single_->factorize(rounded, source->without)) return; // of a state that was spoiled
-    made_of_ = source;
+    made_of_ = source->values;
+    if (!single_->factorize(made_of_, source->without)) return; // of a state that was spoiled
+    source_ = source;
     kept_ = single_->is_made(resting_) ? Kept::single : Kept::none;
 }
 

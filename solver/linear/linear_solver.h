@@ -103,11 +103,10 @@ class LinearSolver {
     bool plain_factors_ = false;
     int symbolic_analyses_ = 0;
     Kept kept_ = Kept::none;
-    std::uint64_t mark_; ///< of the pattern
-    /// What single_ was made of, each component of it when that was: in a state already, or still one's own; and what
-    /// it is to be made of again before it is used.
-    std::shared_ptr<const FactorSource> made_of_, again_;
-    std::unique_ptr<FactorSource> draft_;
+    std::uint64_t mark_;         ///< of the pattern
+    std::vector<float> made_of_; ///< what single_ was made of: each component of it, when that was
+    /// The same where a state has it; and what single_ is to be made of again before it is used.
+    std::shared_ptr<const FactorSource> source_, again_;
     bool used_ = false;         ///< the kept factor, in this frame
     int late_iterations_ = 0;   ///< see LinearMemory
     int fresh_iterations_ = 0;  ///< likewise

@@ -344,10 +344,10 @@ void SingleCholesky::Impl::take_entries(int node, const BlockView& a, const std:
     std::fill_n(block, stride * 3 * at(s.width), 0.0f);
     for (std::size_t e = entry_start[at(node)]; e < entry_start[at(node) + 1]; ++e) {
         const int i = entries[e].row, j = a.pattern->column[at(entries[e].block)];
-        const double* from = a.block(at(entries[e].block));
+        const std::size_t from = at(entries[e].block);
         const float *scale_i = scale.data() + 3 * i, *scale_j = scale.data() + 3 * j;
         const auto entry = [&](std::size_t r, std::size_t c) {
-            return static_cast<float>(from[3 * r + c]) * scale_i[r] * scale_j[c];
+            return static_cast<float>(a.number(from, 3 * r + c)) * scale_i[r] * scale_j[c];
         };
         const auto [low, high] = std::minmax(place[at(i)], place[at(j)]);
         float* out = block + 3 * at(low - s.first) * stride + 3 * at(place_in_node[at(high)]);
@@ -442,13 +442,12 @@ bool SingleCholesky::factorize(const BlockView& a) {
     Impl& f = *impl_;
     f.surely_indefinite = false;
     for (std::size_t i = 0; i < f.scale.size(); ++i) {
-        // Rounded here as its entries are, so that the factor is that of the rounded matrix.
-        const auto d = static_cast<float>(a.block(at(a.pattern->row_start[i / 3]))[4 * (i % 3)]);
+        const double d = a.number(at(a.pattern->row_start[i / 3]), 4 * (i % 3));
         if (!(d > 0) || !std::isfinite(d)) {
             f.surely_indefinite = d <= 0;
             return false;
         }
-        f.scale[i] = static_cast<float>(1 / std::sqrt(static_cast<double>(d)));
+        f.scale[i] = static_cast<float>(1 / std::sqrt(d));
     }
     if (!a.finite()) return false;
     f.memory->resize(f.tree.value_count), f.kept.resize(f.kept_start.back());

@@ -18,7 +18,7 @@ class SingleCholesky final : public SparseFactor {
   public:
     explicit SingleCholesky(const BlockPattern& pattern);
     ~SingleCholesky() override;
-    /// Of the matrix rounded to single precision. False also where it is positive definite by less than that can tell.
+    /// False also where a matrix is positive definite by less than single precision can tell.
     bool factorize(const BlockView& a) override;
     bool surely_indefinite() const override;
     double factor_operations() const override;

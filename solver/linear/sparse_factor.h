@@ -12,7 +12,8 @@ namespace sinew::solver {
 struct BlockView {
     const BlockPattern* pattern;
     std::span<const double> values;
-    std::span<const int> source; ///< per block of the pattern: its number among the values; empty: the same
+    std::span<const float> rounded; ///< in place of `values`, if there are any
+    std::span<const int> source;    ///< per block of the pattern: its number among the values; empty: the same
     BlockView(const BlockMatrix& a)
         : pattern(a.pattern)
         , values(a.values) {}
@@ -21,8 +22,18 @@ struct BlockView {
         : pattern(&part)
         , values(whole.values)
         , source(source) {}
-    const double* block(std::size_t index) const {
-        return values.data() + 9 * (source.empty() ? index : static_cast<std::size_t>(source[index]));
+    BlockView(const BlockPattern& part, std::span<const float> whole, std::span<const int> source)
+        : pattern(&part)
+        , rounded(whole)
+        , source(source) {}
+    std::size_t place(std::size_t index) const {
+        return 9 * (source.empty() ? index : static_cast<std::size_t>(source[index]));
+    }
+    /// Where nothing is rounded.
+    const double* block(std::size_t index) const { return values.data() + place(index); }
+    /// Number k of a block, row by row.
+    double number(std::size_t index, std::size_t k) const {
+        return rounded.empty() ? values[place(index) + k] : static_cast<double>(rounded[place(index) + k]);
     }
     /// LAPACK kernels differ in whether they notice a NaN among their pivots.
     bool finite() const;
