@@ -10,27 +10,37 @@ namespace sinew::embed {
 
 namespace {
 
-template <class Call>
-auto told(const engine::Reads& in, Call&& call) {
+constexpr const char* cure = "this node type is the host's: repair it there";
+
+/// What the exception at work says, of whom there is one to name; Failure and Cancelled go on.
+std::string words_of_host(const std::string& who = {}) {
     try {
-        return call();
+        throw;
     } catch (const engine::Failure&) {
         throw;
     } catch (const engine::Cancelled&) {
         throw;
-    } catch (const std::bad_alloc&) {
-        in.fail({}, "FE305", "there is not enough memory for it", "Choose fewer tets, faces or frames at once.");
     } catch (const std::exception& e) {
-        in.fail({}, "DG127", e.what(), "this node type is the host's: repair it there");
+        return who.empty() ? e.what() : who + ": " + e.what();
     } catch (...) {
-        in.fail({}, "DG127", "it threw something that is no std::exception",
-                "this node type is the host's: repair it there");
+        return (who.empty() ? "it" : who) + " threw something that is no std::exception";
     }
 }
 
-[[noreturn]] void fail_without_node(const std::string& message) {
+template <class Call>
+auto told(const engine::Reads& in, Call&& call) {
+    try {
+        return call();
+    } catch (const std::bad_alloc&) {
+        in.fail({}, "FE305", "there is not enough memory for it", "Choose fewer tets, faces or frames at once.");
+    } catch (...) {
+        in.fail({}, "DG127", words_of_host(), cure);
+    }
+}
+
+[[noreturn]] void fail_without_node(std::string message) {
     engine::Diagnostic d;
-    d.code = "DG127", d.message = message, d.hint = "this node type is the host's: repair it there";
+    d.code = "DG127", d.message = std::move(message), d.hint = cure;
     throw engine::Failure(std::move(d));
 }
 
@@ -39,14 +49,8 @@ template <class Call>
 auto told_of(const std::string& what, Call&& call) {
     try {
         return call();
-    } catch (const engine::Failure&) {
-        throw;
-    } catch (const engine::Cancelled&) {
-        throw;
-    } catch (const std::exception& e) {
-        fail_without_node(what + ": " + e.what());
     } catch (...) {
-        fail_without_node(what + " threw something that is no std::exception");
+        fail_without_node(words_of_host(what));
     }
 }
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <list>
 #include <mutex>
@@ -471,7 +472,16 @@ Frame Session::evaluated(double frame, std::string_view plug, std::stop_token st
 }
 
 bool Session::is_ready(double frame, std::string_view plug) const {
-    return explain(frame, plug).readiness == engine::Readiness::ready;
+    // By keys alone where there is a whole number of frames: to explain why not is to look at all that is on disk.
+    if (std::abs(frame) > 1e9 || frame != std::floor(frame)) // also what is no number
+        return explain(frame, plug).readiness == engine::Readiness::ready;
+    impl_->refuse_in_callback();
+    const auto g = graph();
+    const Plug at = impl_->plug_of(*g, plug);
+    const int number = static_cast<int>(frame);
+    return impl_->watched([&] {
+        return !impl_->evaluator.valid_frames({g, at, frame, {}, {}}, number, number).empty();
+    });
 }
 
 engine::Verdict Session::explain(double frame, std::string_view plug) const {
