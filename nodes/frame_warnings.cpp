@@ -41,6 +41,24 @@ bool cloth_is_left(const Setup& setup, int body) {
 /// A bone that goes farther in a frame is hardly meant to.
 constexpr double most_sizes_a_frame = 3;
 
+/// Of a bone that has jumped: its name, and how far it has gone.
+struct Jump {
+    std::string bone, far;
+    explicit operator bool() const { return !bone.empty(); }
+};
+Jump find_jump(const Reads& in, const Setup& setup, const std::vector<solver::Points>& before,
+               const std::vector<solver::Points>& after) {
+    const Leap leap = farthest_leap(before, after);
+    if (!(leap.sizes > most_sizes_a_frame)) return {};
+    char far[100];
+    std::snprintf(far, sizeof far, "%.4g in this frame, %.3g times its size", leap.distance * setup.key.scale,
+                  leap.sizes);
+    return {in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(leap.body)])),
+            far};
+}
+
+constexpr const char* look_at_jump = " (the unit of its motion, a jump between keys); if it is, raise substeps.";
+
 } // namespace
 
 void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::State& before, const SimulationState& s) {
@@ -68,19 +86,21 @@ void warn_if_unconverged(const Reads& in, const Setup& setup, const solver::Stat
         hint = "Raise maxNewtonIterations from " + std::to_string(limit) + " to " + most +
                ": cloth that touches or folds takes " + few + " to " + most +
                ", and halved steps cost more than they; or raise substeps.";
-    if (const Leap leap = farthest_leap(before.bones, s.state.bones); leap.sizes > most_sizes_a_frame) {
-        const std::string bone =
-            in.source_name(bodies.name, static_cast<std::size_t>(setup.simulated[static_cast<std::size_t>(leap.body)]));
-        char far[100];
-        std::snprintf(far, sizeof far, " has gone %.4g in this frame, %.3g times its size",
-                      leap.distance * setup.key.scale, leap.sizes);
-        leaps = "; " + bone + far;
-        hint = "Look whether " + bone +
-               " is meant to (the unit of its motion, a jump between keys); if it is, raise "
-               "substeps.";
+    if (const Jump jump = find_jump(in, setup, before.bones, s.state.bones)) {
+        leaps = "; " + jump.bone + " has gone " + jump.far;
+        hint = "Look whether " + jump.bone + " is meant to" + look_at_jump;
     }
     in.warn(max_newton_iterations.name, "FE301",
             "frame " + std::string(frame) + " has not converged: residual " + residual + of + text + leaps, hint);
+}
+
+std::string hint_of_jump(const Reads& in, const Setup& setup, const solver::State& before,
+                         const solver::StepInputs& after) {
+    std::vector<solver::Points> bones(after.bodies.size());
+    for (std::size_t i = 0; i < bones.size(); ++i)
+        if (const auto* bone = std::get_if<solver::BoneInputs>(&after.bodies[i])) bones[i] = bone->positions;
+    const Jump jump = find_jump(in, setup, before.bones, bones);
+    return jump ? "Look whether " + jump.bone + " is meant to go " + jump.far + look_at_jump : "";
 }
 
 void warn_if_inverted(const Reads& in, const Setup& setup, const solver::Scene& scene, const solver::State& state) {

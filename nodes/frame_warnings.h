@@ -15,6 +15,11 @@ inline constexpr int few_cloth_iterations = 20, most_cloth_iterations = 60;
 void warn_if_unconverged(const engine::Reads& in, const Setup& setup, const solver::State& before,
                          const SimulationState& s);
 
+/// Of a step that failed: the bone that has jumped from the state `before` to where `after` takes it, and what to do
+/// about that. Empty: none has.
+std::string hint_of_jump(const engine::Reads& in, const Setup& setup, const solver::State& before,
+                         const solver::StepInputs& after);
+
 /// Warns of one that has converged with tets inside out (FE306): a shape can be in balance that way and is wrong all
 /// the same.
 void warn_if_inverted(const engine::Reads& in, const Setup& setup, const solver::Scene& scene,

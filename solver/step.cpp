@@ -62,6 +62,16 @@ struct Workspace::Impl {
         return with_followers(s, in);
     }
 
+    void check_finite(const std::vector<double>& x) const {
+        for (const Deformable& d : potential.numbering().deformables) {
+            const double* first = x.data() + 3 * d.first_unknown;
+            if (std::all_of(first, first + 3 * d.unknown_count, [](double c) { return std::isfinite(c); })) continue;
+            Error e("FE302", "the step gave positions that are not finite numbers");
+            e.body = d.body;
+            throw e;
+        }
+    }
+
     void prepare(const State& before, const StepInputs& in) {
         take(before, in);
         if (potential.unknown_count() > 0 && !newton) newton = std::make_unique<NewtonWorkspace>(potential);
@@ -332,8 +342,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
         ++s.steps;
         ++record.substeps;
     }
-    for (const double c : s.x)
-        if (!std::isfinite(c)) throw Error("FE302", "the step gave positions that are not finite numbers");
+    impl.check_finite(s.x);
     if (impl.newton) impl.newton->linear.end_frame(s.linear);
     impl.potential.describe(s.x, record);
     record.measured = impl.measured;

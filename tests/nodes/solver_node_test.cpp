@@ -229,6 +229,28 @@ TEST_CASE("where a step does not converge, a bone that has jumped is named", "[n
     CHECK(goes_to("0.01").message.find("has gone") == std::string::npos);
 }
 
+TEST_CASE("a step that cannot be taken names the body to look at, and a bone that has jumped", "[nodes]") {
+    const std::string second = R"(, "mesh2": {"type": "polySphere"},
+        "ball": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh2.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}})";
+    Session s(beam(1, "", second));
+    s.set("solver", "bodies", R"([{"from": "ball.outBody"}, {"from": "bone.outBody"}, {"from": "beam.outBody"}])");
+    s.set("place", "translate", R"({"keys": [[2, [-0.625, 0, 0]], [3, [-0.625, 1e12, 0]]], "interp": "linear"})");
+    points(s, 2);
+    try {
+        points(s, 3);
+        FAIL("that step can be taken");
+    } catch (const engine::SolveFailure& failure) {
+        REQUIRE(failure.diagnostics().size() == 1);
+        const engine::Diagnostic& d = failure.diagnostics()[0];
+        INFO(d.message);
+        CHECK(d.code == "FE302");
+        CHECK(d.message.starts_with("beam: the "));
+        CHECK(d.hint ==
+              "Look whether bone is meant to go 1e+12 in this frame, 2.31e+12 times its size (the unit of its "
+              "motion, a jump between keys); if it is, raise substeps.");
+    }
+}
+
 TEST_CASE("QuasiStatic needs every tissue tied to a bone by some chain", "[nodes]") {
     const std::string second = R"(, "mesh2": {"type": "polySphere"},
         "ball": {"type": "zTissue", "inputs": {"mesh": {"from": "mesh2.outMesh"}, "materials": [{"from": "flesh.outMaterial"}]}},
