@@ -106,10 +106,14 @@ std::vector<std::string> Explainer::differs_from_kept(const Site& site, bool& fo
 
 std::vector<std::string> Explainer::differs_from_frames(int simulation, int frame) const {
     if (!core_.frames) return {};
-    const Place& p = program_->place(simulation);
-    for (const FrameStore::Listed& kept : core_.frames->frames_of(p.name))
-        if (kept.frame == frame) return differing(kept.made_from, program_->recipe(simulation, frame));
-    return {};
+    const auto recipe = program_->recipe(simulation, frame);
+    std::vector<std::string> least;
+    for (const FrameStore::Listed& kept : core_.frames->frames_of(program_->place(simulation).name)) {
+        if (kept.frame != frame) continue;
+        auto differs = differing(kept.made_from, recipe); // nothing: of another version of the program
+        if (!differs.empty() && (least.empty() || differs.size() < least.size())) least = std::move(differs);
+    }
+    return least;
 }
 
 // Names the plug at which work begins and why it is not there already, and how what is kept on disk differs.
@@ -283,7 +287,7 @@ Verdict Explainer::of_frame(int simulation, int frame) {
     if (out.changed_plugs.empty() && nearest < frame) { // or from what an earlier process left
         out.changed_plugs = differs_from_frames(simulation, out.first_frame);
         if (!out.changed_plugs.empty())
-            change = "what is kept of frame " + std::to_string(out.first_frame) + " differs in " +
+            change = "what is kept of frame " + number_text(out.first_frame) + " differs in " +
                      joined(out.changed_plugs) + "; ";
     }
     if (nearest == frame) {

@@ -24,8 +24,8 @@ class Explainer {
     bool is_stored(const Site& site, const Digest& key);
     Site first_missing(Site site);
     std::vector<std::string> differs_from_kept(const Site& site, bool& found) const;
-    /// How a frame differs from the newest of the same number that is kept on disk of this node; none where there is
-    /// none or it does not.
+    /// How a frame differs from those of the same number that are kept on disk of this node: from the one that it
+    /// differs from least, of such the newest. Nothing where there is none.
     std::vector<std::string> differs_from_frames(int simulation, int frame) const;
     void name_first(Verdict& out, const Site& from);
     Verdict undecided(const Needs& needs, int simulation, double frame);

@@ -134,6 +134,16 @@ TEST_CASE("a key that changes simulates again from its frame on, and explain nam
         CHECK(own.at("changed_plugs") == json::array({changed}));
         CHECK(own.at("steps").at("first_frame") == first);
     }
+    // Of several that are kept the one is compared with that differs least, not the one that came last.
+    const std::vector<std::string> two{"--set", "solver.substeps=2", "--set", "solver.gravity=[0, -1, 0]"};
+    CHECK(run(file, folder / "cache", two).simulated == 6);
+    const json least = run_program({"explain", file, "solver.outMeshes", "--frame", "6", "--json", "--set",
+                                    "solver.substeps=3", "--cache", (folder / "cache").string()})
+                           .lines()
+                           .at(0);
+    CHECK(least.at("changed_plugs") == json::array({"solver.substeps"}));
+    CHECK(least.at("because").get<std::string>().find("what is kept of frame 1 differs in solver.substeps; ") !=
+          std::string::npos);
     // And back: the frames of before are still there.
     modulus["keys"][2][1] = 20000;
     write_graph(folder, graph);
