@@ -40,7 +40,7 @@ class Stencils {
         , by_links_(9 * links_.size(), 0.0)
         , energies_(lanes * batch_count(), 0.0)
         , gradients_(lanes * batch_count() * 3 * N, 0.0)
-        , hessians_(lanes * batch_count() * 9 * pairs, 0.0) {
+        , hessians_(lanes * std::min(batch_count(), chunk_batches) * 9 * pairs, 0.0) {
         const auto first_of = [](std::size_t stencil, std::size_t entries) {
             return static_cast<int>(stencil / lanes * entries * lanes + stencil % lanes);
         };
@@ -49,17 +49,7 @@ class Stencils {
                 for (std::size_t c = 0; c < N; ++c)
                     visit(at(stencils_[s][c]), first_of(s, 3 * N) + static_cast<int>(3 * c * lanes));
         });
-        sort_into(links_.size(), of_link_start_, of_link_, [&](const auto& visit) {
-            for (std::size_t s = 0; s < stencils_.size(); ++s) {
-                int entry = static_cast<int>(s * 9 * pairs);
-                for (std::size_t a = 0; a < N; ++a)
-                    for (std::size_t b = a; b < N; ++b, entry += 9) {
-                        const int i = stencils_[s][a], j = stencils_[s][b];
-                        const auto link = std::lower_bound(links_.begin(), links_.end(), link_of(i, j));
-                        visit(at(link - links_.begin()), 2 * entry + (i > j ? 1 : 0));
-                    }
-            }
-        });
+        find_chunks();
     }
 
     std::size_t count() const { return stencils_.size(); }
@@ -102,35 +92,85 @@ class Stencils {
     /// Adds what kernel(batch, points, blocks) gives, for points as they are placed.
     template <class Kernel>
     void add_hessian(const Kernel& kernel, BlockMatrix& a) {
-        parallel_for(batch_count(), 32, [&](std::size_t b) {
-            StencilBlocks<N> h;
-            kernel(b, load(b), h);
-            // Block after block of each stencil, as they are gathered.
-            for (std::size_t lane = 0; lane < lanes; ++lane) {
-                double* out = hessians_.data() + (b * lanes + lane) * 9 * pairs;
-                for (const PackMatrix& block : h)
-                    for (const Pack& entry : block) *out++ = entry.v[lane];
-            }
-        });
         const bool by_vertices = carried_.are_vertices();
-        parallel_for(links_.size(), 512, [&](std::size_t l) {
-            double of_vertices[9];
-            double* const sum = by_vertices ? of_vertices : by_links_.data() + 9 * l;
-            std::fill_n(sum, 9, 0.0);
-            for (int k = of_link_start_[l]; k < of_link_start_[l + 1]; ++k) {
-                const int code = of_link_[at(k)];
-                const double* h = hessians_.data() + code / 2;
-                if (code % 2)
-                    for (int d = 0; d < 9; ++d) sum[d] += h[3 * (d % 3) + d / 3];
+        for (const Chunk& chunk : chunks_) {
+            parallel_for(chunk.end_batch - chunk.first_batch, 8, [&](std::size_t of_chunk) {
+                const std::size_t b = chunk.first_batch + of_chunk;
+                StencilBlocks<N> h;
+                kernel(b, load(b), h);
+                // Block after block of each stencil, as they are gathered.
+                for (std::size_t lane = 0; lane < lanes; ++lane) {
+                    double* out = hessians_.data() + (of_chunk * lanes + lane) * 9 * pairs;
+                    for (const PackMatrix& block : h)
+                        for (const Pack& entry : block) *out++ = entry.v[lane];
+                }
+            });
+            parallel_for(chunk.end_link - chunk.first_link, 128, [&](std::size_t of_chunk) {
+                const ChunkLink& to = chunk_links_[chunk.first_link + of_chunk];
+                double* const by_link = by_links_.data() + 9 * at(to.link);
+                double sum[9] = {};
+                if (!to.is_first) std::copy_n(by_link, 9, sum);
+                for (std::size_t k = to.start; k < (&to)[1].start; ++k) {
+                    const int code = of_link_[k];
+                    const double* h = hessians_.data() + code / 2;
+                    if (code % 2)
+                        for (int d = 0; d < 9; ++d) sum[d] += h[3 * (d % 3) + d / 3];
+                    else
+                        for (int d = 0; d < 9; ++d) sum[d] += h[d];
+                }
+                if (to.is_last && by_vertices)
+                    carried_.add_link(at(to.link), sum, a);
                 else
-                    for (int d = 0; d < 9; ++d) sum[d] += h[d];
-            }
-            if (by_vertices) carried_.add_link(l, sum, a);
-        });
+                    std::copy_n(sum, 9, by_link);
+            });
+        }
         if (!by_vertices) carried_.add_hessian(by_links_, a);
     }
 
   private:
+    /// Batches whose Hessians are there at the same time, so few that a processor's second cache holds them until they
+    /// are added up. Links add up in the order of the stencils, however many a chunk has.
+    struct Chunk {
+        std::size_t first_batch, end_batch, first_link, end_link; ///< the latter in chunk_links_
+    };
+    struct ChunkLink {
+        int link;
+        bool is_first, is_last; ///< of the chunks that have it
+        std::size_t start;      ///< in of_link_, of what the chunk's stencils give; up to that of the next one
+    };
+    static constexpr std::size_t chunk_bytes = std::size_t{1} << 19,
+                                 chunk_batches = chunk_bytes / (lanes * 9 * pairs * sizeof(double));
+
+    void find_chunks() {
+        std::vector<std::size_t> last(links_.size(), 0); // one more than its place in chunk_links_
+        std::vector<std::pair<int, int>> given;
+        for (std::size_t first = 0; first < batch_count(); first += chunk_batches) {
+            const std::size_t end = std::min(first + chunk_batches, batch_count());
+            given.clear();
+            for (std::size_t s = first * lanes; s < std::min(end * lanes, stencils_.size()); ++s) {
+                int entry = static_cast<int>((s - first * lanes) * 9 * pairs);
+                for (std::size_t a = 0; a < N; ++a)
+                    for (std::size_t b = a; b < N; ++b, entry += 9) {
+                        const int i = stencils_[s][a], j = stencils_[s][b];
+                        const auto link = std::lower_bound(links_.begin(), links_.end(), link_of(i, j));
+                        given.emplace_back(static_cast<int>(link - links_.begin()), 2 * entry + (i > j ? 1 : 0));
+                    }
+            }
+            std::sort(given.begin(), given.end()); // of a link in the order of the stencils, as entries go
+            Chunk chunk{first, end, chunk_links_.size(), 0};
+            for (const auto& [link, code] : given) {
+                if (chunk_links_.size() == chunk.first_link || chunk_links_.back().link != link) {
+                    chunk_links_.push_back({link, last[at(link)] == 0, false, of_link_.size()});
+                    last[at(link)] = chunk_links_.size();
+                }
+                of_link_.push_back(code);
+            }
+            chunk.end_link = chunk_links_.size();
+            chunks_.push_back(chunk);
+        }
+        for (const std::size_t place : last) chunk_links_[place - 1].is_last = true;
+        chunk_links_.push_back({-1, false, false, of_link_.size()});
+    }
     static std::pair<int, int> link_of(int i, int j) { return {std::min(i, j), std::max(i, j)}; }
     static std::vector<std::pair<int, int>> links_of(const std::vector<Corners>& stencils) {
         std::vector<std::pair<int, int>> out;
@@ -164,7 +204,9 @@ class Stencils {
     CarriedPoints carried_;
     std::vector<double> places_, by_points_, by_links_, energies_, gradients_, hessians_;
     std::vector<int> of_point_start_, of_point_; ///< per point: where gradients of corners begin
-    std::vector<int> of_link_start_, of_link_;   ///< per link: twice where blocks begin, plus one if transposed
+    std::vector<Chunk> chunks_;
+    std::vector<ChunkLink> chunk_links_; ///< chunk after chunk, and one more
+    std::vector<int> of_link_;           ///< twice where a block begins in its chunk, plus one if it is transposed
 };
 
 } // namespace sinew::solver

@@ -24,6 +24,7 @@
 
 #include <algorithm>
 #include <compare>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -161,6 +162,7 @@ class ClothContact {
     void gather(const std::vector<Points>& places, Points& out) const;
     void find_point_faces(double reach);
     void find_edge_pairs(double reach);
+    std::optional<int> side_of_near(int edge, int other, double reach) const;
     void watch_moves();
     double standoff_of(const PointFace& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
                        double distance) const;
@@ -183,7 +185,8 @@ class ClothContact {
     std::vector<double> edge_areas_;  ///< a third of the faces beside each [m^2]
     Points modelled_;
     Bvh face_tree_, edge_tree_;
-    std::vector<int> last_edges_; ///< per node of the edges' tree: the highest number in it
+    std::vector<int> last_edges_;        ///< per node of the edges' tree: the highest number in it
+    std::vector<std::size_t> edge_fans_; ///< the first edge from each vertex that has any; one more
     double mean_edge_ = 0, margin_ = 0;
 
     // Of the step:
@@ -206,6 +209,7 @@ class ClothContact {
     std::vector<Scratch> scratch_;
     std::vector<std::vector<PointFace>> face_parts_;
     std::vector<std::vector<EdgePair>> edge_parts_;
+    std::vector<std::vector<int>> near_edges_; ///< room for those that may be near to a fan
     std::vector<BvhNode> boxes_, ways_;
     /// A ball about a face or an edge, and one about the ways of its corners.
     struct Ball {

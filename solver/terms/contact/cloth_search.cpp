@@ -27,9 +27,15 @@ constexpr double more = 1 + 1e-9;
 double triple(const Vec3& a, const Vec3& b, const Vec3& c) { return a.cross(b).dot(c); }
 int sign_of(double v) { return v > 0 ? 1 : v < 0 ? -1 : 0; }
 
-/// By how much something that goes a way comes nearer at most to things whose ways lie in a box.
-double nearer(const Vec3& least, const Vec3& most, const BvhNode& ways) {
-    return (most - ways.min).cwiseMax(ways.max - least).cwiseMax(0.0).norm();
+/// Whether things in a box, that go ways in another box, may come within reach of those of a node.
+bool may_meet(const BvhNode& node, const BvhNode& ways, const Vec3& low, const Vec3& high, const Vec3& least_way,
+              const Vec3& most_way, double reach) {
+    const double apart2 = (node.min - high).cwiseMax(low - node.max).cwiseMax(0.0).squaredNorm();
+    if (apart2 <= reach * reach) return true;
+    const double nearer2 = (most_way - ways.min).cwiseMax(ways.max - least_way).cwiseMax(0.0).squaredNorm();
+    if (apart2 > 2 * (reach * reach + nearer2)) return false; // more than the square of the sum: no root for most
+    const double far = reach + std::sqrt(nearer2);
+    return apart2 <= far * far;
 }
 
 /// Calls visit(item) for those of a tree that something in a box may meet, but for nodes that are left out.
@@ -44,9 +50,7 @@ void visit_near(const Bvh& tree, const std::vector<BvhNode>& boxes, const std::v
         const int n = stack[--depth];
         if (leave_out(n)) continue;
         const BvhNode& node = boxes[at(n)];
-        const double apart2 = (node.min - high).cwiseMax(low - node.max).cwiseMax(0.0).squaredNorm();
-        const double far = reach + nearer(least_way, most_way, ways[at(n)]);
-        if (apart2 > far * far) continue;
+        if (!may_meet(node, ways[at(n)], low, high, least_way, most_way, reach)) continue;
         if (node.count == 0) stack[depth++] = n + 1, stack[depth++] = node.first;
         for (int i = node.first; i < node.first + node.count; ++i) visit(tree.order[at(i)]);
     }
@@ -55,7 +59,8 @@ void visit_near(const Bvh& tree, const std::vector<BvhNode>& boxes, const std::v
 /// Of points and faces, or of edges, that may meet within a step: a gigabyte.
 constexpr std::size_t most_items = 10'000'000;
 
-/// make(i, items) for i below a count on any number of threads, and what was made in order. `parts` is room to keep.
+/// make(i, items, part) for i below a count on any number of threads, and what was made in order. `parts` is room to
+/// keep; no two threads work on a part of the same number at once.
 /// Throws Error FE308 if there are more than `most_items`.
 template <class Item, class Make>
 void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, std::vector<Item>& out,
@@ -66,7 +71,7 @@ void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, s
         parts[k].clear();
         for (std::size_t i = k * piece; i < std::min(count, (k + 1) * piece) && made <= most_items; ++i) {
             const std::size_t before = parts[k].size();
-            make(i, parts[k]);
+            make(i, parts[k], k);
             made += parts[k].size() - before;
         }
     });
@@ -142,6 +147,9 @@ ClothContact::ClothContact(const Scene&, const CollisionBodies& bodies)
         edge_areas_.back() += area;
     }
     edge_tree_ = build_bvh(low, high);
+    for (std::size_t e = 0; e < edges_.size(); ++e)
+        if (e == 0 || edges_[e][0] != edges_[e - 1][0]) edge_fans_.push_back(e);
+    edge_fans_.push_back(edges_.size());
     last_edges_.resize(edge_tree_.nodes.size());
     for (std::size_t n = edge_tree_.nodes.size(); n-- > 0;) {
         const BvhNode& node = edge_tree_.nodes[n];
@@ -219,39 +227,40 @@ void ClothContact::find_point_faces(double reach) {
         b.radius = radius_about(b.middle, at_start), b.spread = radius_about(b.way, ways);
     });
     inside_.assign(modelled_.size(), 0);
-    gather_in_order(modelled_.size(), face_parts_, point_faces_, [&](std::size_t p, std::vector<PointFace>& out) {
-        const Vec3 &here = start_[p], way = later_[p] - here;
-        const std::size_t first = out.size();
-        const int point = static_cast<int>(p);
-        const auto none = [](int) { return false; };
-        visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, none, [&](int f) {
-            const Ball& ball = balls_[at(f)];
-            const double most = reach + (way - ball.way).norm() + ball.spread + ball.radius;
-            if ((here - ball.middle).squaredNorm() > more * most * most) return;
-            const Triangle& t = faces_[at(f)];
-            const int pair = pair_of(point, t[0]);
-            if (pair < 0 || has_vertex(t, point)) return;
-            double nearer = 0;
-            for (const int v : t) nearer = std::max(nearer, (way - (later_[at(v)] - start_[at(v)])).squaredNorm());
-            const double far = reach + std::sqrt(nearer);
-            const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
-            if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
-            if (is_held(pair, point)) return;
-            if (is_lost(point, member_of_[at(t[0])])) return;
-            if (member_of_[p] == member_of_[at(t[0])]) {
-                // Meshes finer than the sheet is thick: neighbours are no layers.
-                const double r = pairs_[at(pair)].range;
-                const std::array<Vec3, 3> m{modelled_[at(t[0])], modelled_[at(t[1])], modelled_[at(t[2])]};
-                if ((modelled_[p] - closest_on_triangle(modelled_[p], m, t).point).squaredNorm() < r * r) return;
-            }
-            PointFace& found = out.emplace_back();
-            found.point = point, found.face = f, found.pair = pair;
-            found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
+    gather_in_order(
+        modelled_.size(), face_parts_, point_faces_, [&](std::size_t p, std::vector<PointFace>& out, std::size_t) {
+            const Vec3 &here = start_[p], way = later_[p] - here;
+            const std::size_t first = out.size();
+            const int point = static_cast<int>(p);
+            const auto none = [](int) { return false; };
+            visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, none, [&](int f) {
+                const Ball& ball = balls_[at(f)];
+                const double most = reach + (way - ball.way).norm() + ball.spread + ball.radius;
+                if ((here - ball.middle).squaredNorm() > more * most * most) return;
+                const Triangle& t = faces_[at(f)];
+                const int pair = pair_of(point, t[0]);
+                if (pair < 0 || has_vertex(t, point)) return;
+                double nearer = 0;
+                for (const int v : t) nearer = std::max(nearer, (way - (later_[at(v)] - start_[at(v)])).squaredNorm());
+                const double far = reach + std::sqrt(nearer);
+                const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
+                if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
+                if (is_held(pair, point)) return;
+                if (is_lost(point, member_of_[at(t[0])])) return;
+                if (member_of_[p] == member_of_[at(t[0])]) {
+                    // Meshes finer than the sheet is thick: neighbours are no layers.
+                    const double r = pairs_[at(pair)].range;
+                    const std::array<Vec3, 3> m{modelled_[at(t[0])], modelled_[at(t[1])], modelled_[at(t[2])]};
+                    if ((modelled_[p] - closest_on_triangle(modelled_[p], m, t).point).squaredNorm() < r * r) return;
+                }
+                PointFace& found = out.emplace_back();
+                found.point = point, found.face = f, found.pair = pair;
+                found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
+            });
+            std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                      [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
+            judge_by_nearest(point, out, first);
         });
-        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                  [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
-        judge_by_nearest(point, out, first);
-    });
 }
 
 /// The area that a point stands for against a body: the points of both sheets press, and each counts in part, as those
@@ -317,42 +326,56 @@ void ClothContact::find_edge_pairs(double reach) {
         const Vec3 &p = start_[at(a)], &q = start_[at(b)], one = way_of(a), two = way_of(b);
         balls_[e] = {0.5 * (p + q), 0.5 * (one + two), 0.5 * (p - q).norm(), 0.5 * (one - two).norm()};
     });
-    gather_in_order(edges_.size(), edge_parts_, edge_pairs_, [&](std::size_t e, std::vector<EdgePair>& out) {
-        const auto [a, b] = edges_[e];
-        const Vec3 &p = start_[at(a)], &q = start_[at(b)], one = way_of(a), two = way_of(b);
-        const std::size_t first = out.size();
+    const std::size_t fans = edge_fans_.empty() ? 0 : edge_fans_.size() - 1;
+    near_edges_.resize((fans + piece - 1) / piece);
+    // The edges from one vertex lie so near to each other that they look for others together.
+    gather_in_order(fans, edge_parts_, edge_pairs_, [&](std::size_t f, std::vector<EdgePair>& out, std::size_t part) {
+        const std::size_t first_edge = edge_fans_[f], end_edge = edge_fans_[f + 1];
+        const int hub = edges_[first_edge][0];
+        BvhNode box{start_[at(hub)], start_[at(hub)]}, ways{way_of(hub), way_of(hub)};
+        for (std::size_t e = first_edge; e < end_edge; ++e)
+            grow(box, start_[at(edges_[e][1])]), grow(ways, way_of(edges_[e][1]));
+        std::vector<int>& others = near_edges_[part];
+        others.clear();
         visit_near(
-            edge_tree_, boxes_, ways_, p.cwiseMin(q), p.cwiseMax(q), one.cwiseMin(two), one.cwiseMax(two), reach,
-            [&](int node) { return last_edges_[at(node)] <= static_cast<int>(e); },
-            [&](int other) {
-                if (other <= static_cast<int>(e)) return;
-                const Ball &own = balls_[e], &ball = balls_[at(other)];
-                const double most =
-                    reach + (own.way - ball.way).norm() + own.spread + ball.spread + own.radius + ball.radius;
-                if ((own.middle - ball.middle).squaredNorm() > more * most * most) return;
-                const auto [c, d] = edges_[at(other)];
-                const int pair = pair_of(a, c);
-                if (pair < 0 || a == c || a == d || b == c || b == d) return;
-                double nearer = 0;
-                for (const Vec3& w : {one, two})
-                    for (const int v : {c, d}) nearer = std::max(nearer, (w - way_of(v)).squaredNorm());
-                const double far = reach + std::sqrt(nearer);
-                const Vec3 &r = start_[at(c)], &s = start_[at(d)];
-                if (closest_of_segments(p, q, r, s).away.squaredNorm() > far * far) return;
-                if (is_held(pair, a) || is_held(pair, b) || is_held(pair, c) || is_held(pair, d)) return;
-                const bool same = member_of_[at(a)] == member_of_[at(c)];
-                if (!same && (inside_[at(a)] || inside_[at(b)] || inside_[at(c)] || inside_[at(d)])) return;
-                if (same) {
-                    const double range = 0.5 * pairs_[at(pair)].range;
-                    if (closest_of_segments(modelled_[at(a)], modelled_[at(b)], modelled_[at(c)], modelled_[at(d)])
-                            .away.squaredNorm() < range * range)
-                        return;
-                }
-                out.push_back({static_cast<int>(e), other, pair, sign_of(triple(q - p, s - r, r - p))});
-            });
-        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                  [](const EdgePair& x, const EdgePair& y) { return x.other < y.other; });
+            edge_tree_, boxes_, ways_, box.min, box.max, ways.min, ways.max, reach,
+            [&](int node) { return last_edges_[at(node)] <= static_cast<int>(first_edge); },
+            [&](int other) { others.push_back(other); });
+        std::sort(others.begin(), others.end());
+        for (std::size_t e = first_edge; e < end_edge; ++e)
+            for (auto other = std::upper_bound(others.begin(), others.end(), static_cast<int>(e));
+                 other != others.end(); ++other)
+                if (const auto side = side_of_near(static_cast<int>(e), *other, reach))
+                    out.push_back({static_cast<int>(e), *other, pair_of(edges_[e][0], edges_[at(*other)][0]), *side});
     });
+}
+
+/// Of two edges that may meet within the step the side on which the second one is at its start; nothing of others.
+std::optional<int> ClothContact::side_of_near(int e, int other, double reach) const {
+    const Ball &own = balls_[at(e)], &ball = balls_[at(other)];
+    const double most = reach + (own.way - ball.way).norm() + own.spread + ball.spread + own.radius + ball.radius;
+    if ((own.middle - ball.middle).squaredNorm() > more * most * most) return {};
+    const auto [a, b] = edges_[at(e)];
+    const auto [c, d] = edges_[at(other)];
+    const int pair = pair_of(a, c);
+    if (pair < 0 || a == c || a == d || b == c || b == d) return {};
+    const auto way_of = [&](int v) { return Vec3(later_[at(v)] - start_[at(v)]); };
+    double nearer = 0;
+    for (const int u : {a, b})
+        for (const int v : {c, d}) nearer = std::max(nearer, (way_of(u) - way_of(v)).squaredNorm());
+    const double far = reach + std::sqrt(nearer);
+    const Vec3 &p = start_[at(a)], &q = start_[at(b)], &r = start_[at(c)], &s = start_[at(d)];
+    if (closest_of_segments(p, q, r, s).away.squaredNorm() > far * far) return {};
+    if (is_held(pair, a) || is_held(pair, b) || is_held(pair, c) || is_held(pair, d)) return {};
+    const bool same = member_of_[at(a)] == member_of_[at(c)];
+    if (!same && (inside_[at(a)] || inside_[at(b)] || inside_[at(c)] || inside_[at(d)])) return {};
+    if (same) {
+        const double range = 0.5 * pairs_[at(pair)].range;
+        if (closest_of_segments(modelled_[at(a)], modelled_[at(b)], modelled_[at(c)], modelled_[at(d)])
+                .away.squaredNorm() < range * range)
+            return {};
+    }
+    return sign_of(triple(q - p, s - r, r - p));
 }
 
 } // namespace sinew::solver
