@@ -9,6 +9,7 @@
 #include <chrono>
 #include <csignal>
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -146,6 +147,38 @@ TEST_CASE("every command that reads a graph ends while a large one is read", "[t
         CHECK(WEXITSTATUS(status) == 4);
         CHECK(read_text(said).ends_with("cancelled\n"));
     }
+}
+
+TEST_CASE("what waits for an output that nobody takes ends when it is told to", "[tools]") {
+    int ends[2];
+    REQUIRE(pipe(ends) == 0);
+    REQUIRE(fcntl(ends[1], F_SETPIPE_SZ, 4096) > 0);
+    const pid_t child = fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        dup2(ends[1], STDOUT_FILENO);
+        dup2(open("/dev/null", O_WRONLY), STDERR_FILENO);
+        const std::string graph = SINEW_SOURCE_DIR "/graphs/learn/01_hanging_ball.json";
+        execl(SINEW_PROGRAM, SINEW_PROGRAM, "run", graph.c_str(), "--frames", "1-100000", "--json", "--no-cache",
+              static_cast<char*>(nullptr));
+        _exit(127);
+    }
+    // Until the pipe is full.
+    pollfd room{ends[1], POLLOUT, 0};
+    for (int i = 0; i < 30000 && poll(&room, 1, 0) > 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    REQUIRE(poll(&room, 1, 0) == 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    kill(child, SIGTERM);
+    int status = 0;
+    pid_t ended = 0;
+    for (int i = 0; i < 30000 && ended == 0; ++i) {
+        ended = waitpid(child, &status, WNOHANG);
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+    if (ended == 0) kill(child, SIGKILL), waitpid(child, &status, 0);
+    REQUIRE(WIFEXITED(status));
+    CHECK(WEXITSTATUS(status) == 4);
+    close(ends[0]), close(ends[1]);
 }
 
 TEST_CASE("a second interrupt ends at once", "[tools]") {

@@ -34,6 +34,27 @@ TEST_CASE("a pipe that nobody writes to is refused as mesh, graph and painted ma
     CHECK(said.err.find("IO402") != std::string::npos);
 }
 
+TEST_CASE("pipes, devices and links to nowhere among the frames of a folder are left out and told", "[tools]") {
+    const TemporaryFolder folder;
+    write_text(folder / "a.0001.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    const std::string page = (folder / "page.html").string(), picture = (folder / "picture.png").string();
+    for (const char* pipe : {"a.0002.obj", "run.glb", "unfinished.x.json", "view.html"})
+        REQUIRE(mkfifo((folder / pipe).c_str(), 0600) == 0);
+    std::filesystem::create_symlink("/dev/zero", folder / "a.0003.obj");
+    std::filesystem::create_symlink(folder / "gone", folder / "a.0004.obj");
+    const Said viewed = run_program({"view", folder.path().string(), "-o", page});
+    INFO(viewed.err);
+    CHECK(viewed.code == 0);
+    CHECK(viewed.err.find(" and 2 more are called as a frame is, but no file that can be read; left out.") !=
+          std::string::npos);
+    CHECK(viewed.out.find(" 1 frame;") != std::string::npos);
+    CHECK(run_program({"snapshot", folder.path().string(), "-o", picture, "--frames", "1"}).code == 0);
+    // With nothing else in it there is nothing to show.
+    std::filesystem::remove(folder / "a.0001.obj");
+    CHECK(run_program({"view", folder.path().string(), "-o", page}).code == 1);
+    CHECK(run_program({"snapshot", folder.path().string(), "-o", picture}).code == 2);
+}
+
 TEST_CASE("a file whose name is no UTF-8 is checked, run and told of in JSON", "[tools]") {
     const TemporaryFolder folder;
     const std::string name = (folder / "odd\xff.json").string();

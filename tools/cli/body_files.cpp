@@ -6,6 +6,7 @@
 #include "solver/mesh/mesh_files.h"
 #include "tools/cli/atomic_file.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -98,15 +99,21 @@ void write_body(const fs::path& folder, const std::string& format, const BodyLab
 SequenceFolder find_sequences(const fs::path& folder) {
     SequenceFolder out;
     std::map<std::string, BodySequence> found;
+    std::error_code error;
     for (const fs::path& place : {folder / "obj", folder}) {
         if (!fs::is_directory(place)) continue;
         for (const auto& entry : fs::directory_iterator(place))
             if (const auto name = parse_frame_file(entry.path(), "obj")) {
+                if (!entry.is_regular_file(error)) { // to read a pipe or a device could take for ever
+                    out.no_files.push_back(entry.path());
+                    continue;
+                }
                 found[name->first].files[name->second] = entry.path();
                 out.frames.insert(name->second);
             }
         if (!found.empty()) break;
     }
+    std::sort(out.no_files.begin(), out.no_files.end());
     for (auto& [name, sequence] : found) {
         sequence.label.name = name;
         read_header(sequence.files.begin()->second, sequence.label, out.up);

@@ -42,6 +42,7 @@ struct SequenceFolder {
     std::vector<BodySequence> bodies; ///< by name
     std::set<int> frames;
     char up = 'y';
+    std::vector<std::filesystem::path> no_files; ///< called as frames are, but pipes, devices or links to nowhere
 };
 
 /// Looks in `folder` and in `folder`/obj. Empty if there are no sequences.

@@ -111,6 +111,8 @@ void add_source(const Invocation& in, const fs::path& source, bool settings, Rea
 
 viewer::ViewScene scene_of(const Invocation& in, const fs::path& source, bool settings) {
     if (!fs::is_directory(source)) return scene_of_graph(in, source, settings);
+    const Departure departure(in.stop, "sinew view", false);
+    const LongTask task(in.err, "reading " + source.string(), in.arguments.has("--quiet"));
     return viewer::collect_folder(source, wanted_frames(in.arguments));
 }
 

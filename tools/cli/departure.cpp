@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <iostream>
+#include <poll.h>
+#include <thread>
 #include <unistd.h>
 
 namespace sinew::cli {
@@ -11,6 +13,24 @@ namespace {
 
 /// So long a command has to come to a safe place by itself.
 constexpr std::chrono::milliseconds patience{100};
+/// So long the output may be full, as a pipe is that nobody reads, before it is given up.
+constexpr std::chrono::milliseconds longest_full{2000};
+
+bool output_is_full() {
+    pollfd output{STDOUT_FILENO, POLLOUT, 0};
+    return poll(&output, 1, 0) == 0;
+}
+
+/// Ends the process where all that it waits for is somebody who reads what it has written: whoever writes may hold the
+/// lock that the way out needs.
+void give_up_full_output(ExitCode code) {
+    auto full_for = std::chrono::milliseconds(0);
+    while (full_for < longest_full) {
+        std::this_thread::sleep_for(patience);
+        full_for = output_is_full() ? full_for + patience : std::chrono::milliseconds(0);
+    }
+    _exit(code);
+}
 
 } // namespace
 
@@ -34,6 +54,7 @@ void Departure::forbid() {
 }
 
 void Departure::leave() {
+    std::thread(give_up_full_output, code_).detach(); // the process is about to end, one way or another
     std::unique_lock lock(mutex_);
     if (over_.wait_for(lock, patience, [this] { return is_over_; })) return;
     try {

@@ -57,7 +57,8 @@ std::vector<fs::path> marks_in(const fs::path& folder) {
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const std::string name = entry.path().filename().string();
-        if (name.starts_with("unfinished.") && name.ends_with(".json")) out.push_back(entry.path());
+        if (name.starts_with("unfinished.") && name.ends_with(".json") && entry.is_regular_file(error))
+            out.push_back(entry.path());
     }
     return out;
 }

@@ -320,6 +320,10 @@ ViewScene collect_folder(const fs::path& folder, const std::vector<int>& wanted)
     const fs::path name = folder.filename().empty() ? folder.parent_path().filename() : folder.filename();
     scene.title = name.string();
     const cli::SequenceFolder found = cli::find_sequences(folder);
+    if (const std::size_t others = found.no_files.size(); others > 0)
+        scene.notes.push_back({true, found.no_files.front().string() +
+                                         (others > 1 ? " and " + std::to_string(others - 1) + " more are" : " is") +
+                                         " called as a frame is, but no file that can be read; left out."});
     const std::vector<FoundReport> reports = find_reports(folder, scene.notes);
     note_ends(folder, reports, scene);
     std::string named = reports.empty() ? "" : reports.front().graph;

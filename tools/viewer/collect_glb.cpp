@@ -216,7 +216,7 @@ fs::path find_glb(const fs::path& folder) {
     fs::file_time_type when;
     std::error_code error;
     for (const auto& entry : fs::directory_iterator(folder, error)) {
-        if (entry.path().extension() != ".glb") continue;
+        if (entry.path().extension() != ".glb" || !entry.is_regular_file(error)) continue;
         const auto time = entry.last_write_time(error);
         if (newest.empty() || time > when) newest = entry.path(), when = time;
     }

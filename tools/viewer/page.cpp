@@ -131,6 +131,8 @@ Page write_page(ViewScene scene, const PageOptions& options, std::optional<ViewS
 }
 
 bool holds_evaluated_page(const std::filesystem::path& file) {
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return false; // a pipe would be waited for
     std::ifstream in(file, std::ios::binary);
     std::string head(1000, '\0');
     in.read(head.data(), static_cast<std::streamsize>(head.size()));
