@@ -256,7 +256,11 @@ class BindingReader {
     void wrong_type(const Json& json, const std::string& below, std::string expected = {}, std::string hint = {}) {
         if (expected.empty()) expected = input_.type_name;
         const auto* text = json.as<std::string>();
+        const auto* list = json.as<Json::List>();
         if (hint.empty() && text && parse_plug(*text)) hint = "write " + connection_form(json);
+        if (hint.empty() && list && list->size() == 1) hint = plain_form(list->front());
+        if (hint.empty() && !input_.options.empty())
+            hint = "options: " + listed(std::vector<std::string>(input_.options.begin(), input_.options.end()));
         problem("DG012", "expected " + expected + ", found " + std::string(json.kind()), std::move(hint), below);
     }
 
@@ -314,6 +318,8 @@ class BindingReader {
     void numbers(const Json& json, const std::string& below, double factor, bool rows, NumberList& out) {
         const auto* list = json.as<Json::List>();
         if (!list) return wrong_type(json, below, "a list of numbers", list_form(json));
+        if (const std::string form = rows ? "" : flat_form(*list); !form.empty()) // once, however many there are
+            return problem("DG012", "expected a list of numbers, found a list of lists", form, below);
         for (std::size_t i = 0; i < list->size(); ++i) {
             const std::string place = below + "/" + std::to_string(i);
             if (rows && (*list)[i].as<Json::List>())
@@ -354,7 +360,10 @@ class BindingReader {
         std::array<double, N> out{};
         if (problems_.size() > before_) return Value();
         if (all.size() != N)
-            problem("DG012", "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()), {},
+            problem("DG012", "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()),
+                    N == 16           ? "write four rows of four numbers, or all in one list"
+                    : all.size() == 1 ? list_form(json.as<Json::List>()->front())
+                                      : "write three numbers: [x, y, z]",
                     below);
         std::copy_n(all.begin(), std::min(N, all.size()), out.begin());
         return Value::of<std::array<double, N>>(out);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <span>
 #include <utility>
 
 namespace sinew::engine {
@@ -56,6 +57,34 @@ std::string bool_form(const Json& json) {
     if (word == "false" || word == "no" || word == "off" || word == "0" || (number && *number == 0))
         return "write false";
     return {};
+}
+
+std::string plain_form(const Json& json) {
+    if (const auto number = number_of(json)) return "write " + number_text(*number);
+    if (const auto* text = json.as<std::string>()) return "write " + json_quoted(*text);
+    if (const auto* b = json.as<bool>()) return *b ? "write true" : "write false";
+    return {};
+}
+
+std::string flat_form(const Json::List& list) {
+    constexpr std::size_t most = 12; // beyond that it shows the form only
+    NumberList first;
+    bool any = false, more = false;
+    for (const Json& row : list) {
+        const auto* inner = row.as<Json::List>();
+        any = any || inner;
+        const std::span<const Json> numbers = inner ? std::span<const Json>(*inner) : std::span(&row, 1);
+        for (const Json& one : numbers) {
+            const auto number = number_of(one);
+            if (!number) return any ? "write all numbers in one list" : "";
+            more = first.size() == most;
+            if (!more) first.push_back(*number);
+        }
+    }
+    if (!any) return {};
+    std::string out = list_text(first);
+    if (more) out.replace(out.size() - 1, 1, ", …]");
+    return "write " + out;
 }
 
 std::string decimal_form(std::string text) {

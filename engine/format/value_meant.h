@@ -20,6 +20,12 @@ std::string axes_form(const Json& json, const Vec3& otherwise);
 /// "write true" where that is meant; empty where it cannot be told.
 std::string bool_form(const Json& json);
 
+/// "write 3" of a plain value; empty of lists and objects.
+std::string plain_form(const Json& json);
+
+/// How a list of lists of numbers is written where one list is meant; empty if it holds none or anything else.
+std::string flat_form(const Json::List& list);
+
 /// What "12,5 kPa" is, where it is one number.
 std::string decimal_form(std::string text);
 

@@ -96,6 +96,28 @@ TEST_CASE("a wrong form is answered with the right one") {
     CHECK(answer("weights", "[1, 2,]") == "DG001 remove the comma before this ]");
 }
 
+TEST_CASE("lists of one and lists of lists are answered once, with what is meant") {
+    CHECK(answer("value", "[12]") == "DG012 expected number, found a list | write 12");
+    CHECK(answer("times", "[2]") == "DG012 expected integer, found a list | write 2");
+    CHECK(answer("negate", "[true]") == "DG012 expected true or false, found a list | write true");
+    CHECK(answer("axis", "[2]") == "DG012 expected 3 numbers, found 1 | write three numbers: [0, 2, 0]");
+    CHECK(answer("axis", "[2, 3]") == "DG012 expected 3 numbers, found 2 | write three numbers: [x, y, z]");
+    CHECK(answer("axis", "[[1, 2, 3]]") == "DG012 expected a list of numbers, found a list of lists | write [1, 2, 3]");
+    CHECK(answer("weights", "[0, [0.5, 1]]") ==
+          "DG012 expected a list of numbers, found a list of lists | write [0, 0.5, 1]");
+    CHECK(answer("weights", "[[1, 2], [3, \"a\"]]") ==
+          "DG012 expected a list of numbers, found a list of lists | write all numbers in one list");
+    std::string rows = "[1, 1]";
+    for (int i = 0; i < 5000; ++i) rows += ", [0, 1]";
+    try {
+        read(with_input("weights", "[" + rows + "]"));
+        FAIL("a list of lists is taken");
+    } catch (const Failure& f) {
+        REQUIRE(f.diagnostics().size() == 1);
+        CHECK(f.diagnostics()[0].hint == "write [1, 1, 0, 1, 0, 1, 0, 1, 0, 1, 0, 1, …]");
+    }
+}
+
 TEST_CASE("a unit in other letters is answered with the right ones") {
     const auto unit = [](const std::string& written) { return answer("value", "\"12 " + written + "\""); };
     CHECK(unit("kpa") == "DG015 unknown unit \"kpa\" | write \"12 kPa\"");

@@ -117,6 +117,20 @@ TEST_CASE("what is wrong in --set is told there and not at the file's value", "[
               "error [DG027] flesh.youngsModulus: 1e400 is too large for a number"));
 }
 
+TEST_CASE("numbers in --set may begin with a dot or a plus, where no word is asked for", "[tools]") {
+    const std::string file = SINEW_SOURCE_DIR "/graphs/learn/02_muscle_pulls.json";
+    const auto written = [&](const std::string& setting, const char* node, const char* input) {
+        const Said said = run_program({"graph", file, "--json", "--set", setting});
+        INFO(said.err);
+        return json::parse(said.out).at("nodes").at(node).at("inputs").at(input);
+    };
+    CHECK(written("flesh.poissonsRatio=.2", "flesh", "poissonsRatio") == 0.2);
+    CHECK(written("solver.substeps=+5", "solver", "substeps") == 5);
+    CHECK(written("flesh.youngsModulus=.5kPa", "flesh", "youngsModulus") == 500);
+    CHECK(has(run_program({"check", file, "--set", "solver.integrator=.2"}).err, "\".2\" is not an option"));
+    CHECK(has(run_program({"check", file, "--set", "solver.integrator=2"}).err, "hint: options: BackwardEuler, BDF2"));
+}
+
 TEST_CASE("a list or object in --set that is not complete is told where it is wrong", "[tools]") {
     const std::string arm = SINEW_SOURCE_DIR "/graphs/scenes/arm.json";
     const auto said_of = [&](const char* setting) {

@@ -8,6 +8,7 @@
 #include "engine/digest.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/json_text.h"
+#include "engine/format/typed_text.h"
 #include "engine/memory_limit.h"
 #include "engine/near_file.h"
 #include "engine/text.h"
@@ -20,6 +21,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <set>
 
 namespace sinew::cli {
@@ -33,7 +35,16 @@ using engine::Plug;
 
 namespace {
 
-void apply_setting(engine::Edit& edit, const std::string& setting) {
+/// "+5" and ".2" are no JSON, but numbers where no word is asked for.
+std::optional<double> typed_number(const Graph& graph, const Plug& plug, const std::string& text) {
+    const Node* n = graph.find(plug.node);
+    const engine::AttributeInfo* info = n && n->type ? n->type->find_input(plug.attribute) : nullptr;
+    if (info && (info->def.is<std::string>() || info->def.is<engine::File>())) return {};
+    const auto quantity = engine::parse_quantity(text);
+    return quantity && quantity->unit.empty() ? std::optional(quantity->number) : std::nullopt;
+}
+
+void apply_setting(engine::Edit& edit, const Graph& graph, const std::string& setting) {
     const std::size_t equals = setting.find('=');
     const Plug plug = split_plug(setting.substr(0, equals));
     if (equals == std::string::npos || plug.node.empty())
@@ -45,7 +56,12 @@ void apply_setting(engine::Edit& edit, const std::string& setting) {
     const bool is_json =
         std::all_of(problems.begin(), problems.end(), [](const engine::JsonProblem& p) { return p.code == "DG027"; });
     const bool is_bracketed = json.starts_with('[') || json.starts_with('{');
-    edit.set_json(plug, is_json || is_bracketed ? json : engine::json_quoted(json));
+    if (is_json || is_bracketed)
+        edit.set_json(plug, json);
+    else if (const auto number = typed_number(graph, plug, json))
+        edit.set_json(plug, engine::number_text(*number));
+    else
+        edit.set_json(plug, engine::json_quoted(json));
 }
 
 /// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
@@ -130,7 +146,7 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
     engine::Loaded loaded = engine::load_graph(nodes::make_registry(), file, file_access(arguments));
     if (arguments.has("--set")) {
         engine::Edit edit(loaded.graph);
-        for (const std::string& setting : arguments.values("--set")) apply_setting(edit, setting);
+        for (const std::string& setting : arguments.values("--set")) apply_setting(edit, *loaded.graph, setting);
         try {
             loaded.graph = edit.commit().graph;
         } catch (const engine::Failure& failure) { // what the reader noted may be why
