@@ -26,6 +26,18 @@ TEST_CASE("no mesh lies farther out than numbers can hold, wherever it comes fro
                                                     "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
     CHECK(has(text_of(R"("n": {"type": "meshFile", "inputs": {"file": ")" + far + "\"}}", "n", "outMesh", {"FE224"}),
               "n.file"));
+    const std::string tet = "MeshVersionFormatted 1\nDimension 3\nVertices\n4\n"
+                            "0 0 0 0\n1e155 0 0 0\n0 1 0 0\n0 0 1 0\nTetrahedra\n1\n1 2 3 4 0\nEnd\n";
+    const std::string far_tet = folder.write("far.mesh", tet);
+    CHECK(has(
+        text_of(R"("n": {"type": "tetMeshFile", "inputs": {"file": ")" + far_tet + "\"}}", "n", "outTets", {"FE224"}),
+        "n.file"));
+    const std::string nodes = folder.write("far.node", "4 3 0 0\n0 0 0 0\n1 1e155 0 0\n2 0 1 0\n3 0 0 1\n");
+    const std::string elements = folder.write("far.ele", "1 4 0\n0 0 1 2 3\n");
+    CHECK(has(text_of(R"("n": {"type": "tetMeshFile", "inputs": {"file": ")" + nodes + R"(", "elementFile": ")" +
+                          elements + "\"}}",
+                      "n", "outTets", {"FE224"}),
+              "n.file"));
     for (const char* made :
          {R"("polySphere", "inputs": {"radius": 1e100})", R"("polyCube", "inputs": {"width": 1e300})"})
         CHECK(codes([&] { Session(R"("n": {"type": )" + std::string(made) + "}"); }) == Codes{"DG013"});

@@ -26,6 +26,21 @@ TEST_CASE("check doubts gravity that points up, flesh heavier than metal, and re
     CHECK(said_of(ball(), {"flesh.restScale=2"}).empty());
 }
 
+TEST_CASE("check doubts odd values at any of their keys", "[tools]") {
+    const auto keyed = [](const char* node, const char* input, const char* keys) {
+        json graph = ball();
+        graph["nodes"][node]["inputs"][input] = {{"keys", json::parse(keys)}};
+        return said_of(graph);
+    };
+    CHECK(keyed("flesh", "youngsModulus", "[[1, 12000], [3, 12]]")
+              .starts_with("FE263 flesh.youngsModulus: 12 Pa is softer than any flesh"));
+    CHECK(keyed("flesh", "youngsModulus", "[[1, 12000], [3, 9000]]").empty());
+    CHECK(keyed("flesh", "massDensity", "[[1, 1060], [3, 1.06]]")
+              .starts_with("FE323 flesh.massDensity: 1.06 kg/m^3 is lighter than any flesh"));
+    CHECK(keyed("solver", "gravity", "[[1, [0, -9.8, 0]], [3, [0, -980, 0]]]")
+              .starts_with("FE322 solver.gravity: 980 m/s^2 is 100 times the earth's"));
+}
+
 TEST_CASE("check doubts gravity that points up by keys or with fields", "[tools]") {
     json graph = ball();
     json& gravity = graph["nodes"]["solver"]["inputs"]["gravity"];

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <map>
 
 namespace sinew::doubts {
@@ -28,16 +29,29 @@ constexpr double strongest_push = 200, g = 9.8; // [m/s^2]
 /// A hundredth of what muscles have [Pa].
 constexpr double least_strength = 1000;
 
+/// A number, at each of its keys where it is keyed; none where it is connected.
+std::vector<double> all_values(const Doubting& d, const std::string& node, std::string_view attribute) {
+    std::vector<double> out;
+    if (const engine::Curve* curve = d.keys(node, attribute))
+        for (const engine::Key& key : curve->keys) out.insert(out.end(), key.value.begin(), key.value.end());
+    else if (const auto v = d.number<double>(node, attribute))
+        out.push_back(*v);
+    return out;
+}
+
 /// The largest that a number is at any of its keys, without its sign; 0 where it is connected.
 double largest_ever(const Doubting& d, const std::string& node, std::string_view attribute) {
-    const auto& inputs = d.graph().find(node)->inputs;
-    const auto it = inputs.find(attribute);
-    const auto* curve = it == inputs.end() ? nullptr : std::get_if<engine::Curve>(&it->second);
-    if (!curve) return std::abs(d.number<double>(node, attribute).value_or(0));
     double out = 0;
-    for (const engine::Key& key : curve->keys)
-        for (const double v : key.value) out = std::max(out, std::abs(v));
+    for (const double v : all_values(d, node, attribute)) out = std::max(out, std::abs(v));
     return out;
+}
+
+/// The first of all values that is such; nothing if none is.
+std::optional<double> any_value(const Doubting& d, const std::string& node, std::string_view attribute,
+                                const std::function<bool(double)>& is_such) {
+    const std::vector<double> all = all_values(d, node, attribute);
+    const auto first = std::ranges::find_if(all, is_such);
+    return first == all.end() ? std::nullopt : std::optional(*first);
 }
 
 /// Whether a field is a force per volume that is as strong wherever its bodies are.
@@ -48,25 +62,29 @@ bool reaches_everywhere(const Doubting& d, const std::string& field) {
 }
 
 void soft_material(Doubting& d, const std::string& name) {
-    const auto material = d.value<nodes::Material>({name, "outMaterial"});
-    if (!material) return;
-    const double modulus = material->values.youngs_modulus;
-    for (const engine::Preset& p : d.graph().find(name)->type->find_input("youngsModulus")->presets)
-        if (modulus == p.value) return; // asked for by name
-    if (modulus < least_modulus)
+    const auto is_soft = [&](double modulus) {
+        const auto presets = d.graph().find(name)->type->find_input("youngsModulus")->presets;
+        const bool is_named = std::ranges::any_of(presets, [&](const auto& p) { return p.value == modulus; });
+        return modulus < least_modulus && !is_named;
+    };
+    std::optional<double> modulus = any_value(d, name, "youngsModulus", is_soft);
+    if (const auto material = d.value<nodes::Material>({name, "outMaterial"}); material && !modulus)
+        if (is_soft(material->values.youngs_modulus)) modulus = material->values.youngs_modulus;
+    if (modulus)
         d.doubt("FE263", name, "youngsModulus",
-                engine::number_text(modulus) + " Pa is softer than any flesh; brain has 500 Pa, a muscle 12 kPa",
-                "if kilopascals are meant, write \"" + engine::number_text(modulus) + " kPa\"");
+                engine::number_text(*modulus) + " Pa is softer than any flesh; brain has 500 Pa, a muscle 12 kPa",
+                "if kilopascals are meant, write \"" + engine::number_text(*modulus) + " kPa\"");
 }
 
 void weight_of_material(Doubting& d, const std::string& name) {
-    const auto density = d.number<double>(name, "massDensity");
-    if (!density || *density <= 0) return;
+    const auto density =
+        any_value(d, name, "massDensity", [](double v) { return v > 0 && (v < least_density || v > largest_density); });
+    if (!density) return;
     if (*density < least_density)
         d.doubt("FE323", name, "massDensity",
                 engine::number_text(*density) + " kg/m^3 is lighter than any flesh; water has 1000, a lung 250",
                 "if grams a cubic centimetre are meant, write \"" + engine::number_text(*density) + " g/cm^3\"");
-    else if (*density > largest_density)
+    else
         d.doubt("FE323", name, "massDensity",
                 rough(*density, 4) + " kg/m^3 is heavier than any metal; water has 1000, flesh 1060",
                 "massDensity is in kg/m^3, whatever the scene's scale: 1060");
@@ -125,8 +143,9 @@ void doubt_unread_values(Doubting& d) {
 }
 
 void doubt_fiber(Doubting& d, const std::string& name) {
-    const auto strength = d.number<double>(name, "strength");
-    if (!strength || *strength <= 0 || *strength >= least_strength) return; // 0: a direction and no pull
+    // 0: a direction and no pull
+    const auto strength = any_value(d, name, "strength", [](double v) { return v > 0 && v < least_strength; });
+    if (!strength) return;
     d.doubt("FE324", name, "strength", engine::number_text(*strength) + " Pa hardly pulls; muscles have 100 to 300 kPa",
             "if kilopascals are meant, write \"" + engine::number_text(*strength) + " kPa\"");
 }
@@ -202,11 +221,16 @@ void gravity_upwards(Doubting& d, const Falling& f) {
 
 void doubt_gravity(Doubting& d, const std::string& solver) {
     if (const auto all = falling(d, solver)) gravity_upwards(d, *all);
-    const auto gravity = d.at_start<engine::Vec3>(solver, "gravity");
-    if (!gravity) return;
-    const engine::Vec3& g = *gravity;
-    const double size = std::hypot(g[0], g[1], g[2]);
-    if (size <= largest_gravity) return;
+    std::vector<engine::Vec3> all;
+    if (const engine::Curve* curve = d.keys(solver, "gravity"))
+        for (const engine::Key& key : curve->keys) all.push_back({key.value[0], key.value[1], key.value[2]});
+    else if (const auto gravity = d.number<engine::Vec3>(solver, "gravity"))
+        all.push_back(*gravity);
+    const auto size_of = [](const engine::Vec3& v) { return std::hypot(v[0], v[1], v[2]); };
+    const auto found = std::ranges::find_if(all, [&](const auto& v) { return size_of(v) > largest_gravity; });
+    if (found == all.end()) return;
+    const engine::Vec3& g = *found;
+    const double size = size_of(g);
     std::string cure;
     for (const double part : g) cure += (cure.empty() ? "[" : ", ") + engine::number_text(part / size * 9.8 + 0.0);
     d.doubt("FE322", solver, "gravity", rough(size) + " m/s^2 is " + rough(size / 9.8) + " times the earth's",
