@@ -26,6 +26,19 @@ TEST_CASE("check doubts gravity that points up, flesh heavier than metal, and re
     CHECK(said_of(ball(), {"flesh.restScale=2"}).empty());
 }
 
+TEST_CASE("check says how much flesh a pancake gains by the tets that it lies in", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["ballMesh"] = {{"type", "polyCylinder"},
+                                  {"inputs", {{"radius", 10}, {"height", 0.02}, {"subdivisionsAxis", 100}}}};
+    graph["nodes"]["tets"]["inputs"]["tetSize"] = 1.5;
+    graph["nodes"]["grip"]["inputs"]["weights"] = {0.0};
+    graph["nodes"]["grip"]["inputs"]["stiffness"] = 1;
+    const std::string said = said_of(graph);
+    INFO(said);
+    // By `sinew eval tets.outTets`: 6.67 of solid where 6.28 are enclosed.
+    CHECK(said.find("; they count as 6.3 % more flesh than the mesh encloses | choose a tetSize") != std::string::npos);
+}
+
 TEST_CASE("check doubts odd values at any of their keys", "[tools]") {
     const auto keyed = [](const char* node, const char* input, const char* keys) {
         json graph = ball();

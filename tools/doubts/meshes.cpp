@@ -9,6 +9,7 @@
 #include "tools/embed/graph_walk.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace sinew::doubts {
@@ -206,6 +207,26 @@ void doubt_thickness(Doubting& d, const Member& m, double units) {
                 "thickness is in metres, whatever the scene's scale: 0.001 is a millimetre");
 }
 
+namespace {
+
+/// How much more the tets count as solid than the surface encloses, in words; empty where that is hardly any.
+std::string gain_of(const solver::TissueRest& rest) {
+    constexpr double told_from = 0.02;
+    const double enclosed = solver::enclosed_volume(rest.surface, rest.triangles);
+    double solid = 0;
+    for (std::size_t t = 0; t < rest.tets.tets.size(); ++t) {
+        const auto corner = [&](std::size_t c) -> const solver::Vec3& {
+            return rest.tets.vertices[static_cast<std::size_t>(rest.tets.tets[t][c])];
+        };
+        const solver::Vec3 u = corner(1) - corner(0), v = corner(2) - corner(0), w = corner(3) - corner(0);
+        solid += rest.tets.coverage[t] * std::abs(u.cross(v).dot(w)) / 6;
+    }
+    if (!(enclosed > 0) || solid < (1 + told_from) * enclosed) return {};
+    return "; they count as " + rough(100 * (solid / enclosed - 1)) + " % more flesh than the mesh encloses";
+}
+
+} // namespace
+
 void doubt_tets(Doubting& d, const Member& m) {
     const auto* of_tissue = std::get_if<0>(&m.body.rest->data);
     if (!of_tissue) return;
@@ -232,7 +253,7 @@ void doubt_tets(Doubting& d, const Member& m) {
         d.doubt("FE262", node, attribute,
                 rough(100 * thin.share()) + " % of the surface of " + m.name + " belongs to parts about " +
                     rough(thin.usual()) + " thick, less than " + limit.words + " of the tets there (" +
-                    rough(thin.largest_narrow) + ")",
+                    rough(thin.largest_narrow) + ")" + gain_of(rest),
                 take + " a tetSize of about " + rough(thin.usual()) +
                     ", or refine there by weights and surfaceRefinement");
         break;
