@@ -3,7 +3,6 @@
 #include "engine/registry.h"
 #include "nodes/adapters.h"
 #include "nodes/mesh_formats.h"
-#include "solver/mesh/coordinates.h"
 
 namespace sinew::nodes {
 
@@ -44,10 +43,11 @@ void compute(const Reads& in, Writes& out) {
         in.fail(elements.name, "DG110",
                 more.empty() ? "a .node file has no tets of its own" : "elementFile goes with a .node file only",
                 "Name TetGen's .node file at file and its .ele file at elementFile.");
-    const std::string_view of_tets = more.empty() ? file.name : elements.name;
-    solver::TetMesh tets = guarded(in, of_tets, [&] { return read_tets(in.files(), path, more); });
-    guarded(in, file.name, [&] { solver::check_coordinates(tets.vertices); });
-    guarded(in, of_tets, [&] { solver::check_and_orient(tets); });
+    solver::TetMesh tets = guarded(in, more.empty() ? file.name : elements.name, [&] {
+        solver::TetMesh t = read_tets(in.files(), path, more);
+        solver::check_and_orient(t);
+        return t;
+    });
     solver::SurfaceMesh surface =
         solver::SurfaceMesh::from_triangles(tets.vertices, solver::boundary_triangles(tets.tets));
     out.set(out_mesh, Mesh::from(std::move(surface)));

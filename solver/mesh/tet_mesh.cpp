@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/mesh/coordinates.h"
 #include "solver/mesh/tet_boundary.h"
 
 #include <algorithm>
@@ -94,8 +95,7 @@ std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets) { return 
 void check_and_orient(TetMesh& mesh) {
     if (mesh.vertices.empty()) throw Error("FE201", "the tet mesh has no vertices");
     if (mesh.tets.empty()) throw Error("FE201", "the tet mesh has no tets");
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        if (!mesh.vertices[i].allFinite()) throw Error("FE202", "vertex " + std::to_string(i) + " is not finite");
+    check_coordinates(mesh.vertices);
     const int count = static_cast<int>(mesh.vertices.size());
     for (std::size_t t = 0; t < mesh.tets.size(); ++t) {
         Tet& tet = mesh.tets[t];
