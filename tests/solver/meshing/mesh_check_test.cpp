@@ -105,6 +105,11 @@ TEST_CASE("crossings are found exactly: through, touching, overlapping, but not 
     CHECK(count(with({{1, 1, 1e-12}, {1, 1.5, 1}, {1, 1, 1}}), apart) == 0); // does not quite
     CHECK(count(with({{1, 1, 0}, {5, 1, 0}, {1, 5, 0}}), apart) == 1);       // overlaps in the plane
     CHECK(count(with({{9, 9, 0}, {9, 8, 0}, {8, 9, 0}}), apart) == 0);
+    CHECK(count(with({{2, 0, 0}, {1, -2, 0}, {3, -2, 0}}), apart) == 1); // touches a side from beside, in the plane
+    CHECK(count(with({{2, -1e-15, 0}, {1, -2, 0}, {3, -2, 0}}), apart) == 0);
+    CHECK(count(with({{1, 0, 0}, {3, 0, 0}, {2, -1, 0}}), apart) == 1);         // lies along a side
+    CHECK(count(with({{-1, 4, 0}, {-1, 0, 0}}), {{0, 1, 2}, {2, 3, 4}}) == 0);  // beside it, but for a corner
+    CHECK(count(with({{0, 1, 0}, {-1, 1, 0}}), {{0, 1, 2}, {2, 3, 4}}) == 1);   // the same with a second on a side
     CHECK(count(with({{0, 0, 0}, {0, 0, 4}, {0, 4, 4}}), apart) == 0);          // a corner at the same place
     CHECK(count(with({{-1, -1, 1}, {2, 2, -1}}), {{0, 1, 2}, {0, 3, 4}}) == 1); // shares a corner, and more
     CHECK(count(with({{-1, -1, 1}, {-2, 2, -1}}), {{0, 1, 2}, {0, 3, 4}}) == 0);
