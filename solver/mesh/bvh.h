@@ -41,19 +41,29 @@ void refit(const Bvh& tree, std::vector<BvhNode>& nodes, const Fit& fit) {
     }
 }
 
-/// Items whose leaves' boxes meet a box, in increasing order: all that meet it themselves, and some beside it.
-inline std::vector<int> items_near(const Bvh& tree, const Vec3& low, const Vec3& high) {
-    std::vector<int> out, open;
-    if (!tree.nodes.empty()) open.push_back(0);
-    while (!open.empty()) {
-        const int number = open.back();
-        open.pop_back();
+/// Calls use(item) for the items whose leaves' boxes meet a box, leaf after leaf, until it returns false.
+template <class Use>
+void visit_near(const Bvh& tree, const Vec3& low, const Vec3& high, const Use& use) {
+    int open[64]; // the tree of 2^31 items is 30 levels deep
+    int size = 0;
+    if (!tree.nodes.empty()) open[size++] = 0;
+    while (size > 0) {
+        const int number = open[--size];
         const BvhNode& node = tree.nodes[static_cast<std::size_t>(number)];
         if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) continue;
         for (int i = node.first; i < node.first + node.count; ++i)
-            out.push_back(tree.order[static_cast<std::size_t>(i)]);
-        if (node.count == 0) open.insert(open.end(), {number + 1, node.first});
+            if (!use(tree.order[static_cast<std::size_t>(i)])) return;
+        if (node.count == 0) open[size++] = node.first, open[size++] = number + 1;
     }
+}
+
+/// Items whose leaves' boxes meet a box, in increasing order: all that meet it themselves, and some beside it.
+inline std::vector<int> items_near(const Bvh& tree, const Vec3& low, const Vec3& high) {
+    std::vector<int> out;
+    visit_near(tree, low, high, [&](int item) {
+        out.push_back(item);
+        return true;
+    });
     std::sort(out.begin(), out.end());
     return out;
 }

@@ -5,12 +5,12 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/meshing/holes.h"
+#include "solver/meshing/triangle_sides.h"
 #include "solver/meshing/welding.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <optional>
 #include <set>
 
 namespace sinew::solver {
@@ -31,77 +31,6 @@ double area(const Points& points, const std::vector<Triangle>& triangles) {
     for (const Triangle& t : triangles)
         sum += 0.5 * (points[at(t[1])] - points[at(t[0])]).cross(points[at(t[2])] - points[at(t[0])]).norm();
     return sum;
-}
-
-/// Places on a triangle with corner a and edges u, v, no farther apart than a twentieth of the mesh or so: the middles
-/// of n * n equal parts, or of strips across the longest edge where the triangle is much longer than high. Calls
-/// use(place) until it returns false.
-template <class Use>
-void for_places_on(const Vec3& a, const Vec3& u, const Vec3& v, double longest_side, const Use& use) {
-    const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
-    const auto parts = [&](double length) {
-        return std::clamp(static_cast<int>(std::ceil(20 * length / longest_side)), 1, 12);
-    };
-    const int n = parts(longest_edge), high = parts(u.cross(v).norm() / longest_edge);
-    if (4 * high <= n) {
-        // From the longest edge towards the corner opposite.
-        Vec3 from = a, along = u, top = a + v;
-        if (v.norm() == longest_edge) along = v, top = a + u;
-        if ((u - v).norm() == longest_edge) from = a + u, along = v - u, top = a;
-        for (int row = 0; row < high; ++row)
-            for (int i = 0; i < n; ++i) {
-                const double up = (row + 1.0 / 3) / high;
-                if (!use((1 - up) * (from + (i + 0.5) / n * along) + up * top)) return;
-            }
-        return;
-    }
-    for (int p = 0; p < n; ++p)
-        for (int q = 0; p + q < n; ++q)
-            for (int half = 0; half < (p + q + 1 < n ? 2 : 1); ++half) {
-                const double offset = half == 0 ? 1.0 / 3 : 2.0 / 3;
-                if (!use(a + ((p + offset) * u + (q + offset) * v) / n)) return;
-            }
-}
-
-/// Looks just below and above each triangle.
-std::vector<Solid::Sides> find_sides(const Points& points, const std::vector<Triangle>& triangles,
-                                     const SurfaceTree& tree, double longest_side, const MeshingPhase& phase) {
-    std::vector<Solid::Sides> result(triangles.size());
-    phase.run(triangles.size(), 16, [&](std::size_t i) {
-        const Vec3 &a = points[at(triangles[i][0])], u = points[at(triangles[i][1])] - a,
-                   v = points[at(triangles[i][2])] - a;
-        const Vec3 normal = u.cross(v);
-        const double twice_area = normal.norm();
-        if (!(twice_area > 0)) return;
-        const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
-        const int n = std::clamp(static_cast<int>(std::ceil(20 * longest_edge / longest_side)), 1, 12);
-        const Vec3 step = normal * (1e-3 / std::sqrt(twice_area) / n);
-        // A few places often tell that there is nothing to be known. All the others are asked at once, which costs a
-        // long triangle, that all the rest of the mesh is near of, a fraction.
-        Points places;
-        const auto sides_at = [](double below, double above) -> std::optional<Solid::Sides> {
-            for (const double x : {below, above})
-                if (std::abs(x - std::round(x)) > 0.25 || std::abs(x) > 100) return {};
-            return Solid::Sides{static_cast<signed char>(std::lround(below)),
-                                static_cast<signed char>(std::lround(above))};
-        };
-        for_places_on(a, u, v, longest_side, [&](const Vec3& middle) {
-            places.push_back(middle - step), places.push_back(middle + step);
-            return true;
-        });
-        const std::vector<double> two = tree.winding_numbers({places[0], places[1]});
-        const auto first = sides_at(two[0], two[1]);
-        if (!first) return;
-        for (std::size_t from = 2, several = 4; from < places.size(); from += several, several *= 4) {
-            const auto begin = places.begin() + static_cast<std::ptrdiff_t>(from),
-                       end = places.begin() + static_cast<std::ptrdiff_t>(std::min(from + several, places.size()));
-            const std::vector<double> w = tree.winding_numbers(Points(begin, end));
-            for (std::size_t k = 0; k < w.size(); k += 2)
-                if (sides_at(w[k], w[k + 1]) != first) return;
-        }
-        result[i] = *first;
-    });
-    return result;
 }
 
 /// At a border the solid does not end at the triangle alone.
@@ -172,7 +101,7 @@ Solid make_solid(const Points& points, const std::vector<Triangle>& triangles, F
                     "look for doubled faces, or parts that are turned inside out");
 
     SurfaceTree tree(points, kept);
-    std::vector<Solid::Sides> sides = find_sides(points, kept, tree, longest, phase);
+    std::vector<Solid::Sides> sides = find_sides(points, kept, tree, {longest, closed}, phase).sides;
     if (!closed) forget_sides_at_border(kept, sides);
     return Solid{points, std::move(first), std::move(kept), box, static_cast<int>(border.size()),
                  closed, std::move(sides), std::move(tree)};
