@@ -543,8 +543,10 @@ int worst_deformable(const std::vector<BodyForces>& forces) {
     return worst;
 }
 
-void minimise_from(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
-                   std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
+} // namespace
+
+void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
+              std::vector<double>& x, LinearMemory& memory, StepRecord& record) try {
     w.renewals = 0;
     potential.add_up_springs(w.springs, w.elastic);
     w.linear.begin_step(w.springs, w.elastic);
@@ -583,20 +585,11 @@ void minimise_from(Potential& potential, NewtonWorkspace& w, const NewtonOptions
     if (!(r <= w.worst_residual)) w.worst_residual = r, w.worst_deformable = worst;
     record.residual = std::max(record.residual, r);
     record.converged = record.converged && end == End::converged;
-}
-
-} // namespace
-
-void minimise(Potential& potential, NewtonWorkspace& w, const NewtonOptions& options, const StepControl& control,
-              std::vector<double>& x, LinearMemory& memory, StepRecord& record) {
-    try {
-        minimise_from(potential, w, options, control, x, memory, record);
-    } catch (Error& e) {
-        // Of many bodies the one that is farthest from balance is where to look.
-        if (const int worst = worst_deformable(w.forces); e.code == "FE302" && e.body < 0 && worst >= 0)
-            e.body = potential.numbering().deformables[static_cast<std::size_t>(worst)].body;
-        throw;
-    }
+} catch (Error& e) {
+    // Of many bodies the one that is farthest from balance is where to look.
+    if (const int worst = worst_deformable(w.forces); e.code == "FE302" && e.body < 0 && worst >= 0)
+        e.body = potential.numbering().deformables[static_cast<std::size_t>(worst)].body;
+    throw;
 }
 
 } // namespace sinew::solver

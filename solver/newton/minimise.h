@@ -50,8 +50,8 @@ struct NewtonWorkspace {
 
 /// Moves x (3 a vertex) to the minimum, starting from x, from where holds take their bodies or from free flight,
 /// whichever has the lower value, some bodies in flight and others not. Adds to the record's iterations and seconds;
-/// residual and converged are kept at the worst over several calls. Throws Error FE302 where no step can be taken, with the
-/// body that is farthest from balance, and Stopped when asked to.
+/// residual and converged are kept at the worst over several calls. Throws Error FE302 where no step can be taken, with
+/// the body that is farthest from balance, and Stopped when asked to.
 void minimise(Potential& potential, NewtonWorkspace& work, const NewtonOptions& options, const StepControl& control,
               std::vector<double>& x, LinearMemory& memory, StepRecord& record);
 
