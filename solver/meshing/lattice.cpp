@@ -7,6 +7,7 @@
 #include "solver/mesh/surface_mesh.h"
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/refined_cells.h"
+#include "solver/meshing/self_intersections.h"
 #include "solver/meshing/sheet_shell.h"
 #include "solver/parallel.h"
 
@@ -113,12 +114,12 @@ struct Lattice {
 };
 
 Lattice lattice_of_side(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
-                        const MeshingControl& control) {
+                        const MeshingControl& control, bool is_estimate = false) {
     const BccGrid grid = make_bcc_grid(solid.box.centre(), solid.box.size(), side);
     const bool is_surface_only = options.fill == Fill::surface_only;
     const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, control);
     RefinedCells refined =
-        refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets, options.moments}, control);
+        refine_cells(solid, grid, coarse, paint, {is_surface_only, most_tets, options.moments, is_estimate}, control);
     BccGrid finest = grid;
     for (int level = 0; level < refined.levels; ++level) finest = finest.finer();
     return {finest, std::move(refined.pieces)};
@@ -184,6 +185,51 @@ std::string finer_advice(const Solid& solid, const Paint& paint, double side, co
                 finer_advice(solid, paint, side, options, control));
 }
 
+/// Whether each edge has two triangles, all with an area, and none of them meet elsewhere: then winding numbers are 0
+/// and 1, as parts face outwards and cavities inwards.
+bool is_simple(const Solid& solid, const MeshingControl& control) {
+    if (!solid.is_closed || solid.border_edges > 0) return false;
+    std::vector<std::array<int, 2>> edges;
+    for (const Triangle& t : solid.triangles) {
+        const Vec3 &a = solid.points[at(t[0])], &b = solid.points[at(t[1])], &c = solid.points[at(t[2])];
+        if (!((b - a).cross(c - a).norm() > 0)) return false;
+        for (std::size_t k = 0; k < 3; ++k)
+            edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    }
+    std::ranges::sort(edges);
+    for (std::size_t i = 0; i < edges.size(); i += 2)
+        if (i + 1 == edges.size() || edges[i] != edges[i + 1] || (i > 0 && edges[i] == edges[i - 1])) return false;
+    const Flaw crossing =
+        self_intersections(solid.points, solid.triangles, control.stop, 1'000'000 + 30 * solid.triangles.size());
+    return crossing.is_whole && !crossing;
+}
+
+/// Whether the excess is too large even where rounding made shares too small, and tets that hold next to nothing fall
+/// out of the lattice.
+bool is_surely_coarse(const Lattice& estimate, double least_coverage) {
+    constexpr double rounding = 1e-11, negligible = 2e-9;
+    double solid = 0, added = 0;
+    for (const LatticePiece& p : estimate.pieces) {
+        const double volume =
+            tet_volume(estimate.finest.position(p.corners[0]), estimate.finest.position(p.corners[1]),
+                       estimate.finest.position(p.corners[2]), estimate.finest.position(p.corners[3]));
+        solid += (p.share + rounding) * volume;
+        if (p.share > negligible) added += std::max(0.0, least_coverage - p.share - rounding) * volume;
+    }
+    return added > (most_excess + 1e-6) * solid;
+}
+
+/// Of a thin solid the tets take long to measure, each in hundreds of parts; what is refused for its volume afterwards
+/// is told by an estimate.
+void refuse_thin(const Solid& solid, const Paint& paint, double side, const LatticeOptions& options,
+                 const MeshingControl& control) {
+    const double finest = side / std::exp2(paint.highest());
+    if (finest < coarsest_sound_side(solid, options) || !is_simple(solid, control)) return;
+    const Lattice estimate = lattice_of_side(solid, paint, side, options, {control.stop, {}}, true);
+    if (is_surely_coarse(estimate, options.least_coverage))
+        refuse_coarse(solid, paint, side, estimate, options, control);
+}
+
 bool is_shell(const Points& points, const std::vector<Triangle>& triangles, const LatticeOptions& options) {
     if (options.fill != Fill::surface_only) return false;
     SurfaceMesh view;
@@ -239,6 +285,7 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
                     "raise the tet size");
     if (side > most_lengths * size.maxCoeff() * std::exp2(paint.highest()))
         refuse_huge(solid, paint, side, options, control);
+    refuse_thin(solid, paint, side, options, control);
     const Lattice lattice = lattice_of_side(solid, paint, side, options, control);
     if (!lattice.is_sound(options.least_coverage)) refuse_coarse(solid, paint, side, lattice, options, control);
     return assemble(lattice.finest, lattice.pieces, options);

@@ -9,6 +9,8 @@
 #include <Eigen/LU>
 
 #include <algorithm>
+#include <atomic>
+#include <cmath>
 #include <string>
 
 namespace sinew::solver {
@@ -56,6 +58,7 @@ class Refiner {
     }
 
     RefinedCells refined() {
+        if (paint_.highest() > 0) refuse_hopeless();
         if (paint_.highest() > 0) cells_.refine([this](int level, std::size_t first) { return judge(level, first); });
         std::vector<Leaf> leaves;
         for (std::size_t root = 0; root < cells_.levels()[0].cells.size(); ++root)
@@ -86,9 +89,49 @@ class Refiner {
         return verdicts;
     }
 
+    /// Counts the cells that the paint on the surface has cut, of which each gives eight more, without keeping any:
+    /// where these alone are too many, making them would take a minute and gigabytes until they are refused.
+    void refuse_hopeless() const {
+        const std::int64_t roots = static_cast<std::int64_t>(cells_.levels()[0].cells.size());
+        const std::vector<CellState>& states = facts_[0].states;
+        const auto touched = static_cast<double>(std::ranges::count(states, CellState::touched));
+        if (touched * 8 / 7 * std::exp2(3 * paint_.highest()) < static_cast<double>(options_.most_tets - roots)) return;
+        std::vector<BccGrid> grids{cells_.levels()[0].grid};
+        while (std::ssize(grids) < paint_.highest()) grids.push_back(grids.back().finer());
+        std::atomic<std::int64_t> cut = 0;
+        const MeshingPhase phase{control_, 0.5, 0.5, "counting the tets"};
+        phase.run(states.size(), 4, [&](std::size_t i) {
+            if (states[i] == CellState::touched)
+                count_cut(grids, 0, cells_.levels()[0].cells[i].number, facts_[0].touching(i), cut);
+        });
+        refuse_above_limit(roots + 8 * cut);
+    }
+
+    void count_cut(const std::vector<BccGrid>& grids, std::size_t level, std::int64_t number,
+                   std::span<const int> triangles, std::atomic<std::int64_t>& cut) const {
+        const int n = static_cast<int>(level);
+        const auto wants_more = [&](int t) {
+            return paint_.wants_more(n, t, seen_from(grids[level], number, scaled(t, n)));
+        };
+        if (8 * cut > options_.most_tets || std::ranges::none_of(triangles, wants_more)) return;
+        ++cut;
+        if (level + 1 == grids.size()) return;
+        for (const std::int64_t child : grids[level].children(number)) {
+            std::vector<int> touching;
+            for (const int t : triangles)
+                if (touches_tet(seen_from(grids[level + 1], child, scaled(t, n + 1)), touch_slack))
+                    touching.push_back(t);
+            count_cut(grids, level + 1, child, touching, cut);
+        }
+    }
+
     void check_count() const {
         std::int64_t cells = 0;
         for (const RedGreen::Level& l : cells_.levels()) cells += static_cast<std::int64_t>(l.cells.size());
+        refuse_above_limit(cells);
+    }
+
+    void refuse_above_limit(std::int64_t cells) const {
         if (cells > options_.most_tets)
             throw Error("FE210",
                         "the refined lattice would have more than " + std::to_string(options_.most_tets) + " tets",
@@ -286,7 +329,7 @@ class Refiner {
         TetMoments moments;
         moments.degree = options_.degree;
         out.share = share(state, corners, touching, moments);
-        if (!(out.share >= 0 && out.share < 1)) return;
+        if (!(out.share >= 0 && out.share < 1) || options_.is_estimate) return;
         out.moments = std::make_unique<double[]>(moment_count(options_.degree));
         std::copy_n(moments.value.begin(), moment_count(options_.degree), out.moments.get());
     }
@@ -301,7 +344,8 @@ class Refiner {
             const auto exact = share_away_from_holes(solid_, corners, touching, &moments);
             return exact ? *exact : quadrature_share(solid_, corners, state == CellState::touched, &moments);
         }
-        const double result = closed_share(solid_, corners, touching, &moments);
+        const double result = options_.is_estimate ? share_of_simple(solid_, corners, touching)
+                                                   : closed_share(solid_, corners, touching, &moments);
         return result < negligible_share ? left_out : result;
     }
 

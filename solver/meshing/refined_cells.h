@@ -28,10 +28,14 @@ struct RefineOptions {
     bool is_surface_only = false;
     std::int64_t most_tets = 0; ///< Error FE210 above
     int degree = 1;             ///< of the moments
+    /// Takes shares for what they are where the winding number is 0 or 1 everywhere, and no moments: much quicker where
+    /// triangles are so near to each other that what is between them is not known.
+    bool is_estimate = false;
 };
 
 /// Refines and computes all shares. Order: coarse tets by number; inside one the tree of its parts, each cut
-/// as RedGreen says. Throws Error FE210 (too many tets), Stopped.
+/// as RedGreen says. Throws Error FE210 (too many tets; before any is made, where the paint alone asks for too many),
+/// Stopped.
 RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse, const Paint& paint,
                           const RefineOptions& options, const MeshingControl& control);
 

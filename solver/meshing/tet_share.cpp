@@ -334,6 +334,12 @@ double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, cons
     return split_share(solid, {corners}, triangles, 0, moments);
 }
 
+double share_of_simple(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles) {
+    const double integral = winding_integral(solid, corners, TetFrame(corners), triangles, nullptr);
+    if (triangles.empty() || std::isnan(integral)) return closed_share(solid, corners, triangles);
+    return std::clamp(integral, 0.0, 1.0);
+}
+
 std::vector<double> corner_windings(const Solid& solid, const Points& corners, const std::vector<double>& edges) {
     std::vector<double> out = solid.tree.winding_numbers(corners);
     for (std::size_t i = 0; i < out.size(); ++i)

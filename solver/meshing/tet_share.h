@@ -49,6 +49,10 @@ double share_of_triangle(const BarycentricTriangle& triangle, int reference_corn
 double closed_share(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles,
                     TetMoments* moments = nullptr);
 
+/// closed_share where the winding number is 0 or 1 everywhere, whatever is known of the triangles: one integral and no
+/// parts, as exact but for rounding.
+double share_of_simple(const Solid& solid, const std::array<Vec3, 4>& corners, const std::vector<int>& triangles);
+
 /// The winding numbers at corners of tets, whole; NaN on the surface, where they tell nothing. Corners that lie near to
 /// each other cost less together.
 /// \param edges the length of an edge at each
