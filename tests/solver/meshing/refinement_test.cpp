@@ -357,6 +357,32 @@ TEST_CASE("refinement stops at the number of tets that it is allowed", "[refinem
     }
 }
 
+TEST_CASE("paint that asks for too many tets by itself is refused before any is made", "[refinement]") {
+    const SurfaceMesh sphere = make_sphere(1, 20, 20);
+    const Solid solid = make_solid(sphere.points, sphere.triangles);
+    const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+    const CoarseCells coarse = find_coarse_cells(solid, grid, false, {});
+    std::vector<double> half(solid.points.size());
+    for (std::size_t v = 0; v < half.size(); ++v) half[v] = solid.points[v].x() > 0 ? 4 : 0;
+    for (const std::vector<double>& levels : {std::vector<double>{4}, half}) {
+        const Paint paint(solid, levels, 0);
+        const auto phases_of = [&](std::int64_t most) {
+            std::set<std::string> phases;
+            const MeshingControl control{{}, [&](double, std::string_view what) { phases.emplace(what); }};
+            try {
+                refine_cells(solid, grid, coarse, paint, {false, most}, control);
+                phases.insert("done");
+            } catch (const Error& e) {
+                REQUIRE(std::string(e.what()) ==
+                        "the refined lattice would have more than " + std::to_string(most) + " tets");
+            }
+            return phases;
+        };
+        REQUIRE(phases_of(50000) == std::set<std::string>{"counting the tets"});
+        REQUIRE(phases_of(5'000'000).contains("done"));
+    }
+}
+
 TEST_CASE("meshing reports how far it is and stops when asked", "[refinement]") {
     const SurfaceMesh sphere = make_sphere(1, 20, 20);
     LatticeOptions options;

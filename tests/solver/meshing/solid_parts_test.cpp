@@ -240,6 +240,28 @@ TEST_CASE("no size is tried for a sheet so thin that none would do", "[parts]") 
     CHECK(refused < 2 * once); // each try asks as often as the whole lattice, or more
 }
 
+TEST_CASE("a sheet too thin for its tets is refused before they are measured", "[parts]") {
+    // As many times as measuring them tells.
+    for (const auto& [thickness, times] : {std::pair{1e-6, "32.5"}, std::pair{1e-8, "1667"}}) {
+        INFO(thickness);
+        const SurfaceMesh sheet = make_cube(1, thickness, 1, 1, 1, 1);
+        LatticeOptions options;
+        options.tet_size = 0.05;
+        bool is_measured = false;
+        MeshingControl control;
+        control.progress = [&](double, std::string_view what) { is_measured |= what == "measuring the tets"; };
+        std::string said;
+        try {
+            make_lattice(sheet.points, sheet.triangles, options, control);
+        } catch (const Error& e) {
+            CHECK(e.code == "FE210");
+            said = e.what();
+        }
+        CHECK(said.ends_with(std::string("its volume would come out ") + times + " times as large"));
+        CHECK(!is_measured);
+    }
+}
+
 TEST_CASE("long triangles have solid on one side", "[parts]") {
     // Each of the 400 sides is twenty times as long as the prism is thick, and its places are asked together.
     const SurfaceMesh prism = make_cylinder(0.5, 20, 400, 1, 1);
