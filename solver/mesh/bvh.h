@@ -41,9 +41,9 @@ void refit(const Bvh& tree, std::vector<BvhNode>& nodes, const Fit& fit) {
     }
 }
 
-/// Calls use(item) for the items whose leaves' boxes meet a box, leaf after leaf, until it returns false.
+/// Calls use(leaf) for the leaves whose boxes meet a box until it returns false.
 template <class Use>
-void visit_near(const Bvh& tree, const Vec3& low, const Vec3& high, const Use& use) {
+void visit_leaves_near(const Bvh& tree, const Vec3& low, const Vec3& high, const Use& use) {
     int open[64]; // the tree of 2^31 items is 30 levels deep
     int size = 0;
     if (!tree.nodes.empty()) open[size++] = 0;
@@ -51,8 +51,7 @@ void visit_near(const Bvh& tree, const Vec3& low, const Vec3& high, const Use& u
         const int number = open[--size];
         const BvhNode& node = tree.nodes[static_cast<std::size_t>(number)];
         if ((node.min.array() > high.array()).any() || (node.max.array() < low.array()).any()) continue;
-        for (int i = node.first; i < node.first + node.count; ++i)
-            if (!use(tree.order[static_cast<std::size_t>(i)])) return;
+        if (node.count > 0 && !use(node)) return;
         if (node.count == 0) open[size++] = node.first, open[size++] = number + 1;
     }
 }
@@ -60,8 +59,9 @@ void visit_near(const Bvh& tree, const Vec3& low, const Vec3& high, const Use& u
 /// Items whose leaves' boxes meet a box, in increasing order: all that meet it themselves, and some beside it.
 inline std::vector<int> items_near(const Bvh& tree, const Vec3& low, const Vec3& high) {
     std::vector<int> out;
-    visit_near(tree, low, high, [&](int item) {
-        out.push_back(item);
+    visit_leaves_near(tree, low, high, [&](const BvhNode& leaf) {
+        const auto first = tree.order.begin() + leaf.first;
+        out.insert(out.end(), first, first + leaf.count);
         return true;
     });
     std::sort(out.begin(), out.end());

@@ -178,6 +178,56 @@ ClosestPoint SurfaceTree::closest(const Vec3& p, const std::vector<char>& allowe
     return impl_->closest(p, max_distance, [&](int t) { return allowed[at(t)] != 0; });
 }
 
+std::vector<double> SurfaceTree::distances(const Points& points, double most) const {
+    std::vector<double> out;
+    out.reserve(points.size());
+    const auto ask_one_by_one = [&] {
+        for (const Vec3& p : points) {
+            const ClosestPoint nearest = closest(p, most);
+            out.push_back(nearest.triangle >= 0 ? nearest.distance : most);
+        }
+        return out;
+    };
+    const bool is_within = std::all_of(points.begin(), points.end(), [](const Vec3& p) { return is_within_reach(p); });
+    if (points.empty() || impl_->tree.nodes.empty() || !is_within) return ask_one_by_one();
+    Vec3 low = points[0], high = points[0];
+    for (const Vec3& p : points) low = low.cwiseMin(p), high = high.cwiseMax(p);
+    const Vec3 middle = 0.5 * (low + high);
+    double radius2 = 0;
+    for (const Vec3& p : points) radius2 = std::max(radius2, (p - middle).squaredNorm());
+    // A little more, so that rounding leaves none out.
+    const double reach = (std::sqrt(radius2) + most) * (1 + 1e-6), reach2 = reach * reach;
+    const auto distance2 = [&](const Vec3& p, int t) {
+        return (closest_on_triangle(p, impl_->corners[at(t)], impl_->triangles[at(t)]).point - p).squaredNorm();
+    };
+    struct Near {
+        double distance; ///< from the middle
+        int triangle;
+    };
+    std::vector<Near> near;
+    impl_->walk([&](std::size_t n) { return squared_distance(impl_->tree.nodes[n], middle) <= reach2; },
+                [&](const BvhNode& leaf) {
+                    for (int i = leaf.first; i < leaf.first + leaf.count; ++i)
+                        if (const double d2 = distance2(middle, impl_->tree.order[at(i)]); d2 <= reach2)
+                            near.push_back({std::sqrt(d2), impl_->tree.order[at(i)]});
+                });
+    constexpr std::size_t several = 64; // of more, the tree leaves most out
+    if (near.size() > several) return ask_one_by_one();
+    std::sort(near.begin(), near.end(), [](const Near& a, const Near& b) {
+        return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
+    });
+    for (const Vec3& p : points) {
+        const double from_middle = (p - middle).norm() * (1 + 1e-6);
+        double best2 = most * most, best = most;
+        for (const Near& n : near) {
+            if (n.distance * (1 - 1e-6) - from_middle > best) break; // and the others are no nearer
+            if (const double d2 = distance2(p, n.triangle); d2 < best2) best2 = d2, best = std::sqrt(d2);
+        }
+        out.push_back(best);
+    }
+    return out;
+}
+
 std::vector<int> SurfaceTree::all_closest(const Vec3& p, double slack) const {
     const ClosestPoint nearest = closest(p);
     std::vector<int> found;

@@ -28,6 +28,9 @@ class SurfaceTree {
     ClosestPoint closest(const Vec3& p, double max_distance = 1e300) const;
     /// The same, over triangles whose `allowed` flag is set. Throws Error FE204 if the count differs.
     ClosestPoint closest(const Vec3& p, const std::vector<char>& allowed, double max_distance = 1e300) const;
+    /// Distances at points that lie together; `most` where the surface is not nearer. As by `closest`, but what is near
+    /// of any of the points is looked for once.
+    std::vector<double> distances(const Points& points, double most) const;
     /// All triangles that come as near as the closest one, but for `slack`, in increasing order.
     std::vector<int> all_closest(const Vec3& p, double slack) const;
     /// Generalised winding number (Jacobson 2013, fast version Barill 2018): about 1 inside, 0 outside; works

@@ -64,6 +64,29 @@ class Polygon {
     std::size_t size_ = 3;
 };
 
+/// Corners of triangles in the order of a tree, coordinate by coordinate, so that those of a leaf are seen at once.
+class LeafCorners {
+  public:
+    using Four = Eigen::Array4d;
+
+    LeafCorners(const Bvh& tree, const Points& points, const std::vector<Triangle>& triangles) {
+        for (std::size_t c = 0; c < 3; ++c)
+            for (std::size_t d = 0; d < 3; ++d) {
+                std::vector<double>& list = coordinates_[c][d];
+                list.reserve(tree.order.size() + 4);
+                for (const int t : tree.order) list.push_back(points[at(triangles[at(t)][c])][static_cast<int>(d)]);
+                list.resize(list.size() + 4); // whole fours everywhere
+            }
+    }
+    /// Coordinate d of corner c of four triangles.
+    Four four(const BvhNode& leaf, std::size_t c, std::size_t d) const {
+        return Eigen::Map<const Four>(coordinates_[c][d].data() + leaf.first);
+    }
+
+  private:
+    std::array<std::array<std::vector<double>, 3>, 3> coordinates_;
+};
+
 /// A triangle with the space beside it.
 class Surroundings {
   public:
@@ -112,6 +135,33 @@ class Surroundings {
         return Seen{local(corners[0]), local(corners[1]), local(corners[2])};
     }
 
+    /// Of four triangles those that lie beyond one of the edges, and of lines through its ends that are turned a
+    /// little: they meet neither prism nor ways. In fans of long triangles, whose boxes all meet, these are nearly all.
+    std::array<bool, 4> are_beyond(const LeafCorners& corners, const BvhNode& leaf) const {
+        using Four = LeafCorners::Four;
+        std::array<std::array<Four, 3>, 3> place; // of each corner
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Four x = corners.four(leaf, c, 0) - origin_.x(), y = corners.four(leaf, c, 1) - origin_.y(),
+                       z = corners.four(leaf, c, 2) - origin_.z();
+            place[c][1] = towards_second_.x() * x + towards_second_.y() * y + towards_second_.z() * z;
+            place[c][2] = towards_third_.x() * x + towards_third_.y() * y + towards_third_.z() * z;
+            place[c][0] = 1 - place[c][1] - place[c][2];
+        }
+        const auto farthest = [&](std::size_t k) -> Four { return place[0][k].max(place[1][k]).max(place[2][k]); };
+        const auto farthest_turned = [&](std::size_t k, std::size_t end) -> Four {
+            const auto turned = [&](std::size_t c) -> Four { return place[c][k] + turn * place[c][end]; };
+            return turned(0).max(turned(1)).max(turned(2));
+        };
+        std::array<bool, 4> result{};
+        for (std::size_t k = 0; k < 3 && all_near_enough_; ++k) {
+            const double least = std::min(least_[static_cast<int>(k)] - wider_across, least_end);
+            const Four one = farthest_turned(k, (k + 1) % 3), other = farthest_turned(k, (k + 2) % 3);
+            const auto beyond = (farthest(k) < least && one.min(other) < least_turned).eval();
+            for (std::size_t i = 0; i < 4; ++i) result[i] = result[i] || beyond[static_cast<int>(i)];
+        }
+        return result;
+    }
+
     /// Whether a triangle comes between the places.
     bool meets_prism(const Seen& triangle) const {
         const auto is_beyond = [&](const auto& inner) { return std::ranges::none_of(triangle, inner); };
@@ -131,11 +181,9 @@ class Surroundings {
     static bool meets_way(const Seen& triangle, int k) {
         const int i = (k + 1) % 3, j = (k + 2) % 3;
         const auto is_beyond = [&](const auto& inner) { return std::ranges::none_of(triangle, inner); };
-        // The other two coordinates are a third or more on the way. So it lies inwards of lines through the ends of the
-        // edge, too, beyond which are the other triangles of a fan.
         for (const int end : {i, j})
-            if (is_beyond([&](const Local& l) { return l[end] >= 0.3; }) ||
-                is_beyond([&](const Local& l) { return l[k] + 0.01 * l[end] >= 0.003; }))
+            if (is_beyond([&](const Local& l) { return l[end] >= least_end; }) ||
+                is_beyond([&](const Local& l) { return l[k] + turn * l[end] >= least_turned; }))
                 return false;
         if (is_beyond([&](const Local& l) { return l[3] <= wider_up; })) return false;
         if (is_beyond([&](const Local& l) { return l[3] >= -wider_up; })) return false;
@@ -150,6 +198,10 @@ class Surroundings {
     }
 
   private:
+    /// On the way to an edge the coordinates of the edge's ends are a third or more. So it lies inwards of lines
+    /// through the ends, too, that are turned a little.
+    static constexpr double least_end = 0.3, turn = 0.01, least_turned = 0.003;
+
     Local local(const Vec3& p) const {
         const Vec3 d = p - origin_;
         const double second = towards_second_.dot(d), third = towards_third_.dot(d);
@@ -212,6 +264,7 @@ std::vector<int> calm_parts(const Points& points, const std::vector<Triangle>& t
         normals.push_back((b - a).cross(c - a).normalized());
     }
     const Bvh tree = build_bvh(low, high);
+    const LeafCorners leaf_corners(tree, points, triangles);
     const double extent = tree.nodes.empty() ? 0 : (tree.nodes[0].max - tree.nodes[0].min).norm();
     const std::vector<std::array<int, 3>> neighbours = find_neighbours(triangles);
 
@@ -222,15 +275,20 @@ std::vector<int> calm_parts(const Points& points, const std::vector<Triangle>& t
         Calm& found = calm[t];
         found.is_calm = true;
         for (std::size_t k = 0; k < 3; ++k) found.is_free[k] = neighbours[t][k] >= 0;
-        visit_near(tree, here.low(), here.high(), [&](int other) {
+        const auto look_at = [&](int other) {
             const std::size_t o = at(other);
             if (o == t || (low[o].array() > here.high().array()).any() || (high[o].array() < here.low().array()).any())
-                return true;
+                return;
             const auto seen = here.seen(corners(o));
             found.is_calm = seen && !here.meets_prism(*seen);
             for (int k = 0; k < 3 && found.is_calm; ++k)
                 if (found.is_free[at(k)] && neighbours[t][at(k)] != other)
                     found.is_free[at(k)] = !Surroundings::meets_way(*seen, k);
+        };
+        visit_leaves_near(tree, here.low(), here.high(), [&](const BvhNode& leaf) {
+            const std::array<bool, 4> are_beyond = here.are_beyond(leaf_corners, leaf);
+            for (int i = 0; i < leaf.count && found.is_calm; ++i)
+                if (!are_beyond[at(i)]) look_at(tree.order[at(leaf.first + i)]);
             return found.is_calm;
         });
     });

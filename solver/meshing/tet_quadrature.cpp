@@ -74,16 +74,15 @@ double quadrature_share(const Solid& solid, const std::array<Vec3, 4>& corners, 
         for (int y = 0; y <= x; ++y)
             for (int z = 0; z <= y; ++z) points.push_back(corners[0] + x * ex + y * ey + z * ez);
     const std::vector<double> winding = solid.tree.winding_numbers(points);
+    std::vector<double> distance;
+    if (is_near) distance = solid.tree.distances(points, radius);
     std::array<Sample, (parts + 1) * (parts + 1) * (parts + 1)> samples;
     std::size_t next = 0;
     for (int x = 0; x <= parts; ++x)
         for (int y = 0; y <= x; ++y)
-            for (int z = 0; z <= y; ++z, ++next) {
-                ClosestPoint nearest;
-                if (is_near) nearest = solid.tree.closest(points[next], radius);
+            for (int z = 0; z <= y; ++z, ++next)
                 samples[static_cast<std::size_t>(index(x, y, z))] = {std::abs(winding[next]) - 0.5,
-                                                                     nearest.triangle >= 0 ? nearest.distance : radius};
-            }
+                                                                     is_near ? distance[next] : radius};
 
     constexpr int walks[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
     double sum = 0;

@@ -245,3 +245,30 @@ TEST_CASE("a cup's winding number fades through its opening and flips with its o
         REQUIRE(other.winding_number({0.1, y, 0}) == Approx(-tree.winding_number({0.1, y, 0})).margin(1e-12));
     }
 }
+
+TEST_CASE("distances of points that lie together are those of each, bit for bit", "[closest]") {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> u(-1, 1);
+    const auto place = [&] { return Vec3(u(random), u(random), u(random)); };
+    SurfaceMesh soup;
+    for (int t = 0; t < 60; ++t) {
+        for (int c = 0; c < 3; ++c) soup.points.push_back(2 * place());
+        soup.triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    for (const SurfaceMesh& mesh : {soup, make_sphere(1, 24, 16), make_cube(1, 2, 3, 1, 1, 1)})
+        for (const double extent : {1e-6, 0.1, 0.7, 5.0})
+            for (const double most : {0.01, 0.2, 1e300}) {
+                const SurfaceTree tree(mesh.points, mesh.triangles);
+                Points points;
+                const Vec3 middle = place();
+                for (int i = 0; i < 40; ++i) points.push_back(middle + extent * place());
+                const std::vector<double> found = tree.distances(points, most);
+                REQUIRE(found.size() == points.size());
+                for (std::size_t i = 0; i < points.size(); ++i) {
+                    const ClosestPoint nearest = tree.closest(points[i], most);
+                    REQUIRE(found[i] == (nearest.triangle >= 0 ? nearest.distance : most));
+                }
+            }
+    const SurfaceTree none({}, {});
+    REQUIRE(none.distances({Vec3::Zero()}, 0.5) == std::vector<double>{0.5});
+}
