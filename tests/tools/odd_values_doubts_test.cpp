@@ -31,8 +31,8 @@ TEST_CASE("check says how much flesh a pancake gains by the tets that it lies in
     graph["nodes"]["ballMesh"] = {{"type", "polyCylinder"},
                                   {"inputs", {{"radius", 10}, {"height", 0.02}, {"subdivisionsAxis", 100}}}};
     graph["nodes"]["tets"]["inputs"]["tetSize"] = 1.5;
-    graph["nodes"]["grip"]["inputs"]["weights"] = {0.0};
-    graph["nodes"]["grip"]["inputs"]["stiffness"] = 1;
+    graph["nodes"]["top"]["inputs"]["axis"] = "x";
+    graph["nodes"]["platePlace"]["inputs"]["translate"] = {10, 0, 0};
     const std::string said = said_of(graph);
     INFO(said);
     // By `sinew eval tets.outTets`: 6.67 of solid where 6.28 are enclosed.
