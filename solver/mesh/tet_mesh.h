@@ -30,8 +30,8 @@ struct TetMesh {
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Triangles that belong to one tet only, outward oriented.
 std::vector<Triangle> boundary_triangles(const std::vector<Tet>& tets);
-/// Throws Error: FE201 empty, FE202 not finite, FE203 index, FE215 zero volume, FE221 repeated tets. Flips
-/// negatively oriented tets.
+/// Throws Error: FE201 empty, FE202 not finite, FE203 index, FE215 zero volume, FE221 repeated tets, FE224 beyond
+/// largest_coordinate. Flips negatively oriented tets.
 void check_and_orient(TetMesh& mesh);
 
 /// Every edge of the mesh once, as (lower, higher) vertex, sorted.

@@ -112,7 +112,7 @@ test("the lower panel takes a third of the window at most", async () => {
         for (const panel of ["timeline", "graph"]) {
             await page.evaluate((p) => sinew.set({ panel: p }), panel);
             const { height: tall } = await page.locator(".panel").boundingBox();
-            assert.ok(tall <= height / 3 + (width < 700 && panel === "graph" ? 52 : 1) && tall > 100, `${tall} of ${height} at ${width}, ${panel}`);
+            assert.ok(tall <= height / 3 + 1 && tall > 100, `${tall} of ${height} at ${width}, ${panel}`);
         }
         await page.context().close();
     }
