@@ -189,19 +189,18 @@ SimulationState advance(const SimulationState& before, std::span<const SubstepRe
     const Setup& setup = frame.setup;
     auto stage = lease_stage(now, setup);
     if (stage->scene->vertex_count() == 0) return before; // bones alone: nothing to solve
-    SimulationState after{
-        setup.key, solving(now, setup, [&] {
-            try {
-                return solver::advance(stage->workspace,
-                                       with_contacts(*stage->scene, before, setup, frame.steps.front()), frame.steps,
-                                       control_of(now));
-            } catch (solver::Error& e) {
-                std::string hint =
-                    e.code == "FE302" ? hint_of_jump(now, setup, before.state, frame.steps.back()) : std::string();
-                if (!hint.empty()) e.hint = std::move(hint);
-                throw;
-            }
-        })};
+    const auto step = [&] {
+        try {
+            return solver::advance(stage->workspace, with_contacts(*stage->scene, before, setup, frame.steps.front()),
+                                   frame.steps, control_of(now));
+        } catch (solver::Error& e) {
+            std::string hint;
+            if (e.code == "FE302") hint = hint_of_jump(now, setup, before.state, frame.steps.back());
+            if (!hint.empty()) e.hint = std::move(hint);
+            throw;
+        }
+    };
+    SimulationState after{setup.key, solving(now, setup, step)};
     after.lines = std::move(frame.lines);
     if (setup.key.contacts > before.scene.contacts) warn_of_lone_bodies(now, setup);
     if (const int body = solver::residual_body(stage->workspace); body >= 0)

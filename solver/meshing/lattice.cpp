@@ -189,16 +189,8 @@ std::string finer_advice(const Solid& solid, const Paint& paint, double side, co
 /// and 1, as parts face outwards and cavities inwards.
 bool is_simple(const Solid& solid, const MeshingControl& control) {
     if (!solid.is_closed || solid.border_edges > 0) return false;
-    std::vector<std::array<int, 2>> edges;
-    for (const Triangle& t : solid.triangles) {
-        const Vec3 &a = solid.points[at(t[0])], &b = solid.points[at(t[1])], &c = solid.points[at(t[2])];
-        if (!((b - a).cross(c - a).norm() > 0)) return false;
-        for (std::size_t k = 0; k < 3; ++k)
-            edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
-    }
-    std::ranges::sort(edges);
-    for (std::size_t i = 0; i < edges.size(); i += 2)
-        if (i + 1 == edges.size() || edges[i] != edges[i + 1] || (i > 0 && edges[i] == edges[i - 1])) return false;
+    const MeshCheck found = check_mesh(solid.points, solid.triangles);
+    if (!found.is_closed() || found.degenerate_triangles) return false;
     const Flaw crossing =
         self_intersections(solid.points, solid.triangles, control.stop, 1'000'000 + 30 * solid.triangles.size());
     return crossing.is_whole && !crossing;

@@ -44,12 +44,7 @@ void for_places_on(const Vec3& a, const Vec3& u, const Vec3& v, double longest_s
 }
 
 /// The places just below and above a triangle, in turn; none if it has no area.
-struct Places {
-    Points points;
-    double step = 0; ///< from the triangle
-};
-
-Places places_about(const Points& points, const Triangle& triangle, double longest_side) {
+Neighbourhood places_about(const Points& points, const Triangle& triangle, double longest_side) {
     const Vec3 &a = points[at(triangle[0])], u = points[at(triangle[1])] - a, v = points[at(triangle[2])] - a;
     const Vec3 normal = u.cross(v);
     const double twice_area = normal.norm();
@@ -57,9 +52,9 @@ Places places_about(const Points& points, const Triangle& triangle, double longe
     const double longest_edge = std::max({u.norm(), v.norm(), (u - v).norm()});
     const int n = std::clamp(static_cast<int>(std::ceil(20 * longest_edge / longest_side)), 1, 12);
     const Vec3 step = normal * (1e-3 / std::sqrt(twice_area) / n);
-    Places out{{}, step.norm()};
+    Neighbourhood out{{}, step.norm()};
     for_places_on(a, u, v, longest_side, [&](const Vec3& middle) {
-        out.points.push_back(middle - step), out.points.push_back(middle + step);
+        out.places.push_back(middle - step), out.places.push_back(middle + step);
         return true;
     });
     return out;
@@ -104,19 +99,14 @@ FoundSides find_sides(const Points& points, const std::vector<Triangle>& triangl
     std::vector<int> part(triangles.size(), -1);
     const double middle = 0.5 * (phase.from + phase.to);
     if (options.is_closed)
-        part = calm_parts(points, triangles,
-                          [&](std::size_t t) {
-                              const Places places = places_of(t);
-                              return Neighbourhood{places.points, places.step};
-                          },
-                          {phase.control, phase.from, middle, phase.what});
+        part = calm_parts(points, triangles, places_of, {phase.control, phase.from, middle, phase.what});
     FoundSides found{std::vector<Solid::Sides>(triangles.size())};
     std::atomic<std::size_t> asked = 0;
     const MeshingPhase asking{phase.control, options.is_closed ? middle : phase.from, phase.to, phase.what};
     asking.run(triangles.size(), 16, [&](std::size_t t) {
         const bool is_alone = part[t] < 0;
         if (!is_alone && at(part[t]) != t) return; // another one is asked for it
-        const Points places = places_of(t).points;
+        const Points places = places_of(t).places;
         if (places.empty()) return;
         std::size_t count = 2;
         found.sides[t] = is_alone ? sides_all_over(places, tree, count) : first_sides(places, tree);

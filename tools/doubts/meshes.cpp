@@ -218,8 +218,7 @@ std::string gain_of(const solver::TissueRest& rest) {
         const auto corner = [&](std::size_t c) -> const solver::Vec3& {
             return rest.tets.vertices[static_cast<std::size_t>(rest.tets.tets[t][c])];
         };
-        const solver::Vec3 u = corner(1) - corner(0), v = corner(2) - corner(0), w = corner(3) - corner(0);
-        solid += rest.tets.coverage[t] * std::abs(u.cross(v).dot(w)) / 6;
+        solid += rest.tets.coverage[t] * std::abs(solver::tet_volume(corner(0), corner(1), corner(2), corner(3)));
     }
     if (!(enclosed > 0) || solid < (1 + told_from) * enclosed) return {};
     return "; they count as " + rough(100 * (solid / enclosed - 1)) + " % more flesh than the mesh encloses";

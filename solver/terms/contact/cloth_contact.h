@@ -162,7 +162,8 @@ class ClothContact {
     void gather(const std::vector<Points>& places, Points& out) const;
     void find_point_faces(double reach);
     void find_edge_pairs(double reach);
-    std::optional<int> side_of_near(int edge, int other, double reach) const;
+    std::optional<EdgePair> pair_within(int edge, int other, double reach) const;
+    Vec3 way_of(int corner) const { return later_[at(corner)] - start_[at(corner)]; } ///< within the step
     void watch_moves();
     double standoff_of(const PointFace& c, const std::array<Vec3, 4>& at_x, const Vec3& normal, double height,
                        double distance) const;

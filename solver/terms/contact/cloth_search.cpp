@@ -59,8 +59,8 @@ void visit_near(const Bvh& tree, const std::vector<BvhNode>& boxes, const std::v
 /// Of points and faces, or of edges, that may meet within a step: a gigabyte.
 constexpr std::size_t most_items = 10'000'000;
 
-/// make(i, items, part) for i below a count on any number of threads, and what was made in order. `parts` is room to
-/// keep; no two threads work on a part of the same number at once.
+/// make(i, items) for i below a count on any number of threads, and what was made in order. `parts` is room to keep:
+/// one thread works at a time on those of one piece.
 /// Throws Error FE308 if there are more than `most_items`.
 template <class Item, class Make>
 void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, std::vector<Item>& out,
@@ -71,7 +71,7 @@ void gather_in_order(std::size_t count, std::vector<std::vector<Item>>& parts, s
         parts[k].clear();
         for (std::size_t i = k * piece; i < std::min(count, (k + 1) * piece) && made <= most_items; ++i) {
             const std::size_t before = parts[k].size();
-            make(i, parts[k], k);
+            make(i, parts[k]);
             made += parts[k].size() - before;
         }
     });
@@ -213,7 +213,7 @@ void ClothContact::find_point_faces(double reach) {
         for (const int v : faces_[at(f)]) grow(node, start_[at(v)]);
     });
     refit(face_tree_, ways_, [&](int f, BvhNode& node) {
-        for (const int v : faces_[at(f)]) grow(node, later_[at(v)] - start_[at(v)]);
+        for (const int v : faces_[at(f)]) grow(node, way_of(v));
     });
     balls_.resize(faces_.size());
     parallel_for(faces_.size(), 512, [&](std::size_t f) {
@@ -227,40 +227,39 @@ void ClothContact::find_point_faces(double reach) {
         b.radius = radius_about(b.middle, at_start), b.spread = radius_about(b.way, ways);
     });
     inside_.assign(modelled_.size(), 0);
-    gather_in_order(
-        modelled_.size(), face_parts_, point_faces_, [&](std::size_t p, std::vector<PointFace>& out, std::size_t) {
-            const Vec3 &here = start_[p], way = later_[p] - here;
-            const std::size_t first = out.size();
-            const int point = static_cast<int>(p);
-            const auto none = [](int) { return false; };
-            visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, none, [&](int f) {
-                const Ball& ball = balls_[at(f)];
-                const double most = reach + (way - ball.way).norm() + ball.spread + ball.radius;
-                if ((here - ball.middle).squaredNorm() > more * most * most) return;
-                const Triangle& t = faces_[at(f)];
-                const int pair = pair_of(point, t[0]);
-                if (pair < 0 || has_vertex(t, point)) return;
-                double nearer = 0;
-                for (const int v : t) nearer = std::max(nearer, (way - (later_[at(v)] - start_[at(v)])).squaredNorm());
-                const double far = reach + std::sqrt(nearer);
-                const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
-                if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
-                if (is_held(pair, point)) return;
-                if (is_lost(point, member_of_[at(t[0])])) return;
-                if (member_of_[p] == member_of_[at(t[0])]) {
-                    // Meshes finer than the sheet is thick: neighbours are no layers.
-                    const double r = pairs_[at(pair)].range;
-                    const std::array<Vec3, 3> m{modelled_[at(t[0])], modelled_[at(t[1])], modelled_[at(t[2])]};
-                    if ((modelled_[p] - closest_on_triangle(modelled_[p], m, t).point).squaredNorm() < r * r) return;
-                }
-                PointFace& found = out.emplace_back();
-                found.point = point, found.face = f, found.pair = pair;
-                found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
-            });
-            std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
-                      [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
-            judge_by_nearest(point, out, first);
+    gather_in_order(modelled_.size(), face_parts_, point_faces_, [&](std::size_t p, std::vector<PointFace>& out) {
+        const Vec3 &here = start_[p], way = later_[p] - here;
+        const std::size_t first = out.size();
+        const int point = static_cast<int>(p);
+        const auto none = [](int) { return false; };
+        visit_near(face_tree_, boxes_, ways_, here, here, way, way, reach, none, [&](int f) {
+            const Ball& ball = balls_[at(f)];
+            const double most = reach + (way - ball.way).norm() + ball.spread + ball.radius;
+            if ((here - ball.middle).squaredNorm() > more * most * most) return;
+            const Triangle& t = faces_[at(f)];
+            const int pair = pair_of(point, t[0]);
+            if (pair < 0 || has_vertex(t, point)) return;
+            double nearer = 0;
+            for (const int v : t) nearer = std::max(nearer, (way - way_of(v)).squaredNorm());
+            const double far = reach + std::sqrt(nearer);
+            const std::array<Vec3, 3> c{start_[at(t[0])], start_[at(t[1])], start_[at(t[2])]};
+            if ((here - closest_on_triangle(here, c, t).point).squaredNorm() > far * far) return;
+            if (is_held(pair, point)) return;
+            if (is_lost(point, member_of_[at(t[0])])) return;
+            if (member_of_[p] == member_of_[at(t[0])]) {
+                // Meshes finer than the sheet is thick: neighbours are no layers.
+                const double r = pairs_[at(pair)].range;
+                const std::array<Vec3, 3> m{modelled_[at(t[0])], modelled_[at(t[1])], modelled_[at(t[2])]};
+                if ((modelled_[p] - closest_on_triangle(modelled_[p], m, t).point).squaredNorm() < r * r) return;
+            }
+            PointFace& found = out.emplace_back();
+            found.point = point, found.face = f, found.pair = pair;
+            found.side = sign_of(triple(c[1] - c[0], c[2] - c[0], here - c[0]));
         });
+        std::sort(out.begin() + static_cast<std::ptrdiff_t>(first), out.end(),
+                  [](const PointFace& a, const PointFace& b) { return a.face < b.face; });
+        judge_by_nearest(point, out, first);
+    });
 }
 
 /// The area that a point stands for against a body: the points of both sheets press, and each counts in part, as those
@@ -313,7 +312,6 @@ bool ClothContact::is_inside(int face, const TrianglePoint& there, const Vec3& p
 }
 
 void ClothContact::find_edge_pairs(double reach) {
-    const auto way_of = [&](int v) { return Vec3(later_[at(v)] - start_[at(v)]); };
     refit(edge_tree_, boxes_, [&](int e, BvhNode& node) {
         for (const int v : edges_[at(e)]) grow(node, start_[at(v)]);
     });
@@ -329,13 +327,13 @@ void ClothContact::find_edge_pairs(double reach) {
     const std::size_t fans = edge_fans_.empty() ? 0 : edge_fans_.size() - 1;
     near_edges_.resize((fans + piece - 1) / piece);
     // The edges from one vertex lie so near to each other that they look for others together.
-    gather_in_order(fans, edge_parts_, edge_pairs_, [&](std::size_t f, std::vector<EdgePair>& out, std::size_t part) {
+    gather_in_order(fans, edge_parts_, edge_pairs_, [&](std::size_t f, std::vector<EdgePair>& out) {
         const std::size_t first_edge = edge_fans_[f], end_edge = edge_fans_[f + 1];
         const int hub = edges_[first_edge][0];
         BvhNode box{start_[at(hub)], start_[at(hub)]}, ways{way_of(hub), way_of(hub)};
         for (std::size_t e = first_edge; e < end_edge; ++e)
             grow(box, start_[at(edges_[e][1])]), grow(ways, way_of(edges_[e][1]));
-        std::vector<int>& others = near_edges_[part];
+        std::vector<int>& others = near_edges_[f / piece];
         others.clear();
         visit_near(
             edge_tree_, boxes_, ways_, box.min, box.max, ways.min, ways.max, reach,
@@ -345,13 +343,12 @@ void ClothContact::find_edge_pairs(double reach) {
         for (std::size_t e = first_edge; e < end_edge; ++e)
             for (auto other = std::upper_bound(others.begin(), others.end(), static_cast<int>(e));
                  other != others.end(); ++other)
-                if (const auto side = side_of_near(static_cast<int>(e), *other, reach))
-                    out.push_back({static_cast<int>(e), *other, pair_of(edges_[e][0], edges_[at(*other)][0]), *side});
+                if (const auto pair = pair_within(static_cast<int>(e), *other, reach)) out.push_back(*pair);
     });
 }
 
-/// Of two edges that may meet within the step the side on which the second one is at its start; nothing of others.
-std::optional<int> ClothContact::side_of_near(int e, int other, double reach) const {
+/// Two edges, if they may meet within the step.
+std::optional<ClothContact::EdgePair> ClothContact::pair_within(int e, int other, double reach) const {
     const Ball &own = balls_[at(e)], &ball = balls_[at(other)];
     const double most = reach + (own.way - ball.way).norm() + own.spread + ball.spread + own.radius + ball.radius;
     if ((own.middle - ball.middle).squaredNorm() > more * most * most) return {};
@@ -359,7 +356,6 @@ std::optional<int> ClothContact::side_of_near(int e, int other, double reach) co
     const auto [c, d] = edges_[at(other)];
     const int pair = pair_of(a, c);
     if (pair < 0 || a == c || a == d || b == c || b == d) return {};
-    const auto way_of = [&](int v) { return Vec3(later_[at(v)] - start_[at(v)]); };
     double nearer = 0;
     for (const int u : {a, b})
         for (const int v : {c, d}) nearer = std::max(nearer, (way_of(u) - way_of(v)).squaredNorm());
@@ -375,7 +371,7 @@ std::optional<int> ClothContact::side_of_near(int e, int other, double reach) co
                 .away.squaredNorm() < range * range)
             return {};
     }
-    return sign_of(triple(q - p, s - r, r - p));
+    return EdgePair{e, other, pair, sign_of(triple(q - p, s - r, r - p))};
 }
 
 } // namespace sinew::solver
