@@ -48,10 +48,15 @@ std::optional<Digest> key_of(const std::string& hex) {
 } // namespace
 
 FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failure) {
+    constexpr std::size_t longest = 255; // of a name, in bytes, on the file systems there are
+    const std::string hint = "name a folder by --cache";
     std::error_code error;
-    for (std::filesystem::path at = folder; !at.empty() && at != at.root_path(); at = at.parent_path())
+    for (std::filesystem::path at = folder; !at.empty() && at != at.root_path(); at = at.parent_path()) {
         if (std::filesystem::is_regular_file(at, error))
-            return {"IO407", "'" + at.string() + "' is a file, but a folder is needed", "name a folder by --cache"};
+            return {"IO407", "'" + at.string() + "' is a file, but a folder is needed", hint};
+        if (at.filename().native().size() > longest)
+            return {"IO407", "the name of the folder '" + at.string() + "' is longer than 255 bytes", hint};
+    }
     const Diagnostic& first = failure.diagnostics().front();
     return {"IO407", first.message, first.hint};
 }

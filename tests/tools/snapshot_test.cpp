@@ -88,11 +88,16 @@ TEST_CASE("a snapshot of a run that fails on the way fails as the run does, and 
     graph["nodes"]["drift"] = nlohmann::json::parse(
         R"({ "type": "transform", "inputs": { "mesh": { "from": "blockMesh.outMesh" }, "translate": { "keys": [[2, [0, 0, 0]], [3, [1, 0, 0]]] } } })");
     graph["nodes"]["block"]["inputs"]["mesh"]["from"] = "drift.outMesh";
-    const std::string png = (folder / "p.png").string();
-    const Said said = run_program({"snapshot", write_graph(folder, graph), "--frames", "1,4", "-o", png});
+    const std::string png = (folder / "p.png").string(), file = write_graph(folder, graph);
+    const Said said = run_program({"snapshot", file, "--frames", "1,4", "-o", png});
     CHECK(said.code != 0);
     CHECK(has(said.err, "FE211"));
     CHECK_FALSE(fs::exists(png));
+    // A body that there is not is told before anything is simulated.
+    const Said nobody = run_program({"snapshot", file, "--frames", "1,4", "--bodies", "bloc", "-o", png});
+    CHECK(nobody.code == 2);
+    CHECK(has(nobody.err, "--bodies: there is no body 'bloc'. Did you mean 'block'?"));
+    CHECK_FALSE(has(nobody.err, "FE211"));
 }
 
 TEST_CASE("a snapshot draws the bodies that are picked and fills the picture with those in focus", "[tools]") {

@@ -4,6 +4,7 @@
 #include "tools/c/structs.h"
 
 #include <new>
+#include <stdexcept>
 #include <vector>
 
 namespace sinew::c {
@@ -28,6 +29,14 @@ engine::Diagnostic unforeseen(const char* what) {
     return d;
 }
 
+engine::Diagnostic no_memory() {
+    engine::Diagnostic d;
+    d.code = "FE305";
+    d.message = "there is not enough memory for it";
+    d.hint = "check the counts that were given, or choose fewer tets, faces or frames at once";
+    return d;
+}
+
 } // namespace
 
 void forget_errors() {
@@ -42,6 +51,7 @@ void keep_errors(std::span<const engine::Diagnostic> diagnostics) {
 
 sinew_status keep_current_exception() noexcept {
     forget_errors();
+    sinew_status unsaid = SINEW_INTERNAL; // where there is no memory for a message, the status alone has to do
     try {
         try {
             throw;
@@ -56,6 +66,10 @@ sinew_status keep_current_exception() noexcept {
             return SINEW_GRAPH_WRONG;
         } catch (const engine::Cancelled&) {
             return SINEW_CANCELLED;
+        } catch (const std::bad_alloc&) {
+            unsaid = SINEW_GRAPH_WRONG;
+        } catch (const std::length_error&) {
+            unsaid = SINEW_GRAPH_WRONG;
         } catch (const std::exception& e) {
             const engine::Diagnostic d = unforeseen(e.what());
             keep_errors({&d, 1});
@@ -63,9 +77,13 @@ sinew_status keep_current_exception() noexcept {
             const engine::Diagnostic d = unforeseen("something was thrown that is no exception");
             keep_errors({&d, 1});
         }
-    } catch (...) { // no memory for a message: the status alone has to do
+        if (unsaid == SINEW_GRAPH_WRONG) {
+            const engine::Diagnostic d = no_memory();
+            keep_errors({&d, 1});
+        }
+    } catch (...) {
     }
-    return SINEW_INTERNAL;
+    return unsaid;
 }
 
 sinew_diagnostic describe(const engine::Diagnostic& d) {

@@ -89,6 +89,22 @@ Album album_of_folder(const Invocation& in, const fs::path& folder) {
     return make_album(viewer::collect_folder(folder, sorted(frames)), frames);
 }
 
+UsageError no_body(std::string_view flag, const std::string& word, const std::vector<std::string>& known) {
+    const std::string near = did_you_mean(word, known);
+    return UsageError(std::string(flag) + ": there is no body '" + word + "'." +
+                      (near.empty() ? " Bodies: " + engine::listed(known) + "." : near));
+}
+
+/// Before anything is computed.
+void check_named(const Arguments& arguments, const engine::Graph& graph, const engine::Plug& plug) {
+    const std::vector<std::string> known = viewer::solver_body_names(graph, plug);
+    if (known.empty()) return;
+    for (const std::string_view flag : {"--focus", "--bodies"})
+        for (const std::string& word : split(arguments.value(flag).value_or(""), ','))
+            if (!word.empty() && std::find(known.begin(), known.end(), word) == known.end())
+                throw no_body(flag, word, known);
+}
+
 Album album_of_graph(const Invocation& in) {
     const OpenGraph open = open_graph(in.arguments);
     ReadFiles read;
@@ -96,6 +112,7 @@ Album album_of_graph(const Invocation& in) {
     check_kept(in.arguments, read);
     const auto named = in.arguments.value("--pull");
     const engine::Plug plug = named ? parse_plug(*open.graph, *named) : default_plug(*open.graph);
+    check_named(in.arguments, *open.graph, plug);
     std::vector<int> all;
     for (int frame = open.graph->timing().start; frame <= open.graph->timing().end; ++frame) all.push_back(frame);
     const std::vector<int> frames = chosen_frames(in.arguments, all);
@@ -128,18 +145,14 @@ std::optional<std::set<std::size_t>> named_bodies(const Arguments& arguments, st
                                                   const viewer::ViewScene& scene) {
     const auto text = arguments.value(flag);
     if (!text) return {};
+    std::vector<std::string> known;
+    for (const viewer::ViewBody& body : scene.bodies) known.push_back(body.name);
     std::set<std::size_t> out;
     for (const std::string& word : split(*text, ',')) {
-        std::vector<std::string> known;
         bool found = false;
-        for (std::size_t b = 0; b < scene.bodies.size(); ++b) {
-            known.push_back(scene.bodies[b].name);
+        for (std::size_t b = 0; b < scene.bodies.size(); ++b)
             if (scene.bodies[b].name == word || scene.bodies[b].node == word) out.insert(b), found = true;
-        }
-        if (found) continue;
-        const std::string near = did_you_mean(word, known);
-        throw UsageError(std::string(flag) + ": there is no body '" + word + "'." +
-                         (near.empty() ? " Bodies: " + engine::listed(known) + "." : near));
+        if (!found) throw no_body(flag, word, known);
     }
     return out;
 }

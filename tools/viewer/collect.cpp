@@ -20,6 +20,17 @@ using engine::Value;
 
 namespace {
 
+bool is_solver_meshes(const engine::Graph& graph, const Plug& plug) {
+    return plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
+}
+
+/// The second of a name is name_2, and so on.
+/// \param taken how often each name is in use
+void tell_apart(std::vector<std::string>& names, std::map<std::string, int>& taken) {
+    for (std::string& name : names)
+        if (const int times = ++taken[name]; times > 1) name += "_" + std::to_string(times);
+}
+
 /// A node whose meshes are shown, and what of the scene it fills.
 struct Source {
     Plug meshes;
@@ -47,7 +58,7 @@ class Collector {
         const cli::SceneAxes axes = cli::scene_axes(graph, cli::upstream_of(graph, nodes));
         scene_.units_per_metre = axes.units_per_metre, scene_.up = axes.up;
         for (Plug& plug : shown) {
-            const bool is_solver = plug.attribute == "outMeshes" && graph.find(plug.node)->type_name == "zSolver";
+            const bool is_solver = is_solver_meshes(graph, plug);
             sources_.push_back({std::move(plug), is_solver, {}, {}, {}});
         }
         if (sources_.empty())
@@ -251,8 +262,7 @@ class Collector {
             out.clear();
             for (const auto& label : cli::body_labels(*e_.graph, source.meshes, count)) out.push_back(label.name);
         }
-        for (std::string& name : out)
-            if (const int times = ++taken[name]; times > 1) name += "_" + std::to_string(times);
+        tell_apart(out, taken);
         return out;
     }
 
@@ -273,6 +283,15 @@ std::vector<std::string> shown_nodes(const engine::Graph& graph) {
         const engine::Node& node = *graph.find(name);
         if (node.type && (node.type_name == "zSolver" || node.type_name == "zEmbedder")) out.push_back(name);
     }
+    return out;
+}
+
+std::vector<std::string> solver_body_names(const engine::Graph& graph, const Plug& meshes) {
+    if (!is_solver_meshes(graph, meshes)) return {};
+    std::vector<std::string> out;
+    for (const Plug& plug : connections(graph, meshes.node, "bodies")) out.push_back(plug.node);
+    std::map<std::string, int> taken;
+    tell_apart(out, taken);
     return out;
 }
 

@@ -31,6 +31,10 @@ struct Evaluation {
 /// The nodes whose meshes are shown: all zSolvers and zEmbedders, in file order.
 std::vector<std::string> shown_nodes(const engine::Graph& graph);
 
+/// What the bodies of a zSolver's outMeshes will be called, which is known before anything is computed; empty for any
+/// other plug.
+std::vector<std::string> solver_body_names(const engine::Graph& graph, const engine::Plug& meshes);
+
 /// A frame that fails ends the collection: the frames before it are kept and a note says why. Throws Failure
 /// if not even the first frame works (any frame, without `keeps_frames`), and Cancelled.
 ViewScene collect_graph(const Evaluation& evaluation);
