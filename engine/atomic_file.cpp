@@ -222,20 +222,46 @@ void write_file_soon(const fs::path& path, std::string_view bytes, const FileAcc
     file.commit(false);
 }
 
+namespace {
+
+/// ".NAME.PROCESS-THREAD.tmp"
+struct TemporaryName {
+    std::string finished;
+    pid_t process = 0;
+};
+std::optional<TemporaryName> read_temporary(std::string_view name) {
+    if (!name.starts_with('.') || !name.ends_with(temporary_ending)) return {};
+    name.remove_prefix(1), name.remove_suffix(temporary_ending.size());
+    const std::size_t dot = name.rfind('.');
+    if (dot == 0 || dot == std::string_view::npos) return {};
+    TemporaryName out{std::string(name.substr(0, dot)), 0};
+    const std::string_view who = name.substr(dot + 1);
+    const auto [end, fault] = std::from_chars(who.data(), who.data() + who.size(), out.process);
+    if (fault != std::errc{} || end == who.data() + who.size() || *end != '-' || out.process <= 0) return {};
+    return out;
+}
+
+} // namespace
+
+std::optional<fs::path> finished_name(const fs::path& temporary) {
+    const auto name = read_temporary(temporary.filename().string());
+    return name ? std::optional<fs::path>(name->finished) : std::nullopt;
+}
+
+bool is_abandoned(const fs::path& temporary) {
+    const auto name = read_temporary(temporary.filename().string());
+    if (!name || kill(name->process, 0) == 0 || errno == EPERM) return false;
+    std::error_code error;
+    const auto age = fs::file_time_type::clock::now() - fs::last_write_time(temporary, error);
+    return !error && age > std::chrono::hours(1);
+}
+
 void remove_abandoned(const fs::path& path) {
     std::error_code error;
-    const std::string prefix = temporary_prefix(path);
     std::vector<fs::path> abandoned;
-    for (const auto& entry : fs::directory_iterator(folder_of(path), error)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with(prefix) || !name.ends_with(temporary_ending)) continue;
-        pid_t process = 0;
-        const auto [end, fault] = std::from_chars(name.data() + prefix.size(), name.data() + name.size(), process);
-        if (fault != std::errc{} || *end != '-' || process <= 0) continue;
-        if (kill(process, 0) == 0 || errno == EPERM) continue;
-        const auto age = fs::file_time_type::clock::now() - entry.last_write_time(error);
-        if (!error && age > std::chrono::hours(1)) abandoned.push_back(entry.path());
-    }
+    for (const auto& entry : fs::directory_iterator(folder_of(path), error))
+        if (finished_name(entry.path()) == path.filename() && is_abandoned(entry.path()))
+            abandoned.push_back(entry.path());
     for (const fs::path& file : abandoned) fs::remove(file, error);
 }
 

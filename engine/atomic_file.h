@@ -7,6 +7,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 namespace sinew::engine {
@@ -44,9 +45,13 @@ class AtomicFile {
     std::unique_ptr<Impl> impl_;
 };
 
-/// Removes what a program that was killed has left of `path` on a file system that has no files without names:
-/// temporary files of processes that are gone and that nobody has written to for an hour (other machines may share the
-/// folder).
+/// The name of the file that a temporary file of that name becomes when it is whole; nothing for other names.
+std::optional<std::filesystem::path> finished_name(const std::filesystem::path& temporary);
+/// Whether a temporary file is left by a process that is gone, and nobody has written to it for an hour (other machines
+/// may share the folder).
+bool is_abandoned(const std::filesystem::path& temporary);
+
+/// Removes what a program that was killed has left of `path` on a file system that has no files without names.
 void remove_abandoned(const std::filesystem::path& path);
 
 } // namespace sinew::engine

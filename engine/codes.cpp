@@ -89,12 +89,12 @@ constexpr CodeInfo table[] = {
      "Look at that end; say what it is attached to with --set 'MUSCLE:attachTo=BONE,BONE'."},
     {"DG156", "rig without bones or without muscles", "Name a folder of bones and a folder of muscles."},
     {"DG157", "muscles that are not where the bones are", "Take meshes of one side, pose, unit and space."},
-    {"DG158", "muscle that nothing holds", "Say what it is attached to with --set 'MUSCLE:attachTo=BONE,BONE'."},
+    {"DG158", "muscle, or a piece of one, that nothing holds", "Say what it is attached to with --set 'MUSCLE:attachTo=BONE,BONE'."},
     {"DG159", "motion that does not fit the bones", "Name the mesh files like the motion's tracks."},
     {"DG160", "file that is there already", "Choose another name, or write over it with --force."},
     {"DG161", "mesh that can be no cloth", "Take the sheets apart where more than two triangles meet at an edge."},
     {"DG162", "cloth that begins inside a body", "Move it outside."},
-    {"DG163", "wide holes that make a wrapped mesh larger", "Close the holes in the mesh."},
+    {"DG163", "wide holes that had to be closed", "Close the holes in the mesh."},
     {"DG164", "name that a graph cannot say", "Rename the file or folder; graphs are written in UTF-8."},
     // ---- DG175: graphs that are edited while they are shown ----
     {"DG175", "change that no longer fits the graph",
@@ -102,6 +102,12 @@ constexpr CodeInfo table[] = {
     // ---- DG176: graphs made around meshes, once more ----
     {"DG176", "unit in which bodies have an odd size", "Give the unit that the meshes are in, or leave --unit away."},
     {"DG177", "bones and muscles that seem to be swapped", "Name the bones, or their folder, first."},
+    {"DG178", "mesh that no surface makes a solid of", "Close its holes; what is meant as a sheet needs a thickness."},
+    {"DG179", "unit that is only one of several that fit", "Say it with --unit."},
+    {"DG180", "folder within a folder of meshes", "Name it too, if its meshes are meant."},
+    // ---- DG181: graphs that are edited while they are shown, once more ----
+    {"DG181", "change that the text of a graph file has no place for",
+     "Write it into the file by hand, or discard the changes in the page."},
     // ---- FE2xx: meshes and set-up ----
     {"FE201", "mesh is empty", "Give a mesh with points and faces."},
     {"FE202", "number of a mesh or map is not finite",

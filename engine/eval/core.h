@@ -13,9 +13,12 @@
 #include <exception>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <string>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 #include <unordered_map>
+#include <utility>
 
 namespace sinew::engine {
 
@@ -44,12 +47,13 @@ struct Core {
     DigestTable contents;
     DigestTable made; ///< keys of what was computed here
     ScratchPool scratch;
-    std::size_t most_stored_bytes = 0, made_again = 0; ///< see Evaluator
-    const std::optional<DiskStore> disk;               ///< has no need of the mutex
-    const std::unique_ptr<FrameStore> frames;          ///< of simulations, on disk; null: not kept
-    std::vector<PlugContent> learned;                  ///< rows of `contents` that are not on disk yet
-    bool recalled = false;                             ///< those that are have been read
-    std::atomic<bool> disk_has_failed = false;         ///< cannot be written to: told once, then only read
+    std::size_t most_stored_bytes = 0, made_again = 0;           ///< see Evaluator
+    const std::optional<DiskStore> disk;                         ///< has no need of the mutex
+    const std::unique_ptr<FrameStore> frames;                    ///< of simulations, on disk; null: not kept
+    std::vector<PlugContent> learned;                            ///< rows of `contents` that are not on disk yet
+    bool recalled = false;                                       ///< those that are have been read
+    std::set<std::pair<std::string, std::string>> told_unusable; ///< nodes and faults of kept frames
+    std::atomic<bool> disk_has_failed = false;                   ///< cannot be written to: told once, then only read
     std::unordered_map<Digest, FlightPtr, DigestHash> flights;
     std::vector<std::shared_ptr<Program>> programs; ///< most recently used last
     FileDigests files;

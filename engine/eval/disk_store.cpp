@@ -40,12 +40,13 @@ std::optional<std::vector<std::byte>> read_part(std::istream& file, const Part& 
     return out;
 }
 
-std::optional<Digest> key_of(const std::string& hex) {
-    if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string::npos) return {};
-    return Digest{std::stoull(hex.substr(0, 16), nullptr, 16), std::stoull(hex.substr(16), nullptr, 16)};
-}
-
 } // namespace
+
+std::optional<Digest> key_of(std::string_view hex) {
+    if (hex.size() != 32 || hex.find_first_not_of("0123456789abcdef") != std::string_view::npos) return {};
+    const auto half = [&](std::size_t at) { return std::stoull(std::string(hex.substr(at, 16)), nullptr, 16); };
+    return Digest{half(0), half(16)};
+}
 
 FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failure) {
     constexpr std::size_t longest = 255; // of a name, in bytes, on the file systems there are
@@ -114,9 +115,9 @@ bool DiskStore::contains(const Digest& key) const {
     return std::filesystem::is_regular_file(file_of(key), error);
 }
 
-void DiskStore::touch(const Digest& key) const {
+void DiskStore::touch(const Digest& key, std::filesystem::file_time_type when) const {
     std::error_code error;
-    std::filesystem::last_write_time(file_of(key), std::filesystem::file_time_type::clock::now(), error);
+    std::filesystem::last_write_time(file_of(key), when, error);
 }
 
 void DiskStore::write(const Digest& key, std::span<const std::byte> payload, bool waits,

@@ -10,12 +10,16 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace sinew::engine {
 
 /// Why nothing is kept in `folder`: that it, or what it shall be in, is a file; else what the failure says.
 FileFault why_not_kept(const std::filesystem::path& folder, const Failure& failure);
+
+/// What Digest::hex wrote; nothing for other texts.
+std::optional<Digest> key_of(std::string_view hex);
 
 /// Thread-safe. The folder is made when the first file is written.
 class DiskStore {
@@ -48,8 +52,9 @@ class DiskStore {
     /// \param tail what not all who read the file need
     void write(const Digest& key, std::span<const std::byte> payload, bool waits = true,
                std::span<const std::byte> tail = {}) const;
-    /// What is there counts as used now, for whoever makes room.
-    void touch(const Digest& key) const;
+    /// What is there counts as used then, for whoever makes room.
+    void touch(const Digest& key, std::filesystem::file_time_type when) const;
+    void touch(const Digest& key) const { touch(key, std::filesystem::file_time_type::clock::now()); }
 
   private:
     std::filesystem::path folder_;

@@ -104,16 +104,28 @@ std::vector<std::string> Explainer::differs_from_kept(const Site& site, bool& fo
     return {};
 }
 
-std::vector<std::string> Explainer::differs_from_frames(int simulation, int frame) const {
-    if (!core_.frames) return {};
+Explainer::FromFrames Explainer::differs_from_frames(int simulation, int frame) const {
+    FromFrames out;
+    if (!core_.frames) return out;
+    const Place& p = program_->place(simulation);
     const auto recipe = program_->recipe(simulation, frame);
-    std::vector<std::string> least;
-    for (const FrameStore::Listed& kept : core_.frames->frames_of(program_->place(simulation).name)) {
+    const Digest self = identity(*p.type).finish();
+    for (const FrameStore::Listed& kept : core_.frames->frames_of(p.name)) {
         if (kept.frame != frame) continue;
-        auto differs = differing(kept.made_from, recipe); // nothing: of another version of the program
-        if (!differs.empty() && (least.empty() || differs.size() < least.size())) least = std::move(differs);
+        auto differs = differing(kept.made_from, recipe);
+        if (kept.made_by != self || differs.empty())
+            out.is_of_others = true;
+        else if (out.plugs.empty() || differs.size() < out.plugs.size())
+            out.plugs = std::move(differs);
     }
-    return least;
+    if (!out.plugs.empty()) out.is_of_others = false;
+    return out;
+}
+
+std::string Explainer::FromFrames::text(int frame) const {
+    const std::string kept = "what is kept of frame " + std::to_string(frame);
+    if (!plugs.empty()) return kept + " differs in " + joined(plugs);
+    return is_of_others ? kept + " is of another build of Sinew, or of another processor's kernels" : "";
 }
 
 // Names the plug at which work begins and why it is not there already, and how what is kept on disk differs.
@@ -122,7 +134,8 @@ void Explainer::name_first(Verdict& out, const Site& from) {
     const Place& p = program_->place(first.node);
     out.first_plug = p.name + "." + std::string(p.type->outputs.front().name);
     const std::string at = p.dynamic && !p.is_simulation() ? " at frame " + number_text(first.frame) : "";
-    std::string why = "nothing is known of it: values are kept in memory, and this is the first time";
+    std::string why =
+        "nothing is known of it: its values are not kept on disk, and here it is evaluated for the first time";
     if (const auto before = earlier(p.name, p.type)) {
         const int there = before->find(p.name);
         Keys old_keys(*before, table_only(core_));
@@ -165,7 +178,7 @@ Verdict Explainer::undecided(const Needs& needs, int simulation, double frame) {
         out.readiness = Readiness::would_run;
         out.first_frame = p.start_frame;
         out.last_frame = program_->site(simulation, frame).frame;
-        out.because = "no frame of " + p.name + " is in memory; frames " + number_text(out.first_frame) + " to " +
+        out.because = "no frame of " + p.name + " is there; frames " + number_text(out.first_frame) + " to " +
                       number_text(out.last_frame) + " would be simulated";
         // As far as the chain is known, frames may be kept on disk; where it ends, something has changed.
         const int kept = static_cast<int>(p.chain.size());
@@ -177,10 +190,10 @@ Verdict Explainer::undecided(const Needs& needs, int simulation, double frame) {
                               p.name + " are kept on disk; frames " + std::to_string(next) + " to " +
                               number_text(out.last_frame) + " would be simulated";
             }
-            out.changed_plugs = differs_from_frames(simulation, next);
-            if (!out.changed_plugs.empty())
-                out.because += ", unless what differs comes to the same for " + p.name + "; what is kept of frame " +
-                               std::to_string(next) + " differs in " + joined(out.changed_plugs);
+            const FromFrames from = differs_from_frames(simulation, next);
+            out.changed_plugs = from.plugs;
+            if (!from.plugs.empty()) out.because += ", unless what differs comes to the same for " + p.name;
+            if (const std::string text = from.text(next); !text.empty()) out.because += "; " + text;
         }
     } else {
         out.readiness = Readiness::undecided;
@@ -285,10 +298,9 @@ Verdict Explainer::of_frame(int simulation, int frame) {
         }
     }
     if (out.changed_plugs.empty() && nearest < frame) { // or from what an earlier process left
-        out.changed_plugs = differs_from_frames(simulation, out.first_frame);
-        if (!out.changed_plugs.empty())
-            change = "what is kept of frame " + number_text(out.first_frame) + " differs in " +
-                     joined(out.changed_plugs) + "; ";
+        const FromFrames from = differs_from_frames(simulation, out.first_frame);
+        out.changed_plugs = from.plugs;
+        if (const std::string text = from.text(out.first_frame); !text.empty()) change = text + "; ";
     }
     if (nearest == frame) {
         out.because = change + "the state is there, only the outputs have to be published";

@@ -24,9 +24,14 @@ class Explainer {
     bool is_stored(const Site& site, const Digest& key);
     Site first_missing(Site site);
     std::vector<std::string> differs_from_kept(const Site& site, bool& found) const;
-    /// How a frame differs from those of the same number that are kept on disk of this node: from the one that it
-    /// differs from least, of such the newest. Nothing where there is none.
-    std::vector<std::string> differs_from_frames(int simulation, int frame) const;
+    struct FromFrames {
+        std::vector<std::string>
+            plugs;                 ///< in which it differs from the one that it differs from least, of such the newest
+        bool is_of_others = false; ///< there are some, but of another build or another processor's kernels alone
+        std::string text(int frame) const; ///< empty where nothing is kept
+    };
+    /// How a frame differs from those of the same number that are kept on disk of this node.
+    FromFrames differs_from_frames(int simulation, int frame) const;
     void name_first(Verdict& out, const Site& from);
     Verdict undecided(const Needs& needs, int simulation, double frame);
     Verdict of_frame(int simulation, int frame);

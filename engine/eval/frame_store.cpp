@@ -2,6 +2,7 @@
 #include "engine/eval/frame_store.h"
 
 #include "engine/atomic_file.h"
+#include "engine/eval/cache_folder.h"
 #include "engine/eval/keys.h"
 
 #include <algorithm>
@@ -21,19 +22,16 @@ namespace {
 
 constexpr std::size_t block = 4096;
 constexpr std::size_t most_starts = 4;
+constexpr std::size_t most_sweeps = 64;
 /// Of a frame whose memory the next one takes over [bytes].
 constexpr std::size_t most_room = std::size_t{64} << 20;
 constexpr std::string_view rows_mark = "sinew rows 2\n";
-constexpr std::string_view rows_ending = ".rows", frames_ending = ".frame", outputs_ending = ".kept";
-/// What the command line keeps besides (tools/cli/kept_warnings.h): small, and found anew where it is gone.
-constexpr std::string_view warnings_ending = ".warnings";
 /// From so many files of rows on one is made of those that nobody writes to any more.
 constexpr std::size_t most_row_files = 32;
-
-bool is_ours(const fs::path& file) {
-    const std::string ending = file.extension().string();
-    return ending == rows_ending || ending == frames_ending || ending == outputs_ending || ending == warnings_ending;
-}
+/// Rows of this build stay where room is made as long as they are no more [bytes], and no more than their share.
+constexpr std::uintmax_t most_spared_rows = std::uintmax_t{64} << 20;
+/// Of the budget: what is written until room is made again, and what rows may take of it.
+constexpr std::uintmax_t share = 16;
 
 } // namespace
 
@@ -144,7 +142,7 @@ void encode(const Registry& registry, const NodeType& type, const KeptFrame& fra
 FrameStore::Listed read_made_from(std::span<const std::byte> bytes) {
     FrameStore::Listed out;
     ByteReader in(bytes);
-    in.get<Digest>(); // of the node type
+    out.made_by = in.get<Digest>();
     out.frame = static_cast<int>(in.get<std::int64_t>());
     out.made_from.node = in.get_text();
     const auto count = in.get<std::uint64_t>();
@@ -249,26 +247,32 @@ void get_differing(ByteReader in, const LaidPart* start, LaidPart& out) {
     if (!in.rest.empty()) throw BadBytes("it holds more than its blocks");
 }
 
-void append_rows(const fs::path& file, std::span<const PlugContent> rows) {
+/// A record of a file of rows.
+std::string record_of(std::span<const PlugContent> rows) {
     ByteWriter out;
     out.put<std::uint64_t>(rows.size());
     for (const PlugContent& row : rows) out.put(row.plug), out.put(row.content);
     out.put(Hasher().add_bytes(out.bytes).finish());
-    const auto fail = [&] {
-        Diagnostic d;
-        d.code = "IO405";
-        d.message = "cannot write '" + file.string() + "': " + std::strerror(errno);
-        d.hint = "check the folder's permissions and the free space";
-        throw Failure(d);
-    };
+    return {reinterpret_cast<const char*>(out.bytes.data()), out.bytes.size()};
+}
+
+[[noreturn]] void fail_to_write(const fs::path& file, const std::string& reason) {
+    Diagnostic d;
+    d.code = "IO405";
+    d.message = "cannot write '" + file.string() + "': " + reason;
+    d.hint = "check the folder's permissions and the free space";
+    throw Failure(d);
+}
+
+void append_rows(const fs::path& file, std::span<const PlugContent> rows) {
     const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (descriptor < 0) fail();
-    const std::string mark(lseek(descriptor, 0, SEEK_END) == 0 ? rows_mark : "");
-    std::string text = mark;
-    text.append(reinterpret_cast<const char*>(out.bytes.data()), out.bytes.size());
-    const bool done = ::write(descriptor, text.data(), text.size()) == static_cast<ssize_t>(text.size());
+    if (descriptor < 0) fail_to_write(file, std::strerror(errno));
+    std::string text(lseek(descriptor, 0, SEEK_END) == 0 ? rows_mark : "");
+    text += record_of(rows);
+    const ssize_t written = ::write(descriptor, text.data(), text.size());
+    const std::string reason = written < 0 ? std::strerror(errno) : "there is no room for all of it";
     close(descriptor);
-    if (!done) fail();
+    if (written != static_cast<ssize_t>(text.size())) fail_to_write(file, reason);
 }
 
 /// All whole records; a writer that was killed may have left half of one at the end.
@@ -384,7 +388,8 @@ FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& typ
     if (!kept.bytes) return out;
     try {
         out.frame = decode(registry, type, *kept.bytes, last_outputs(kept.start));
-        files_.touch(name);
+        files_.touch(name, note_use(kept.start, out.frame->frame));
+        if (kept.start != name) files_.touch(kept.start);
     } catch (const std::exception& bad) { // BadBytes, or what a codec of a host throws
         out.fault = bad.what();
     }
@@ -412,9 +417,11 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     put_differing(told, laid->told, base ? &base->told : nullptr);
     put_differing(state, *laid->state, base ? &*base->state : nullptr);
     files_.write(key, told.bytes, false, state.bytes);
+    files_.touch(key, note_use(start, frame.frame));
     if (key != start) give_back(std::move(laid));
     const std::lock_guard lock(mutex_);
     written_ += told.bytes.size() + state.bytes.size();
+    sweeps_[start].last_written = files_.file_of(key);
     if (key != start) return;
     if (starts_.size() >= most_starts) starts_.clear();
     laid->told.bytes.shrink_to_fit(), laid->state->bytes.shrink_to_fit();
@@ -422,9 +429,14 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     starts_[start] = std::move(laid);
 }
 
-void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) const {
+std::vector<fs::directory_entry> FrameStore::rows_of_build() const {
     std::vector<fs::directory_entry> files = files_in(folder_, rows_ending);
     std::erase_if(files, [&](const auto& file) { return !file.path().filename().string().starts_with(build_.hex()); });
+    return files;
+}
+
+void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) const {
+    const std::vector<fs::directory_entry> files = rows_of_build();
     for (const fs::directory_entry& file : files) read_row_file(file.path(), take);
     if (files.size() < most_row_files) return;
     std::vector<PlugContent> all;
@@ -438,9 +450,8 @@ void FrameStore::read_rows(const std::function<void(const PlugContent&)>& take) 
     }
     if (done.size() < 2) return;
     try {
-        append_rows(done.front().string() + ".new", all);
-        fs::rename(done.front().string() + ".new", done.front());
-    } catch (const std::exception&) {
+        write_file_soon(done.front(), std::string(rows_mark) + record_of(all));
+    } catch (const Failure&) {
         return; // it is only tidier
     }
     std::error_code error;
@@ -453,6 +464,7 @@ void FrameStore::add_rows(std::span<const PlugContent> rows) {
     if (rows_.empty()) {
         std::error_code error;
         fs::create_directories(folder_, error);
+        if (error) fail_to_write(folder_, error.message());
         std::random_device dice;
         Hasher h;
         h.add(static_cast<std::uint64_t>(getpid())).add(std::uint64_t{dice()}).add(std::uint64_t{dice()});
@@ -476,85 +488,35 @@ std::vector<FrameStore::Listed> FrameStore::frames_of(const std::string& node) c
     return out;
 }
 
+fs::file_time_type FrameStore::note_use(const Digest& start, int frame) const {
+    const auto now = fs::file_time_type::clock::now();
+    const std::lock_guard lock(mutex_);
+    if (!sweeps_.contains(start) && sweeps_.size() >= most_sweeps) sweeps_.clear();
+    const auto [it, is_new] = sweeps_.try_emplace(start);
+    Sweep& sweep = it->second;
+    if (is_new || frame < sweep.frame) sweep.first = frame, sweep.begun = now;
+    sweep.frame = frame;
+    return sweep.begun - (frame - sweep.first) * std::chrono::microseconds(10);
+}
+
 void FrameStore::make_room() {
+    std::set<fs::path> spared;
     {
         const std::lock_guard lock(mutex_);
-        if (written_ < budget_ / 16) return;
+        if (written_ < budget_ / share) return;
         written_ = 0;
+        spared.insert(rows_);
+        // Who goes on after this process was killed begins there.
+        for (const auto& [start, sweep] : sweeps_) spared.insert(sweep.last_written);
     }
-    struct File {
-        fs::file_time_type used;
-        std::uintmax_t size;
-        fs::path path;
-    };
-    std::vector<File> all;
-    std::uintmax_t sum = 0;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder_, error)) {
-        if (!is_ours(entry.path())) continue;
+    std::uintmax_t rows = 0;
+    std::set<fs::path> row_files;
+    for (const fs::directory_entry& file : rows_of_build()) {
         std::error_code gone;
-        const File file{entry.last_write_time(gone), entry.file_size(gone), entry.path()};
-        if (gone) continue;
-        sum += file.size;
-        all.push_back(file);
+        if (const auto size = file.file_size(gone); !gone) rows += size, row_files.insert(file.path());
     }
-    std::sort(all.begin(), all.end(), [](const File& a, const File& b) { return a.used < b.used; });
-    // A sixteenth of free room, which is what is written until this looks again.
-    for (const File& file : all) {
-        if (sum <= budget_ - budget_ / 16) break;
-        if (file.path == rows_ || !fs::remove(file.path, error)) continue;
-        sum -= file.size;
-    }
-}
-
-namespace {
-
-/// What one file is of it.
-DiskUse use_of(const fs::path& file) {
-    DiskUse out;
-    out.files = 1;
-    out.frames = file.extension() == frames_ending;
-    out.outputs = file.extension() == outputs_ending;
-    std::error_code gone;
-    if (const auto size = fs::file_size(file, gone); !gone) out.bytes = size;
-    return out;
-}
-
-void add_to(DiskUse& all, const DiskUse& one) {
-    all.files += one.files, all.frames += one.frames, all.outputs += one.outputs, all.bytes += one.bytes;
-}
-
-} // namespace
-
-DiskUse disk_use(const fs::path& folder) {
-    DiskUse out;
-    std::error_code error;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-        if (is_ours(entry.path())) add_to(out, use_of(entry.path()));
-    return out;
-}
-
-Removal remove_kept(const fs::path& folder) {
-    Removal out;
-    const auto is_left = [&](const fs::path& what, const std::error_code& why) {
-        if (out.why.empty()) out.first = what, out.why = why.message();
-    };
-    std::error_code error;
-    std::vector<fs::path> ours;
-    for (const auto& entry : fs::directory_iterator(folder, error))
-        if (is_ours(entry.path())) ours.push_back(entry.path());
-    if (error && error != std::errc::no_such_file_or_directory) is_left(folder, error);
-    for (const fs::path& file : ours) {
-        const DiskUse use = use_of(file);
-        if (fs::remove(file, error)) {
-            add_to(out.removed, use);
-        } else if (error) { // else another process was quicker
-            ++out.left;
-            is_left(file, error);
-        }
-    }
-    if (!ours.empty()) fs::remove(folder, error); // only if it is empty now
-    return out;
+    if (rows <= std::min(budget_ / share, most_spared_rows)) spared.merge(row_files);
+    engine::make_room(folder_, budget_ - budget_ / share, spared);
 }
 
 } // namespace sinew::engine

@@ -65,6 +65,8 @@ class FrameStore {
     struct Listed {
         KeptInputs made_from;
         int frame = 0;
+        Digest made_by; ///< the node type's identity: its version, and the kernels of the processor where bits depend
+                        ///< on them
     };
     std::vector<Listed> frames_of(const std::string& node) const;
 
@@ -84,6 +86,17 @@ class FrameStore {
     void give_back(std::shared_ptr<LaidFrame> room) const;
     std::vector<Value> last_outputs(const Digest& start) const;
     void make_room();
+    std::vector<std::filesystem::directory_entry> rows_of_build() const;
+    /// Frames of a simulation that are used one after another. They count as used when the first of them was, each a
+    /// moment before the one ahead of it, so that room is made from their end: whoever runs them again begins at the
+    /// first, and would find each gone just before it is wanted if room was made from the start.
+    struct Sweep {
+        int first = 0, frame = 0;
+        std::filesystem::file_time_type begun;
+        std::filesystem::path last_written;
+    };
+    /// When a frame that is used now shall count as used.
+    std::filesystem::file_time_type note_use(const Digest& start, int frame) const;
 
     std::filesystem::path folder_;
     std::uintmax_t budget_;
@@ -92,24 +105,10 @@ class FrameStore {
     mutable std::mutex mutex_;
     mutable std::map<Digest, Bytes> starts_;               ///< start frames that are in use
     mutable std::map<Digest, std::vector<Value>> outputs_; ///< of the last frame that was read, by its start frame
+    mutable std::map<Digest, Sweep> sweeps_;               ///< by their start frame
     mutable std::shared_ptr<LaidFrame> room_;              ///< that the last frame was laid out in, for the next one
     std::filesystem::path rows_;                           ///< this process's file of rows; empty: none yet
     std::uintmax_t written_ = 0;                           ///< since room was made
 };
-
-/// What a cache folder holds.
-struct DiskUse {
-    std::size_t frames = 0, outputs = 0, files = 0; ///< files: of all kinds
-    std::uintmax_t bytes = 0;
-};
-DiskUse disk_use(const std::filesystem::path& folder);
-struct Removal {
-    DiskUse removed;
-    std::size_t left = 0;        ///< files that could not be removed
-    std::filesystem::path first; ///< of those, or the folder if it cannot be looked into
-    std::string why;             ///< of `first`; empty: nothing is left
-};
-/// Removes what Sinew keeps in a folder, and the folder where nothing else is in it.
-Removal remove_kept(const std::filesystem::path& folder);
 
 } // namespace sinew::engine

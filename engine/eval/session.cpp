@@ -114,13 +114,42 @@ std::optional<KeptFrame> Session::read_frame(int simulation, const Digest& key, 
     const Place& p = program->place(simulation);
     FrameStore::Found found = core.frames->read(program->graph()->registry(), *p.type, key, with_state);
     if (!found.fault.empty()) tell_unusable(simulation, key, found.fault);
+    // Whoever asks next whether this frame is there needs to know what its inputs hold.
+    if (found.frame) keep_learned(program->place(simulation));
     return std::move(found.frame);
 }
 
+void Session::keep_learned(const Place& p) {
+    if (core.disk_has_failed) return;
+    std::vector<PlugContent> rows;
+    {
+        const std::lock_guard lock(core.mutex);
+        rows.swap(core.learned);
+    }
+    try {
+        core.frames->add_rows(rows);
+    } catch (const Failure& failure) {
+        tell_not_kept(p, failure);
+    }
+}
+
+void Session::tell_not_kept(const Place& p, const Failure& failure) {
+    if (core.disk_has_failed.exchange(true)) return;
+    const FileFault why = why_not_kept(core.disk->folder(), failure);
+    Diagnostic d = program->about(p, {}, why.code, "no frames are kept on disk: " + why.message, why.hint);
+    d.severity = Severity::warning;
+    core.observe([&](Observer& o) { o.warning(d); });
+}
+
 void Session::tell_unusable(int simulation, const Digest& key, const std::string& fault) {
+    {
+        const std::lock_guard lock(core.mutex);
+        if (!core.told_unusable.emplace(program->place(simulation).name, fault).second) return;
+    }
     Diagnostic d = program->about(program->place(simulation), {}, "IO406",
                                   "the frame kept in '" + core.frames->file_of(key).string() +
-                                      "' cannot be used and is made anew: " + fault);
+                                      "' cannot be used and is made anew: " + fault,
+                                  "nothing to do: it is replaced, and so are others of which the same holds");
     d.severity = Severity::warning;
     core.observe([&](Observer& o) { o.warning(d); });
 }
@@ -132,24 +161,19 @@ void Session::keep_frame(int simulation, int at, const Digest& key, const EntryP
     kept.frame = at;
     kept.entry = entry;
     kept.warnings_of_state = state.warnings;
-    std::vector<PlugContent> rows;
     Digest start;
     {
         const std::lock_guard lock(core.mutex);
         kept.made_from = {p.name, program->recipe(simulation, at)};
-        rows.swap(core.learned);
         start = keys.frame_key(simulation, p.start_frame);
     }
+    keep_learned(p);
+    if (core.disk_has_failed) return;
     try {
         kept.state = p.type->simulation->save(state.state);
-        core.frames->add_rows(rows);
         core.frames->write(program->graph()->registry(), *p.type, key, start, kept);
     } catch (const Failure& failure) {
-        if (core.disk_has_failed.exchange(true)) return;
-        const FileFault why = why_not_kept(core.disk->folder(), failure);
-        Diagnostic d = program->about(p, {}, why.code, "no frames are kept on disk: " + why.message, why.hint);
-        d.severity = Severity::warning;
-        core.observe([&](Observer& o) { o.warning(d); });
+        tell_not_kept(p, failure);
     }
 }
 

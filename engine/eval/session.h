@@ -82,10 +82,14 @@ class Session {
     /// Without the mutex. A frame of a simulation that is kept on disk; none, with a warning where there is one that
     /// cannot be used.
     std::optional<KeptFrame> read_frame(int simulation, const Digest& key, bool with_state);
-    /// Without the mutex. Warns that what is kept of a frame is of no use.
+    /// Without the mutex. Warns that what is kept of a frame is of no use; once for a node and a fault.
     void tell_unusable(int simulation, const Digest& key, const std::string& fault);
     /// Without the mutex. Keeps a frame on disk; where that fails, it is told once.
     void keep_frame(int simulation, int frame, const Digest& key, const EntryPtr& entry, const StoredState& state);
+
+    /// Without the mutex. Keeps what plugs are known to hold on disk; where that fails, it is told once.
+    void keep_learned(const Place& p);
+    void tell_not_kept(const Place& p, const Failure& failure);
 
     /// Needs the core's mutex. Notes that a stored result was used; told to the observer by `tell`.
     void note_reuse(const Digest& key, const Site& site, const EntryPtr& entry);

@@ -277,11 +277,11 @@ TEST_CASE("a damaged state is missed only by who goes on from it", "[tools]") {
     run(file, cache, {"--frames", "1-4"});
     std::vector<fs::path> frames = files(cache, ".frame");
     REQUIRE(frames.size() == 4);
-    // The start's, which is the largest, is used with each; of the others the last is the newest.
+    // The start's, which is the largest, is used with each; of the others the last counts as used longest ago.
     std::sort(frames.begin(), frames.end(),
               [](const fs::path& a, const fs::path& b) { return fs::file_size(a) > fs::file_size(b); });
     std::sort(frames.begin() + 1, frames.end(),
-              [](const fs::path& a, const fs::path& b) { return fs::last_write_time(a) < fs::last_write_time(b); });
+              [](const fs::path& a, const fs::path& b) { return fs::last_write_time(a) > fs::last_write_time(b); });
     std::string bytes = read_text(frames.back());
     bytes.back() ^= 1;
     std::ofstream(frames.back(), std::ios::binary | std::ios::trunc) << bytes;
