@@ -109,6 +109,41 @@ class Exported(Case):
             seen = coordinates(ob.data) @ np.array(ob.matrix_world)[:3, :3].T + np.array(ob.matrix_world)[:3, 3]
             np.testing.assert_allclose(seen, expected[6, name], atol=2e-7)
 
+    def test_another_graph_has_its_own_axes_and_units_again(self):
+        self.assertEqual((self.settings.up_axis, self.settings.units), ("Z", "SAME"))
+        bpy.ops.sinew.load()  # the exported one: Blender's
+        self.assertEqual((self.settings.up_axis, self.settings.units), ("Z", "SAME"))
+        self.settings.links.clear()
+        self.settings.live = False
+        with open(os.path.join(scenes.ROOT, "graphs/learn/02_muscle_pulls.json")) as file:
+            text = file.read()
+        self.assertNotIn('"gravity"', text)
+        with open(self.path("other.json"), "w") as file:
+            file.write(text)
+        self.settings.graph = self.path("other.json")
+        bpy.ops.sinew.load()
+        self.assertEqual((self.settings.up_axis, self.settings.units), ("Y", "GRAPH"))
+
+    def test_names_with_slashes_stay_in_the_folder(self):
+        bpy.data.objects["belly"].name = "/home/u/belly"
+        bpy.ops.sinew.export(filepath=self.path("slash.json"))
+        self.assertIn("_home_u_belly.obj", os.listdir(self.path("slash", "meshes")))
+        self.assertNotIn("error", scenes.program("check", self.path("slash.json")))
+        bpy.ops.sinew.bake()
+        self.assertIn("_home_u_belly (Sinew).pc2", os.listdir(self.path("slash_baked")))
+
+    def test_an_export_that_fails_leaves_all_as_it_was(self):
+        def content():
+            return {os.path.join(folder, name): open(os.path.join(folder, name), "rb").read()
+                    for folder, _, names in os.walk(self.folder) for name in names if "cache" not in folder}
+
+        before = content()
+        bpy.data.objects["belly"].location.z += 1
+        bpy.data.objects["belly"].sinew.attachments[0].group = "none"
+        with self.refused("belly", '"none"'):
+            bpy.ops.sinew.export(filepath=self.graph)
+        self.assertEqual(content(), before)
+
     def test_the_rest_shape_stays_and_a_second_export_is_the_first(self):
         self.play()
         first = {}
@@ -375,7 +410,7 @@ class Feeding(Case):
 
     def test_a_mesh_with_its_modifiers_stands_in_for_a_node(self):
         self.hanging()
-        self.settings.up_axis, self.settings.units = "Z", "SAME"
+        self.settings.units = "SAME"
         plate = scenes.box("slab", (6, 1, 6), (0, 0, 0))
         plate.shape_key_add(name="Basis")
         wide = plate.shape_key_add(name="wide")
@@ -385,6 +420,7 @@ class Feeding(Case):
         key(wide, "value", 3, 1)
         bpy.ops.sinew.link_add(kind="MESH", plug="cube", object="slab")
         bpy.ops.sinew.load()
+        self.settings.up_axis = "Z"  # a graph that writes no gravity has y up
         bpy.ops.sinew.simulate()
         session = self.state().session
         for frame, width in ((1, 6), (2, 7.5), (3, 9), (4, 9)):
@@ -392,6 +428,21 @@ class Feeding(Case):
         self.assertEqual(session.evaluate(1)["plate"].face_sizes.tolist(), [4] * 6)
         wider = np.ptp(session.evaluate(4)["hung"].points[:, 0])
         self.assertGreater(wider, np.ptp(session.evaluate(1)["hung"].points[:, 0]) + 0.2)
+
+    def test_an_edited_mesh_is_sent_with_its_new_faces(self):
+        self.hanging()
+        scenes.box("slab", (0.06, 0.06, 0.01), (0, 0, 0))
+        bpy.ops.sinew.link_add(kind="MESH", plug="cube", object="slab")
+        bpy.ops.sinew.load()
+        bpy.ops.sinew.simulate()
+        self.assertEqual(len(self.state().session.evaluate(4)["plate"].face_sizes), 6)
+        other = scenes.tube("other", 0.03, 0.01, 6, 1)
+        bpy.data.objects["slab"].data = other.data
+        bpy.ops.sinew.read_motion()
+        bpy.ops.sinew.simulate()
+        for frame in (1, 4):
+            plate = self.state().session.evaluate(frame)["plate"]
+            self.assertEqual((len(plate.points), len(plate.face_sizes)), (12, 8))
 
     def test_units_are_those_of_the_solver_that_is_shown(self):
         from sinew_blender import session

@@ -166,6 +166,25 @@ class NodeTypes(unittest.TestCase):
         self.assertRaisesRegex(sinew.UsageError, "a part of its declaration is of another kind",
                                lambda: sinew.Session(node_types=[3]))
 
+    def test_functions_that_cannot_be_called_so_are_refused_at_once(self):
+        def made(compute, uses_time=False):
+            return sinew.Session(node_types=[sinew.NodeType(
+                "n", "1", "A node.", {"x": sinew.Input("number", 1.0, "A number.")},
+                {"out": sinew.Output("number", "A number.")}, compute, uses_time)])
+
+        for compute, words in (
+            (lambda: 1.0, "does not take x"), (lambda y: 1.0, "does not take x"), (lambda x, /: 1.0, "does not take x"),
+            (lambda *args: 1.0, "does not take x"), (lambda x, y: 1.0, "wants y, which it is not given"),
+            (lambda x, frame: 1.0, "wants frame"), (3, "is no function"),
+        ):
+            with self.assertRaisesRegex(sinew.UsageError, "node type n: compute " + words) as caught:
+                made(compute)
+            self.assertEqual([d.code for d in caught.exception.diagnostics], ["DG128"])
+        self.assertRaisesRegex(sinew.UsageError, "does not take frame", made, lambda x: 1.0, True)
+        for compute in (lambda x: x, lambda **given: 1.0, lambda x, y=2: 1.0, dict, max):
+            made(compute)
+        made(lambda frame, x: x, True)
+
     def test_numbers_are_told_from_what_is_none(self):
         for given in ("abc", {1.0, 2.0, 3.0}, [1, [2, 3]], [1, 2, None], [1j, 2, 3]):
             broken = sinew.NodeType("broken", "1", "Fails.", {}, {"out": sinew.Output("vector", "Three.")}, lambda: given)

@@ -368,6 +368,19 @@ class Going(unittest.TestCase):
         naive = sinew.Session(text=hanging(), on_event=lambda event: naive.evaluate(1) and None)
         self.assertRaisesRegex(sinew.UsageError, "its own callback", naive.evaluate, 2)
 
+    def test_what_ends_the_program_comes_out_of_compute_as_it_is(self):
+        outputs = {"out": sinew.Output("number", "A number.")}
+        for raised in (SystemExit(3), KeyboardInterrupt()):
+            def compute():
+                raise raised
+
+            ends = sinew.NodeType("ends", "1", "Ends the program.", {}, outputs, compute)
+            session = sinew.Session(text=hanging(e={"type": "ends"}), node_types=[ends])
+            with self.assertRaises(type(raised)) as caught:
+                session.evaluate(1, "e.out")
+            self.assertIs(caught.exception, raised)
+            self.assertEqual(session.evaluate(2).number, 2)  # once
+
     def test_another_thread_may_cancel(self):
         reached = threading.Event()
         session = sinew.Session(text=hanging(), on_event=lambda e: e.kind == "stepped" and e.frame == 3 and
@@ -421,6 +434,53 @@ class Going(unittest.TestCase):
         self.assertEqual(len(found), 18)
         self.assertEqual(len(set(found)), 6)
         self.assertEqual(session.counts.simulated, 6)
+
+
+class Calls(unittest.TestCase):
+    def test_arguments_of_another_kind_are_told_in_words(self):
+        session = sinew.Session(text=hanging())
+        for words, call in (
+            ("a frame is a number, not '2'", lambda: session.set_inputs("2", {"plate.matrix": np.eye(4)})),
+            ("a frame is a number, not 'x'", lambda: session.evaluate("x")),
+            ("a frame is a number, not None", lambda: session.is_ready(None)),
+            ("a frame is a number, not 'x'", lambda: session.explain("x")),
+            ("a frame is a number, not 'x'", lambda: session.set_mesh("sent", "x", np.eye(3), [0, 1, 2])),
+            ("node is a text, not 3", lambda: session.set_mesh(3, 1, np.eye(3), [0, 1, 2])),
+            ("plug is a text, not 3", lambda: session.evaluate(1, 3)),
+            ("values is a dict .* not \\[1\\]", lambda: session.set_inputs(1, [1])),
+            ("the graph's text is a text, not 3", lambda: session.load_text(3)),
+            ("cache_size is a whole number of bytes, not '1GB'", lambda: sinew.Session(cache_size="1GB")),
+            ("threads is a whole number of threads, not 2.5", lambda: sinew.Session(threads=2.5)),
+            ("cache is a folder's path or None, not 3", lambda: sinew.Session(cache=3)),
+            ("root is a folder's path or None, not 3", lambda: sinew.Session(root=3)),
+            ("on_event is a function or None, not 3", lambda: sinew.Session(on_event=3)),
+            ("on_warning is a function or None, not 3", lambda: sinew.Session(on_warning=3)),
+        ):
+            self.assertRaisesRegex(TypeError, "^" + words + "$", call)
+        for words, given in (("memory is a whole number of bytes from 0 on, not -1", {"memory": -1}),
+                             ("threads is a whole number of threads from 0 on, not -1", {"threads": -1}),
+                             ("threads is a number of threads, not 1099511627776", {"threads": 2**40})):
+            self.assertRaisesRegex(sinew.UsageError, "^" + words + "$", sinew.Session, **given)
+        for frame in (np.int64(2), np.float32(2), np.array(2.0)):
+            self.assertFalse(session.is_ready(frame))
+
+    def test_inputs_are_read_as_they_are_set(self):
+        session = sinew.Session(text=hanging())
+        np.testing.assert_array_equal(session["plate.matrix"], np.eye(4))  # by default
+        session["plate.matrix"] = 2 * np.eye(4)
+        np.testing.assert_array_equal(session["plate.matrix"], 2 * np.eye(4))
+        session["flesh.youngsModulus"] = "30 kPa"
+        self.assertEqual(session["flesh.youngsModulus"], 30000)
+        self.assertEqual(session["tie.attachmentMode"], "fixed")
+        self.assertEqual(session["hung.mesh"], {"from": "ball.outMesh"})
+        self.assertEqual(session["solver.bodies"], [{"from": "hung.outBody"}, {"from": "plate.outBody"}])
+        self.assertIsNone(session["hung.fibers"])
+        session["flesh.massDensity"] = {"keys": [[1, 1000], [3, 1100]]}
+        self.assertEqual(session.get("flesh.massDensity")["keys"], [[1, 1000], [3, 1100]])
+        for plug, words in (("plat.matrix", 'did you mean "plate"'), ("plate.matrx", 'did you mean "matrix"'),
+                            ("solver.outMeshes", "is an output.*\n.*evaluate"), ("plate", "write node.attribute"),
+                            (0, "names no input")):
+            self.assertRaisesRegex(sinew.UsageError, words, lambda: session[plug])
 
 
 EXIT = """

@@ -87,8 +87,54 @@ TEST_CASE("fmt takes parts that are whole only where they are included", "[tools
   "nodes": {}
 }
 )");
-    write_text(top, R"({"format": "sinew 1", "includes": {"x": {"file": "none.json"}}, "nodes": {}})");
-    CHECK(run_program({"fmt", top}).code == 1);
+}
+
+TEST_CASE("fmt needs neither meshes nor included graphs, and says which files cannot be read", "[tools]") {
+    const TemporaryFolder folder;
+    const auto put = [&](const std::string& name, const std::string& text) {
+        write_text(folder / name, text);
+        return (folder / name).string();
+    };
+    put("part.json", R"({"format": "sinew 1", "nodes": {"w": {"type": "polyCube", "inputs": {"widht": 1}}}})");
+    const std::string graph = put("g.json", R"({"format": "sinew 1", "includes": {
+"none": {"file": "none.json", "overrides": {"a.width": 2}}, "part": {"file": "part.json", "overrides": {"z.width": 3}}},
+"nodes": {"m": {"type": "meshFile", "inputs": {"file": "nix.obj"}},
+"s": {"type": "meshSequence", "inputs": {"file": "nix.#.obj"}}, "own": {"type": "hostsOwn"},
+"b": {"type": "zBone", "inputs": {"mesh": {"from": "none.a.outMesh"}}},
+"c": {"type": "zBone", "inputs": {"mesh": {"from": "part.nothing.outMesh"}}}}})");
+    const Said checked = run_program({"fmt", "--check", graph});
+    CHECK(checked.code == 1);
+    CHECK(checked.out == "would change " + graph + "\n");
+    CHECK(checked.err == "");
+    CHECK(run_program({"fmt", graph}).code == 0);
+    CHECK(read_text(graph) == R"({
+  "format": "sinew 1",
+  "includes": {
+    "none": { "file": "none.json", "overrides": { "a.width": 2 } },
+    "part": { "file": "part.json", "overrides": { "z.width": 3 } }
+  },
+  "nodes": {
+    "m": { "type": "meshFile", "inputs": { "file": "nix.obj" } },
+    "s": { "type": "meshSequence", "inputs": { "file": "nix.#.obj" } },
+    "own": { "type": "hostsOwn" },
+    "b": { "type": "zBone", "inputs": { "mesh": { "from": "none.a.outMesh" } } },
+    "c": { "type": "zBone", "inputs": { "mesh": { "from": "part.nothing.outMesh" } } }
+  }
+}
+)");
+    CHECK(run_program({"fmt", "--check", graph}).code == 0);
+    // What the text itself says wrongly stays an error, with a code of its own.
+    const std::string syntax = put("syntax.json", "{"), crooked_file = put("crooked.json", crooked);
+    const std::string wire = put("wire.json", R"({"format": "sinew 1", "nodes":
+        {"b": {"type": "zBone", "inputs": {"mesh": {"from": "part.nothing.outMesh"}}}}})");
+    for (const std::string& file : {syntax, wire, (folder / "none.json").string()}) {
+        INFO(file);
+        CHECK(run_program({"fmt", "--check", file}).code == 2);
+        CHECK(run_program({"fmt", file}).code == 1);
+        const Said both = run_program({"fmt", "--check", file, crooked_file});
+        CHECK(both.code == 2);
+        CHECK(both.out == "would change " + crooked_file + "\n");
+    }
 }
 
 TEST_CASE("all graphs that ship are laid out as fmt does", "[tools]") {

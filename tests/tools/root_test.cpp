@@ -34,9 +34,10 @@ struct Jobs {
         return run_program(words);
     }
     /// A refusal with code IO410 that names these.
-    void refused(const Said& said, const std::vector<std::string>& names) const {
+    /// \param code of `diff` and `fmt --check`, for which 1 is an answer, 2
+    void refused(const Said& said, const std::vector<std::string>& names, int code = 1) const {
         INFO(said.out << said.err);
-        CHECK(said.code == 1);
+        CHECK(said.code == code);
         CHECK(said.err.find("[IO410]") != std::string::npos);
         CHECK(said.err.find("leads out of the root '" + fs::canonical(root).string() + "'") != std::string::npos);
         CHECK(said.err.find("Name a file within the root") != std::string::npos);
@@ -132,6 +133,74 @@ TEST_CASE("whether files of an earlier run are of the same graph is not asked of
     const Said said = j.run(words);
     CHECK(said.code == 0);
     CHECK(said.err.find("[IO421]") != std::string::npos);
+}
+
+TEST_CASE("diff reads neither graphs, includes nor meshes outside of the root", "[tools]") {
+    const Jobs j;
+    const std::string other = (j.root / "other.json").string(), absolute = (j.folder / "secret.obj").string();
+    const auto diff = [&](const std::string& graph) { return j.run({"diff", other, graph}); };
+    j.graph("m.obj");
+    fs::copy_file(j.root / "graph.json", other);
+    CHECK(diff(j.graph("m.obj")).code == 0);
+    fs::create_symlink("../secret.obj", j.root / "link.obj");
+    for (const std::string& mesh : {std::string("../secret.obj"), absolute, std::string("link.obj")}) {
+        j.refused(diff(j.graph(mesh)), {"graph.json:", "body.file", mesh}, 2);
+        CHECK(run_program({"diff", other, j.graph(mesh)}).code == 0); // without a root: the same content
+    }
+    j.refused(diff(j.graph("../nothing.obj")), {"body.file", "../nothing.obj"}, 2);
+    fs::create_symlink("../outside.json", j.root / "link.json");
+    const std::string outside = (j.folder / "outside.json").string();
+    for (const std::string& part : {std::string("../outside.json"), outside, std::string("link.json")})
+        j.refused(diff(j.graph("m.obj", {{"p", {{"file", part}}}})),
+                  {"graph.json:", " p: ", fs::path(part).filename().string()}, 2);
+    j.refused(diff(outside), {outside}, 2);
+    // Of numbered files each counts.
+    for (const char* name : {"s.1.obj", "t.1.obj", "t.2.obj"}) write_text(j.root / name, cube);
+    fs::create_symlink("../secret.obj", j.root / "s.2.obj");
+    const auto numbered = [&](const std::string& name, const std::string& files) {
+        const json g = {{"format", "sinew 1"},
+                        {"nodes", {{"body", {{"type", "meshSequence"}, {"inputs", {{"file", files}}}}}}}};
+        write_text(j.root / name, g.dump());
+        return (j.root / name).string();
+    };
+    const std::vector<std::string> words{"diff", numbered("s.json", "s.#.obj"), numbered("t.json", "t.#.obj")};
+    CHECK(run_program(words).code == 0);
+    j.refused(j.run(words), {"s.2.obj"}, 2);
+}
+
+TEST_CASE("fmt, cache and docs stay within the root", "[tools]") {
+    const Jobs j;
+    const std::string outside = (j.folder / "outside.json").string(), before = read_text(outside);
+    fs::create_symlink("../outside.json", j.root / "link.json");
+    for (const std::string& file : {outside, (j.root / "../outside.json").string(), (j.root / "link.json").string()}) {
+        j.refused(j.run({"fmt", file}), {file});
+        j.refused(j.run({"fmt", "--check", file}), {file}, 2);
+    }
+    CHECK(read_text(outside) == before);
+    // Nothing but the text itself is read of a graph that names what lies outside.
+    const std::string graph = j.graph("../secret.obj", {{"p", {{"file", "../outside.json"}}}});
+    CHECK(j.run({"fmt", graph}).code == 0);
+    CHECK(j.run({"fmt", "--check", graph}).code == 0);
+
+    const fs::path kept = j.folder / "kept";
+    fs::create_directory(kept);
+    write_text(kept / "0123456789abcdef0123456789abcdef.frame", "x");
+    j.refused(j.run({"cache", "info", outside}), {outside});
+    j.refused(j.run({"cache", "clean", kept.string()}), {kept.string()});
+    j.refused(j.run({"cache", "info", (j.folder / "none").string()}), {"none"}); // there or not is not told
+    fs::create_directory_symlink("../kept", j.root / "graph.sinew-cache");
+    j.refused(j.run({"cache", "clean", graph}), {"graph.sinew-cache"});
+    j.refused(j.run({"cache", "clean", (j.root / "graph.sinew-cache").string()}), {"graph.sinew-cache"});
+    CHECK(fs::exists(kept / "0123456789abcdef0123456789abcdef.frame"));
+    CHECK(j.run({"cache", "info", (j.root / "parts").string()}).code == 0);
+
+    j.refused(j.run({"docs", (j.folder / "docs").string()}), {(j.folder / "docs").string()});
+    CHECK_FALSE(fs::exists(j.folder / "docs"));
+    CHECK(j.run({"docs", (j.root / "docs").string()}).code == 0);
+    fs::remove(j.root / "docs/codes.md");
+    fs::create_symlink("../../codes.md", j.root / "docs/codes.md");
+    j.refused(j.run({"docs", (j.root / "docs").string()}), {"docs/codes.md"});
+    CHECK_FALSE(fs::exists(j.folder / "codes.md"));
 }
 
 TEST_CASE("a root that is none is refused, and runs of folders have none", "[tools]") {

@@ -1,10 +1,11 @@
 // `sinew cache`: what is kept on disk of a graph's frames, and how to get rid of it.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/diagnostics.h"
-#include "engine/eval/frame_store.h"
+#include "engine/eval/cache_folder.h"
 #include "tools/cli/arguments.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/json_text.h"
+#include "tools/cli/open_graph.h"
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -16,11 +17,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folder itself, or the one beside a graph.
-fs::path folder_of(const std::string& word) {
+/// The folder itself, or the one beside a graph. Throws Failure IO410.
+fs::path folder_of(const std::string& word, const engine::FileAccess& files) {
+    files.check(word, "GRAPH|DIR"); // before anything is asked of the disk
     std::error_code error;
     if (fs::is_directory(word, error)) return word;
     const fs::path beside = fs::path(word).replace_extension(".sinew-cache");
+    files.check(beside, "the cache");
     if (!fs::is_directory(beside, error) && !fs::exists(word, error))
         throw UsageError("there is neither a graph nor a folder '" + word + "'.");
     return beside;
@@ -40,7 +43,7 @@ engine::Diagnostic unremovable(const fs::path& folder, const engine::Removal& re
 
 ExitCode cache(const Invocation& in) {
     const std::string what = in.arguments.operand(0).value();
-    const fs::path folder = folder_of(in.arguments.operand(1).value());
+    const fs::path folder = folder_of(in.arguments.operand(1).value(), file_access(in.arguments));
     if (what != "info" && what != "clean") throw UsageError("'" + what + "' is neither info nor clean.");
     const engine::Removal removal = what == "clean" ? engine::remove_kept(folder) : engine::Removal();
     const engine::DiskUse use = what == "clean" ? removal.removed : engine::disk_use(folder);
@@ -69,7 +72,7 @@ Command cache_command() {
     return {"cache",
             "say what is kept on disk of a graph, or remove it",
             {{"WHAT", "info or clean"}, {"GRAPH|DIR", "a graph file, or the folder that was given with --cache"}},
-            {{"--json", "", "one JSON object instead of text"}},
+            {root_flag, {"--json", "", "one JSON object instead of text"}},
             "sinew cache info graphs/scenes/arm.json\nsinew cache clean graphs/scenes/arm.json",
             cache};
 }

@@ -84,9 +84,10 @@ ExitCode compare(const Invocation& in) {
     const std::string first = *in.arguments.operand(0), second = *in.arguments.operand(1);
     // 1 is the answer "different", so a graph that is wrong is told apart from it.
     ExitCode code = done;
+    const engine::FileAccess files = file_access(in.arguments);
     const auto read = [&](const std::string& file) -> std::shared_ptr<const engine::Graph> {
         try {
-            OpenGraph open = open_graph(file);
+            OpenGraph open = open_graph(file, files);
             print_diagnostics(open.notes, json, in.out, in.err);
             return open.graph;
         } catch (const engine::Failure& e) {
@@ -97,7 +98,13 @@ ExitCode compare(const Invocation& in) {
     };
     const auto a = read(first), b = read(second);
     if (!a || !b) return code;
-    const std::vector<Difference> found = differences(*a, *b);
+    std::vector<Difference> found;
+    try {
+        found = differences(*a, *b);
+    } catch (const engine::Failure& e) { // numbered files, of which one leads out of the root
+        print_diagnostics(e.diagnostics(), json, in.out, in.err);
+        return wrong_usage;
+    }
     for (const Difference& d : found) {
         if (json)
             in.out << json_text(as_json(d)) << "\n";
@@ -119,7 +126,7 @@ Command diff_command() {
             {{"A", "a graph file (JSON)"},
              {"B", "another one. Order, comments, spelling and defaults written out are no difference; included graphs "
                    "are in both. Exit code 0: the same, 1: different, 2: a graph is wrong"}},
-            {{"--json", "", "one JSON object a line instead of text"}},
+            {root_flag, {"--json", "", "one JSON object a line instead of text"}},
             "sinew diff graphs/scenes/arm.json graphs/scenes/arm_refined.json\n"
             "sinew diff old.json new.json && echo the same",
             compare};

@@ -7,6 +7,7 @@
 #include "tools/cli/atomic_file.h"
 #include "tools/cli/commands.h"
 #include "tools/cli/node_facts.h"
+#include "tools/cli/open_graph.h"
 
 #include <filesystem>
 #include <ostream>
@@ -58,10 +59,13 @@ std::string codes_page() {
 
 ExitCode write_docs(const Invocation& in) {
     const std::filesystem::path folder = *in.arguments.operand(0);
+    const engine::FileAccess files = file_access(in.arguments);
+    for (const char* name : {"nodes.md", "codes.md", "graph.schema.json"}) // all or none
+        files.check(folder / name, "the folder");
     const auto registry = nodes::make_registry();
-    write_file(folder / "nodes.md", nodes_page(*registry));
-    write_file(folder / "codes.md", codes_page());
-    write_file(folder / "graph.schema.json", engine::graph_schema(*registry) + "\n");
+    write_file(folder / "nodes.md", nodes_page(*registry), files);
+    write_file(folder / "codes.md", codes_page(), files);
+    write_file(folder / "graph.schema.json", engine::graph_schema(*registry) + "\n", files);
     in.out << "wrote nodes.md, codes.md and graph.schema.json in " << folder.string() << "\n";
     return done;
 }
@@ -72,7 +76,7 @@ Command docs_command() {
     return {"docs",
             "write the reference pages: node types, diagnostic codes, JSON Schema",
             {{"FOLDER", "where to; made if it is not there"}},
-            {},
+            {root_flag},
             "sinew docs docs/reference",
             write_docs};
 }

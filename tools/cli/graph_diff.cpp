@@ -196,10 +196,15 @@ class Comparison {
         return out;
     }
 
+    /// Throws Failure IO410: of numbered files each may lead somewhere else.
     std::string content(const std::string& path) {
-        const auto digest = files_.of(path);
-        const auto* d = std::get_if<engine::Digest>(&digest);
-        return d ? d->hex() : path;
+        const auto digest = files_.of(path, a_.files());
+        if (const auto* d = std::get_if<engine::Digest>(&digest)) return d->hex();
+        const auto& fault = std::get<engine::FileFault>(digest);
+        if (fault.code != "IO410") return path;
+        engine::Diagnostic refusal;
+        refusal.code = fault.code, refusal.message = fault.message, refusal.hint = fault.hint;
+        throw engine::Failure(std::move(refusal));
     }
 
     // ---- what they say ----

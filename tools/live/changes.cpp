@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/live/changes.h"
 
+#include "engine/check.h"
 #include "engine/format/graph_file.h"
 #include "engine/format/text_patch.h"
 #include "engine/units.h"
@@ -113,6 +114,26 @@ std::vector<std::string> ways_to_write(const std::string& text, const engine::Gr
     return out;
 }
 
+/// An edit may leave a required list empty for a while, a graph file may not: it could not be read again.
+void check_file_would_have_it(const engine::Graph& graph, const engine::Plug& input) {
+    const engine::Node& node = *graph.find(input.node);
+    std::vector<engine::Diagnostic> wrong;
+    for (engine::Problem& p : engine::check_required(graph, input.node, node, graph.node_names()))
+        if (p.diagnostic.attribute == input.attribute) wrong.push_back(std::move(p.diagnostic));
+    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
+}
+
+/// No text of the file reads as what is wanted.
+engine::Diagnostic without_place(const Change& c, const std::string& file) {
+    engine::Diagnostic d;
+    d.code = "DG181";
+    d.node = c.input.node, d.attribute = c.input.attribute;
+    if (c.frame) d.frame = *c.frame;
+    d.message = "the text of " + file + " has no place for the change to " + c.json.substr(0, 100);
+    d.hint = "Write it into the file by hand, or discard the page's changes.";
+    return d;
+}
+
 } // namespace
 
 engine::Diagnostic unwritable(const std::string& file, const std::string& why) {
@@ -142,7 +163,9 @@ std::shared_ptr<const engine::Graph> with_change(const std::shared_ptr<const eng
             edit.set_json(c.input, c.json); // keys themselves
     } else
         edit.set_json(c.input, c.json);
-    return edit.commit().graph;
+    auto out = edit.commit().graph;
+    check_file_would_have_it(*out, c.input);
+    return out;
 }
 
 std::shared_ptr<const engine::Graph> with_changes(std::shared_ptr<const engine::Graph> graph,
@@ -166,6 +189,7 @@ std::string written_into(std::string text, const std::string& file, const engine
     for (const Change& c : changes) {
         const std::shared_ptr<const engine::Graph> wanted = with_changes(graph, {c});
         bool is_written = false;
+        std::vector<engine::Diagnostic> why;
         for (std::string& way : ways_to_write(text, *graph, *wanted, c)) {
             try { // it is read as it will be, so that no text can come to mean something else
                 auto read = engine::read_graph(registry, way, file, files).graph;
@@ -174,10 +198,13 @@ std::string written_into(std::string text, const std::string& file, const engine
                 text = std::move(way);
                 is_written = true;
                 break;
-            } catch (const engine::Failure&) {
+            } catch (const engine::Failure& failure) {
+                why.assign(failure.diagnostics().begin(), failure.diagnostics().end());
             }
         }
-        if (!is_written) throw engine::Failure(unwritable(file, c.input.text() + " has no place in its text"));
+        if (is_written) continue;
+        why.push_back(without_place(c, file));
+        throw engine::Failure(std::move(why));
     }
     return text;
 }

@@ -17,15 +17,15 @@ struct Change {
     std::optional<int> frame; ///< a key there; else the input itself
 };
 
-/// Throws Failure for what a graph file could not hold there.
+/// Throws Failure for what a graph file could not hold there, an empty list where connections are required, say.
 std::shared_ptr<const engine::Graph> with_change(const std::shared_ptr<const engine::Graph>& graph, const Change& c);
 
 /// Changes that were accepted earlier. Throws Failure with all that do not fit any more (DG175).
 std::shared_ptr<const engine::Graph> with_changes(std::shared_ptr<const engine::Graph> graph,
                                                   const std::vector<Change>& changes);
 
-/// The text of a graph file with the changes in it; what they do not touch is as it was. Throws Failure: IO405 for what
-/// has no place in it, DG175.
+/// The text of a graph file with the changes in it; what they do not touch is as it was. Throws Failure: DG181 for
+/// what has no place in it, beside what the reader says of it then, DG175.
 std::string written_into(std::string text, const std::string& file, const engine::FileAccess& files,
                          const std::vector<Change>& changes);
 

@@ -33,7 +33,7 @@ constexpr int most_depth = 64;
 /// Requests at once; each open `news` is one.
 constexpr std::size_t most_requests = 64;
 /// Keys lie within these frames.
-constexpr std::int64_t most_frame = 10'000'000;
+constexpr int most_frame = 10'000'000;
 
 /// The request asks for what cannot be.
 struct BadRequest : std::runtime_error {
@@ -41,10 +41,36 @@ struct BadRequest : std::runtime_error {
 };
 
 Json parsed(const std::string& text) {
-    return Json::parse(text, [](int depth, Json::parse_event_t, Json&) {
-        if (depth > most_depth) throw BadRequest("nested too deeply");
-        return true;
-    });
+    try {
+        return Json::parse(text, [](int depth, Json::parse_event_t, Json&) {
+            if (depth > most_depth)
+                throw BadRequest("nested too deeply: more than " + std::to_string(most_depth) +
+                                 " brackets in each other");
+            return true;
+        });
+    } catch (const Json::parse_error& error) {
+        throw BadRequest(text.empty() ? "the request has no body: send JSON"
+                                      : "the body is no JSON at its byte " + std::to_string(error.byte));
+    }
+}
+
+/// Throws BadRequest for what is no change.
+Change change_in(const std::string& body) {
+    const Json json = parsed(body);
+    const auto word = [&](const char* key) {
+        const auto at = json.find(key);
+        if (at == json.end() || !at->is_string() || !json.contains("value"))
+            throw BadRequest(R"(a change is { "node": "…", "attribute": "…", "value": … }, with a "frame" for a key)");
+        return at->get<std::string>();
+    };
+    Change out{{word("node"), word("attribute")}, json.at("value").dump(), {}};
+    const auto frame = json.find("frame");
+    if (frame == json.end()) return out;
+    if (!frame->is_number_integer() || std::abs(frame->get<double>()) > most_frame)
+        throw BadRequest("\"frame\" is a whole number from -" + std::to_string(most_frame) + " to " +
+                         std::to_string(most_frame));
+    out.frame = frame->get<int>();
+    return out;
 }
 
 std::string random_token() {
@@ -105,9 +131,16 @@ struct Server::Impl {
             const_cast<httplib::Request&>(request).ranges.clear();
             // Within one machine packing takes longer than sending: half a second for a preview.
             const_cast<httplib::Request&>(request).headers.erase("Accept-Encoding");
+            // A request that names no length has no body (RFC 9112, 6.3); the library would wait for one.
+            if (!request.has_header("Content-Length") && !request.has_header("Transfer-Encoding"))
+                const_cast<httplib::Request&>(request).headers.emplace("Content-Length", "0");
             if (is_for_us(request)) return httplib::Server::HandlerResponse::Unhandled;
             response.status = 403;
             return httplib::Server::HandlerResponse::Handled;
+        });
+        http.set_error_handler([](const httplib::Request&, httplib::Response& response) {
+            if (response.status != 400 || !response.body.empty()) return;
+            response.set_content(R"({"error":"the request cannot be read"})", "application/json"); // by the library
         });
         const std::string root = "/" + token + "/";
         http.Get(root, [](const httplib::Request&, httplib::Response& response) {
@@ -158,17 +191,7 @@ struct Server::Impl {
                 });
         });
         http.Post(root + "change", [this](const httplib::Request& request, httplib::Response& response) {
-            answer(response, [&] {
-                const Json json = parsed(request.body);
-                Change change{{json.at("node"), json.at("attribute")}, json.at("value").dump(), {}};
-                if (json.contains("frame")) {
-                    const Json& frame = json.at("frame");
-                    if (!frame.is_number_integer() || std::abs(frame.get<std::int64_t>()) > most_frame)
-                        throw BadRequest("\"frame\" is a whole number");
-                    change.frame = frame.get<int>();
-                }
-                session.change(change);
-            });
+            answer(response, [&] { session.change(change_in(request.body)); });
         });
         http.Post(root + "discard", [this](const httplib::Request&, httplib::Response& response) {
             answer(response, [&] { session.discard_changes(); });

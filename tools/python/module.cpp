@@ -224,10 +224,11 @@ std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std
                                             py::object on_warning, const std::vector<py::object>& node_types) {
     embed::Options options;
     std::vector<Kept> kept;
+    const auto ending = std::make_shared<Ending>();
     if (!node_types.empty()) {
         auto registry = std::make_shared<engine::Registry>();
         nodes::register_all(*registry);
-        for (const py::object& type : node_types) kept.push_back(add_python_type(*registry, type));
+        for (const py::object& type : node_types) kept.push_back(add_python_type(*registry, type, ending));
         options.registry = std::move(registry);
     }
     options.threads = threads;
@@ -236,7 +237,29 @@ std::unique_ptr<PythonSession> make_session(int threads, std::size_t memory, std
     if (cache_size > 0) options.cache_bytes = cache_size;
     options.root_folder = std::move(root);
     return std::make_unique<PythonSession>(std::move(options), std::move(on_event), std::move(on_warning),
-                                           std::move(kept));
+                                           std::move(kept), ending);
+}
+
+/// What an input is now, set or by default: a value, or what a graph file would hold there.
+py::object input_of(const engine::Graph& graph, const engine::Plug& plug) {
+    const engine::Node* node = graph.find(plug.node);
+    if (!node)
+        throw embed::Misuse("DG102", "there is no node \"" + plug.node + "\"",
+                            engine::name_hint(plug.node, graph.node_names(), "nodes"), plug);
+    const engine::AttributeInfo* info = node->type ? node->type->find_input(plug.attribute) : nullptr;
+    if (!info && node->type && node->type->find_output(plug.attribute))
+        throw embed::Misuse("DG102", "it is an output, which has a value at a frame",
+                            "ask evaluate(frame, \"" + plug.text() + "\")", plug);
+    if (!info)
+        throw embed::Misuse("DG102", "no such input on " + node->type_name,
+                            node->type ? engine::input_hint(graph, *node->type, plug.attribute) : std::string(), plug);
+    const auto bound = node->inputs.find(plug.attribute);
+    if (bound == node->inputs.end() && info->kind != engine::AttributeKind::literal) return py::none();
+    const engine::Binding binding =
+        bound == node->inputs.end() ? engine::default_value(*info, graph.timing()) : bound->second;
+    if (const auto* value = std::get_if<engine::Value>(&binding))
+        if (py::object found = to_python(*value); !found.is_none()) return found;
+    return py::module_::import("json").attr("loads")(engine::binding_json(*info, binding));
 }
 
 void add_sessions(py::module_& module) {
@@ -268,6 +291,11 @@ void add_sessions(py::module_& module) {
                  for (const std::string& name : graph->node_names())
                      out.emplace_back(name, graph->find(name)->type_name);
                  return out;
+             })
+        .def("get",
+             [](PythonSession& s, const std::string& node, const std::string& attribute) {
+                 const auto graph = freely(s, [&] { return s.session().graph(); });
+                 return input_of(*graph, plug_of(node, attribute));
              })
         .def("set_json",
              [](PythonSession& s, const std::string& node, const std::string& attribute, const std::string& json) {

@@ -101,9 +101,11 @@ class PythonSession::Watch : public engine::Observer {
     std::exception_ptr error_;
 };
 
-PythonSession::PythonSession(embed::Options options, py::object on_event, py::object on_warning, std::vector<Kept> kept)
+PythonSession::PythonSession(embed::Options options, py::object on_event, py::object on_warning, std::vector<Kept> kept,
+                             std::shared_ptr<Ending> ending)
     : watch_(std::make_unique<Watch>(std::move(on_event), std::move(on_warning)))
-    , kept_(std::move(kept)) {
+    , kept_(std::move(kept))
+    , ending_(std::move(ending)) {
     const py::gil_scoped_release free;
     session_ = std::make_unique<embed::Session>(std::move(options), watch_.get());
     watch_->session = session_.get();
@@ -175,6 +177,7 @@ embed::Frame PythonSession::evaluate(double frame, const std::string& plug) {
     }
     if (interrupted) std::rethrow_exception(interrupted);
     throw_of_callback();
+    if (const std::exception_ptr thrown = ending_->take()) std::rethrow_exception(thrown);
     if (failed) std::rethrow_exception(failed);
     return std::move(*out);
 }

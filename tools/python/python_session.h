@@ -71,15 +71,36 @@ struct Event {
     std::string what;
 };
 
+/// What ends a program (KeyboardInterrupt, SystemExit) and was raised in the compute of a node: no failure of the node.
+/// The evaluation throws it in its own thread.
+class Ending {
+  public:
+    void keep(std::exception_ptr thrown) {
+        const std::lock_guard lock(mutex_);
+        if (!thrown_) thrown_ = std::move(thrown);
+    }
+    /// Once.
+    std::exception_ptr take() {
+        const std::lock_guard lock(mutex_);
+        return std::exchange(thrown_, nullptr);
+    }
+
+  private:
+    std::mutex mutex_;
+    std::exception_ptr thrown_;
+};
+
 class PythonSession {
   public:
     /// \param kept the functions that the node types of `options` call
-    PythonSession(embed::Options options, py::object on_event, py::object on_warning, std::vector<Kept> kept);
+    /// \param ending what these keep of what they raised
+    PythonSession(embed::Options options, py::object on_event, py::object on_warning, std::vector<Kept> kept,
+                  std::shared_ptr<Ending> ending);
     ~PythonSession();
     /// Of all that does not call Python: without the interpreter's lock.
     embed::Session& session() { return *session_; }
     /// In a thread of its own, so that this one can look for Ctrl-C. With the interpreter's lock; throws what a
-    /// callback threw.
+    /// callback threw, and what of a node's compute ends the program.
     embed::Frame evaluate(double frame, const std::string& plug);
     /// Throws what a callback threw, once. With the interpreter's lock.
     void throw_of_callback();
@@ -121,6 +142,7 @@ class PythonSession {
     bool keeps_lock() const;
     std::unique_ptr<embed::Session> session_;
     const std::vector<Kept> kept_;
+    const std::shared_ptr<Ending> ending_;
     std::atomic<int> outside_ = 0;            ///< threads that gave up the lock for this session
     std::optional<std::thread::id> ended_by_; ///< the thread that ends the program; needs the lock
 };

@@ -139,6 +139,7 @@ struct Description {
     std::vector<Attribute> inputs, outputs;
     bool uses_time = false;
     std::optional<Kept> function;
+    std::shared_ptr<Ending> ending;
     std::string_view keep(std::string text) { return texts.emplace_back(std::move(text)); }
 };
 
@@ -265,12 +266,28 @@ void compute(const Description& d, const Reads& in, engine::Writes& out) {
         }
     } catch (const py::error_already_set& e) {
         if (e.matches(py::module_::import("sinew.errors").attr("Cancelled"))) throw engine::Cancelled();
+        if (!e.matches(PyExc_Exception)) { // sys.exit and Ctrl-C are no failure of the node
+            d.ending->keep(std::current_exception());
+            throw engine::Cancelled();
+        }
         in.fail({}, "DG127", described(e), "this node type is the host's: repair it there");
     } // the others, with words of their own, become the same (embed::add_host_type)
 }
 
-Kept add_described(engine::Registry& registry, const py::object& given) {
+/// A function that cannot be called so fails at each frame; it is told at once.
+void check_signature(const std::string& type, const Description& d, const py::object& function) {
+    py::list names;
+    for (const Attribute& a : d.inputs) names.append(a.name);
+    if (d.uses_time) names.append("frame");
+    const py::object fault = py::module_::import("sinew.node_types").attr("_signature_fault")(function, names);
+    if (!fault.is_none())
+        refuse(type, fault.cast<std::string>(),
+               "compute is called with a value for each input by its name, and with frame if uses_time");
+}
+
+Kept add_described(engine::Registry& registry, const py::object& given, const std::shared_ptr<Ending>& ending) {
     auto d = std::make_shared<Description>();
+    d->ending = ending;
     engine::NodeType type;
     const auto name = given.attr("name").cast<std::string>();
     type.name = d->keep(name);
@@ -287,6 +304,7 @@ Kept add_described(engine::Registry& registry, const py::object& given) {
         type.outputs.push_back(a.kind->output(d->keep(a.name), d->keep(attribute.attr("doc").cast<std::string>())));
         d->outputs.push_back(std::move(a));
     }
+    check_signature(name, *d, given.attr("compute"));
     d->function.emplace(given.attr("compute"));
     type.compute = [d](const Reads& in, engine::Writes& out) { compute(*d, in, out); };
     embed::add_host_type(registry, std::move(type));
@@ -295,7 +313,7 @@ Kept add_described(engine::Registry& registry, const py::object& given) {
 
 } // namespace
 
-Kept add_python_type(engine::Registry& registry, const py::object& given) {
+Kept add_python_type(engine::Registry& registry, const py::object& given, const std::shared_ptr<Ending>& ending) {
     const auto of_another_kind = [&] {
         const std::string name =
             py::str(py::getattr(given, "name", py::type::handle_of(given).attr("__name__"))).cast<std::string>();
@@ -304,7 +322,7 @@ Kept add_python_type(engine::Registry& registry, const py::object& given) {
                "sinew.Input, Wire, WireList and Output; sinew.node_type makes it");
     };
     try {
-        return add_described(registry, given);
+        return add_described(registry, given, ending);
     } catch (const py::cast_error&) {
         of_another_kind();
     } catch (const py::error_already_set& e) {

@@ -11,6 +11,8 @@ namespace sinew::python {
 
 /// Adds a type as sinew/node_types.py describes it. Throws Misuse DG128 for a description that cannot be.
 /// Gives the function that the type calls, which lives as long as the registry.
-Kept add_python_type(engine::Registry& registry, const pybind11::object& description);
+/// \param ending is given what the function raises to end the program
+Kept add_python_type(engine::Registry& registry, const pybind11::object& description,
+                     const std::shared_ptr<Ending>& ending);
 
 } // namespace sinew::python

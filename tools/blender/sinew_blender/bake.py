@@ -1,44 +1,13 @@
 # Baked shapes: a point cache (PC2) a body, played by Blender's Mesh Cache modifier, without Sinew.
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
-import struct
 
 import bpy
-import numpy as np
 
 from . import shapes
+from .files import FileNames, PointCache
 from .module import Problem
 from .settings import BAKE
-
-
-class PointCache:
-    """A PC2 file: a head of 32 bytes, then little-endian x, y, z of 32 bits, frame after frame. Appears under its name
-    when it is complete."""
-
-    def __init__(self, path, points, first):
-        self.path, self.points, self.first, self.samples = path, points, first, 0
-        self._file = open(path + ".part", "wb")
-        self._head()
-
-    def _head(self):
-        self._file.write(struct.pack("<12siiffi", b"POINTCACHE2\0", 1, self.points, self.first, 1.0, self.samples))
-
-    def add(self, points):
-        if points.shape != (self.points, 3):
-            raise Problem(f"{self.path}: {len(points)} vertices after frames of {self.points}")
-        self._file.write(np.ascontiguousarray(points, "<f4").tobytes())
-        self.samples += 1
-
-    def finish(self):
-        self._file.seek(0)
-        self._head()
-        self._file.close()
-        os.replace(self.path + ".part", self.path)
-
-    def discard(self):
-        self._file.close()
-        if os.path.exists(self.path + ".part"):
-            os.remove(self.path + ".part")
 
 
 def folder_of(scene, state):
@@ -55,24 +24,26 @@ def folder_of(scene, state):
 
 
 class Bake:
-    """Takes frames in their order; `finish` puts the modifiers on."""
+    """Takes frames in their order; `finish` puts the modifiers on. Raises Problem where files cannot be written."""
 
     def __init__(self, scene, state, first):
         self.scene, self.state, self.first = scene, state, first
         self.folder = folder_of(scene, state)
+        self.names = FileNames(ob.name for ob in shapes.targets(scene).values())
         self.caches = {}
 
     def add(self, number, frame):
         from_sinew = self.state.space(self.scene)
         for ob, body in shapes.pairs(self.scene, self.state, frame):
             if ob.name not in self.caches:
-                path = os.path.join(self.folder, shapes.node_name(ob).replace("/", "_") + ".pc2")
+                path = os.path.join(self.folder, self.names.of(ob.name) + ".pc2")
                 self.caches[ob.name] = PointCache(path, len(body.points), self.first)
             self.caches[ob.name].add(shapes.local(body, self.state.world(number, ob), from_sinew))
 
     def finish(self):
-        for name, cache in self.caches.items():
+        for cache in self.caches.values():
             cache.finish()
+        for name, cache in self.caches.items():
             ob = self.scene.objects[name]
             modifier = ob.modifiers.get(BAKE) or ob.modifiers.new(BAKE, "MESH_CACHE")
             modifier.cache_format = "PC2"

@@ -6,7 +6,8 @@ import os
 import bpy
 import numpy as np
 
-from . import bake, links, space, stepping
+from . import links, space, stepping
+from .files import FileNames, PointCache, Staged
 from .module import Problem
 from .shapes import node_name
 
@@ -37,23 +38,22 @@ def parts(scene, role):
 
 
 def write(scene, path):
-    """Writes PATH and the folder of the same name without its ending. The graph has Blender's axes and units; meshes
-    are as posed at the scene's first frame."""
+    """Writes PATH and the folder of the same name without its ending, all of it or nothing. The graph has Blender's
+    axes and units; meshes are as posed at the scene's first frame."""
     bones, muscles = parts(scene, "BONE"), parts(scene, "MUSCLE")
     if not muscles:
         raise Problem("No object has the role Muscle", "Choose roles in the sidebar.")
     done = Done(len(bones), len(muscles))
     base = os.path.splitext(os.path.basename(path))[0]
-    folder = os.path.join(os.path.dirname(os.path.abspath(path)), base)
-    try:
-        os.makedirs(os.path.join(folder, "meshes"), exist_ok=True)
+    names = FileNames(node_name(ob) for ob in bones + muscles)
+    with Staged(os.path.join(os.path.dirname(os.path.abspath(path)), base), path) as stage:
         graph = _Graph()
-        motion = _Motion(scene, bones, muscles, folder)
+        motion = _Motion(scene, bones, muscles, stage, names)
         for ob in bones:
-            _bone(graph, ob, base)
+            _bone(graph, ob, base, names)
         paint = {}
         for ob in muscles:
-            _muscle(graph, ob, base, motion, paint, scene)
+            _muscle(graph, ob, base, names, motion, paint, scene)
         attachments = [n for n, node in graph.nodes.items() if node["type"] == "zAttachment"]
         if not attachments:
             done.warnings.append("No muscle has an attachment: they will fall")
@@ -65,19 +65,16 @@ def write(scene, path):
             scale=1 / space.decimal(scene.unit_settings.scale_length),
             gravity=[space.decimal(g) for g in scene.sinew.gravity],
         )
-        motion.write(os.path.join(folder, "motion.json"))
+        motion.write(stage.file("motion.json"))
         if paint:
-            with open(os.path.join(folder, "paint.json"), "w", encoding="utf-8") as file:
+            with open(stage.file("paint.json"), "w", encoding="utf-8") as file:
                 json.dump(paint, file)
         timing = {
             "fps": scene.render.fps / space.decimal(scene.render.fps_base),
             "start": scene.frame_start,
             "end": scene.frame_end,
         }
-        with open(path, "w", encoding="utf-8") as file:
-            file.write(_text(timing, graph.nodes))
-    except OSError as error:
-        raise Problem(f"Cannot write {error.filename or folder}: {error.strerror}") from error
+        stage.commit(_text(timing, graph.nodes))
     return done
 
 
@@ -95,7 +92,7 @@ class _Motion:
     """What is read in one pass over the frames: matrices of bones, excitations, vertices of deforming bones. Meshes are
     written at the first frame."""
 
-    def __init__(self, scene, bones, muscles, folder):
+    def __init__(self, scene, bones, muscles, stage, names):
         self.frames, self.excitations = [], {node_name(ob): [] for ob in muscles}
         rests, caches = {}, {}
         rigid = [ob for ob in bones if not ob.sinew.deforms]
@@ -108,7 +105,7 @@ class _Motion:
                     depsgraph = bpy.context.evaluated_depsgraph_get()
                     if frame == scene.frame_start:
                         for ob in bones + muscles:
-                            _write_mesh(ob, depsgraph, os.path.join(folder, "meshes", node_name(ob) + ".obj"))
+                            _write_mesh(ob, depsgraph, stage.file("meshes", names.of(node_name(ob)) + ".obj"))
                     entry = {"frame": frame, "bones": {}}
                     for ob in rigid:
                         now = space.array(ob.evaluated_get(depsgraph).matrix_world)
@@ -121,8 +118,8 @@ class _Motion:
                     for ob in deforming:
                         points = links.world_points(ob, depsgraph)
                         if ob.name not in caches:
-                            file = os.path.join(folder, "meshes", node_name(ob) + ".pc2")
-                            caches[ob.name] = bake.PointCache(file, len(points), scene.frame_start)
+                            file = stage.file("meshes", names.of(node_name(ob)) + ".pc2")
+                            caches[ob.name] = PointCache(file, len(points), scene.frame_start)
                         caches[ob.name].add(points)
                     self.frames.append(entry)
             for cache in caches.values():
@@ -163,15 +160,15 @@ def _write_mesh(ob, depsgraph, path):
             file.write("f " + " ".join(str(v + 1) for v in corners[begin:end]) + "\n")
 
 
-def _bone(graph, ob, base):
+def _bone(graph, ob, base, names):
     n = node_name(ob)
-    obj = f"{base}/meshes/{n}.obj"
+    mesh = f"{base}/meshes/{names.of(n)}"
     if ob.sinew.deforms:
-        graph.add(n + "Model", "meshFile", file=obj)
-        graph.add(n + "Mesh", "meshSequence", file=f"{base}/meshes/{n}.pc2", mesh=_from(n + "Model.outMesh"))
+        graph.add(n + "Model", "meshFile", file=mesh + ".obj")
+        graph.add(n + "Mesh", "meshSequence", file=mesh + ".pc2", mesh=_from(n + "Model.outMesh"))
         graph.add(n, "zBone", mesh=_from(n + "Mesh.outMesh"))
         return
-    graph.add(n + "Mesh", "meshFile", file=obj)
+    graph.add(n + "Mesh", "meshFile", file=mesh + ".obj")
     graph.add(n + "Move", "transform", track=f"{base}/motion.json", trackName=n)
     graph.add(n, "zBone", mesh=_from(n + "Mesh.outMesh"), matrix=_from(n + "Move.outMatrix"))
 
@@ -191,10 +188,10 @@ def _weights(ob, group):
     return out
 
 
-def _muscle(graph, ob, base, motion, paint, scene):
+def _muscle(graph, ob, base, names, motion, paint, scene):
     n, s = node_name(ob), ob.sinew
     mesh = _from(n + "Mesh.outMesh")
-    graph.add(n + "Mesh", "meshFile", file=f"{base}/meshes/{n}.obj")
+    graph.add(n + "Mesh", "meshFile", file=f"{base}/meshes/{names.of(n)}.obj")
     graph.add(n + "Tets", "zTet", mesh=mesh, tetSize=space.decimal(s.tet_size))
     graph.add(
         n + "Flesh",
@@ -251,7 +248,7 @@ def connect(scene, path):
     settings = scene.sinew
     settings.graph = path
     settings.plug = ""
-    settings.up_axis, settings.units = "Z", "SAME"
+    settings.up_axis, settings.units, settings.exported = "Z", "SAME", path
     settings.links.clear()
 
     def add(kind, plug, ob, link_path=""):

@@ -6,7 +6,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import bake, export, links, session, shapes, stepping
+from . import bake, export, links, session, shapes, space, stepping
 from .module import Problem
 
 
@@ -57,11 +57,8 @@ class SINEW_OT_load(bpy.types.Operator):
     def execute(self, context):
         scene = context.scene
         state = session.ensure(scene)
-        gravity = state.solver().get("gravity")
-        if isinstance(gravity, list) and len(gravity) == 3:
-            upright = max(range(3), key=lambda i: abs(gravity[i]))
-            scene.sinew.up_axis = "Z" if upright == 2 else "Y"
-            state = session.ensure(scene)
+        space.take_axes(scene.sinew, state.solver().get("gravity"), session.full_path)
+        state = session.ensure(scene)
         if self.take_timing:
             timing = state.session.timing
             scene.frame_start, scene.frame_end = timing.start, timing.end

@@ -37,8 +37,9 @@ class Message:
 class State:
     """What Sinew holds of a scene.
 
-    path: of the graph file. first: where the simulation begins. sent: by frame what was sent, as bytes. read: the
-    frames whose motion is what was sent, since poses last changed. worlds: by frame and object's name where an object
+    path: of the graph file. first: where the simulation begins. sent: by frame what was sent, as bytes. forms: by node of
+    the meshes that were sent how many vertices and which faces they have. read: the frames whose motion is what was
+    sent, since poses last changed. worlds: by frame and object's name where an object
     was that shows a body and moves itself."""
 
     def __init__(self, path, cache):
@@ -56,7 +57,7 @@ class State:
 
     def _forget(self):
         self.graph = {"nodes": {}}
-        self.sent, self.rests, self.read, self.worlds = {}, {}, set(), {}
+        self.sent, self.rests, self.forms, self.read, self.worlds = {}, {}, {}, set(), {}
         self.edits, self.shown, self.mapped = 0, None, {}
 
     def _on_event(self, event):
@@ -170,10 +171,9 @@ class State:
         if changed:
             self.session.set_inputs(frame, changed)
         for node, (link, points) in meshes.items():
+            self._send_faces(node, link.object, frame, points, depsgraph)
             if before.get(node) == points.tobytes():
                 continue
-            if node not in self.rests:
-                self._send_faces(node, link, points, depsgraph)
             self.session.set_mesh(node, frame, points)
             before[node] = points.tobytes()
             self.edits += 1
@@ -189,11 +189,27 @@ class State:
         found = self.worlds.get((frame, ob.name))
         return space.array(ob.matrix_world) if found is None else found
 
-    def _send_faces(self, node, link, points, depsgraph):
-        sizes, corners = links.faces(link.object.evaluated_get(depsgraph).data)
+    def _send_faces(self, node, ob, frame, points, depsgraph):
+        """Once, and again when the mesh has been edited: what was sent of the one before then holds no longer."""
+        sizes, corners = links.faces(ob.evaluated_get(depsgraph).data)
+        form = (len(points), sizes.tobytes(), corners.tobytes())
+        if self.forms.get(node) == form:
+            return
+        if node in self.forms and frame != self.first:
+            self.outdate()
+            raise Problem(
+                f'{ob.name} has other vertices or faces at frame {frame} than at frame {self.first}, which "{node}" '
+                "cannot take",
+                "If it was edited, use Read Motion. If its modifiers add or remove some from frame to frame, switch "
+                "these off.",
+            )
         self.session.set_mesh(node, self.first, points, corners, sizes)
         self.session.set(node + ".restPoints", points.ravel())
-        self.rests[node] = True
+        for sent in self.sent.values():
+            sent.pop(node, None)
+        self.read.clear()
+        self.mapped = {}
+        self.forms[node] = form
 
     # Of frames
 
@@ -295,6 +311,11 @@ def _stamp(path):
         return None
 
 
+def full_path(path):
+    """Of a path as Blender keeps it: // is the .blend file's folder."""
+    return os.path.abspath(bpy.path.abspath(path))
+
+
 def peek(scene):
     """The state of a scene as it is; None if there is none."""
     return _states.get(scene.name_full)
@@ -305,7 +326,7 @@ def ensure(scene):
     settings = scene.sinew
     if not settings.graph:
         raise Problem("No graph has been chosen", "Choose a graph file in the sidebar.")
-    path = os.path.abspath(bpy.path.abspath(settings.graph))
+    path = full_path(settings.graph)
     cache = os.path.splitext(path)[0] + ".sinew-cache" if settings.keep_frames else ""
     state = peek(scene)
     if state is None or (state.path, state.cache) != (path, cache):

@@ -84,6 +84,9 @@ class SinewScene(bpy.types.PropertyGroup):
             ("SAME", "As they are", "A unit of the graph is a unit of Blender"),
         ],
     )
+    exported: StringProperty(
+        description="The graph that was exported from the scene, in Blender's own axes and units", options={"HIDDEN"}
+    )
     keep_frames: BoolProperty(
         name="Keep frames on disk",
         description="Beside the graph, for the next time that Blender is started",

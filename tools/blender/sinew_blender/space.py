@@ -32,6 +32,30 @@ def moved(matrix, points):
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def up_of(gravity):
+    """The axis of a graph that is up, "Y" or "Z", by zSolver.gravity as a graph file has it: written, with a unit, or
+    keyed (by its first key). "Y" where it is not written, as its default is, or connected."""
+    if isinstance(gravity, dict):
+        keys = gravity.get("keys")
+        gravity = keys[0][1] if keys else gravity.get("value")
+    if not isinstance(gravity, list) or len(gravity) != 3:
+        return "Y"
+    x, y, z = (abs(g) for g in gravity)
+    return "Z" if z > max(x, y) else "Y"
+
+
+def take_axes(settings, gravity, full_path):
+    """Sets axes and units for the graph that is loaded: its own, but for the one that was exported from the scene,
+    which has Blender's. Units that the user chose stay.
+
+    settings: of the scene. full_path: gives the whole of a path."""
+    if settings.exported:
+        if full_path(settings.exported) == full_path(settings.graph):
+            return
+        settings.units, settings.exported = "GRAPH", ""
+    settings.up_axis = up_of(gravity)
+
+
 def blender_from_sinew(scene, units_per_metre):
     """The matrix that takes Sinew's scene space to Blender's world.
 

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import inspect
 from dataclasses import dataclass, field
 from typing import Any, Callable, Dict, Optional, Sequence
 
@@ -55,9 +56,10 @@ class Output:
 class NodeType:
     """A node type whose results are computed by a Python function.
 
-    compute: called with a value for each input, by name, and with `frame` if uses_time; gives a dict with a value for
-        each output, or the value itself where there is one. It must be a pure function of what it is given: results
-        are found again by the type's name, its version and the inputs. Called from worker threads.
+    compute: called with a value for each input, by name, and with `frame` if uses_time, so it takes all of them and
+        wants no others; gives a dict with a value for each output, or the value itself where there is one. It must be
+        a pure function of what it is given: results are found again by the type's name, its version and the inputs.
+        Called from worker threads.
     version: another text whenever the function gives other results."""
 
     name: str
@@ -85,3 +87,20 @@ def node_type(
         return NodeType(name, version, text, inputs, outputs, compute, uses_time)
 
     return make
+
+
+def _signature_fault(compute: Callable[..., Any], names: Sequence[str]) -> Optional[str]:
+    """Why a function cannot be called with these names; None if it can, or where Python does not know."""
+    try:
+        parameters = inspect.signature(compute).parameters.values()
+    except (TypeError, ValueError):
+        return None if callable(compute) else "compute is no function"
+    named = {p.name: p for p in parameters if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    left = [name for name in names if name not in named]
+    if left and not any(p.kind is p.VAR_KEYWORD for p in parameters):
+        return f"compute does not take {', '.join(left)}"
+    wanted = [p.name for p in parameters if p.default is p.empty and p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL)]
+    others = [name for name in wanted if name not in named or name not in names]
+    if others:
+        return f"compute wants {', '.join(others)}, which it is not given"
+    return None

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import atexit
 import json
+import operator
 import os
 import sys
 import warnings
@@ -57,6 +58,45 @@ def _split(plug: str) -> Tuple[str, str]:
     return node, attribute
 
 
+def _text(value: Any, name: str) -> str:
+    if not isinstance(value, str):
+        raise TypeError(f"{name} is a text, not {value!r}")
+    return value
+
+
+def _frame(value: Any) -> float:
+    if not isinstance(value, (str, bytes, bytearray)):
+        try:
+            return float(value)
+        except (TypeError, ValueError):
+            pass
+    raise TypeError(f"a frame is a number, not {value!r}")
+
+
+def _count(value: Any, name: str, of: str) -> int:
+    try:
+        out = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{name} is a whole number of {of}, not {value!r}") from None
+    if not 0 <= out < 2**63:
+        raise UsageError(f"{name} is a whole number of {of} from 0 on, not {value!r}")
+    return out
+
+
+def _folder(value: Any, name: str) -> str:
+    if value is None:
+        return ""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(f"{name} is a folder's path or None, not {value!r}")
+    return os.fspath(value)
+
+
+def _callback(value: Any, name: str) -> Any:
+    if value is not None and not callable(value):
+        raise TypeError(f"{name} is a function or None, not {value!r}")
+    return value
+
+
 def _is_json(value: Value) -> bool:
     return isinstance(value, dict) or (
         isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(v, dict) for v in value)
@@ -97,10 +137,20 @@ class Session:
         on_warning: Optional[Callable[[_sinew.Diagnostic], None]] = None,
         node_types: Sequence[NodeType] = (),
     ) -> None:
-        folder = "" if cache is None else os.fspath(cache)
-        base = "" if root is None else os.fspath(root)
+        threads = _count(threads, "threads", "threads")
+        if threads >= 2**31:
+            raise UsageError(f"threads is a number of threads, not {threads}")
+        if isinstance(node_types, NodeType):
+            raise TypeError("node_types is a list of node types, not one of them")
         self._core = _sinew.Core(
-            threads, memory, folder, cache_size, base, on_event, on_warning, list(node_types)
+            threads,
+            _count(memory, "memory", "bytes"),
+            _folder(cache, "cache"),
+            _count(cache_size, "cache_size", "bytes"),
+            _folder(root, "root"),
+            _callback(on_event, "on_event"),
+            _callback(on_warning, "on_warning"),
+            list(node_types),
         )
         _cores.add(self._core)
         if graph is not None and text is not None:
@@ -117,7 +167,7 @@ class Session:
 
     def load_text(self, text: str, file_name: str = "graph.json") -> None:
         """The same of a text."""
-        self._core.load_text(text, file_name)
+        self._core.load_text(_text(text, "the graph's text"), _text(file_name, "file_name"))
         self._warn()
 
     @property
@@ -144,6 +194,13 @@ class Session:
 
     __setitem__ = set
 
+    def get(self, plug: str) -> Value:
+        """What the input "node.attribute" is, set or by default: a number, text or array in SI units; keys, connections
+        and the like as a graph file holds them; None for a connection that is not there."""
+        return self._core.get(*_split(plug))
+
+    __getitem__ = get
+
     def set_input(self, plug: str, frame: float, value: Value) -> None:
         """Sets "node.attribute" from `frame` on; the frames before keep what they have, so simulations go on from
         there. Sub-steps between two frames interpolate. The same values sent again find the same frames."""
@@ -151,10 +208,13 @@ class Session:
 
     def set_inputs(self, frame: float, values: Mapping[str, Value]) -> None:
         """The same of several: all of them or none."""
+        if not isinstance(values, Mapping):
+            raise TypeError(f'values is a dict of values by "node.attribute", not {values!r}')
         for plug, value in values.items():
             if _is_json(value):
                 raise UsageError(f'{plug}: at a frame a value is a number, an array of numbers or a text as "30 kPa"')
-        self._core.set_at(frame, [(*_split(plug), value) for plug, value in values.items()])
+        inputs = [(*_split(plug), value) for plug, value in values.items()]
+        self._core.set_at(_frame(frame), inputs)
 
     def set_mesh(
         self,
@@ -178,13 +238,19 @@ class Session:
         sizes = np.zeros(0, np.int32) if face_sizes is None else np.asarray(face_sizes)
         if corners.ndim == 2 and face_sizes is None and corners.shape[1] != 3:
             sizes = np.full(corners.shape[0], corners.shape[1])
-        self._core.set_mesh(node, frame, points, _whole(corners, "face_vertices"), _whole(sizes, "face_sizes"))
+        self._core.set_mesh(
+            _text(node, "node"),
+            _frame(frame),
+            points,
+            _whole(corners, "face_vertices"),
+            _whole(sizes, "face_sizes"),
+        )
 
     def evaluate(self, frame: float, plug: str = "") -> _sinew.Frame:
         """What "node.output" is at a frame; without a plug outMeshes of the solver that no other one reads. Only what
         is not there yet runs. Ctrl-C ends it with KeyboardInterrupt and leaves the finished frames."""
         try:
-            return self._core.evaluate(frame, plug)
+            return self._core.evaluate(_frame(frame), _text(plug, "plug"))
         finally:
             self._warn()
 
@@ -196,11 +262,11 @@ class Session:
 
     def is_ready(self, frame: float, plug: str = "") -> bool:
         """Whether evaluate would be a look-up."""
-        return self._core.is_ready(frame, plug)
+        return self._core.is_ready(_frame(frame), _text(plug, "plug"))
 
     def explain(self, frame: float, plug: str = "") -> str:
         """Why it would run, in words."""
-        return self._core.explain(frame, plug)
+        return self._core.explain(_frame(frame), _text(plug, "plug"))
 
     def cancel(self) -> None:
         """Ends the evaluations that are running now, in whatever threads; finished frames stay."""
