@@ -166,7 +166,7 @@ AtomicFile::AtomicFile(const fs::path& path_or_link, const FileAccess& files)
     if (const auto fault = files.refusal(path_or_link)) {
         Diagnostic d;
         d.code = fault->code;
-        d.message = "cannot write " + fault->message;
+        d.message = "cannot write: " + fault->message;
         d.hint = fault->hint;
         throw Failure(d);
     }

@@ -3,6 +3,7 @@
 
 #include "engine/diagnostics.h"
 #include "engine/format/migrate.h"
+#include "engine/format/read_value.h"
 #include "engine/near_file.h"
 #include "engine/text.h"
 
@@ -58,6 +59,7 @@ GraphText refused(const fs::path& path, const FileFault& fault) {
 } // namespace
 
 GraphText graph_text(const std::string& path, const FileAccess& files) {
+    if (const auto fault = name_fault(path)) return {"", fault->code, fault->message, fault->hint};
     auto read = files.read(path, most_graph_bytes);
     if (const auto* fault = std::get_if<FileFault>(&read)) return refused(path, *fault);
     std::string text = std::move(std::get<std::string>(read));

@@ -416,6 +416,10 @@ class BindingReader {
     Binding file(const std::string& path, const std::string& below) {
         File out;
         if (path.empty()) return Value::of<File>(out);
+        if (const auto fault = name_fault(path)) {
+            problem(fault->code, fault->message, fault->hint, below);
+            return Value::of<File>(out);
+        }
         out.path = resolved_path(path, folder_);
         if (const auto fault = files_.refusal(out.path)) { // before anything is asked of the disk
             problem(fault->code, json_quoted(path) + " leads out of the root '" + files_.root().string() + "'",
@@ -549,6 +553,12 @@ const Json& offending_part(const Json& json, const std::string& below) {
     const Json* wrapped = json.find("value");
     if (wrapped && below.rfind("/value", 0) != 0 && &json.nearest(below) == &json) return wrapped->nearest(below);
     return json.nearest(below);
+}
+
+std::optional<FileFault> name_fault(const std::string& path) {
+    if (path.find('\0') == std::string::npos) return {};
+    return FileFault{"IO402", json_quoted(path) + " holds a character of code 0, which no name of a file can",
+                     "leave out \\u0000"};
 }
 
 std::string resolved_path(const std::string& path, const std::string& folder) {

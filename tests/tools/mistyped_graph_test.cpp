@@ -102,6 +102,15 @@ TEST_CASE("check says which file of a folder may be meant by an input", "[tools]
     CHECK(said_of_path("arm") == is_folder + R"(name a file in it: "arm/humerus.OBJ" or "arm/ulna.obj")" + "\n");
     CHECK(said_of_path("arm/") == "IO402 /nodes/a/inputs/file: \"arm/\" is a folder | name a file in it: "
                                   "\"arm/humerus.OBJ\" or \"arm/ulna.obj\"\n");
+    CHECK(
+        said_of_path("arm/ulna.obj\\u0000.ply") ==
+        "IO402 /nodes/a/inputs/file: \"arm/ulna.obj\\u0000.ply\" holds a character of code 0, which no name of a file "
+        "can | leave out \\u0000\n");
+    std::ofstream(folder / "graph.json")
+        << R"({"format": "sinew 1", "includes": {"b": {"file": "arm/ulna.obj\u0000.ply"}}, "nodes": {}})";
+    const std::string of_include = said_of_file(folder / "graph.json");
+    CHECK(of_include.starts_with("IO402 /includes/b/file: "));
+    CHECK(of_include.find("holds a character of code 0, which no name of a file can") != std::string::npos);
     for (int i = 0; i < 12; ++i) std::ofstream(folder / "arm" / (std::to_string(i) + ".ply")) << "ply\n";
     CHECK(said_of_path("arm") == is_folder + "name the file in it that is meant\n");
 }
