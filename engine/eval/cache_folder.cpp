@@ -23,10 +23,10 @@ bool is_our_name(const fs::path& name) {
            key_of(stem.substr(dash + 1));
 }
 
-/// Links are none of ours, and may lead anywhere.
-bool is_file(const fs::directory_entry& entry) {
+/// Links are none of ours, and may lead anywhere. What stands in a file's place is told where it cannot be removed.
+bool is_no_link(const fs::directory_entry& entry) {
     std::error_code gone;
-    return entry.symlink_status(gone).type() == fs::file_type::regular;
+    return entry.symlink_status(gone).type() != fs::file_type::symlink;
 }
 
 struct Ours {
@@ -38,8 +38,8 @@ Ours ours_in(const fs::path& folder) {
     Ours out;
     for (const auto& entry : fs::directory_iterator(folder, out.error)) {
         const fs::path name = entry.path().filename();
-        if (is_our_name(name) && is_file(entry)) out.files.push_back(entry);
-        if (const auto whole = finished_name(name); whole && is_our_name(*whole) && is_file(entry))
+        if (is_our_name(name) && is_no_link(entry)) out.files.push_back(entry);
+        if (const auto whole = finished_name(name); whole && is_our_name(*whole) && is_no_link(entry))
             out.unfinished.push_back(entry);
     }
     return out;

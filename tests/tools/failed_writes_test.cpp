@@ -53,8 +53,9 @@ TEST_CASE("an animation that cannot be written leaves the report of its frames",
 TEST_CASE("cleaning a cache counts what was removed, and tells what was not", "[tools]") {
     const TemporaryFolder folder;
     const fs::path cache = folder / "cache";
-    fs::create_directories(cache / "x.frame" / "in_its_place"); // cannot be removed as a file is
-    write_text(cache / "y.frame", "12345");
+    const std::string kept_name = std::string(32, 'a') + ".frame";
+    fs::create_directories(cache / kept_name / "in_its_place"); // cannot be removed as a file is
+    write_text(cache / (std::string(32, 'b') + ".frame"), "12345");
     const Said said = run_program({"cache", "clean", cache.string(), "--json"});
     INFO(said.out << said.err);
     CHECK(said.code == 1);
@@ -65,7 +66,7 @@ TEST_CASE("cleaning a cache counts what was removed, and tells what was not", "[
     const Said again = run_program({"cache", "clean", cache.string()});
     CHECK(again.code == 1);
     CHECK(again.out.find("nothing was removed") != std::string::npos);
-    CHECK(again.err.find("[IO405] cannot remove '" + (cache / "x.frame").string() + "': ") != std::string::npos);
+    CHECK(again.err.find("[IO405] cannot remove '" + (cache / kept_name).string() + "': ") != std::string::npos);
 }
 
 TEST_CASE("frames before the start are the start, which is simulated for the first of them", "[tools]") {

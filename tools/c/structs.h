@@ -17,7 +17,8 @@ template <class T>
 void check_size(const T* given, const char* name) {
     if (!given) refuse(std::string(name) + " is null", "give its address");
     if (given->size <= sizeof(given->size) || given->size > (std::size_t{1} << 16))
-        refuse(std::string(name) + " has no size: " + std::to_string(given->size), "initialise it with SINEW_SIZED");
+        refuse(std::string(name) + " says that it has " + std::to_string(given->size) + " bytes",
+               "initialise it with SINEW_SIZED");
 }
 
 /// What the caller gives, and zero where its header has less.
