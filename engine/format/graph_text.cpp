@@ -59,7 +59,7 @@ GraphText refused(const fs::path& path, const FileFault& fault) {
 } // namespace
 
 GraphText graph_text(const std::string& path, const FileAccess& files) {
-    if (const auto fault = name_fault(path)) return {"", fault->code, fault->message, fault->hint};
+    if (const auto fault = file_name_fault(path)) return {"", fault->code, fault->message, fault->hint};
     auto read = files.read(path, most_graph_bytes);
     if (const auto* fault = std::get_if<FileFault>(&read)) return refused(path, *fault);
     std::string text = std::move(std::get<std::string>(read));

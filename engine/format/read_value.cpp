@@ -416,7 +416,7 @@ class BindingReader {
     Binding file(const std::string& path, const std::string& below) {
         File out;
         if (path.empty()) return Value::of<File>(out);
-        if (const auto fault = name_fault(path)) {
+        if (const auto fault = file_name_fault(path)) {
             problem(fault->code, fault->message, fault->hint, below);
             return Value::of<File>(out);
         }
@@ -555,7 +555,7 @@ const Json& offending_part(const Json& json, const std::string& below) {
     return json.nearest(below);
 }
 
-std::optional<FileFault> name_fault(const std::string& path) {
+std::optional<FileFault> file_name_fault(const std::string& path) {
     if (path.find('\0') == std::string::npos) return {};
     return FileFault{"IO402", json_quoted(path) + " holds a character of code 0, which no name of a file can",
                      "leave out \\u0000"};

@@ -23,7 +23,7 @@ const Json& offending_part(const Json& json, const std::string& below);
 
 /// What is wrong with a file's name before anything is asked of the disk: a character of code 0 in it (IO402), where
 /// the system would take what is before it.
-std::optional<FileFault> name_fault(const std::string& path);
+std::optional<FileFault> file_name_fault(const std::string& path);
 
 /// `path` as it stands in a graph file -> the path to open.
 std::string resolved_path(const std::string& path, const std::string& folder);
