@@ -32,9 +32,11 @@ ReadFiles meshes_and_motion(const Invocation& in) {
     std::vector<std::string> paths = in.arguments.operands_from(1);
     for (const std::string_view flag : {"--bones", "--muscles", "--fascia", "--skin"})
         for (const std::string& path : in.arguments.values(flag)) paths.push_back(path);
+    std::vector<engine::Diagnostic> ignored; // told where the graph is made
     for (const std::string& path : paths) {
         try {
-            for (const std::string& file : rig::mesh_files({path})) out.add(file, "which the graph is made around");
+            for (const std::string& file : rig::mesh_files({path}, ignored))
+                out.add(file, "which the graph is made around");
         } catch (const engine::Failure&) {
         }
     }
@@ -45,7 +47,7 @@ ReadFiles meshes_and_motion(const Invocation& in) {
 /// Said before anything is computed, so that nobody waits for nothing.
 std::string output_file(const Invocation& in) {
     const auto file = in.arguments.value("--out");
-    if (!file) throw UsageError("say where the graph goes: -o FILE.");
+    if (!file || file->empty()) throw UsageError("say where the graph goes: -o FILE.");
     std::error_code error;
     if (fs::is_directory(*file, error)) throw UsageError("'" + *file + "' is a folder; name a file: -o FILE.");
     meshes_and_motion(in).check_kept(*file, "--out");

@@ -56,10 +56,13 @@ void doubt_bone(Doubting& d, const Member& member, const std::vector<Member>& al
 void doubt_tets(Doubting& d, const Member& tissue);
 void doubt_thickness(Doubting& d, const Member& cloth, double units);
 
-// ---- ties.cpp: what is held by nothing, by next to nothing, or as a whole ----
+// ---- floating.cpp ----
+/// Bodies that nothing holds, or pieces of them that no tets join to one that is held.
+void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members);
+
+// ---- ties.cpp: what is held by next to nothing, or as a whole ----
 void doubt_attachment(Doubting& d, const std::string& node);
 void doubt_hold(Doubting& d, const std::string& node);
-void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members);
 
 // ---- touching.cpp: bodies that contact cannot keep apart ----

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/text.h"
-#include "nodes/options.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
@@ -17,20 +16,6 @@ constexpr double least_tie = 1000, least_tie_of_cloth = 10;
 
 /// Weights below which it is the paint that leaves nothing of a stiffness.
 constexpr double faintly = 0.1;
-
-/// The body, or where several are alike (bones of one mesh in one place) all that may be meant.
-std::vector<int> bodies_meant(const std::vector<nodes::BodyId>& ids, const nodes::BodyId& wanted) {
-    if (const int one = find_body(ids, wanted); one >= 0) return {one};
-    std::vector<int> out;
-    for (std::size_t i = 0; i < ids.size(); ++i)
-        if (ids[i].rest == wanted.rest) out.push_back(static_cast<int>(i));
-    return out;
-}
-
-/// Attachments that are there but pull at nothing, at all frames.
-bool is_idle(const Doubting& d, const std::string& attachment) {
-    return d.number<double>(attachment, "envelope") == 0.0 || d.number<double>(attachment, "stiffness") == 0.0;
-}
 
 /// Of the surface, by area, from 0 to 1: exactly 1 where all of it is.
 double painted_share(const nodes::Body& body, const std::vector<double>& weights) {
@@ -105,62 +90,6 @@ void doubt_hold(Doubting& d, const std::string& name) {
                 "holds the whole of " + plug.node + ", so nothing of it moves or deforms by itself",
                 "paint what is to be held: a node weights with the mesh of " + plug.node +
                     ", for example with mode near; what is to move as a whole is a zBone");
-}
-
-void doubt_floating(Doubting& d, const std::string& solver, const std::vector<Member>& members) {
-    const auto gravity = d.number<engine::Vec3>(solver, "gravity");
-    const auto integrator = d.number<std::string>(solver, "integrator");
-    if (gravity == engine::Vec3{}) return;
-    if (integrator == std::string(nodes::word_of(solver::Integrator::quasi_static))) return; // FE303
-    std::vector<nodes::BodyId> ids;
-    std::vector<char> held;
-    for (const Member& m : members) ids.push_back(id_of(m.body)), held.push_back(m.body.is_bone());
-    for (const engine::Plug& plug : d.plugs(solver, "forces"))
-        if (const auto force = d.value<nodes::Force>(plug); force && force->type->ties)
-            for (const nodes::BodyId& id : force->bodies)
-                for (const int i : bodies_meant(ids, id)) held[at(i)] = 1;
-    std::string idle;
-    std::vector<std::array<int, 2>> links; // a part of a tissue goes with it
-    for (std::size_t i = 0; i < members.size(); ++i)
-        for (std::size_t k = 0; k < members.size() && members[i].body.subtissue; ++k)
-            for (const nodes::BodyRest::Part& part : members[k].body.rest->parts)
-                if (part.digest == members[i].body.subtissue->digest)
-                    links.push_back({static_cast<int>(i), static_cast<int>(k)});
-    for (const engine::Plug& plug : d.plugs(solver, "attachments"))
-        if (const auto a = d.value<nodes::Attachment>(plug); a && a->values.mode() != solver::AttachmentMode::none) {
-            if (is_idle(d, plug.node))
-                idle += (idle.empty() ? "" : ", ") + plug.node;
-            else
-                for (const int one : bodies_meant(ids, a->source_body))
-                    for (const int other : bodies_meant(ids, a->target_body)) links.push_back({one, other});
-        }
-    const bool collides = d.number<bool>(solver, "collisionDetection").value_or(true); // keyed: later
-    for (std::size_t i = 0; i < members.size() && collides; ++i)
-        for (std::size_t k = i + 1; k < members.size(); ++k)
-            if (may_touch(d, members[i], members[k]))
-                links.push_back({static_cast<int>(i), static_cast<int>(k)}); // what it falls on may catch it
-    for (bool grows = true; grows;) {
-        grows = false;
-        for (const auto& [a, b] : links)
-            if (held[at(a)] != held[at(b)]) held[at(a)] = held[at(b)] = 1, grows = true;
-    }
-    std::vector<std::string> falling;
-    for (std::size_t i = 0; i < members.size(); ++i)
-        if (!held[i] && !members[i].body.subtissue) falling.push_back(members[i].name);
-    // What a whole scene does is told once.
-    const bool many = falling.size() > 3;
-    const std::string why = std::string(": no chain of attachments ties ") + (many ? "them" : "it") +
-                            " to a bone, and nothing holds " + (many ? "them" : "it") +
-                            (collides ? many ? " or could catch them" : " or could catch it" : "") +
-                            (idle.empty() ? "" : "; attachments without stiffness or envelope tie nothing: " + idle);
-    const std::string cure = many
-                                 ? "attach each to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]"
-                                 : "attach it to a bone, hold a part of it by zHold, or switch gravity off: [0, 0, 0]";
-    if (many)
-        falling = {falling[0] + ", " + falling[1] + ", " + falling[2] + " and " + std::to_string(falling.size() - 3) +
-                   (falling.size() > 4 ? " others fall" : " other fall")};
-    for (const std::string& name : falling)
-        d.doubt("FE260", solver, "bodies", name + (many ? "" : " falls") + why, cure);
 }
 
 void doubt_whole_attachments(Doubting& d, const std::string& solver, const std::vector<Member>& members) {

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/mesh/mesh_check.h"
 #include "tools/rig/layers_text.h"
+#include "tools/rig/wrap.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +26,7 @@ double mean_edge(const Part& part) {
 
 Rig guess_cloth(const std::vector<std::string>& bodies, const std::string& cloth, const GuessOptions& options) {
     Rig rig;
-    rig.parts = read_parts(mesh_files(bodies), {cloth}, rig.notes, "cloth");
+    rig.parts = read_parts(mesh_files(bodies, rig.notes), {cloth}, rig.notes, "cloth");
     set_space(rig, options);
     Part sheet = std::move(rig.parts.back());
     rig.parts.pop_back();

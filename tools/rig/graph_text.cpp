@@ -35,15 +35,18 @@ std::string wrapped(const std::string& text, const std::string& indent) {
     return out;
 }
 
-} // namespace
-
-std::string number(double value) {
+std::string digits_of(double value, int digits) {
     char text[32];
-    std::snprintf(text, sizeof text, "%.6g", value);
+    std::snprintf(text, sizeof text, "%.*g", digits, value);
     std::string out = text;
     if (const std::size_t at = out.find("e+0"); at != out.npos) out.erase(at + 1, 2); // 1e6, not 1e+06
     return out;
 }
+
+} // namespace
+
+std::string number(double value) { return digits_of(value, 6); }
+std::string coordinate(double value) { return digits_of(value, 9); }
 
 std::string text_of(std::string_view text) { return cli::json_text(nlohmann::json(std::string(text))); }
 
@@ -95,7 +98,9 @@ std::string GraphText::file(const std::string& head, int start, int end, int fps
 
 std::string path_from(const std::string& folder, const std::string& file) {
     namespace fs = std::filesystem;
-    const fs::path from = fs::weakly_canonical(folder.empty() ? "." : folder), to = fs::weakly_canonical(file);
+    // What is not there yet stays as it is written, so it is made absolute first.
+    const fs::path from = fs::weakly_canonical(fs::absolute(folder.empty() ? "." : folder)),
+                   to = fs::weakly_canonical(fs::absolute(file));
     const fs::path relative = to.lexically_relative(from);
     std::string out = (relative.empty() ? to : relative).generic_string();
     if (const std::string shown = engine::utf8_text(out); shown != out)

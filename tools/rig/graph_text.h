@@ -11,7 +11,8 @@
 namespace sinew::rig {
 
 /// JSON texts of values.
-std::string number(double value); ///< 6 digits
+std::string number(double value);     ///< 6 digits
+std::string coordinate(double value); ///< 9 digits, for points that others lie beside
 std::string text_of(std::string_view text);
 std::string wire(const std::string& node, const std::string& output); ///< {"from": "node.output"}
 std::string list(const std::vector<std::string>& items);

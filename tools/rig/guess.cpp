@@ -5,7 +5,9 @@
 
 #include "solver/error.h"
 #include "solver/parallel.h"
+#include "tools/rig/loose_pieces.h"
 #include "tools/rig/reach.h"
+#include "tools/rig/wrap.h"
 
 #include <algorithm>
 #include <cctype>
@@ -142,9 +144,10 @@ std::vector<double> distances(const Part& from, const Surface& to, double most) 
 void set_space(Rig& rig, const GuessOptions& options) {
     check_same_space(rig.parts);
     if (auto doubt = doubt_of_scale(rig.parts)) rig.notes.push_back(std::move(*doubt));
-    if (options.unit.empty())
+    if (options.unit.empty()) {
         rig.unit = guess_unit(rig.parts);
-    else if (const auto unit = unit_of(options.unit)) {
+        if (auto doubt = doubt_of_guess(rig.parts, rig.unit)) rig.notes.push_back(std::move(*doubt));
+    } else if (const auto unit = unit_of(options.unit)) {
         rig.unit = *unit;
         if (auto doubt = doubt_of_unit(rig.parts, rig.unit)) rig.notes.push_back(std::move(*doubt));
     } else
@@ -155,7 +158,7 @@ void set_space(Rig& rig, const GuessOptions& options) {
 Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
               const GuessOptions& options) {
     Rig rig;
-    const auto [bone_files, muscle_files] = mesh_files(bones, muscles);
+    const auto [bone_files, muscle_files] = mesh_files(bones, muscles, rig.notes);
     rig.parts = read_parts(bone_files, muscle_files, rig.notes);
     check_kinds(rig);
     auto doubt = doubt_of_kinds(rig.parts, options.is_one_muscle);
@@ -205,6 +208,7 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
                 say(Severity::warning, "DG158", rig.parts[m.part].name,
                     "nothing holds it, so it would fall; it is written with enable false",
                     "Say what it is attached to: --set '" + rig.parts[m.part].name + ":attachTo=BONE,BONE'."));
+    doubt_loose_pieces(rig, all);
     return rig;
 }
 

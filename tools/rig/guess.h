@@ -81,8 +81,8 @@ struct Rig {
     const Muscle* muscle_of(std::size_t part) const;
 };
 
-/// Sets the unit and the way up, as they are given or guessed. Notes: DG176. Throws engine::Failure DG151, DG152,
-/// DG157; std::invalid_argument for options.
+/// Sets the unit and the way up, as they are given or guessed. Notes: DG176, DG179. Throws engine::Failure DG151,
+/// DG152, DG157; std::invalid_argument for options.
 void set_space(Rig& rig, const GuessOptions& options);
 
 /// A part that distances are measured to.

@@ -3,6 +3,7 @@
 #include "tools/rig/layers_text.h"
 
 #include "solver/error.h"
+#include "tools/rig/wrap.h"
 
 #include <algorithm>
 #include <cctype>
@@ -183,7 +184,7 @@ class Writer {
 
 Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     Layers out;
-    auto [soft, bones] = mesh_files(files.tissues, files.bones);
+    auto [soft, bones] = mesh_files(files.tissues, files.bones, out.rig.notes);
     if (soft.empty() || bones.empty())
         throw engine::Failure(
             say(Severity::error, "DG156", "",
@@ -202,6 +203,7 @@ Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
             out.skin = static_cast<int>(p);
         else
             out.tissues.push_back(p);
+        rig.parts[p].keeps_file = static_cast<int>(p) == out.fascia || static_cast<int>(p) == out.skin;
         // Their nodes are called fascia and skin, whatever the files are.
         if (static_cast<int>(p) == out.fascia || static_cast<int>(p) == out.skin)
             std::erase_if(rig.notes, [&](const engine::Diagnostic& d) {

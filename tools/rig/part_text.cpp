@@ -1,7 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/rig/part_text.h"
 
+#include "tools/rig/wrap.h"
+
 namespace sinew::rig {
+
+namespace {
+
+/// NAMELids.outMesh.
+void write_lids(GraphText& text, const Rig& rig, const Part& part) {
+    std::vector<std::string> points, corners;
+    for (const solver::Vec3& p : part.lids.points)
+        for (int axis = 0; axis < 3; ++axis) points.push_back(coordinate(p[axis]));
+    for (const solver::Triangle& t : part.lids.triangles)
+        for (const int v : t) corners.push_back(std::to_string(v));
+    text.comment("Its holes are as wide as " + length_text(rig, part.lids.widest) +
+                 ". These lids close them, straight across; make them anew if the file changes.");
+    text.node(part.name + "Lids", "hostMesh", {{"points", list(points)}, {"faceVertices", list(corners)}});
+}
+
+} // namespace
 
 std::string length_text(const Rig& rig, double value) { return rough(value) + " " + rig.unit.name; }
 
@@ -28,7 +46,12 @@ void write_mesh(GraphText& text, const Rig& rig, const Part& part, const TextOpt
     text.comment("The file cannot be used as it is, because " + part.why_wrapped + ": a closed surface " +
                  (part.wrap > 0 ? length_text(rig, part.wrap) + " around it." : "in its place."));
     text.node(part.name + "Polygons", "meshFile", {{"file", file}});
-    Inputs inputs{{"meshes", list({wire(part.name + "Polygons", "outMesh")})}};
+    std::vector<std::string> meshes{wire(part.name + "Polygons", "outMesh")};
+    if (part.lids.count > 0) {
+        write_lids(text, rig, part);
+        meshes.push_back(wire(part.name + "Lids", "outMesh"));
+    }
+    Inputs inputs{{"meshes", list(meshes)}};
     if (part.wrap > 0) inputs.emplace_back("isoValue", number(part.wrap));
     inputs.emplace_back("resolution", std::to_string(wrap_resolution));
     text.node(part.name + "Mesh", "zIsoMesh", inputs);

@@ -6,9 +6,6 @@
 #include "nodes/values.h"
 #include "solver/error.h"
 #include "solver/mesh/mesh_check.h"
-#include "solver/meshing/iso_mesh.h"
-#include "solver/meshing/self_intersections.h"
-#include "tools/rig/graph_text.h"
 
 #include <algorithm>
 #include <cctype>
@@ -37,39 +34,54 @@ std::string joined(const std::vector<std::string>& words) {
     return out;
 }
 
-void add_folder(const std::string& folder, std::vector<std::string>& files, std::vector<Diagnostic>& wrong) {
-    std::vector<std::string> found;
+/// What is found, and what is to be said of it.
+struct Found {
+    std::vector<std::string> files;
+    std::vector<Diagnostic> wrong, notes;
+};
+
+void add_folder(const std::string& folder, Found& out) {
+    std::vector<std::string> found, within;
     std::error_code error, ignored; // of a link that leads nowhere: no mesh
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const bool is_hidden = entry.path().filename().string().starts_with(".");
         if (!is_hidden && entry.is_regular_file(ignored) && is_mesh(entry.path()))
             found.push_back(entry.path().string());
+        if (!is_hidden && entry.is_directory(ignored)) within.push_back("'" + entry.path().string() + "'");
     }
     if (error) {
-        wrong.push_back(say(Severity::error, "DG150", "", "cannot read '" + folder + "': " + error.message(),
-                            "Check the folder's permissions."));
+        out.wrong.push_back(say(Severity::error, "DG150", "", "cannot read '" + folder + "': " + error.message(),
+                                "Check the folder's permissions."));
         return;
     }
-    if (found.empty())
-        wrong.push_back(say(Severity::error, "DG150", "", "the folder '" + folder + "' has no mesh in it",
-                            "Name a folder with files that end in " + joined(nodes::mesh_endings()) + "."));
     std::sort(found.begin(), found.end());
-    files.insert(files.end(), found.begin(), found.end());
+    std::sort(within.begin(), within.end());
+    const std::string passed_over =
+        (within.size() == 1 ? "the folder " : "the folders ") + joined(within) + (within.size() == 1 ? " is" : " are");
+    if (found.empty())
+        out.wrong.push_back(say(Severity::error, "DG150", "",
+                                "the folder '" + folder + "' has no mesh in it" +
+                                    (within.empty() ? "" : "; " + passed_over + " not looked into"),
+                                "Name a folder with files that end in " + joined(nodes::mesh_endings()) + "."));
+    else if (!within.empty())
+        out.notes.push_back(say(Severity::note, "DG180", "", passed_over + " not looked into",
+                                "Name each folder whose meshes are meant, too (rig: --bones, --muscles)."));
+    out.files.insert(out.files.end(), found.begin(), found.end());
 }
 
-std::vector<std::string> find_files(const std::vector<std::string>& paths, std::vector<Diagnostic>& wrong) {
-    std::vector<std::string> files;
+Found find_files(const std::vector<std::string>& paths) {
+    Found out;
     for (const std::string& path : paths) {
         std::error_code error;
         if (fs::is_directory(path, error))
-            add_folder(path, files, wrong);
+            add_folder(path, out);
         else if (fs::exists(path, error))
-            files.push_back(path);
+            out.files.push_back(path);
         else
-            wrong.push_back(say(Severity::error, "IO401", "", "there is no file or folder '" + path + "'",
-                                "Name a mesh file, or a folder of mesh files."));
+            out.wrong.push_back(say(Severity::error, "IO401", "", "there is no file or folder '" + path + "'",
+                                    "Name a mesh file, or a folder of mesh files."));
     }
-    return files;
+    return out;
 }
 
 /// Of positions and triangles: of what makes two files the same mesh.
@@ -79,9 +91,9 @@ engine::Digest digest_of(const Part& part) {
 }
 
 /// What nodes of a part are called after its own name.
-constexpr const char* endings[] = {"",         "Solved", "Below", "Stuff", "Solver",       "Mesh",
-                                   "Polygons", "Move",   "Tets",  "Flesh", "TendonA",      "TendonB",
-                                   "TipA",     "TipB",   "Ends",  "Fibre", "TendonAPaint", "TendonBPaint"};
+constexpr const char* endings[] = {"",     "Solved", "Below",        "Stuff",        "Solver",  "Mesh", "Polygons",
+                                   "Move", "Tets",   "Flesh",        "TendonA",      "TendonB", "TipA", "TipB",
+                                   "Ends", "Fibre",  "TendonAPaint", "TendonBPaint", "Lids"};
 
 /// Two names that are alike: the later one says what it is, or gets a number.
 void make_unique(std::vector<Part>& parts, std::string soft, std::vector<Diagnostic>& notes) {
@@ -109,84 +121,6 @@ void make_unique(std::vector<Part>& parts, std::string soft, std::vector<Diagnos
                                 "Rename the file if the name matters."));
         }
         for (const char* ending : endings) taken.insert(part.name + ending);
-    }
-}
-
-/// What keeps a mesh from being used as it is; empty if nothing does. Parts whose vertices are only split along edges
-/// are as good as closed.
-std::string fault_of(const solver::MeshCheck& check) {
-    const auto it_has = [](const solver::Flaw& flaw, const char* one, const char* many) {
-        return "it has " + solver::describe(flaw, one, many);
-    };
-    if (check.open_edges && !check.encloses) return it_has(check.open_edges, "open edge", "open edges");
-    if (check.non_manifold_edges)
-        return it_has(check.non_manifold_edges, "edge with over two triangles", "edges with over two triangles");
-    if (check.badly_oriented_edges)
-        return it_has(check.badly_oriented_edges, "edge whose triangles face different ways",
-                      "edges whose triangles face different ways");
-    if (check.volume < 0) return "its faces look inwards";
-    return "";
-}
-
-/// In grid cells.
-constexpr double narrowest_wrap = 0.6, widest_wrap = 8;
-
-/// What meshing says of a shell that triangles cannot follow.
-bool is_lost(const solver::Error& e) { return e.code == "FE231" || e.code == "FE234"; }
-
-/// Whether the surface at this distance bounds a solid; through holes that are too wide it goes in, and is a shell.
-bool is_solid(const solver::IsoMesh& mesh, double area, double distance) {
-    return solver::enclosed_volume(mesh.points, mesh.triangles) > 2 * (2 * distance * area);
-}
-
-/// The same told from few triangles, which is quicker where it is a shell.
-bool closes(const Part& part, solver::IsoMeshOptions options, double area, const solver::MeshingControl& control) {
-    options.triangle_size = 2 * solver::default_triangle_size(part.points, part.triangles);
-    options.is_manifold = false;
-    try {
-        return is_solid(solver::make_iso_mesh(part.points, part.triangles, options, control), area, options.iso_value);
-    } catch (const solver::Error& e) {
-        if (!is_lost(e)) throw;
-        return false;
-    }
-}
-
-double area_of(const Part& part) {
-    double out = 0;
-    for (const double a : solver::vertex_areas(part.points, part.triangles)) out += a;
-    return out;
-}
-
-void wrap(Part& part, const std::function<bool()>& stop) {
-    const solver::MeshCheck check = solver::inspect_mesh(part.points, part.triangles);
-    part.why_wrapped = fault_of(check);
-    if (part.why_wrapped.empty()) return;
-    solver::IsoMeshOptions options;
-    options.resolution = wrap_resolution;
-    // Where triangles are only turned differently, or doubled, the surface itself can be made anew.
-    const double cell = part.box.size().maxCoeff() / wrap_resolution, area = area_of(part);
-    solver::MeshingControl control;
-    control.stop = stop;
-    for (double cells = check.encloses ? 0 : narrowest_wrap;; cells *= 2) {
-        options.iso_value = cells * cell;
-        // A hole that was too wide leaves a hollow, or an edge where its rims just meet; a wider wrap closes it. Sheets
-        // have no volume at any width.
-        const bool is_last = cells == 0 || cells > widest_wrap / 2;
-        if (!is_last && cells > narrowest_wrap && !closes(part, options, area, control)) continue;
-        solver::IsoMesh made;
-        try {
-            made = solver::make_iso_mesh(part.points, part.triangles, options, control);
-        } catch (const solver::Error& e) {
-            if (is_last || !is_lost(e)) throw;
-            continue;
-        }
-        if (!is_last && !is_solid(made, area, options.iso_value)) continue;
-        part.is_wrapped = true;
-        part.wrap = options.iso_value;
-        part.points = std::move(made.points);
-        part.triangles = std::move(made.triangles);
-        part.box = solver::bounding_box(part.points);
-        return;
     }
 }
 
@@ -219,20 +153,18 @@ std::string camel_case(const std::string& stem) {
     return out;
 }
 
-std::vector<std::string> mesh_files(const std::vector<std::string>& paths) {
-    std::vector<Diagnostic> wrong;
-    std::vector<std::string> files = find_files(paths, wrong);
-    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
-    return files;
+std::vector<std::string> mesh_files(const std::vector<std::string>& paths, std::vector<Diagnostic>& notes) {
+    return mesh_files(paths, {}, notes).first;
 }
 
 std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
-                                                                         const std::vector<std::string>& others) {
-    std::vector<Diagnostic> wrong;
-    std::pair<std::vector<std::string>, std::vector<std::string>> files;
-    files.first = find_files(some, wrong), files.second = find_files(others, wrong);
-    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
-    return files;
+                                                                         const std::vector<std::string>& others,
+                                                                         std::vector<Diagnostic>& notes) {
+    Found first = find_files(some), second = find_files(others);
+    first.wrong.insert(first.wrong.end(), second.wrong.begin(), second.wrong.end());
+    if (!first.wrong.empty()) throw engine::Failure(std::move(first.wrong));
+    for (const Found* found : {&first, &second}) notes.insert(notes.end(), found->notes.begin(), found->notes.end());
+    return {std::move(first.files), std::move(second.files)};
 }
 
 std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
@@ -278,26 +210,6 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
     if (!wrong.empty()) throw engine::Failure(std::move(wrong));
     make_unique(parts, soft, notes);
     return parts;
-}
-
-void wrap_open(std::vector<Part>& parts, std::vector<Diagnostic>& notes, const std::function<bool()>& stop) {
-    std::vector<Diagnostic> wrong;
-    for (Part& part : parts) {
-        try {
-            const double cell = part.box.size().maxCoeff() / wrap_resolution;
-            wrap(part, stop);
-            if (part.wrap > 2 * cell)
-                notes.push_back(say(Severity::warning, "DG163", part.name,
-                                    "'" + part.file + "' has wide holes: the surface that closes them is " +
-                                        rough(part.wrap) + " around it, by which the body gets larger",
-                                    "Close the holes in the mesh."));
-        } catch (const solver::Error& e) {
-            wrong.push_back(say(
-                Severity::error, e.code, part.name,
-                part.file + ": " + part.why_wrapped + ", and no surface can be put around it: " + e.what(), e.hint));
-        }
-    }
-    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
 }
 
 } // namespace sinew::rig

@@ -1,8 +1,9 @@
-// The meshes that a new graph is made around: found, read, named, and wrapped where they are not closed.
+// The meshes that a new graph is made around: found, read and named.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/diagnostics.h"
 #include "solver/mesh/surface_mesh.h"
+#include "tools/rig/lids.h"
 
 #include <functional>
 #include <string>
@@ -24,18 +25,19 @@ struct Part {
     bool is_wrapped = false;
     double wrap = 0;         ///< how far from the file's polygons the wrapping surface is, in scene units
     std::string why_wrapped; ///< what is wrong with the file's mesh
+    Lids lids;               ///< over wide holes; wrapped together with the file's polygons
+    bool is_hollow = false;  ///< what wraps it is a shell, since nothing closes it or it has no inside
+    bool keeps_file = false; ///< a sheet or shell, which is used as it is
     solver::Box box;
 };
 
-/// Grid cells along the longest side of what is wrapped.
-constexpr int wrap_resolution = 256;
-
 /// The mesh files that `paths` stand for: those in a folder, by name, or the path itself. Throws engine::Failure:
-/// IO401, DG150 for a folder without meshes.
-std::vector<std::string> mesh_files(const std::vector<std::string>& paths);
+/// IO401, DG150 for a folder without meshes. Notes: DG180 for folders within, which are passed over.
+std::vector<std::string> mesh_files(const std::vector<std::string>& paths, std::vector<engine::Diagnostic>& notes);
 /// The same of two lists, what is wrong with either told at once.
 std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
-                                                                         const std::vector<std::string>& others);
+                                                                         const std::vector<std::string>& others,
+                                                                         std::vector<engine::Diagnostic>& notes);
 
 /// Reads and names them; does not wrap. Throws engine::Failure with all files that cannot be used: IO4xx, FE2xx, DG153
 /// for a bone and a muscle that are the same mesh. What two files of one kind have in common is left out of the second
@@ -43,10 +45,6 @@ std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const s
 /// \param soft what one of `muscles` is called there: "muscle", "cloth"
 std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
                              std::vector<engine::Diagnostic>& notes, const std::string& soft = "muscle");
-
-/// Puts a closed surface around each part that is not closed, has edges with over two triangles or is turned inside
-/// out. Warns of wide holes (DG163). Throws engine::Failure (FE2xx) if none can be made, solver::Stopped.
-void wrap_open(std::vector<Part>& parts, std::vector<engine::Diagnostic>& notes, const std::function<bool()>& stop);
 
 /// "biceps_long_head" → "bicepsLongHead"; what no name may begin with gets "mesh" before it.
 std::string camel_case(const std::string& stem);

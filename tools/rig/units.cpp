@@ -27,6 +27,14 @@ constexpr BoneLength bone_lengths[] = {
 };
 
 constexpr std::array guessed_units = {"mm", "cm", "m"};
+/// Which meshes are in, too, but so seldom that they are no guess.
+constexpr std::array other_units = {"in", "ft", "dm"};
+
+/// By such a factor a bone may differ from one of its name; where no name is known, the longest mesh from half a metre.
+constexpr double most_known = 2.5, most_unknown = 4;
+/// A unit fits about as well as the guessed one if it is off by at most so much more; where no name is known, by so
+/// much less.
+constexpr double as_well_known = 1.25, as_well_unknown = 1 / 1.5;
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -38,6 +46,8 @@ std::string in_metres(double metres) {
            : metres < 1  ? rough(100 * metres) + " cm"
                          : rough(metres) + " m";
 }
+
+std::string in_words(const std::string& unit) { return unit == "in" ? "inches" : unit == "ft" ? "feet" : unit; }
 
 double size_of(const Part& part) { return part.box.size().norm(); }
 
@@ -86,6 +96,25 @@ std::pair<double, std::string> by_sizes(const std::vector<Part>& parts, const st
     return {std::log(size_of(longest) / 0.5), longest.name};
 }
 
+/// By how much the parts are off in a unit: the log of a factor.
+double off_by(double log_ratio, const char* unit) { return std::abs(log_ratio - std::log(unit_of(unit)->per_metre)); }
+
+/// "in inches 37 cm" of the units in which they are off by less than this, joined by "or".
+struct Fitting {
+    std::string lengths, flags;
+};
+template <std::size_t n>
+Fitting fitting(const std::array<const char*, n>& units, double log_ratio, double most, double size) {
+    Fitting out;
+    for (const char* name : units) {
+        if (!(off_by(log_ratio, name) <= most)) continue;
+        out.lengths +=
+            (out.lengths.empty() ? "in " : ", in ") + in_words(name) + " " + in_metres(size / unit_of(name)->per_metre);
+        out.flags += (out.flags.empty() ? "--unit " : " or --unit ") + std::string(name);
+    }
+    return out;
+}
+
 /// By the larger one's size: so far apart may boxes of one body be.
 constexpr double is_near = 0.25;
 
@@ -115,25 +144,43 @@ std::optional<Unit> unit_of(const std::string& word) {
 Unit guess_unit(const std::vector<Part>& parts) {
     const auto known = by_names(parts);
     const auto [log_ratio, which] = by_sizes(parts, known);
-    const double most = std::log(known ? 2.5 : 4.0);
+    const double most = std::log(known ? most_known : most_unknown);
     const Part& part = *std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == which; });
     Unit best;
     double least = 1e300;
     for (const char* name : guessed_units) {
         Unit unit = unit_of(name).value();
-        const double off = std::abs(log_ratio - std::log(unit.per_metre));
+        const double off = off_by(log_ratio, name);
         if (off < least) least = off, best = unit;
     }
-    if (!(least <= most))
+    if (!(least <= most)) {
+        const Fitting other = fitting(other_units, log_ratio, most, size_of(part));
         throw engine::Failure(say(Severity::error, "DG151", part.name,
                                   "the unit cannot be told: " + part.name + " is " + rough(size_of(part)) +
                                       " units long, which is neither in mm nor in cm nor in m the size of " +
-                                      (known ? "such a bone" : "a part of a body"),
-                                  "Say it: --unit mm, cm, m or in."));
+                                      (known ? "such a bone" : "a part of a body") +
+                                      (other.lengths.empty() ? "" : ", but is " + other.lengths),
+                                  other.flags.empty() ? "Say it: --unit mm, cm, dm, m, in or ft."
+                                                      : "Say it: " + other.flags + ", if that is meant."));
+    }
     best.how_known = "guessed: " + part.name + " is " + rough(size_of(part)) + " units long, in " + best.name + " " +
                      in_metres(size_of(part) / best.per_metre) +
                      (known ? "" : "; no bone has a name that tells its size, so this is a weak guess");
     return best;
+}
+
+std::optional<engine::Diagnostic> doubt_of_guess(const std::vector<Part>& parts, const Unit& guessed) {
+    const auto known = by_names(parts);
+    const auto [log_ratio, which] = by_sizes(parts, known);
+    const double most = off_by(log_ratio, guessed.name.c_str()) + std::log(known ? as_well_known : as_well_unknown);
+    const Part& part = *std::find_if(parts.begin(), parts.end(), [&](const Part& p) { return p.name == which; });
+    const Fitting other = fitting(other_units, log_ratio, most, size_of(part));
+    if (other.lengths.empty()) return {};
+    return say(Severity::warning, "DG179", part.name,
+               "the unit is not sure: it is " + rough(size_of(part)) + " units long, in " + guessed.name +
+                   ", as was guessed, " + in_metres(size_of(part) / guessed.per_metre) + ", and " + other.lengths +
+                   ", which fits " + (known ? "such bones" : "a part of a body") + " as well or better",
+               "Say it: " + other.flags + ", or --unit " + guessed.name + " if the guess is right.");
 }
 
 std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, const Unit& unit) {

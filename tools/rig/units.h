@@ -24,6 +24,10 @@ std::optional<Unit> unit_of(const std::string& word);
 /// grown people; how near they are matters little, as the units are ten apart.
 Unit guess_unit(const std::vector<Part>& parts);
 
+/// A warning (DG179) if in a unit that is not among the guessed ones (inches, feet, dm) the meshes have such sizes as
+/// nearly as in the one that was guessed, or more so.
+std::optional<engine::Diagnostic> doubt_of_guess(const std::vector<Part>& parts, const Unit& guessed);
+
 /// A warning (DG176) if bones whose names tell their size, or else the largest mesh, are plainly not so large in this
 /// unit.
 std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, const Unit& unit);
