@@ -137,8 +137,9 @@ class Ties {
 
     /// All of one body to all of another, or of itself.
     void link(std::size_t a, std::size_t b) {
-        for (int i = 0; i < pieces_[a].count; ++i)
-            for (int k = 0; k < pieces_[b].count; ++k) links_.push_back({pieces_[a].first + i, pieces_[b].first + k});
+        for (const Pieces* one : {&pieces_[a], &pieces_[b]})
+            for (int i = 1; i < one->count; ++i) links_.push_back({one->first, one->first + i});
+        links_.push_back({pieces_[a].first, pieces_[b].first});
     }
 
     /// A part of a tissue goes with it, and what may be touched may catch what falls.
@@ -155,11 +156,12 @@ class Ties {
     }
 
     void spread() {
-        for (bool grows = true; grows;) {
-            grows = false;
-            for (const auto& [a, b] : links_)
-                if (held_[at(a)] != held_[at(b)]) held_[at(a)] = held_[at(b)] = 1, grows = true;
-        }
+        Joins joins(held_.size());
+        joins.join_all(links_);
+        std::vector<char> holds(held_.size(), 0);
+        for (std::size_t p = 0; p < held_.size(); ++p)
+            if (held_[p]) holds[at(joins.root(static_cast<int>(p)))] = 1;
+        for (std::size_t p = 0; p < held_.size(); ++p) held_[p] = holds[at(joins.root(static_cast<int>(p)))];
     }
 
     const Pieces& pieces(std::size_t member) const { return pieces_[member]; }
@@ -213,12 +215,11 @@ class Ties {
 /// "12.5 long, around (10, 20, 0)": of the largest of these pieces.
 std::string place_of(const Member& m, const Pieces& pieces, const std::vector<int>& which) {
     const solver::Points& points = *m.body.rest->mesh.points;
+    std::vector<solver::Points> own(at(pieces.count));
+    for (std::size_t v = 0; v < points.size(); ++v) own[at(pieces.of(v) - pieces.first)].push_back(points[v]);
     solver::Box largest{solver::Vec3::Zero(), solver::Vec3::Zero()};
     for (const int piece : which) {
-        solver::Points own;
-        for (std::size_t v = 0; v < points.size(); ++v)
-            if (pieces.of(v) == piece) own.push_back(points[v]);
-        const solver::Box box = solver::bounding_box(own);
+        const solver::Box box = solver::bounding_box(own[at(piece - pieces.first)]);
         if (box.size().maxCoeff() > largest.size().maxCoeff()) largest = box;
     }
     const solver::Vec3 middle = largest.centre();

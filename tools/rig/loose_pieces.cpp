@@ -14,26 +14,28 @@ using solver::at;
 
 namespace {
 
-/// One piece with its own vertices.
-Part cut_out(const Part& part, const Pieces& pieces, int piece) {
-    Part out;
+/// Each piece with its own vertices.
+std::vector<Part> cut_apart(const Part& part, const Pieces& pieces) {
+    std::vector<Part> out(pieces.count);
     std::vector<int> own(part.points.size(), -1);
     for (solver::Triangle t : part.triangles) {
-        if (pieces.of_vertex[at(t[0])] != piece) continue;
+        Part& piece = out[at(pieces.of_vertex[at(t[0])])];
         for (int& v : t) {
             if (own[at(v)] < 0) {
-                own[at(v)] = static_cast<int>(out.points.size());
-                out.points.push_back(part.points[at(v)]);
+                own[at(v)] = static_cast<int>(piece.points.size());
+                piece.points.push_back(part.points[at(v)]);
             }
             v = own[at(v)];
         }
-        out.triangles.push_back(t);
+        piece.triangles.push_back(t);
     }
-    out.box = solver::bounding_box(out.points);
+    for (Part& piece : out) piece.box = solver::bounding_box(piece.points);
     return out;
 }
 
 bool are_near(const Part& a, const Part& b, double most) {
+    const solver::Vec3 gap = (a.box.min - b.box.max).cwiseMax(b.box.min - a.box.max);
+    if (gap.maxCoeff() > most) return false;
     const auto reaches = [&](const Part& from, const Part& to) {
         const std::vector<double> all = distances(from, Surface(to), most);
         return *std::min_element(all.begin(), all.end()) <= most;
@@ -69,8 +71,7 @@ void doubt_loose_pieces(Rig& rig, const AllDistances& all) {
         const Pieces pieces = pieces_of(part.points, part.triangles);
         if (!m.is_held() || pieces.count < 2) continue;
         std::vector<char> is_held = tied(rig, m, pieces, all[i]);
-        std::vector<Part> cut;
-        for (std::size_t p = 0; p < pieces.count; ++p) cut.push_back(cut_out(part, pieces, static_cast<int>(p)));
+        const std::vector<Part> cut = cut_apart(part, pieces);
         // Tets that reach across to another piece tie the two.
         std::vector<std::size_t> open;
         for (std::size_t p = 0; p < pieces.count; ++p)
