@@ -21,9 +21,7 @@ namespace sinew::engine {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+void fail_to_write(const fs::path& path, const std::string& reason) {
     Diagnostic d;
     d.code = "IO405";
     d.message = "cannot write '" + path.string() + "': " + reason;
@@ -31,7 +29,9 @@ namespace {
     throw Failure(d);
 }
 
-[[noreturn]] void fail(const fs::path& path) { fail(path, std::strerror(errno)); }
+namespace {
+
+[[noreturn]] void fail(const fs::path& path) { fail_to_write(path, std::strerror(errno)); }
 
 void write_all(int descriptor, std::string_view bytes, const fs::path& path) {
     while (!bytes.empty()) {
@@ -124,7 +124,7 @@ int open_device(const fs::path& path) {
             errno = ENXIO; // of a device, or a socket, that nobody is behind
             return -1;
         }
-        if (i == waits) fail(path, "nothing reads from this pipe");
+        if (i == waits) fail_to_write(path, "nothing reads from this pipe");
         nanosleep(&moment, nullptr);
     }
 }
@@ -183,11 +183,11 @@ AtomicFile::AtomicFile(const fs::path& path_or_link, const FileAccess& files)
     if (fs::is_symlink(fs::symlink_status(path_or_link, error))) {
         error.clear();
         path = fs::weakly_canonical(path_or_link, error);
-        if (error) fail(path_or_link, error.message());
+        if (error) fail_to_write(path_or_link, error.message());
     }
     error.clear();
     if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
-    if (error) fail(path, error.message());
+    if (error) fail_to_write(path, error.message());
     impl_->file.emplace(path);
 }
 

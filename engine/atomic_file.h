@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace sinew::engine {
@@ -20,6 +21,9 @@ void write_file(const std::filesystem::path& path, std::string_view bytes, const
 /// The same for what may be lost in a power cut, as long as it is whole or not there as far as programs see: it does
 /// not wait for the disk. For caches that check what they read.
 void write_file_soon(const std::filesystem::path& path, std::string_view bytes, const FileAccess& files = {});
+
+/// Throws Failure IO405: `path` cannot be written, and why.
+[[noreturn]] void fail_to_write(const std::filesystem::path& path, const std::string& reason);
 
 /// Whether `path` names what this program has open, as /dev/stdout and /dev/fd/1 do: that is written on, wherever it
 /// leads.

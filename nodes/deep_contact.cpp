@@ -3,8 +3,8 @@
 
 #include "nodes/contact_inputs.h"
 #include "nodes/z_solver_attributes.h"
+#include "solver/mesh/surface_pieces.h"
 #include "solver/terms/contact/contact_rest.h"
-#include "solver/terms/pressure/surface_pieces.h"
 
 #include <algorithm>
 #include <cmath>

@@ -125,7 +125,10 @@ Explainer::FromFrames Explainer::differs_from_frames(int simulation, int frame) 
 std::string Explainer::FromFrames::text(int frame) const {
     const std::string kept = "what is kept of frame " + std::to_string(frame);
     if (!plugs.empty()) return kept + " differs in " + joined(plugs);
-    return is_of_others ? kept + " is of another build of Sinew, or of another processor's kernels" : "";
+    return is_of_others
+               ? kept +
+                     " is of another build of Sinew, of another processor's kernels, or of a run that differs before it"
+               : "";
 }
 
 // Names the plug at which work begins and why it is not there already, and how what is kept on disk differs.

@@ -27,7 +27,7 @@ class Explainer {
     struct FromFrames {
         std::vector<std::string>
             plugs;                 ///< in which it differs from the one that it differs from least, of such the newest
-        bool is_of_others = false; ///< there are some, but of another build or another processor's kernels alone
+        bool is_of_others = false; ///< there are some, but none that differs in what it was made from
         std::string text(int frame) const; ///< empty where nothing is kept
     };
     /// How a frame differs from those of the same number that are kept on disk of this node.

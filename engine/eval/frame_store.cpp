@@ -256,14 +256,6 @@ std::string record_of(std::span<const PlugContent> rows) {
     return {reinterpret_cast<const char*>(out.bytes.data()), out.bytes.size()};
 }
 
-[[noreturn]] void fail_to_write(const fs::path& file, const std::string& reason) {
-    Diagnostic d;
-    d.code = "IO405";
-    d.message = "cannot write '" + file.string() + "': " + reason;
-    d.hint = "check the folder's permissions and the free space";
-    throw Failure(d);
-}
-
 void append_rows(const fs::path& file, std::span<const PlugContent> rows) {
     const int descriptor = open(file.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (descriptor < 0) fail_to_write(file, std::strerror(errno));

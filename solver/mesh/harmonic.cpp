@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/joined_sets.h"
 #include "solver/linear/scalar_cholesky.h"
 #include "solver/mesh/paint_pieces.h"
 
@@ -14,7 +15,6 @@
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 namespace sinew::solver {
 namespace {
@@ -45,19 +45,12 @@ Eigen::Matrix<double, 3, 4> hat_gradients(const TetMesh& mesh, std::size_t tet) 
 
 /// Number of the connected part (through shared vertices) that each vertex belongs to: its lowest vertex.
 std::vector<int> connected_parts(const TetMesh& mesh) {
-    std::vector<int> parent(mesh.vertices.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int v) {
-        while (parent[at(v)] != v) v = parent[at(v)] = parent[at(parent[at(v)])];
-        return v;
-    };
+    JoinedSets parts(mesh.vertices.size());
     for (const Tet& t : mesh.tets)
-        for (int k = 1; k < 4; ++k) {
-            const int a = root(t[0]), b = root(t[at(k)]);
-            parent[at(std::max(a, b))] = std::min(a, b);
-        }
-    for (int v = 0; v < static_cast<int>(parent.size()); ++v) parent[at(v)] = root(v);
-    return parent;
+        for (std::size_t k = 1; k < 4; ++k) parts.join(t[0], t[k]);
+    std::vector<int> out;
+    for (int v = 0; v < static_cast<int>(mesh.vertices.size()); ++v) out.push_back(parts.root(v));
+    return out;
 }
 
 /// Minimises f.K.f / 2 subject to B.f = v by the method of multipliers: A = K + B^T.W.B with a large W is

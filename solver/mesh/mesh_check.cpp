@@ -4,6 +4,7 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/joined_sets.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/tet_quality.h"
 
@@ -36,28 +37,12 @@ std::vector<Use> edge_uses(const std::vector<Triangle>& triangles) {
     return uses;
 }
 
-struct Joined {
-    std::vector<int> parent;
-    explicit Joined(std::size_t n)
-        : parent(n) {
-        std::iota(parent.begin(), parent.end(), 0);
-    }
-    int find(int i) {
-        while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-        return i;
-    }
-    void join(int a, int b) {
-        a = find(a), b = find(b);
-        parent[at(std::max(a, b))] = std::min(a, b);
-    }
-};
-
 /// Returns the part of each triangle: the lowest triangle in it.
 std::vector<int> check_edges(const std::vector<Triangle>& triangles, MeshCheck& out) {
     const std::vector<Use> uses = edge_uses(triangles);
-    Joined parts(triangles.size());
+    JoinedSets parts(triangles.size());
     // Corners are joined over edges; a vertex with more than one group of corners has more than one fan.
-    Joined corners(3 * triangles.size());
+    JoinedSets corners(3 * triangles.size());
     const auto corner = [&](int t, int v) {
         const Triangle& c = triangles[at(t)];
         return 3 * t + static_cast<int>(std::find(c.begin(), c.end(), v) - c.begin());
@@ -74,14 +59,14 @@ std::vector<int> check_edges(const std::vector<Triangle>& triangles, MeshCheck& 
     }
     std::vector<int> part_of;
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        part_of.push_back(parts.find(static_cast<int>(t)));
+        part_of.push_back(parts.root(static_cast<int>(t)));
         out.components += part_of.back() == static_cast<int>(t);
     }
 
     std::vector<std::array<int, 2>> fans; // vertex, group
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k)
-            fans.push_back({triangles[t][k], corners.find(static_cast<int>(3 * t + k))});
+            fans.push_back({triangles[t][k], corners.root(static_cast<int>(3 * t + k))});
     std::sort(fans.begin(), fans.end());
     fans.erase(std::unique(fans.begin(), fans.end()), fans.end());
     for (std::size_t i = 0, j; i < fans.size(); i = j) {

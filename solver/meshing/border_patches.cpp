@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/meshing/border_patches.h"
+#include "solver/joined_sets.h"
 
 #include <Eigen/LU>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 namespace sinew::solver {
 
@@ -26,26 +26,6 @@ std::vector<Triangle> some_triangles(const Solid& solid, const std::vector<int>&
     for (const int t : numbers) out.push_back(solid.triangles[at(t)]);
     return out;
 }
-
-/// A list's elements in sets that are joined one by one.
-class Joined {
-  public:
-    explicit Joined(std::size_t count)
-        : above_(count) {
-        std::iota(above_.begin(), above_.end(), 0);
-    }
-    int of(int i) {
-        while (above_[at(i)] != i) i = above_[at(i)] = above_[at(above_[at(i)])];
-        return i;
-    }
-    void join(int i, int j) {
-        const auto [low, high] = std::minmax({of(i), of(j)});
-        above_[at(high)] = low;
-    }
-
-  private:
-    std::vector<int> above_;
-};
 
 } // namespace
 
@@ -106,7 +86,7 @@ std::vector<BorderPatch> border_patches(const Solid& solid) {
             const int a = solid.triangles[t][k], b = solid.triangles[t][(k + 1) % 3];
             at_edge[{std::min(a, b), std::max(a, b)}].push_back(static_cast<int>(t));
         }
-    Joined sets(count);
+    JoinedSets sets(count);
     const auto join = [&](double cosine) {
         for (const auto& [edge, sharing] : at_edge) {
             if (sharing.size() != 2) continue;
@@ -118,7 +98,7 @@ std::vector<BorderPatch> border_patches(const Solid& solid) {
     const auto collect = [&] {
         parts.clear();
         for (std::size_t t = 0; t < count; ++t)
-            if (counts(t)) parts[sets.of(static_cast<int>(t))].push_back(static_cast<int>(t));
+            if (counts(t)) parts[sets.root(static_cast<int>(t))].push_back(static_cast<int>(t));
     };
     join(least_cosine);
     collect();

@@ -3,11 +3,11 @@
 #include "solver/meshing/lattice_cells.h"
 
 #include "solver/index.h"
+#include "solver/joined_sets.h"
 #include "solver/parallel.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace sinew::solver {
 namespace {
@@ -67,28 +67,6 @@ std::vector<Contact> find_all_contacts(const BccGrid& grid, const std::vector<st
     return all;
 }
 
-/// Regions of lattice vertices joined by tets that the surface does not touch: each is inside or outside as a
-/// whole.
-class Regions {
-  public:
-    explicit Regions(std::int64_t count)
-        : parent_(at(count)) {
-        std::iota(parent_.begin(), parent_.end(), 0);
-    }
-    int root(std::int64_t i) {
-        int r = static_cast<int>(i);
-        while (parent_[at(r)] != r) r = parent_[at(r)] = parent_[at(parent_[at(r)])];
-        return r;
-    }
-    void join(std::int64_t a, std::int64_t b) {
-        const int ra = root(a), rb = root(b);
-        parent_[at(std::max(ra, rb))] = std::min(ra, rb);
-    }
-
-  private:
-    std::vector<int> parent_;
-};
-
 /// Tets that no triangle touches and that are not outside.
 struct Untouched {
     std::int64_t tet;
@@ -142,7 +120,8 @@ class Finder {
 
     std::vector<Untouched> inside_closed() {
         control_.report(0.3, "finding the inside");
-        Regions regions(grid_.vertex_numbers());
+        // Of lattice vertices: each is inside or outside as a whole.
+        JoinedSets regions(at(grid_.vertex_numbers()));
         for_each_untouched([&](std::int64_t tet) {
             const auto keys = grid_.tet_vertices(tet);
             for (std::size_t k = 1; k < 4; ++k)

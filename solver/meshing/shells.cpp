@@ -4,13 +4,13 @@
 
 #include "solver/error.h"
 #include "solver/index.h"
+#include "solver/joined_sets.h"
 #include "solver/mesh/closest_point.h"
 #include "solver/mesh/surface_mesh.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
@@ -79,26 +79,18 @@ double volume_about(const Points& points, const std::vector<Triangle>& triangles
 
 Shells find_shells(const Points& points, const std::vector<Triangle>& triangles) {
     const std::vector<Side> sides = sorted_sides(triangles);
-    std::vector<int> parent(triangles.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int i) {
-        while (parent[at(i)] != i) i = parent[at(i)] = parent[at(parent[at(i)])];
-        return i;
-    };
+    JoinedSets joined(triangles.size());
     for_each_edge(sides, [&](std::span<const Side> edge) {
-        for (const Side& side : edge) {
-            const int a = root(edge.front().triangle), b = root(side.triangle);
-            parent[at(std::max(a, b))] = std::min(a, b);
-        }
+        for (const Side& side : edge) joined.join(edge.front().triangle, side.triangle);
     });
     std::vector<char> is_open(triangles.size(), 0); // by root
     for_each_edge(sides, [&](std::span<const Side> edge) {
-        if (sum_of_signs(edge) != 0) is_open[at(root(edge.front().triangle))] = 1;
+        if (sum_of_signs(edge) != 0) is_open[at(joined.root(edge.front().triangle))] = 1;
     });
     Shells result;
     std::map<int, int> number; // of a root; the open ones share -1
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const int r = root(static_cast<int>(t));
+        const int r = joined.root(static_cast<int>(t));
         const bool open = is_open[at(r)] != 0;
         const auto [place, is_new] = number.emplace(open ? -1 : r, static_cast<int>(result.shells.size()));
         if (is_new) result.shells.emplace_back();

@@ -3,7 +3,9 @@
 import importlib
 import os
 import sys
+import tempfile
 import types
+import unittest
 
 import numpy as np
 
@@ -23,6 +25,18 @@ def part(name):
         blender.app.handlers = sys.modules["bpy.app.handlers"] = types.ModuleType("bpy.app.handlers")
         blender.app.handlers.persistent = lambda handler: handler
     return importlib.import_module("sinew_blender." + name)
+
+
+class InFolder(unittest.TestCase):
+    """Tests that have a folder each."""
+
+    def setUp(self):
+        made = tempfile.TemporaryDirectory()
+        self.addCleanup(made.cleanup)
+        self.folder = made.name
+
+    def path(self, *parts):
+        return os.path.join(self.folder, *parts)
 
 
 class Array:

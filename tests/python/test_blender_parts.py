@@ -3,14 +3,13 @@
 import errno
 import json
 import os
-import tempfile
 import types
 import unittest
 from unittest import mock
 
 import numpy as np
 import sinew
-from blender_stand_ins import PYRAMID, TET, Mesh, Objects, part
+from blender_stand_ins import PYRAMID, TET, InFolder, Mesh, Objects, part
 from scenes import hanging
 
 files, space, module = part("files"), part("space"), part("module")
@@ -31,15 +30,7 @@ class Names(unittest.TestCase):
         self.assertEqual(names.of("a b."), "a b_")
 
 
-class Caches(unittest.TestCase):
-    def setUp(self):
-        made = tempfile.TemporaryDirectory()
-        self.addCleanup(made.cleanup)
-        self.folder = made.name
-
-    def path(self, *parts):
-        return os.path.join(self.folder, *parts)
-
+class Caches(InFolder):
     def test_a_cache_appears_when_it_is_whole(self):
         cache = files.PointCache(self.path("a.pc2"), 2, 5)
         cache.add(np.arange(6.0).reshape(2, 3))
@@ -71,15 +62,7 @@ class Caches(unittest.TestCase):
         self.assertEqual(os.listdir(self.folder), [])
 
 
-class Staging(unittest.TestCase):
-    def setUp(self):
-        made = tempfile.TemporaryDirectory()
-        self.addCleanup(made.cleanup)
-        self.folder = made.name
-
-    def path(self, *parts):
-        return os.path.join(self.folder, *parts)
-
+class Staging(InFolder):
     def tree(self):
         return sorted(os.path.relpath(os.path.join(inside, name), self.folder)
                       for inside, _, names in os.walk(self.folder) for name in names)
@@ -223,13 +206,11 @@ class Sending(unittest.TestCase):
         self.assertEqual(len(self.sent(3).points), 5)
 
 
-class Exporting(unittest.TestCase):
+class Exporting(InFolder):
     """A scene of a bone that moves, one that deforms, and a muscle, as `export` reads it."""
 
     def setUp(self):
-        made = tempfile.TemporaryDirectory()
-        self.addCleanup(made.cleanup)
-        self.folder = made.name
+        super().setUp()
         self.export = part("export")
         self.bone = self.object("arm/left", "BONE")
         self.deforming = self.object("arm.left", "BONE", deforms=True)

@@ -51,39 +51,36 @@ void keep_errors(std::span<const engine::Diagnostic> diagnostics) {
 
 sinew_status keep_current_exception() noexcept {
     forget_errors();
-    sinew_status unsaid = SINEW_INTERNAL; // where there is no memory for a message, the status alone has to do
+    sinew_status status = SINEW_INTERNAL;
+    const auto tell = [](const engine::Diagnostic& d) { keep_errors({&d, 1}); };
     try {
         try {
             throw;
         } catch (const embed::Misuse& e) {
+            status = SINEW_USAGE;
             keep_errors(e.diagnostics());
-            return SINEW_USAGE;
         } catch (const engine::SolveFailure& e) {
+            status = SINEW_SOLVE_FAILED;
             keep_errors(e.diagnostics());
-            return SINEW_SOLVE_FAILED;
         } catch (const engine::Failure& e) {
+            status = SINEW_GRAPH_WRONG;
             keep_errors(e.diagnostics());
-            return SINEW_GRAPH_WRONG;
         } catch (const engine::Cancelled&) {
-            return SINEW_CANCELLED;
+            status = SINEW_CANCELLED;
         } catch (const std::bad_alloc&) {
-            unsaid = SINEW_GRAPH_WRONG;
+            status = SINEW_GRAPH_WRONG;
+            tell(no_memory());
         } catch (const std::length_error&) {
-            unsaid = SINEW_GRAPH_WRONG;
+            status = SINEW_GRAPH_WRONG;
+            tell(no_memory());
         } catch (const std::exception& e) {
-            const engine::Diagnostic d = unforeseen(e.what());
-            keep_errors({&d, 1});
+            tell(unforeseen(e.what()));
         } catch (...) {
-            const engine::Diagnostic d = unforeseen("something was thrown that is no exception");
-            keep_errors({&d, 1});
+            tell(unforeseen("something was thrown that is no exception"));
         }
-        if (unsaid == SINEW_GRAPH_WRONG) {
-            const engine::Diagnostic d = no_memory();
-            keep_errors({&d, 1});
-        }
-    } catch (...) {
+    } catch (...) { // no memory for a message: the status alone has to do
     }
-    return unsaid;
+    return status;
 }
 
 sinew_diagnostic describe(const engine::Diagnostic& d) {

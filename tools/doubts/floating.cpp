@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/options.h"
+#include "solver/joined_sets.h"
 #include "solver/mesh/closest_point.h"
-#include "solver/mesh/corner_welder.h"
 #include "solver/mesh/surface_mesh.h"
+#include "solver/mesh/surface_pieces.h"
 #include "solver/terms/hold/hold.h"
 #include "tools/doubts/kinds.h"
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <optional>
 
 namespace sinew::doubts {
@@ -17,28 +17,6 @@ namespace {
 
 /// Vertices that are asked for what they hold on to.
 constexpr std::size_t most_asked = 20000;
-
-/// Numbers that are joined two by two.
-class Joins {
-  public:
-    explicit Joins(std::size_t count)
-        : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), 0);
-    }
-    int root(int i) {
-        while (parent_[at(i)] != i) i = parent_[at(i)] = parent_[at(parent_[at(i)])];
-        return i;
-    }
-    void join(int a, int b) { parent_[at(root(a))] = root(b); }
-    template <std::size_t n>
-    void join_all(const std::vector<std::array<int, n>>& groups) {
-        for (const auto& group : groups)
-            for (const int i : group) join(i, group[0]);
-    }
-
-  private:
-    std::vector<int> parent_;
-};
 
 /// What moves by itself: a body, or what of one no tet joins to the rest of it.
 struct Pieces {
@@ -64,21 +42,19 @@ Pieces numbered(const std::vector<int>& root, int first) {
 Pieces pieces_of(const nodes::Body& body, int first) {
     if (body.is_bone() || body.subtissue) return {first, 1, {}};
     if (body.is_cloth()) {
-        solver::CornerWelder welder; // vertices that should be one are told otherwise
+        // Vertices that should be one are told otherwise.
+        const auto pieces = solver::find_pieces_by_place(*body.rest->mesh.points, body.rest->mesh.topology->triangles);
         std::vector<int> roots;
-        for (const solver::Vec3& p : *body.rest->mesh.points) roots.push_back(welder.add(p));
-        Joins joins(welder.points.size());
-        for (const auto& [a, b, c] : body.rest->mesh.topology->triangles)
-            joins.join(roots[at(a)], roots[at(b)]), joins.join(roots[at(b)], roots[at(c)]);
-        for (int& v : roots) v = joins.root(v);
+        for (const int piece : pieces.of_point) roots.push_back(std::max(piece, 0)); // -1: of no triangle
         return numbered(roots, first);
     }
     const solver::TissueRest& rest = **std::get_if<0>(&body.rest->data);
     if (rest.tets.tets.empty()) return {first, 1, {}};
-    Joins joins(rest.tets.vertices.size());
-    joins.join_all(rest.tets.tets);
+    solver::JoinedSets joined(rest.tets.vertices.size());
+    for (const auto& tet : rest.tets.tets)
+        for (const int v : tet) joined.join(tet[0], v);
     std::vector<int> roots;
-    for (const int tet : rest.embedding.tet) roots.push_back(joins.root(rest.tets.tets[at(tet)][0]));
+    for (const int tet : rest.embedding.tet) roots.push_back(joined.root(rest.tets.tets[at(tet)][0]));
     return numbered(roots, first);
 }
 
@@ -156,12 +132,12 @@ class Ties {
     }
 
     void spread() {
-        Joins joins(held_.size());
-        joins.join_all(links_);
+        solver::JoinedSets joined(held_.size());
+        for (const auto& [a, b] : links_) joined.join(a, b);
         std::vector<char> holds(held_.size(), 0);
         for (std::size_t p = 0; p < held_.size(); ++p)
-            if (held_[p]) holds[at(joins.root(static_cast<int>(p)))] = 1;
-        for (std::size_t p = 0; p < held_.size(); ++p) held_[p] = holds[at(joins.root(static_cast<int>(p)))];
+            if (held_[p]) holds[at(joined.root(static_cast<int>(p)))] = 1;
+        for (std::size_t p = 0; p < held_.size(); ++p) held_[p] = holds[at(joined.root(static_cast<int>(p)))];
     }
 
     const Pieces& pieces(std::size_t member) const { return pieces_[member]; }

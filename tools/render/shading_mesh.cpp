@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/render/shading_mesh.h"
+#include "solver/joined_sets.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 
 namespace sinew::render {
@@ -16,30 +16,6 @@ using solver::Triangle;
 using solver::Vec3;
 
 namespace {
-
-/// Disjoint sets of triangle corners; the root of a set is its lowest corner.
-class Corners {
-  public:
-    explicit Corners(std::size_t count)
-        : parent_(count) {
-        std::iota(parent_.begin(), parent_.end(), 0);
-    }
-    int root(int corner) {
-        while (parent_[static_cast<std::size_t>(corner)] != corner) {
-            int& up = parent_[static_cast<std::size_t>(corner)];
-            up = parent_[static_cast<std::size_t>(up)];
-            corner = up;
-        }
-        return corner;
-    }
-    void join(int a, int b) {
-        a = root(a), b = root(b);
-        parent_[static_cast<std::size_t>(std::max(a, b))] = std::min(a, b);
-    }
-
-  private:
-    std::vector<int> parent_;
-};
 
 /// One side of an edge: its lower and upper vertex, and the corners of the triangle that lie on them.
 struct EdgeSide {
@@ -84,7 +60,7 @@ ShadingMesh split_creases(const Points& points, const std::vector<Triangle>& tri
     }
 
     const double least_cosine = std::cos(crease_degrees * std::numbers::pi / 180);
-    Corners corners(3 * triangles.size());
+    solver::JoinedSets corners(3 * triangles.size());
     const std::vector<EdgeSide> sides = sorted_edges(triangles);
     for (std::size_t i = 1; i < sides.size(); ++i) {
         const EdgeSide &l = sides[i - 1], &r = sides[i];

@@ -3,10 +3,10 @@
 
 #include "solver/index.h"
 #include "solver/mesh/closest_point.h"
+#include "solver/mesh/surface_pieces.h"
 #include "solver/meshing/holes.h"
 #include "solver/meshing/welding.h"
 #include "tools/rig/graph_text.h"
-#include "tools/rig/pieces.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -74,7 +74,7 @@ Lids make_lids(const Points& points, const std::vector<Triangle>& triangles, dou
         out.triangles.push_back(t);
     }
     if (covered > largest_share * area(points, welded.triangles) || out.points.size() > most_points) return {};
-    out.count = pieces_of(out.points, out.triangles).count;
+    out.count = solver::find_pieces_by_place(out.points, out.triangles).count();
     return out;
 }
 

@@ -4,10 +4,10 @@
 #include "solver/error.h"
 #include "solver/index.h"
 #include "solver/mesh/mesh_check.h"
+#include "solver/mesh/surface_pieces.h"
 #include "solver/meshing/iso_mesh.h"
 #include "solver/meshing/self_intersections.h"
 #include "tools/rig/graph_text.h"
-#include "tools/rig/pieces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,20 +67,20 @@ bool is_lost(const solver::Error& e) { return e.code == "FE231" || e.code == "FE
 /// Whether each large piece of the surface at this distance bounds a solid: through holes that are too wide it goes in,
 /// and is a shell of twice the distance, as it is around a sheet.
 bool is_solid(const solver::IsoMesh& mesh, double distance) {
-    const Pieces pieces = pieces_of(mesh.points, mesh.triangles);
-    std::vector<double> volumes(pieces.count), areas(pieces.count);
+    const solver::SurfacePieces pieces = solver::find_pieces_by_place(mesh.points, mesh.triangles);
+    std::vector<double> volumes(pieces.count()), areas(pieces.count());
     const solver::Vec3 origin = mesh.points.empty() ? solver::Vec3::Zero() : mesh.points.front();
     for (const Triangle& t : mesh.triangles) {
         const solver::Vec3 a = mesh.points[at(t[0])] - origin, b = mesh.points[at(t[1])] - origin,
                            c = mesh.points[at(t[2])] - origin;
-        const std::size_t piece = at(pieces.of_vertex[at(t[0])]);
+        const std::size_t piece = at(pieces.of_point[at(t[0])]);
         volumes[piece] += a.dot(b.cross(c)) / 6;
         areas[piece] += 0.5 * (b - a).cross(c - a).norm();
     }
     const double least_area = least_piece * std::accumulate(areas.begin(), areas.end(), 0.0);
-    for (std::size_t p = 0; p < pieces.count; ++p)
+    for (std::size_t p = 0; p < pieces.count(); ++p)
         if (areas[p] >= least_area && !(2 * volumes[p] > least_thickness * 2 * distance * areas[p])) return false;
-    return pieces.count > 0;
+    return pieces.count() > 0;
 }
 
 /// One part being wrapped.

@@ -7,9 +7,9 @@
 // negative eigenvalues are clamped, its Hessian is left out.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "solver/mesh/surface_pieces.h"
 #include "solver/term/layered_surfaces.h"
 #include "solver/terms/pressure/pressed_tets.h"
-#include "solver/terms/pressure/surface_pieces.h"
 
 namespace sinew::solver {
 

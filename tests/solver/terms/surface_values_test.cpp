@@ -1,8 +1,8 @@
 // Pressure and surface tension: what is measured and shown of several bodies, by hand.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/marks_of.h"
+#include "solver/mesh/surface_pieces.h"
 #include "solver/terms/pressure/pressure.h"
-#include "solver/terms/pressure/surface_pieces.h"
 #include "solver/terms/surface_tension/surface_tension.h"
 #include "tests/support/surface_forces.h"
 

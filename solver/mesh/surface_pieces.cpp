@@ -1,33 +1,25 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "solver/terms/pressure/surface_pieces.h"
+#include "solver/mesh/surface_pieces.h"
 
 #include "solver/index.h"
+#include "solver/joined_sets.h"
+#include "solver/mesh/corner_welder.h"
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 namespace sinew::solver {
 
 SurfacePieces find_pieces(std::size_t points, const std::vector<Triangle>& triangles) {
-    std::vector<int> parent(points);
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int p) {
-        while (parent[at(p)] != p) p = parent[at(p)] = parent[at(parent[at(p)])];
-        return p;
-    };
+    JoinedSets joined(points);
     std::vector<char> used(points, 0);
     for (const Triangle& t : triangles)
-        for (std::size_t i = 0; i < 3; ++i) {
-            used[at(t[i])] = 1;
-            const auto [low, high] = std::minmax({root(t[i]), root(t[(i + 1) % 3])});
-            parent[at(high)] = low;
-        }
+        for (std::size_t i = 0; i < 3; ++i) used[at(t[i])] = 1, joined.join(t[0], t[i]);
     SurfacePieces out;
     out.of_point.assign(points, -1);
     for (std::size_t p = 0; p < points; ++p) {
         if (!used[p]) continue;
-        const int first = root(static_cast<int>(p)); // the lowest of the piece, so it comes first
+        const int first = joined.root(static_cast<int>(p)); // the lowest of the piece, so it comes first
         if (first == static_cast<int>(p)) {
             out.of_point[p] = static_cast<int>(out.count());
             out.first_point.push_back(first);
@@ -48,6 +40,23 @@ SurfacePieces find_pieces(std::size_t points, const std::vector<Triangle>& trian
             sum += edges[next][2];
         if (sum != 0) out.is_closed[at(out.of_point[at(edges[i][0])])] = 0;
     }
+    return out;
+}
+
+SurfacePieces find_pieces_by_place(const Points& points, std::vector<Triangle> triangles) {
+    CornerWelder welder;
+    std::vector<int> place, first; // of each point, of each place
+    for (const Vec3& p : points) {
+        place.push_back(welder.add(p));
+        if (at(place.back()) == first.size()) first.push_back(static_cast<int>(place.size() - 1));
+    }
+    for (Triangle& t : triangles)
+        for (int& v : t) v = place[at(v)];
+    SurfacePieces out = find_pieces(welder.points.size(), triangles);
+    for (int& p : out.first_point) p = first[at(p)];
+    std::vector<int> of_point;
+    for (const int p : place) of_point.push_back(out.of_point[at(p)]);
+    out.of_point = std::move(of_point);
     return out;
 }
 

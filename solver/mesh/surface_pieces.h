@@ -16,5 +16,7 @@ struct SurfacePieces {
 };
 
 SurfacePieces find_pieces(std::size_t points, const std::vector<Triangle>& triangles);
+/// Points at exactly the same place count as one.
+SurfacePieces find_pieces_by_place(const Points& points, std::vector<Triangle> triangles);
 
 } // namespace sinew::solver
