@@ -413,7 +413,6 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     if (key != start) give_back(std::move(laid));
     const std::lock_guard lock(mutex_);
     written_ += told.bytes.size() + state.bytes.size();
-    sweeps_[start].last_written = files_.file_of(key);
     if (key != start) return;
     if (starts_.size() >= most_starts) starts_.clear();
     laid->told.bytes.shrink_to_fit(), laid->state->bytes.shrink_to_fit();
@@ -498,8 +497,6 @@ void FrameStore::make_room() {
         if (written_ < budget_ / share) return;
         written_ = 0;
         spared.insert(rows_);
-        // Who goes on after this process was killed begins there.
-        for (const auto& [start, sweep] : sweeps_) spared.insert(sweep.last_written);
     }
     std::uintmax_t rows = 0;
     std::set<fs::path> row_files;

@@ -93,7 +93,6 @@ class FrameStore {
     struct Sweep {
         int first = 0, frame = 0;
         std::filesystem::file_time_type begun;
-        std::filesystem::path last_written;
     };
     /// When a frame that is used now shall count as used.
     std::filesystem::file_time_type note_use(const Digest& start, int frame) const;

@@ -106,7 +106,9 @@ TEST_CASE("a run that is larger than the cache finds again what fits", "[tools]"
     CHECK(valid_frames(graph, cache) == there);
     const Ran again = run(graph, cache, size);
     CHECK(again.reused >= there - 4); // of those at the end, which go first, some went again
+    CHECK(valid_frames(graph, cache) == static_cast<int>(files(cache, ".frame").size()));
     CHECK(run(graph, cache, size).reused == again.reused);
+    CHECK(valid_frames(graph, cache) == static_cast<int>(files(cache, ".frame").size()));
     // What was reached last is there, so that a killed run goes on from it.
     CHECK(run(graph, cache, {"--cache-size", "2 MB", "--frames", "40-40"}).simulated == 0);
 }
