@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <chrono>
 
@@ -12,6 +13,15 @@ namespace fs = std::filesystem;
 namespace {
 
 const std::string cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+
+/// A closed box.
+std::string box_obj(std::array<int, 3> from, std::array<int, 3> to) {
+    std::string out;
+    for (int i = 0; i < 8; ++i)
+        out += "v " + std::to_string((i & 1 ? to : from)[0]) + " " + std::to_string((i & 2 ? to : from)[1]) + " " +
+               std::to_string((i & 4 ? to : from)[2]) + "\n";
+    return out + "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n";
+}
 
 /// jobs/graph.json, which reads jobs/m.obj; secret.obj beside jobs.
 struct Jobs {
@@ -201,6 +211,51 @@ TEST_CASE("fmt, cache and docs stay within the root", "[tools]") {
     fs::create_symlink("../../codes.md", j.root / "docs/codes.md");
     j.refused(j.run({"docs", (j.root / "docs").string()}), {"docs/codes.md"});
     CHECK_FALSE(fs::exists(j.folder / "codes.md"));
+}
+
+TEST_CASE("new reads no meshes and no motion from outside of the root, and writes within", "[tools]") {
+    const Jobs j;
+    // A bar on two boxes, twice: within the root and outside.
+    for (const fs::path& place : {j.root, j.folder / "others"}) {
+        fs::create_directories(place / "bones");
+        fs::create_directories(place / "muscles");
+        write_text(place / "bones/upper.obj", box_obj({0, 0, 10}, {2, 2, 14}));
+        write_text(place / "bones/lower.obj", box_obj({0, 0, -4}, {2, 2, 0}));
+        write_text(place / "muscles/bar.obj", box_obj({0, 0, 0}, {2, 2, 10}));
+        write_text(place / "motion.json", R"({"fps": 24, "frames": [{"frame": 1, "bones": {
+            "upper": [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]}}]})");
+    }
+    const auto in = [&](const char* name) { return (j.root / name).string(); };
+    const auto other = [&](const char* name) { return (j.folder / "others" / name).string(); };
+    const std::string out = in("rig.json"), outside = (j.folder / "rig.json").string();
+    const auto rig = [&](const std::string& bones, const std::string& muscles, std::vector<std::string> more = {}) {
+        std::vector<std::string> words{"new", "rig", bones, muscles, "--unit", "cm", "-o", out};
+        words.insert(words.end(), more.begin(), more.end());
+        return j.run(words);
+    };
+
+    j.refused(rig(other("bones"), other("muscles")), {other("bones"), other("muscles")}); // both told at once
+    j.refused(rig(in("bones"), other("muscles/bar.obj")), {"bar.obj"});
+    j.refused(rig(in("bones"), other("none.obj")), {"none.obj"}); // there or not is not told
+    j.refused(rig(in("bones"), in("muscles"), {"--bones", other("bones")}), {other("bones")});
+    j.refused(rig(in("bones"), in("muscles"), {"--motion", other("motion.json")}), {"--motion", other("motion.json")});
+    j.refused(j.run({"new", "rig", in("bones"), in("muscles"), "-o", outside}), {"--out", outside});
+    j.refused(j.run({"new", "muscle", in("bones/upper.obj"), other("muscles")}), {"the muscle", other("muscles")});
+    j.refused(
+        j.run({"new", "layers", in("muscles"), "--bones", in("bones"), "--skin", other("muscles/bar.obj"), "-o", out}),
+        {other("muscles/bar.obj")});
+    fs::create_symlink("../../others/muscles/bar.obj", j.root / "muscles/link.obj");
+    j.refused(rig(in("bones"), in("muscles")), {"link.obj"});
+    fs::remove(j.root / "muscles/link.obj");
+    CHECK_FALSE(fs::exists(out));
+    CHECK_FALSE(fs::exists(outside));
+
+    const Said made = rig(in("bones"), in("muscles"), {"--motion", in("motion.json")});
+    INFO(made.out << made.err);
+    CHECK(made.code == 0);
+    CHECK(read_text(out).find("--root") == std::string::npos); // the graph is for other places, too
+    CHECK(j.run({"check", out, "--fast"}).code == 0);
+    CHECK(run_program({"new", "rig", other("bones"), other("muscles"), "-o", outside}).code == 0); // without a root
 }
 
 TEST_CASE("a root that is none is refused, and runs of folders have none", "[tools]") {

@@ -6,6 +6,7 @@
 #include "tools/cli/commands.h"
 #include "tools/cli/departure.h"
 #include "tools/cli/long_task.h"
+#include "tools/cli/open_graph.h"
 #include "tools/cli/print.h"
 #include "tools/cli/read_files.h"
 #include "tools/rig/guess.h"
@@ -27,7 +28,7 @@ using engine::Severity;
 using rig::rough;
 
 /// All that is read, whatever the kind. What is not there is told where it is looked for.
-ReadFiles meshes_and_motion(const Invocation& in) {
+ReadFiles meshes_and_motion(const Invocation& in, const engine::FileAccess& files) {
     ReadFiles out;
     std::vector<std::string> paths = in.arguments.operands_from(1);
     for (const std::string_view flag : {"--bones", "--muscles", "--fascia", "--skin"})
@@ -35,7 +36,7 @@ ReadFiles meshes_and_motion(const Invocation& in) {
     std::vector<engine::Diagnostic> ignored; // told where the graph is made
     for (const std::string& path : paths) {
         try {
-            for (const std::string& file : rig::mesh_files({path}, ignored))
+            for (const std::string& file : rig::mesh_files(files, {path}, ignored))
                 out.add(file, "which the graph is made around");
         } catch (const engine::Failure&) {
         }
@@ -45,12 +46,14 @@ ReadFiles meshes_and_motion(const Invocation& in) {
 }
 
 /// Said before anything is computed, so that nobody waits for nothing.
-std::string output_file(const Invocation& in) {
+std::string output_file(const Invocation& in, const engine::FileAccess& files) {
     const auto file = in.arguments.value("--out");
     if (!file || file->empty()) throw UsageError("say where the graph goes: -o FILE.");
+    files.check(*file, "--out");
+    if (const auto motion = in.arguments.value("--motion")) files.check(*motion, "--motion");
     std::error_code error;
     if (fs::is_directory(*file, error)) throw UsageError("'" + *file + "' is a folder; name a file: -o FILE.");
-    meshes_and_motion(in).check_kept(*file, "--out");
+    meshes_and_motion(in, files).check_kept(*file, "--out");
     if (fs::exists(*file, error) && !in.arguments.has("--force"))
         throw engine::Failure(rig::say(Severity::error, "DG160", "", "'" + *file + "' is there already",
                                        "Choose another name, or write over it with --force."));
@@ -61,7 +64,7 @@ std::string command_line(const Invocation& in) {
     std::string out = "sinew new";
     for (const std::string& word : in.arguments.operands_from(0)) out += " " + word;
     for (const Flag& flag : new_command().flags) {
-        if (flag.name == "--force" || flag.name == "--json") continue;
+        if (flag.name == "--force" || flag.name == "--json" || flag.name == root_flag.name) continue;
         for (const std::string& value : in.arguments.values(flag.name))
             out += " " + std::string(flag.name) +
                    (value.find_first_of("* ?") == value.npos ? " " + value : " '" + value + "'");
@@ -85,6 +88,7 @@ rig::GuessOptions guess_options(const Invocation& in) {
     out.overlaps = in.arguments.value("--overlaps").value_or("tie");
     if (out.overlaps != "tie" && out.overlaps != "slide" && out.overlaps != "none")
         throw UsageError("--overlaps is tie, slide or none.");
+    out.files = file_access(in.arguments);
     out.tet_scale = positive(in, "--tet-scale", 1);
     for (const std::string& text : in.arguments.values("--set")) out.overrides.push_back(rig::parse_override(text));
     const std::stop_token stop = in.stop;
@@ -130,7 +134,7 @@ rig::TextOptions text_options(const Invocation& in, const std::string& file, rig
     out.folder = fs::path(file).parent_path().string();
     out.made_by = command_line(in);
     if (const auto motion = in.arguments.value("--motion"))
-        out.motion = rig::read_motion(*motion, rig, in.arguments.has("--up"));
+        out.motion = rig::read_motion(file_access(in.arguments), *motion, rig, in.arguments.has("--up"));
     if (in.arguments.has("--end")) out.end = in.arguments.whole_number("--end", 24, 2);
     return out;
 }
@@ -142,7 +146,7 @@ void refuse(const Invocation& in, const std::string& kind, const std::vector<std
 }
 
 ExitCode finish(const Invocation& in, const std::string& file, const rig::Rig& rig, const std::string& text) {
-    write_file(file, text);
+    write_file(file, text, file_access(in.arguments));
     print_rig(rig, in.out);
     print_diagnostics(rig.notes, false, in.out, in.err);
     in.out << "wrote " << file << "\n";
@@ -160,7 +164,7 @@ ExitCode write_rig(const Invocation& in, const std::string& file, const std::vec
 
 ExitCode new_rig(const Invocation& in) {
     refuse(in, "rig", {"--fascia", "--skin"});
-    const std::string file = output_file(in);
+    const std::string file = output_file(in, file_access(in.arguments));
     std::vector<std::string> bones = in.arguments.values("--bones"), muscles = in.arguments.values("--muscles");
     const std::vector<std::string> folders = in.arguments.operands_from(1);
     if (folders.size() > 2 || (folders.size() < 2 && muscles.empty()) || (folders.empty() && bones.empty()))
@@ -178,6 +182,7 @@ std::pair<std::vector<std::string>, std::string> all_and_last(const Invocation& 
     if (meshes.size() < 2)
         throw UsageError("two meshes at least are meant: `sinew new " + kind + " " + others + " -o FILE`.");
     const std::string last = meshes.back();
+    file_access(in.arguments).check(last, "the " + kind);
     std::error_code error;
     if (fs::is_directory(last, error)) throw UsageError("'" + last + "' is a folder; one " + kind + " is meant.");
     meshes.pop_back();
@@ -186,14 +191,14 @@ std::pair<std::vector<std::string>, std::string> all_and_last(const Invocation& 
 
 ExitCode new_muscle(const Invocation& in) {
     refuse(in, "muscle", {"--bones", "--muscles", "--fascia", "--skin"});
-    const std::string file = output_file(in);
+    const std::string file = output_file(in, file_access(in.arguments));
     const auto [bones, muscle] = all_and_last(in, "muscle", "BONE… MUSCLE");
     return write_rig(in, file, bones, {muscle}, true);
 }
 
 ExitCode new_cloth(const Invocation& in) {
     refuse(in, "cloth", {"--bones", "--muscles", "--fascia", "--skin", "--overlaps", "--set", "--tet-scale"});
-    const std::string file = output_file(in);
+    const std::string file = output_file(in, file_access(in.arguments));
     const auto [bodies, cloth] = all_and_last(in, "cloth", "BODY… CLOTH");
     rig::Rig made = rig::guess_cloth(bodies, cloth, guess_options(in));
     const rig::TextOptions options = text_options(in, file, made);
@@ -202,7 +207,7 @@ ExitCode new_cloth(const Invocation& in) {
 
 ExitCode new_layers(const Invocation& in) {
     refuse(in, "layers", {"--muscles", "--overlaps", "--set"});
-    const std::string file = output_file(in);
+    const std::string file = output_file(in, file_access(in.arguments));
     rig::Layers made =
         rig::guess_layers({in.arguments.values("--bones"), in.arguments.operands_from(1),
                            in.arguments.value("--fascia").value_or(""), in.arguments.value("--skin").value_or("")},
@@ -256,7 +261,8 @@ Command new_command() {
          {"--set", "PATTERN:NAME=VALUE",
           "rig, muscle: of the muscles whose names match: tetSize, reach, attachTo, overlaps, preset, law, "
           "youngsModulus, tendonModulus, massDensity, strength, excitation (docs/concepts/new-rig.md)",
-          true}},
+          true},
+         root_flag},
         "sinew new rig arm/bones arm/muscles -o arm.json\n"
         "sinew new rig arm/bones arm/muscles -o arm.json --set 'triceps*:tetSize=1.2' --set "
         "'biceps:attachTo=scapula,radius'",

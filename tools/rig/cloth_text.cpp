@@ -26,7 +26,7 @@ double mean_edge(const Part& part) {
 
 Rig guess_cloth(const std::vector<std::string>& bodies, const std::string& cloth, const GuessOptions& options) {
     Rig rig;
-    rig.parts = read_parts(mesh_files(bodies, rig.notes), {cloth}, rig.notes, "cloth");
+    rig.parts = read_parts(options.files, mesh_files(options.files, bodies, rig.notes), {cloth}, rig.notes, "cloth");
     set_space(rig, options);
     Part sheet = std::move(rig.parts.back());
     rig.parts.pop_back();

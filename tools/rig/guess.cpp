@@ -158,8 +158,8 @@ void set_space(Rig& rig, const GuessOptions& options) {
 Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
               const GuessOptions& options) {
     Rig rig;
-    const auto [bone_files, muscle_files] = mesh_files(bones, muscles, rig.notes);
-    rig.parts = read_parts(bone_files, muscle_files, rig.notes);
+    const auto [bone_files, muscle_files] = mesh_files(options.files, bones, muscles, rig.notes);
+    rig.parts = read_parts(options.files, bone_files, muscle_files, rig.notes);
     check_kinds(rig);
     auto doubt = doubt_of_kinds(rig.parts, options.is_one_muscle);
     // Two bones that are named for one muscle are meant both. What the ends reach of parts that are mixed up is nothing

@@ -68,6 +68,7 @@ struct GuessOptions {
     std::string overlaps = "tie";
     std::vector<Override> overrides;
     bool is_one_muscle = false; ///< of `new muscle`
+    engine::FileAccess files;   ///< what may be read
     std::function<bool()> stop;
 };
 

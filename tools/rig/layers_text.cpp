@@ -184,7 +184,7 @@ class Writer {
 
 Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     Layers out;
-    auto [soft, bones] = mesh_files(files.tissues, files.bones, out.rig.notes);
+    auto [soft, bones] = mesh_files(options.files, files.tissues, files.bones, out.rig.notes);
     if (soft.empty() || bones.empty())
         throw engine::Failure(
             say(Severity::error, "DG156", "",
@@ -193,7 +193,7 @@ Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     if (!files.fascia.empty()) soft.push_back(files.fascia);
     if (!files.skin.empty()) soft.push_back(files.skin);
     Rig& rig = out.rig;
-    rig.parts = read_parts(bones, soft, rig.notes, "tissue");
+    rig.parts = read_parts(options.files, bones, soft, rig.notes, "tissue");
     set_space(rig, options);
     for (std::size_t p = 0; p < rig.parts.size(); ++p) {
         if (rig.parts[p].kind == Kind::bone) continue;

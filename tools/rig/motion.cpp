@@ -14,9 +14,9 @@ using nlohmann::json;
 
 namespace {
 
-json read(const std::string& file) {
+json read(const engine::FileAccess& access, const std::string& file) {
     try {
-        json out = nodes::read_json({}, file);
+        json out = nodes::read_json(access, file);
         if (out.is_object() && out.contains("frames") && out["frames"].is_array() && !out["frames"].empty() &&
             out["frames"].front().is_object() && out["frames"].front().contains("bones") &&
             out["frames"].front()["bones"].is_object())
@@ -38,8 +38,8 @@ int Motion::frames(int graph_fps) const {
     return std::max(2, 1 + static_cast<int>(std::floor((last - first) * graph_fps / fps + 1e-6)));
 }
 
-Motion read_motion(const std::string& file, Rig& rig, bool is_up_given) {
-    const json all = read(file);
+Motion read_motion(const engine::FileAccess& access, const std::string& file, Rig& rig, bool is_up_given) {
+    const json all = read(access, file);
     Motion out;
     out.file = file;
     if (all.contains("fps") && all["fps"].is_number() && all["fps"].get<double>() > 0) out.fps = all["fps"];

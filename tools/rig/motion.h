@@ -20,6 +20,6 @@ struct Motion {
 /// Tracks are matched with bones by name, whatever the case and '_'. Takes the way up from the file if it is told
 /// there (`up_axis`) and the rig's was not given. Notes: DG159 for bones that have no track, and for a file in another
 /// unit. Throws engine::Failure (IO4xx; DG159 if no bone has a track).
-Motion read_motion(const std::string& file, Rig& rig, bool is_up_given);
+Motion read_motion(const engine::FileAccess& access, const std::string& file, Rig& rig, bool is_up_given);
 
 } // namespace sinew::rig

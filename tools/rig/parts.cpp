@@ -40,14 +40,18 @@ struct Found {
     std::vector<Diagnostic> wrong, notes;
 };
 
-void add_folder(const std::string& folder, Found& out) {
+void add_folder(const engine::FileAccess& access, const std::string& folder, Found& out) {
     std::vector<std::string> found, within;
     std::error_code error, ignored; // of a link that leads nowhere: no mesh
     for (const auto& entry : fs::directory_iterator(folder, error)) {
         const bool is_hidden = entry.path().filename().string().starts_with(".");
-        if (!is_hidden && entry.is_regular_file(ignored) && is_mesh(entry.path()))
+        if (is_hidden) continue;
+        // A link out of the root is refused when it is read; what is there is not looked at.
+        const bool leads_out = access.refusal(entry.path()).has_value();
+        if (is_mesh(entry.path()) && (leads_out || entry.is_regular_file(ignored)))
             found.push_back(entry.path().string());
-        if (!is_hidden && entry.is_directory(ignored)) within.push_back("'" + entry.path().string() + "'");
+        else if (!leads_out && entry.is_directory(ignored))
+            within.push_back("'" + entry.path().string() + "'");
     }
     if (error) {
         out.wrong.push_back(say(Severity::error, "DG150", "", "cannot read '" + folder + "': " + error.message(),
@@ -69,12 +73,14 @@ void add_folder(const std::string& folder, Found& out) {
     out.files.insert(out.files.end(), found.begin(), found.end());
 }
 
-Found find_files(const std::vector<std::string>& paths) {
+Found find_files(const engine::FileAccess& access, const std::vector<std::string>& paths) {
     Found out;
     for (const std::string& path : paths) {
         std::error_code error;
-        if (fs::is_directory(path, error))
-            add_folder(path, out);
+        if (auto fault = access.refusal(path))
+            out.wrong.push_back(say(Severity::error, fault->code, "", fault->message, fault->hint));
+        else if (fs::is_directory(path, error))
+            add_folder(access, path, out);
         else if (fs::exists(path, error))
             out.files.push_back(path);
         else
@@ -153,22 +159,25 @@ std::string camel_case(const std::string& stem) {
     return out;
 }
 
-std::vector<std::string> mesh_files(const std::vector<std::string>& paths, std::vector<Diagnostic>& notes) {
-    return mesh_files(paths, {}, notes).first;
+std::vector<std::string> mesh_files(const engine::FileAccess& access, const std::vector<std::string>& paths,
+                                    std::vector<Diagnostic>& notes) {
+    return mesh_files(access, paths, {}, notes).first;
 }
 
-std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
+std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const engine::FileAccess& access,
+                                                                         const std::vector<std::string>& some,
                                                                          const std::vector<std::string>& others,
                                                                          std::vector<Diagnostic>& notes) {
-    Found first = find_files(some), second = find_files(others);
+    Found first = find_files(access, some), second = find_files(access, others);
     first.wrong.insert(first.wrong.end(), second.wrong.begin(), second.wrong.end());
     if (!first.wrong.empty()) throw engine::Failure(std::move(first.wrong));
     for (const Found* found : {&first, &second}) notes.insert(notes.end(), found->notes.begin(), found->notes.end());
     return {std::move(first.files), std::move(second.files)};
 }
 
-std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
-                             std::vector<Diagnostic>& notes, const std::string& soft) {
+std::vector<Part> read_parts(const engine::FileAccess& access, const std::vector<std::string>& bones,
+                             const std::vector<std::string>& muscles, std::vector<Diagnostic>& notes,
+                             const std::string& soft) {
     std::vector<Part> parts;
     std::vector<Diagnostic> wrong;
     std::map<engine::Digest, std::size_t> known; // by what is in them
@@ -179,7 +188,7 @@ std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::v
         part.stem = fs::path(file).stem().string();
         part.name = camel_case(part.stem);
         try {
-            solver::SurfaceMesh mesh = nodes::read_mesh({}, file);
+            solver::SurfaceMesh mesh = nodes::read_mesh(access, file);
             solver::check_usable(mesh);
             part.points = std::move(mesh.points);
             part.triangles = std::move(mesh.triangles);

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include "engine/diagnostics.h"
+#include "engine/file_access.h"
 #include "solver/mesh/surface_mesh.h"
 #include "tools/rig/lids.h"
 
@@ -32,10 +33,12 @@ struct Part {
 };
 
 /// The mesh files that `paths` stand for: those in a folder, by name, or the path itself. Throws engine::Failure:
-/// IO401, DG150 for a folder without meshes. Notes: DG180 for folders within, which are passed over.
-std::vector<std::string> mesh_files(const std::vector<std::string>& paths, std::vector<engine::Diagnostic>& notes);
+/// IO401, IO410, DG150 for a folder without meshes. Notes: DG180 for folders within, which are passed over.
+std::vector<std::string> mesh_files(const engine::FileAccess& access, const std::vector<std::string>& paths,
+                                    std::vector<engine::Diagnostic>& notes);
 /// The same of two lists, what is wrong with either told at once.
-std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const std::vector<std::string>& some,
+std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const engine::FileAccess& access,
+                                                                         const std::vector<std::string>& some,
                                                                          const std::vector<std::string>& others,
                                                                          std::vector<engine::Diagnostic>& notes);
 
@@ -43,8 +46,9 @@ std::pair<std::vector<std::string>, std::vector<std::string>> mesh_files(const s
 /// for a bone and a muscle that are the same mesh. What two files of one kind have in common is left out of the second
 /// with a warning (DG153); a name that two files share is made two (note DG154).
 /// \param soft what one of `muscles` is called there: "muscle", "cloth"
-std::vector<Part> read_parts(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
-                             std::vector<engine::Diagnostic>& notes, const std::string& soft = "muscle");
+std::vector<Part> read_parts(const engine::FileAccess& access, const std::vector<std::string>& bones,
+                             const std::vector<std::string>& muscles, std::vector<engine::Diagnostic>& notes,
+                             const std::string& soft = "muscle");
 
 /// "biceps_long_head" → "bicepsLongHead"; what no name may begin with gets "mesh" before it.
 std::string camel_case(const std::string& stem);
