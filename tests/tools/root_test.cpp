@@ -240,7 +240,8 @@ TEST_CASE("new reads no meshes and no motion from outside of the root, and write
     j.refused(rig(in("bones"), in("muscles"), {"--bones", other("bones")}), {other("bones")});
     j.refused(rig(in("bones"), in("muscles"), {"--motion", other("motion.json")}), {"--motion", other("motion.json")});
     j.refused(j.run({"new", "rig", in("bones"), in("muscles"), "-o", outside}), {"--out", outside});
-    j.refused(j.run({"new", "muscle", in("bones/upper.obj"), other("muscles")}), {"the muscle", other("muscles")});
+    j.refused(j.run({"new", "muscle", in("bones/upper.obj"), other("muscles"), "-o", out}),
+              {"the muscle", other("muscles")});
     j.refused(
         j.run({"new", "layers", in("muscles"), "--bones", in("bones"), "--skin", other("muscles/bar.obj"), "-o", out}),
         {other("muscles/bar.obj")});
@@ -255,7 +256,8 @@ TEST_CASE("new reads no meshes and no motion from outside of the root, and write
     CHECK(made.code == 0);
     CHECK(read_text(out).find("--root") == std::string::npos); // the graph is for other places, too
     CHECK(j.run({"check", out, "--fast"}).code == 0);
-    CHECK(run_program({"new", "rig", other("bones"), other("muscles"), "-o", outside}).code == 0); // without a root
+    CHECK(run_program({"new", "rig", other("bones"), other("muscles"), "--unit", "cm", "-o", outside}).code ==
+          0); // without a root
 }
 
 TEST_CASE("a root that is none is refused, and runs of folders have none", "[tools]") {
