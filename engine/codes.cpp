@@ -198,6 +198,8 @@ constexpr CodeInfo table[] = {
     {"FE271", "vertex of a cloth in no face", "Remove unused vertices from the mesh."},
     {"FE272", "face of a cloth without area", "Remove or merge such faces."},
     {"FE273", "cloth without mass or stiffness", "Give its first material both; neither may be negative."},
+    {"FE274", "closed part inside another that bounds no hollow",
+     "Turn the faces of what shall be a hollow the other way."},
     {"FE280", "line of action without length", "Give its curve points that lie apart."},
     {"FE281", "line of action that runs nowhere in its muscle",
      "Draw the curve through the muscle as it is modelled, in the same units."},

@@ -18,7 +18,9 @@ namespace {
 
 const WireList<Mesh> meshes{
     .name = "meshes",
-    .doc = "The polygons, of one mesh or several: open or closed, overlapping, cracked, in any direction.",
+    .doc = "The polygons, of one mesh or several: open or closed, overlapping, cracked, in any direction. A closed "
+           "part inside another is a "
+           "hollow where it faces the other way (FE274).",
     .min_count = 1,
 };
 const Input<double> iso_value{
@@ -82,7 +84,7 @@ const Output<Mesh> out_mesh{
 /// whose node reads the time are not meshed again at every frame.
 struct Made {
     Mesh mesh;
-    std::size_t components = 0, lost = 0;
+    std::size_t components = 0, lost = 0, buried = 0;
     solver::IsoDeviation deviation;
     double triangle = 0; ///< asked for, in scene units
 };
@@ -129,7 +131,11 @@ Made make(const Reads& in) {
         return solver::measure_iso_mesh(points, triangles, options.iso_value, mesh.points, mesh.triangles);
     });
     return {Mesh::from(solver::SurfaceMesh::from_triangles(std::move(mesh.points), std::move(mesh.triangles))),
-            mesh.components, mesh.lost, deviation, options.triangle_size};
+            mesh.components,
+            mesh.lost,
+            mesh.buried,
+            deviation,
+            options.triangle_size};
 }
 
 std::string rough(double value) {
@@ -159,6 +165,12 @@ void compute(const Reads& in, Writes& out) {
                 std::to_string(made->lost) + " of the surface's " + std::to_string(made->components) +
                     " pieces are smaller than a triangle and left out",
                 "Choose a smaller triangleSize to keep them.");
+    if (made->buried > 0)
+        in.warn(meshes.name, "FE274",
+                (made->buried == 1 ? std::string("a closed part lies")
+                                   : std::to_string(made->buried) + " closed parts lie") +
+                    " inside another that faces the same way and bounds no hollow there: the inside is filled",
+                "Turn the faces of what shall be a hollow the other way.");
     warn_of_loss(in, *made);
     out.set(out_mesh, made->mesh);
     out.set(out_distance, made->deviation.distance);

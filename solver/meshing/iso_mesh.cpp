@@ -325,6 +325,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
 
     IsoMesh mesh;
     mesh.components = seeds.areas.size();
+    if (soup.is_closed) mesh.buried = count_buried(soup.points, soup.triangles);
     std::vector<int> finer(seeds.areas.size(), 0);
     const Scales scales{options.iso_value, frame.out(size), frame.out(grid.step), options.resolution,
                         options.is_manifold};

@@ -20,6 +20,7 @@ struct IsoMesh {
     std::vector<Triangle> triangles; ///< facing outwards
     std::size_t components = 0;      ///< of the level set on the grid
     std::size_t lost = 0;            ///< components that are too small for any triangle
+    std::size_t buried = 0;          ///< closed parts of the input in others that bound no hollow there
 };
 
 /// A fortieth of the diagonal of the box around the triangles. Throws Error FE201 to FE203 (also for surfaces

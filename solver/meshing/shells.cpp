@@ -63,6 +63,7 @@ struct Shell {
     Box box;
     double volume = 0; ///< signed; of an open one about the middle of its box, so by what it wraps
     bool is_closed = true;
+    int winding() const { return volume < 0 ? -1 : 1; } ///< around what is in a closed one
 };
 
 struct Shells {
@@ -121,12 +122,13 @@ bool may_lie_in(const Shell& inner, const Shell& outer) {
 }
 
 struct Nesting {
-    std::vector<int> depth; ///< of each shell: in how many others it lies
-    std::vector<int> root;  ///< the first of these that lies in no other; itself, if it lies in none
+    std::vector<int> depth;   ///< of each shell: in how many others it lies
+    std::vector<int> root;    ///< the first of these that lies in no other; itself, if it lies in none
+    std::vector<int> winding; ///< by those that it lies in: of closed ones 1 or -1 each, as they face
 };
 
 Nesting find_nesting(const Points& points, const std::vector<Shell>& shells) {
-    Nesting found{std::vector<int>(shells.size(), 0), {}};
+    Nesting found{std::vector<int>(shells.size(), 0), {}, std::vector<int>(shells.size(), 0)};
     std::vector<std::vector<std::size_t>> holders(shells.size());
     for (std::size_t outer = 0; outer < shells.size(); ++outer) {
         std::vector<std::size_t> inner;
@@ -138,6 +140,7 @@ Nesting find_nesting(const Points& points, const std::vector<Shell>& shells) {
             if (std::all_of(shells[i].vertices.begin(), shells[i].vertices.end(),
                             [&](int v) { return tree.inside_either_way(points[at(v)]); })) {
                 ++found.depth[i];
+                if (shells[outer].is_closed) found.winding[i] += shells[outer].winding();
                 holders[i].push_back(outer);
             }
     }
@@ -209,6 +212,15 @@ void turn_outwards(const Points& points, std::vector<Triangle>& triangles) {
         const int shell = found.of_triangle[t];
         if (faces_inwards(found.shells[at(root[at(shell)])])) std::swap(triangles[t][1], triangles[t][2]);
     }
+}
+
+std::size_t count_buried(const Points& points, const std::vector<Triangle>& triangles) {
+    const std::vector<Shell> shells = find_shells(points, triangles).shells;
+    const std::vector<int> outside = find_nesting(points, shells).winding;
+    std::size_t count = 0;
+    for (std::size_t s = 0; s < shells.size(); ++s)
+        if (shells[s].is_closed && outside[s] != 0 && outside[s] + shells[s].winding() != 0) ++count;
+    return count;
 }
 
 } // namespace sinew::solver

@@ -36,4 +36,8 @@ double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill f
 /// cavities stay cavities, and parts that cross are one solid.
 void turn_outwards(const Points& points, std::vector<Triangle>& triangles);
 
+/// Closed shells in others that bound nothing by the rule "inside is where the winding number exceeds one half in
+/// size": it does so on both of their sides, since they face the way of what they lie in.
+std::size_t count_buried(const Points& points, const std::vector<Triangle>& triangles);
+
 } // namespace sinew::solver

@@ -2,6 +2,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <fstream>
 
@@ -84,4 +85,46 @@ TEST_CASE("a pancake keeps its volume, or is refused where triangles cannot foll
     CHECK(thin.code == 1);
     CHECK(thin.err.find("error [FE231]") != std::string::npos);
     CHECK(thin.err.find("a sheet too thin for the triangles") != std::string::npos);
+}
+
+TEST_CASE("a closed part inside another is a hollow where it faces the other way, and told of where not", "[tools]") {
+    const TemporaryFolder folder;
+    // Boxes of 2 and 1, the inner one facing out or in.
+    const auto box = [](double half, int first, bool faces_in) {
+        std::string out;
+        for (int i = 0; i < 8; ++i)
+            out += "v " + std::to_string(i & 1 ? half : -half) + " " + std::to_string(i & 2 ? half : -half) + " " +
+                   std::to_string(i & 4 ? half : -half) + "\n";
+        for (const std::array<int, 4>& f :
+             {std::array{1, 3, 4, 2}, {5, 6, 8, 7}, {1, 2, 6, 5}, {3, 7, 8, 4}, {1, 5, 7, 3}, {2, 4, 8, 6}}) {
+            out += "f";
+            for (std::size_t k = 0; k < 4; ++k) out += " " + std::to_string(first + f[faces_in ? 3 - k : k]);
+            out += "\n";
+        }
+        return out;
+    };
+    write_text(folder / "solid.obj", box(1, 0, false) + box(0.5, 8, false));
+    write_text(folder / "hollow.obj", box(1, 0, false) + box(0.5, 8, true));
+    write_text(folder / "inside_out.obj", box(1, 0, true) + box(0.5, 8, true));
+    write_text(folder / "apart.obj", box(1, 0, false));
+    const auto said =
+        [&](const std::string& mesh) {
+            const std::string file = write_graph(folder, json::parse(R"({"format": "sinew 1", "nodes": {
+          "box": {"type": "meshFile", "inputs": {"file": ")" + mesh + R"("}},
+          "skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "box.outMesh"}], "resolution": 64}}}})"));
+            return run_program({"eval", file, "skin.outMesh", "--no-cache", "--json"});
+        };
+    for (const char* filled : {"solid.obj", "inside_out.obj"}) {
+        const json d = diagnostic(said(filled));
+        INFO(filled << d.dump());
+        REQUIRE(d.contains("code"));
+        CHECK(d.at("code") == "FE274");
+        CHECK(d.at("severity") == "warning");
+        CHECK(d.at("attribute") == "meshes");
+        CHECK(d.at("message") ==
+              "a closed part lies inside another that faces the same way and bounds no hollow there: "
+              "the inside is filled");
+    }
+    CHECK(diagnostic(said("hollow.obj")).is_null());
+    CHECK(diagnostic(said("apart.obj")).is_null());
 }
