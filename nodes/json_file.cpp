@@ -104,12 +104,33 @@ Json read_json(const engine::FileAccess& files, const std::string& path) {
     return parse_json(read_text(files, path, most_json_bytes), path);
 }
 
+namespace {
+
+/// What a pointer to nothing should have been.
+std::string pointer_meant(const Json& json, const std::string& pointer) {
+    if (json.is_object() && json.contains(pointer)) return "Write \"/" + pointer + "\".";
+    std::string out = "Write a JSON pointer into the file, for example /attachments/0/vertices.";
+    if (!json.is_object() || json.empty()) return out;
+    constexpr std::size_t shown = 5;
+    std::size_t count = 0;
+    out += " It begins with";
+    for (const auto& [key, value] : json.items()) {
+        if (++count > shown) {
+            out += ", …";
+            break;
+        }
+        out += (count > 1 ? ", /" : " /") + shortened(key);
+    }
+    return out + ".";
+}
+
+} // namespace
+
 const Json& part_of(const Json& json, const std::string& pointer, const std::string& path) {
     try {
         return json.at(Json::json_pointer(pointer));
     } catch (const Json::exception&) {
-        throw Error("IO403", "'" + path + "' has nothing at \"" + pointer + "\"",
-                    "Write a JSON pointer into the file, for example /attachments/0/vertices.");
+        throw Error("IO403", "'" + path + "' has nothing at \"" + pointer + "\"", pointer_meant(json, pointer));
     }
 }
 

@@ -87,8 +87,11 @@ Matrix4 between(const Matrix4& from, const Matrix4& to, double u) {
 /// Calls take(frame number, frame object) for every frame, in rising order of frame.
 template <class Take>
 void for_frames(const Json& file, const std::string& path, Take take) {
-    const Json& frames = part_of(file, "/frames", path);
-    if (!frames.is_array() || frames.empty()) throw Error("IO403", "'" + path + "' has no list of frames");
+    const auto found = file.is_object() ? file.find("frames") : file.end();
+    if (found == file.end() || !found->is_array() || found->empty())
+        throw Error("IO403", "'" + path + "' is no motion: it has no list of frames",
+                    R"({"frames": [{"frame": 1, "bones": {"ulna": [16 numbers]}}, …]} is meant.)");
+    const Json& frames = *found;
     double last = -std::numeric_limits<double>::infinity();
     for (const Json& f : frames) {
         if (!f.is_object() || !f.contains("frame") || !f["frame"].is_number())

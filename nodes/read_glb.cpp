@@ -60,7 +60,8 @@ class GlbReader {
 
     void visit(std::size_t index, const Motion& above, std::size_t depth) {
         const Json& node = document_.at("nodes").at(index);
-        if (depth > most_depth || seen_.at(index)++) fail("its nodes are no tree");
+        if (seen_.at(index)++) fail("its nodes are no tree");
+        if (depth > most_depth) fail("its nodes lie more than " + std::to_string(most_depth) + " deep in one another");
         const Motion here = above * motion_of(node);
         if (node.contains("mesh")) {
             const Json& mesh = document_.at("meshes").at(whole(node.at("mesh"), "mesh"));

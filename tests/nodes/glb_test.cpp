@@ -113,6 +113,10 @@ TEST_CASE("GLB: nodes move their meshes and mirrors do not turn them inside out"
     CHECK(s.refusal() == "IO403 a.glb: its nodes are no tree");
     s.document["nodes"][1]["children"] = {0};
     CHECK(s.refusal() == "IO403 a.glb: its nodes are no tree");
+    s.document["nodes"] = json::array({json{{"children", {1}}}});
+    for (int n = 1; n < 1500; ++n) s.document["nodes"].push_back({{"children", {n + 1}}});
+    s.document["nodes"].push_back({{"mesh", 0}});
+    CHECK(s.refusal() == "IO403 a.glb: its nodes lie more than 1000 deep in one another");
 }
 
 TEST_CASE("GLB: what cannot be read is named", "[nodes]") {

@@ -226,6 +226,11 @@ TEST_CASE("a motion file that cannot be used says why", "[nodes]") {
         return codes(R"("t": {"type": "transform", "inputs": {"track": ")" + path + R"(", "trackName": "b"}})", "t",
                      "outMatrix");
     };
+    std::string said;
+    Session other(R"("t": {"type": "transform", "inputs": {"track": ")" +
+                  folder.write("other.json", R"({"bones": {}})") + R"(", "trackName": "b"}})");
+    CHECK(codes([&] { other.pull("t", "outMatrix"); }, &said) == Codes{"IO403"});
+    CHECK(said.find("is no motion: it has no list of frames") != std::string::npos);
     CHECK(pulled("{") == Codes{"IO403"});
     CHECK(pulled("{}") == Codes{"IO403"});
     CHECK(pulled(R"({"frames": []})") == Codes{"IO403"});
