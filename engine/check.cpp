@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/check.h"
 
+#include "engine/connection_meant.h"
+#include "engine/format/typed_text.h"
+#include "engine/format/value_meant.h"
 #include "engine/limits.h"
 #include "engine/text.h"
 
@@ -64,7 +67,11 @@ class Checker {
             return problem("DG012",
                            "expected " + std::string(input_.type_name) + ", found " + std::string(v.type_name()));
         const auto wrong = outside(input_.limits, v);
+        const auto bytes = wrong && v.is<Vec3>() && input_.limits.min == 0 && input_.limits.max == 1
+                               ? colour_of_bytes(v.as<Vec3>())
+                               : std::nullopt;
         number(wrong, wrong && wrong->index >= 0 ? "/" + std::to_string(wrong->index) : "");
+        if (bytes) out_.back().diagnostic.hint = "write " + list_text(*bytes);
         if (input_.options.empty() || !v.is<std::string>()) return;
         if (std::find(input_.options.begin(), input_.options.end(), v.as<std::string>()) == input_.options.end())
             not_an_option(v.as<std::string>());
@@ -153,9 +160,11 @@ class Checker {
 
     void source(const Plug& p, const std::string& below) {
         const Node* n = graph_.find(p.node);
-        if (!n)
-            return problem("DG022", "there is no node \"" + p.node + "\"", name_hint(p.node, graph_.node_names(), {}),
-                           below);
+        if (!n) {
+            const std::string file = out_.size() < 20 ? file_node_form(graph_, input_, p.text()) : "";
+            return problem("DG022", "there is no node \"" + p.node + "\"",
+                           file.empty() ? name_hint(p.node, graph_.node_names(), {}) : file, below);
+        }
         if (!n->type) return; // a type that this program does not know: nothing to compare with
         const AttributeInfo* out = n->type->find_output(p.attribute);
         if (!out)
@@ -165,7 +174,7 @@ class Checker {
             problem("DG024",
                     "takes " + std::string(input_.type_name) + ", but " + p.text() + " is " +
                         std::string(out->type_name),
-                    {}, below);
+                    fitting_place(*n, *out, p, type_, input_), below);
     }
 
     const Graph& graph_;
@@ -261,16 +270,11 @@ void check_entry(const Graph& graph, std::string_view node, const Node& n, const
 /// How an input is written that is missing, with what there is in the graph to connect it to.
 std::string missing_form(const Graph& graph, std::string_view node, const AttributeInfo& a,
                          std::span<const std::string> names) {
-    constexpr std::size_t most_named = 6, most_asked = 1000; // nodes, as this is said of each input that is missing
+    constexpr std::size_t most_named = 6;
     if (a.def.is<File>()) return "write the path of a file, relative to the graph's folder";
     const bool list = a.kind == AttributeKind::wire_list;
-    std::vector<std::string> fitting;
-    for (std::size_t i = 0; i < std::min(names.size(), most_asked) && fitting.size() <= most_named; ++i) {
-        const Node* n = graph.find(names[i]);
-        if (!n || !n->type || names[i] == node) continue;
-        for (const AttributeInfo& out : n->type->outputs)
-            if (out.type == a.type) fitting.push_back(json_quoted(names[i] + "." + std::string(out.name)));
-    }
+    std::vector<std::string> fitting = fitting_outputs(graph, node, a, names, most_named);
+    for (std::string& plug : fitting) plug = json_quoted(plug);
     const bool are_named = !fitting.empty() && fitting.size() <= most_named;
     if (a.kind == AttributeKind::literal && !are_named) return "give it a value";
     std::string form;
@@ -351,6 +355,30 @@ std::vector<TimingFault> timing_faults(const Timing& timing) {
     return out;
 }
 
+namespace {
+
+/// A whole number in all its digits, where number_text may write 9e+08.
+std::string frame_text(double v) {
+    return v == std::floor(v) && std::abs(v) < 1e15 ? std::to_string(static_cast<std::int64_t>(v)) : number_text(v);
+}
+
+/// A simulation that cannot reach the graph's last frame from where it starts.
+std::optional<Diagnostic> too_far(const Graph& graph, const std::string& name, const Node& n, const AttributeInfo& a,
+                                  double start) {
+    if (!n.type->simulation || a.name != n.type->simulation->start_frame_input) return {};
+    const double last = graph.timing().end;
+    if (!(last - start > farthest_frame)) return {};
+    Diagnostic d;
+    d.code = "DG104";
+    d.node = name, d.attribute = a.name;
+    d.spot = graph.spot(name, a.name);
+    d.message = "frame " + frame_text(start) + " is too far before the graph's last, " + number_text(last);
+    d.hint = "leave it out to take the graph's, or start at " + frame_text(last - farthest_frame) + " or later";
+    return d;
+}
+
+} // namespace
+
 std::vector<Diagnostic> check_timing(const Graph& graph) {
     std::vector<Diagnostic> out;
     for (const std::string& name : graph.node_names()) {
@@ -363,22 +391,26 @@ std::vector<Diagnostic> check_timing(const Graph& graph) {
             const Value expected = default_value(a, graph.timing());
             if (!given || !given->is<double>() || given->digest() == expected.digest()) continue;
             const bool start = a.from_timing == FromTiming::start;
+            if (auto far = too_far(graph, name, n, a, given->as<double>())) {
+                out.push_back(std::move(*far));
+                continue;
+            }
             Diagnostic d;
             d.severity = Severity::warning;
             d.code = "DG031";
             d.node = name, d.attribute = a.name;
             d.spot = graph.spot(name, a.name);
-            d.message = number_text(given->as<double>()) + " differs from the graph's timing." +
-                        (start ? "start, " : "fps, ") + number_text(expected.as<double>());
+            d.message = frame_text(given->as<double>()) + " differs from the graph's timing." +
+                        (start ? "start, " : "fps, ") + frame_text(expected.as<double>());
             const double ahead = expected.as<double>() - given->as<double>();
             if (start && ahead > 0)
-                d.message += ": " + number_text(ahead) + " frame" + (ahead == 1 ? "" : "s") +
+                d.message += ": " + frame_text(ahead) + " frame" + (ahead == 1 ? "" : "s") +
                              " before the graph's first are simulated too";
             if (start && ahead < 0) {
                 const double still = std::min(-ahead, double(graph.timing().end) - graph.timing().start + 1);
                 d.message += ": " +
                              std::string(still == 1 ? "the graph's first frame shows"
-                                                    : "the graph's first " + number_text(still) + " frames show") +
+                                                    : "the graph's first " + frame_text(still) + " frames show") +
                              " everything as modelled";
             }
             d.hint = std::string("leave it out to take the graph's") +

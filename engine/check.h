@@ -36,7 +36,11 @@ std::vector<TimingFault> timing_faults(const Timing& timing);
 /// Why a number is no frame, or empty.
 std::string frame_fault(double frame);
 
-/// Warns of literals that contradict the graph's timing where that is the default (DG031).
+/// How many frames a simulation can have: a chain of them fits in memory, and nobody films longer.
+inline constexpr double farthest_frame = 1e7;
+
+/// Warns of literals that contradict the graph's timing where that is the default (DG031). An error, DG104: a
+/// simulation that starts too far before the graph's end.
 std::vector<Diagnostic> check_timing(const Graph& graph);
 
 /// What an attribute is, in the first sentence of its documentation: a range alone does not say what is right.

@@ -3,6 +3,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/check.h"
 #include "engine/format/read_value.h"
+#include "engine/format/value_meant.h"
 #include "engine/graph.h"
 #include "engine/origin.h"
 #include "engine/text.h"
@@ -135,7 +136,10 @@ class Edit::Draft {
 
     const Node* node(const Plug& at) {
         const Node* n = graph_.find(at.node);
-        if (!n) problem("DG040", at, "there is no node \"" + at.node + "\"", name_hint(at.node, graph_.order_, {}));
+        std::string hint = n ? "" : name_hint(at.node, graph_.order_, {});
+        if (hint.empty() && at.node == "timing")
+            hint = "it is no node: write \"timing\": { " + json_quoted(at.attribute) + ": … } in the graph file";
+        if (!n) problem("DG040", at, "there is no node \"" + at.node + "\"", std::move(hint));
         return n;
     }
 
@@ -343,7 +347,12 @@ class Edit::Draft {
         std::vector<Problem> found;
         auto binding = read_binding(graph_, *info, doc.root, folder_of(graph_.file()), found);
         for (Problem& f : found) problem(f.diagnostic.code, op.plug, f.diagnostic.message, f.diagnostic.hint);
-        if (binding) bind(op.plug, std::move(*binding));
+        if (!binding) return;
+        if (is_rounded_to_zero(op.text)) // commit only sees the 0
+            for (Problem& f : check_binding(graph_, op.plug.node, *graph_.find(op.plug.node)->type, *info, *binding))
+                return problem(f.diagnostic.code, op.plug, rounded_to_zero(op.text, f.diagnostic.message),
+                               f.diagnostic.hint);
+        bind(op.plug, std::move(*binding));
     }
 
     void connected(const Plug& at, const Binding& binding) {

@@ -98,7 +98,8 @@ GatheredStep Goal::gather_step(int simulation, int frame, Phase phase, std::vect
 void FrameGoal::find_nearest_state() {
     searched_ = true;
     on_disk_.reset();
-    for (have_ = frame_; have_ >= place().start_frame; --have_) {
+    for (have_ = frame_; have_ >= place().start_frame; --have_) { // each asks the disk, and there may be a million
+        session_.check_stop();
         const Digest& key = session_.keys.frame_key(simulation_, have_);
         if (const StoredState* s = session_.core.states.find(key)) return take(*s, have_);
         if (!on_disk_ && session_.core.frames && !not_on_disk_.contains(have_) && session_.core.frames->contains(key))

@@ -12,9 +12,7 @@
 
 namespace sinew::engine {
 
-namespace {
-constexpr double farthest_frame = 1e7; // a chain of frames to there fits in memory; nobody films longer
-}
+namespace {}
 
 void locate(Diagnostic& d, const Graph& graph, const std::string& node) {
     d.node = node;
@@ -233,7 +231,9 @@ Site Program::site(int node, double frame) const {
         throw Failure(std::move(d));
     }
     if (frame - p.start_frame > farthest_frame) {
-        Diagnostic d = about(p, {}, "DG104", "too far from the start frame " + std::to_string(p.start_frame));
+        Diagnostic d = about(p, {}, "DG104", "too far from the start frame " + std::to_string(p.start_frame),
+                             "start at most " + std::to_string(static_cast<int>(farthest_frame)) +
+                                 " frames before the last one that is wanted");
         d.frame = frame;
         throw Failure(std::move(d));
     }

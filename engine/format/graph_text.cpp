@@ -2,6 +2,7 @@
 #include "engine/format/graph_text.h"
 
 #include "engine/diagnostics.h"
+#include "engine/format/graph_file.h"
 #include "engine/format/migrate.h"
 #include "engine/format/read_value.h"
 #include "engine/near_file.h"
@@ -74,6 +75,17 @@ GraphText graph_text(const std::string& path, const FileAccess& files) {
     if (std::string_view("{[/").find(text[first]) == std::string_view::npos)
         return {"", "DG004", "this is no graph file: a graph is one JSON object and begins with {", hint};
     return {std::move(text)};
+}
+
+Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path, const FileAccess& files) {
+    GraphText text = graph_text(path, files);
+    if (text.code.empty()) return read_graph(std::move(registry), text.text, path, files);
+    Diagnostic d;
+    d.code = text.code;
+    d.spot = SourceSpot{path, "", 0, 0};
+    d.message = std::move(text.message);
+    d.hint = std::move(text.hint);
+    throw Failure(std::move(d));
 }
 
 } // namespace sinew::engine

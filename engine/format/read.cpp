@@ -199,6 +199,9 @@ class GraphReader {
                 typed && typed->unit.empty() ? "write " + number_text(typed->number) + " without quotes" : "");
     }
 
+    /// Of the last problem.
+    void hint(std::string text) { problems_.back().hint = std::move(text); }
+
     void timing(const Json& json) {
         const auto* object = json.as<Json::Object>();
         if (!object) return wrong_kind(json, "/timing", {}, "an object");
@@ -285,9 +288,9 @@ class GraphReader {
         Diagnostic d = std::move(problem("DG010", offset, pointer + "/type", m.key, {},
                                          "this program does not know the type " + json_quoted(name)));
         problems_.pop_back();
-        const std::string near = nearest_name(name, graph_.registry().names());
-        d.hint = near.empty() ? "the node is kept as it is and fails only when it is needed"
-                              : "did you mean \"" + near + "\"?";
+        d.hint = name_hint(name, graph_.registry().names(), {});
+        if (d.hint.empty())
+            d.hint = "correct the type, or take the node out of the graph; `sinew nodes` lists the types";
         unknown_types_.push_back(std::move(d));
     }
 
@@ -295,6 +298,7 @@ class GraphReader {
         for (Problem& f : found) {
             const Json& part = offending_part(value, f.below);
             Diagnostic& d = f.diagnostic;
+            if (d.code == "DG013" && is_rounded_to_zero(raw(part))) d.message = rounded_to_zero(raw(part), d.message);
             problem(d.code, part.begin, pointer + f.below, at.node, at.attribute, std::move(d.message),
                     std::move(d.hint));
         }
@@ -311,7 +315,10 @@ class GraphReader {
     }
 
     void includes(const Json& json, const Json* nodes) {
-        if (!json.as<Json::Object>()) return wrong_kind(json, "/includes", {}, "an object, one entry a prefix");
+        if (!json.as<Json::Object>()) {
+            wrong_kind(json, "/includes", {}, "an object, one entry a prefix");
+            return hint(include_form(json, nodes, ""));
+        }
         for (const JsonMember& m : *json.as<Json::Object>()) {
             if (is_comment_on("includes", m)) continue;
             std::string fault;
@@ -340,7 +347,10 @@ class GraphReader {
         out->graph = std::make_shared<const Graph>(graph_.registry_);
         graph_.includes_.emplace_back(m.key, out); // also one that is wrong has its prefix
         const auto* object = m.value.as<Json::Object>();
-        if (!object) return wrong_kind(m.value, pointer, m.key, "an object with the \"file\" to include"), false;
+        if (!object) {
+            wrong_kind(m.value, pointer, m.key, "an object with the \"file\" to include");
+            return hint(include_form(m.value, nullptr, m.key)), false;
+        }
         unknown_keys(*object, Level::include, pointer, m.key);
         for (const JsonMember& part : *object)
             anchors_.push_back({part.key_begin, part.value.end, std::string::npos, "", "", m.key});
@@ -511,10 +521,11 @@ class GraphReader {
                     const Json& value) {
         std::vector<Problem> found;
         auto binding = read_binding(graph_, info, value, folder_, found);
-        if (!binding && found.front().diagnostic.hint.empty()) {
-            std::string& hint = found.front().diagnostic.hint;
-            hint = wires_hint(*n.type, info, value);
-            if (hint.empty()) hint = preset_elsewhere(*n.type, info, value);
+        if (!binding) {
+            Diagnostic& d = found.front().diagnostic;
+            if (std::string wires = wires_hint(*n.type, info, value); !wires.empty() && d.code != "DG020")
+                d.hint = std::move(wires);
+            if (d.hint.empty()) d.hint = preset_elsewhere(*n.type, info, value);
         }
         if (binding && !reads_unread(*binding)) found = check_binding(graph_, at.node, *n.type, info, *binding);
         report(std::move(found), at, pointer, value);
@@ -582,17 +593,6 @@ Loaded read_graph(std::shared_ptr<const Registry> registry, std::string_view jso
     // What is wrong may follow from the notes.
     part.problems.insert(part.problems.end(), part.notes.begin(), part.notes.end());
     throw Failure(std::move(part.problems));
-}
-
-Loaded load_graph(std::shared_ptr<const Registry> registry, const std::string& path, const FileAccess& files) {
-    GraphText text = graph_text(path, files);
-    if (text.code.empty()) return read_graph(std::move(registry), text.text, path, files);
-    Diagnostic d;
-    d.code = text.code;
-    d.spot = SourceSpot{path, "", 0, 0};
-    d.message = std::move(text.message);
-    d.hint = std::move(text.hint);
-    throw Failure(std::move(d));
 }
 
 } // namespace sinew::engine

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "engine/format/read_value.h"
 
+#include "engine/connection_meant.h"
 #include "engine/file_sequence.h"
 #include "engine/format/typed_text.h"
 #include "engine/format/value_meant.h"
@@ -18,10 +19,6 @@ namespace sinew::engine {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Of meshes, tets, point caches and what is written as JSON.
-constexpr std::string_view read_endings[] = {".obj", ".ply", ".off", ".stl",  ".glb", ".mesh", ".vtk",
-                                             ".msh", ".veg", ".ele", ".node", ".pc2", ".mdd",  ".json"};
 
 // 3 mm shall be the double nearest to 0.003: a division by 1000 is, a product with 1e-3 often is not.
 double converted(double v, double factor) {
@@ -64,38 +61,54 @@ class BindingReader {
         if (const auto* object = json.as<Json::Object>()) return from_object(json, *object);
         const auto* list = json.as<Json::List>();
         if (is_list_input() && list) return connections(*list);
-        if (input_.kind == AttributeKind::literal) return literal(json, "", 1);
+        if (input_.kind == AttributeKind::literal)
+            return list && is_listed_connection(*list) ? Binding(Value()) : literal(json, "", 1);
+        const std::string file =
+            file_node_form(graph_, input_, named_in(list && list->size() == 1 ? list->front() : json));
         const std::string form = connection_form(list && list->size() == 1 ? list->front() : json);
         if (list)
-            problem("DG020", "takes one connection, not a list", "write " + form);
+            problem("DG020", "takes one connection, not a list", file.empty() ? "write " + form : file);
         else
             problem("DG026",
                     "a " + std::string(input_.type_name) + " can only be connected, found " + std::string(json.kind()),
-                    "write " + (is_list_input() ? "[ " + form + " ]" : form));
+                    !file.empty() ? file : "write " + (is_list_input() ? "[ " + form + " ]" : form));
         return Value();
     }
 
     /// How the connection that somebody meant is written.
-    std::string connection_form(const Json& json) const {
+    std::string connection_form(const Json& json) const { return "{ \"from\": " + plug_form(named_in(json)) + " }"; }
+
+    /// "a.out" of "a.out" and { "from": "a.out" }; empty of all else.
+    static std::string named_in(const Json& json) {
         const Json* from = json.find("from");
         const auto* text = (from ? *from : json).as<std::string>();
-        return "{ \"from\": " + (text ? plug_form(*text) : "\"node.output\"") + " }";
+        return text ? *text : "";
     }
 
-    /// The output that somebody meant, in quotes: a node's name stands for the only one of its that fits.
+    /// The output that somebody meant, in quotes.
     std::string plug_form(const std::string& text) const {
-        if (parse_plug(text)) return json_quoted(text);
-        const Node* n = graph_.find(text);
-        std::string name = text;
-        if (!n) n = graph_.find(name = nearest_name(text, graph_.node_names()));
-        if (!n || !n->type) return "\"node.output\"";
-        const AttributeInfo* fits = nullptr;
-        for (const AttributeInfo& out : n->type->outputs) {
-            if (out.type != input_.type) continue;
-            if (fits) return "\"node.output\"";
-            fits = &out;
-        }
-        return fits ? json_quoted(name + "." + std::string(fits->name)) : "\"node.output\"";
+        const std::string meant = text.empty() ? "" : output_meant(graph_, input_, text, true);
+        return meant.empty() ? "\"node.output\"" : json_quoted(meant);
+    }
+
+    /// Whether the graph has the output that text where a value is expected would name.
+    bool names_output(const std::string& text) const {
+        return !has_many() && !output_meant(graph_, input_, text, false).empty();
+    }
+
+    /// Problems enough: a list may hold a million words, and each would be looked for among all nodes.
+    bool has_many() const { return problems_.size() >= before_ + 20; }
+
+    /// [ { "from": … } ] where one connection fits. False: it is none that does.
+    bool is_listed_connection(const Json::List& list) {
+        const auto is_connection = [&](const Json& one) {
+            return one.find("from") && !named_in(one).empty() && names_output(named_in(one));
+        };
+        constexpr std::size_t most = 20; // beyond that it is a list by mistake of another kind
+        if (list.empty() || list.size() > most || !std::all_of(list.begin(), list.end(), is_connection)) return false;
+        problem("DG020", "takes one value, not a list of connections",
+                "write " + connection_form(list.front()) + (list.size() > 1 ? ", or another one of them" : ""));
+        return true;
     }
 
     // Exactly one of these keys says what the object is.
@@ -211,6 +224,11 @@ class BindingReader {
         return Value();
     }
 
+    bool is_preset(const std::string& name) const {
+        return std::any_of(input_.presets.begin(), input_.presets.end(),
+                           [&](const Preset& p) { return p.name == name; });
+    }
+
     double preset(const std::string& name, const std::string& below) {
         for (const Preset& p : input_.presets)
             if (name == p.name) return p.value;
@@ -257,7 +275,9 @@ class BindingReader {
         if (expected.empty()) expected = input_.type_name;
         const auto* text = json.as<std::string>();
         const auto* list = json.as<Json::List>();
-        if (hint.empty() && text && parse_plug(*text)) hint = "write " + connection_form(json);
+        if (text && names_output(*text)) hint = "write " + connection_form(json);
+        if (hint.empty() && text && !has_many()) hint = file_node_form(graph_, input_, *text);
+        if (json.find("from") && !has_many()) hint = "connect the whole input: " + connection_form(json);
         if (hint.empty() && list && list->size() == 1) hint = plain_form(list->front());
         if (hint.empty() && !input_.options.empty())
             hint = "options: " + listed(std::vector<std::string>(input_.options.begin(), input_.options.end()));
@@ -277,11 +297,15 @@ class BindingReader {
     /// "30 kPa", or the name of a preset.
     std::optional<double> number_in(const Json& json, const std::string& text, const std::string& below) {
         const auto quantity = parse_quantity(text);
-        if (!quantity && !input_.presets.empty()) return preset(text, below);
+        if (!quantity && !input_.presets.empty() && (is_preset(text) || !names_output(text)))
+            return preset(text, below);
         if (!quantity)
-            wrong_type(json, below, "number", text.empty() || names_no_number(text) ? number_form() : "");
+            wrong_type(json, below, "number",
+                       text.empty() || names_no_number(text) || begins_as_number(text) ? number_form() : "");
         else if (quantity->unit.empty())
             wrong_type(json, below, "number", without_quotes(quantity->number));
+        else if (const std::string form = parse_unit(quantity->unit) ? "" : grouped_form(text); !form.empty())
+            wrong_type(json, below, "number", form);
         else if (quantity->unit.starts_with(','))
             wrong_type(json, below, "number", decimal_form(text));
         else if (has_unit_)
@@ -310,7 +334,10 @@ class BindingReader {
         if (d)
             problem("DG012", number_text(*d) + " is not an integer", {}, below);
         else
-            wrong_type(json, below, "", typed && typed->unit.empty() ? without_quotes(typed->number) : "");
+            wrong_type(json, below, "",
+                       typed && typed->unit.empty() ? without_quotes(typed->number)
+                       : text                       ? grouped_form(*text)
+                                                    : "");
         return {};
     }
 
@@ -331,26 +358,11 @@ class BindingReader {
 
     /// How the list that somebody meant by a number or text is written; empty if that cannot be told.
     std::string list_form(const Json& json) const {
-        const bool is_vector = input_.def.is<Vec3>();
+        if (input_.def.is<Vec3>()) return vector_form(input_, json);
         const auto* text = json.as<std::string>();
         const NumberList meant = text ? numbers_in(*text) : NumberList();
-        if (!meant.empty() && (!is_vector || meant.size() == 3)) return "write " + list_text(meant);
-        if (!is_vector) return {};
-        const bool is_colour = input_.limits.min == 0 && input_.limits.max == 1;
-        if (const auto colour = text && is_colour ? colour_meant(*text) : std::nullopt)
-            return "write " + list_text(*colour);
-        const auto* i = json.as<std::int64_t>();
-        const auto* d = json.as<double>();
-        if (!i && !d) return text && parse_plug(*text) ? "" : "write three numbers: [x, y, z]";
-        const double v = i ? static_cast<double>(*i) : *d;
-        // Gravity has one part that is not zero, and a length alone is meant for that.
-        const Vec3& usual = input_.def.as<Vec3>();
-        if (std::count(usual.begin(), usual.end(), 0.0) == 2 && v != 0) {
-            NumberList along(usual.begin(), usual.end());
-            for (double& part : along) part = part == 0 ? 0 : std::copysign(std::abs(v), part);
-            return "write three numbers: " + list_text(along);
-        }
-        return "write three numbers: " + list_text(NumberList{v, v, v}) + " if all of them are " + number_text(v);
+        const bool fits = input_.def.is<Matrix4>() ? meant.size() == 16 : !meant.empty();
+        return fits ? "write " + list_text(meant) : "";
     }
 
     template <std::size_t N>
@@ -361,10 +373,7 @@ class BindingReader {
         if (problems_.size() > before_) return Value();
         if (all.size() != N)
             problem("DG012", "expected " + std::to_string(N) + " numbers, found " + std::to_string(all.size()),
-                    N == 16           ? "write four rows of four numbers, or all in one list"
-                    : all.size() == 1 ? list_form(json.as<Json::List>()->front())
-                                      : "write three numbers: [x, y, z]",
-                    below);
+                    N == 16 ? "write four rows of four numbers, or all in one list" : vector_form(input_, json), below);
         std::copy_n(all.begin(), std::min(N, all.size()), out.begin());
         return Value::of<std::array<double, N>>(out);
     }
@@ -395,6 +404,8 @@ class BindingReader {
         }
         if (kind.is<bool>())
             wrong_type(json, below, "true or false", bool_form(json));
+        else if (kind.is<std::string>() && input_.options.empty())
+            wrong_type(json, below, "", text_form(json));
         else
             wrong_type(json, below, kind.is<File>() ? "the path of a file" : "");
         return Value();
@@ -404,9 +415,10 @@ class BindingReader {
     std::string file_in(const fs::path& folder) const {
         constexpr std::size_t most = 12;
         std::vector<std::string> inside = files_in(resolved_path(folder.string(), folder_));
-        std::erase_if(inside, [](const std::string& name) {
+        const auto known = readable_endings();
+        std::erase_if(inside, [&](const std::string& name) {
             const std::string ending = lower_case(fs::path(name).extension().string());
-            return std::find(std::begin(read_endings), std::end(read_endings), ending) == std::end(read_endings);
+            return std::find(known.begin(), known.end(), ending) == known.end();
         });
         if (inside.empty() || inside.size() > most) return "name the file in it that is meant";
         for (std::string& name : inside) name = json_quoted((folder / name).generic_string());
@@ -442,7 +454,7 @@ class BindingReader {
         std::error_code ec;
         const auto status = fs::status(out.path, ec);
         if (!fs::exists(status)) {
-            const std::string near = near_file(out.path, read_endings);
+            const std::string near = near_file(out.path, readable_endings());
             problem("IO401", "there is no file " + json_quoted(path),
                     near.empty()
                         ? "looked for " + out.path + "; relative paths start at the graph's folder"

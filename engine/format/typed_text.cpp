@@ -33,7 +33,11 @@ std::optional<Quantity> parse_quantity(std::string_view text) {
 NumberList numbers_in(std::string text) {
     std::replace(text.begin(), text.end(), ',', ' ');
     NumberList out;
-    for (std::string_view rest = trimmed(text); !rest.empty();) {
+    std::string_view inside = trimmed(text);
+    if (inside.size() > 1 &&
+        ((inside.front() == '[' && inside.back() == ']') || (inside.front() == '(' && inside.back() == ')')))
+        inside = trimmed(inside.substr(1, inside.size() - 2));
+    for (std::string_view rest = inside; !rest.empty();) {
         const std::size_t end = std::min(rest.find(' '), rest.size());
         const auto one = parse_quantity(rest.substr(0, end));
         if (!one || !one->unit.empty()) return {};

@@ -18,7 +18,7 @@ struct Quantity {
 /// Empty if the text does not begin with a finite number.
 std::optional<Quantity> parse_quantity(std::string_view text);
 
-/// The numbers in "1, 2, 3" or "1 2 3"; none if the text holds anything else.
+/// The numbers in "1, 2, 3", "1 2 3" or "[1, 2, 3]"; none if the text holds anything else.
 NumberList numbers_in(std::string text);
 
 /// "[1, 2, 3]".

@@ -124,3 +124,14 @@ TEST_CASE("bool and integer inputs take stepped keys") {
     CHECK(number(e, keyed, {"a", "out"}, 9.9) == 12);
     CHECK(number(e, keyed, {"a", "out"}, 10) == -12);
 }
+
+TEST_CASE("an edit of the timing as if it were a node is told where that stands") {
+    const auto g = graph(registry(), R"("n": {"type": "number"})");
+    try {
+        Edit(g).set_json({"timing", "end"}, "5").commit();
+        FAIL("it was set");
+    } catch (const Failure& f) {
+        CHECK(f.diagnostics().front().code == "DG040");
+        CHECK(f.diagnostics().front().hint == "it is no node: write \"timing\": { \"end\": … } in the graph file");
+    }
+}

@@ -71,3 +71,24 @@ TEST_CASE("a start frame that differs from the timing's is warned about, with wh
                                  "modelled"));
     CHECK(check_timing(*Edit(loaded("\"startFrame\": 1").graph).reset({"sim", "startFrame"}).commit().graph).empty());
 }
+
+TEST_CASE("a simulation that starts too far before the graph's end is told so before it runs") {
+    const auto notes = loaded("\"startFrame\": -900000000").notes;
+    REQUIRE(notes.size() == 1); // and not also what differs
+    CHECK(notes[0].code == "DG104");
+    CHECK(notes[0].severity == Severity::error);
+    CHECK(notes[0].message == "frame -900000000 is too far before the graph's last, 1010");
+    CHECK(notes[0].hint == "leave it out to take the graph's, or start at -9998990 or later");
+    REQUIRE(loaded("\"startFrame\": -9998990").notes.size() == 1);
+    CHECK(loaded("\"startFrame\": -9998990").notes[0].code == "DG031");
+    CHECK(loaded("\"startFrame\": -9998991").notes[0].code == "DG104");
+    // Who asks for a frame that is too far hears how far is possible.
+    Evaluator e({}, 1);
+    try {
+        number(e, loaded("").graph, {"sim", "out"}, 10001002);
+        FAIL("it was simulated");
+    } catch (const Failure& f) {
+        CHECK(f.diagnostics().front().code == "DG104");
+        CHECK(f.diagnostics().front().hint == "start at most 10000000 frames before the last one that is wanted");
+    }
+}

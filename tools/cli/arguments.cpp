@@ -48,6 +48,12 @@ std::optional<T> whole_text(std::string_view text) {
     return value;
 }
 
+/// A whole number that is larger than any that is taken.
+bool is_beyond(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos && !whole_text<int>(text);
+}
+
 } // namespace
 
 Arguments::Arguments(const Command& command, std::span<const std::string> words) {
@@ -112,8 +118,9 @@ int Arguments::whole_number(std::string_view flag, int otherwise, int least, int
     const auto number = to_int(*text);
     if (!number || *number < least || *number > most)
         throw UsageError(std::string(flag) + " needs a whole number " +
-                         (most < INT_MAX ? "from " + std::to_string(least) + " to " + std::to_string(most)
-                                         : "of at least " + std::to_string(least)) +
+                         (most < INT_MAX || is_beyond(*text)
+                              ? "from " + std::to_string(least) + " to " + std::to_string(most)
+                              : "of at least " + std::to_string(least)) +
                          ", not '" + *text + "'.");
     return *number;
 }
@@ -195,6 +202,10 @@ std::vector<int> parse_frames(std::string_view text) {
         if (first && last && *last < *first)
             throw UsageError("'" + part + "' ends before it begins; write " + std::to_string(*last) + "-" +
                              std::to_string(*first) + ".");
+        for (const std::string_view end : {std::string_view(part).substr(0, dash),
+                                           std::string_view(part).substr(dash == std::string::npos ? 0 : dash + 1)})
+            if (is_beyond(end.substr(end.starts_with('-') ? 1 : 0)))
+                throw UsageError("frame " + std::string(end) + " is too far from 0; frames lie within a billion.");
         if (!first || !last)
             throw UsageError("'" + std::string(text) + "' is no list of frames; write 12, 1-24 or 1,64,128.");
         if (static_cast<long long>(*last) - *first >= most)

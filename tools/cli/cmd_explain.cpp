@@ -33,15 +33,16 @@ ExitCode explain(const Invocation& in) {
     OpenGraph open = open_graph(in.arguments);
     print_diagnostics(open.notes, json, in.out, in.err);
     const engine::Timing timing = open.graph->timing();
+    constexpr int farthest = 999'999'999; // frames lie within a billion
+    const int frame = in.arguments.whole_number("--frame", timing.end, -farthest, farthest);
     const engine::Request request{open.graph, parse_plug(*open.graph, in.arguments.operand(1).value()),
-                                  static_cast<double>(in.arguments.whole_number("--frame", timing.end, -1'000'000)),
-                                  in.stop};
+                                  static_cast<double>(frame), in.stop};
     const engine::Evaluator evaluator(store_policy(in.arguments, *open.graph));
     const LongTask task(
         in.err, "looking at frames " + std::to_string(timing.start) + " to " + std::to_string(timing.end), json);
     const engine::Verdict verdict = evaluator.explain(request);
     nlohmann::ordered_json description = {{"plug", request.plug.text()},
-                                          {"frame", request.frame},
+                                          {"frame", frame},
                                           {"readiness", word_of(verdict.readiness)},
                                           {"because", verdict.because}};
     if (!verdict.changed_plugs.empty()) description["changed_plugs"] = verdict.changed_plugs;

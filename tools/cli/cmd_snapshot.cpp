@@ -107,6 +107,7 @@ void check_named(const Arguments& arguments, const engine::Graph& graph, const e
 
 Album album_of_graph(const Invocation& in) {
     const OpenGraph open = open_graph(in.arguments);
+    print_diagnostics(open.notes, false, in.out, in.err);
     ReadFiles read;
     read.add(*open.graph);
     check_kept(in.arguments, read);
@@ -196,8 +197,7 @@ Drawing parse_drawing(const Arguments& arguments) {
     const auto [width, height] = parse_size(arguments.value("--size").value_or("1600x900"));
     const std::string up = arguments.value("--up").value_or("");
     if (arguments.has("--up") && up != "y" && up != "z") throw UsageError("--up needs y or z, not '" + up + "'.");
-    const int smoothing = arguments.whole_number("--smooth", 3, 1);
-    if (smoothing > 8) throw UsageError("--smooth needs at most 8.");
+    const int smoothing = arguments.whole_number("--smooth", 3, 1, 8);
     return {*view, width, height, smoothing, parse_overlays(arguments)};
 }
 

@@ -64,6 +64,20 @@ void apply_setting(engine::Edit& edit, const Graph& graph, const std::string& se
         edit.set_json(plug, engine::json_quoted(json));
 }
 
+/// What stands beside the nodes in a file: "timing.end" is no input of one.
+bool is_timing(const Plug& plug) {
+    static const std::vector<std::string> keys = {"fps", "start", "end"};
+    static const std::vector<std::string> name = {"timing"};
+    return !engine::nearest_name(plug.node, name).empty() &&
+           std::find(keys.begin(), keys.end(), plug.attribute) != keys.end();
+}
+
+std::string timing_hint(const Plug& plug, const std::string& setting) {
+    return "it is no node: write \"timing\": { " + engine::json_quoted(plug.attribute) + ": " +
+           setting.substr(setting.find('=') + 1) + " } in the graph file" +
+           (plug.attribute == "fps" ? "" : ", or choose the frames by --frames or --frame");
+}
+
 /// The same with the --set that each is about as its place: what stands there in the file is not what is wrong.
 std::vector<engine::Diagnostic> in_settings(std::span<const engine::Diagnostic> problems,
                                             const std::vector<std::string>& settings) {
@@ -71,7 +85,9 @@ std::vector<engine::Diagnostic> in_settings(std::span<const engine::Diagnostic> 
     for (engine::Diagnostic& d : out)
         for (const std::string& setting : settings) {
             const Plug plug = split_plug(setting.substr(0, setting.find('=')));
-            if (plug.node == d.node && plug.attribute == d.attribute) d.spot = {"--set " + setting, "", 0, 0, {}};
+            if (plug.node != d.node || plug.attribute != d.attribute) continue;
+            d.spot = {"--set " + setting, "", 0, 0, {}};
+            if (d.code == "DG040" && is_timing(plug)) d.hint = timing_hint(plug, setting);
         }
     return out;
 }
@@ -156,7 +172,7 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
             throw engine::Failure(std::move(all));
         }
         // What was said of the timing holds for the graph as it is now.
-        std::erase_if(loaded.notes, [](const engine::Diagnostic& d) { return d.code == "DG031"; });
+        std::erase_if(loaded.notes, [](const engine::Diagnostic& d) { return d.code == "DG031" || d.code == "DG104"; });
         for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));
     }
     return {std::move(loaded.graph), std::move(loaded.notes)};
