@@ -3,11 +3,8 @@
 #include "tests/support/engine_toys.h"
 
 #include <catch2/catch.hpp>
-#include <chrono>
-#include <filesystem>
 #include <latch>
 #include <thread>
-#include <unistd.h>
 
 using namespace toys;
 
@@ -102,38 +99,4 @@ TEST_CASE("a pull that waits can itself be cancelled") {
     waiter.join();
     worker.join();
     CHECK(counts->advances == 2);
-}
-
-TEST_CASE("looking for the nearest kept frame ends where a pull is cancelled") {
-    using Clock = std::chrono::steady_clock;
-    const auto folder = std::filesystem::temp_directory_path() / ("sinew_search_" + std::to_string(::getpid()));
-    auto counts = std::make_shared<Counts>();
-    const auto g = graph(registry(counts), R"("sim": {"type": "sim", "inputs": {"startFrame": -300000}})");
-    /// The time from a stop after `wait`, or at the first step, to the end [s]; and to the first step.
-    const auto pull = [&](bool on_disk, std::optional<double> wait) {
-        std::stop_source stop;
-        counts->on_advance = [&](double) { stop.request_stop(); };
-        StorePolicy policy;
-        policy.keeps_frames = on_disk;
-        if (on_disk) policy.disk_folder = folder.string();
-        Evaluator e(policy, 1);
-        const auto begin = Clock::now();
-        auto stopped = begin;
-        std::jthread stopper;
-        if (wait)
-            stopper = std::jthread([&] {
-                std::this_thread::sleep_for(std::chrono::duration<double>(*wait));
-                stopped = Clock::now();
-                stop.request_stop();
-            });
-        CHECK_THROWS_AS(e.pull({g, {"sim", "out"}, 1, stop.get_token()}), Cancelled);
-        const auto end = Clock::now();
-        if (stopper.joinable()) stopper.join();
-        return std::chrono::duration<double>(end - stopped).count();
-    };
-    const double keys = pull(false, {}), all = pull(true, {});
-    REQUIRE(all > keys); // each of 300,000 frames was looked for on disk
-    const double search = all - keys;
-    CHECK(pull(true, keys + search / 4) < search / 2); // and not the rest of the search
-    std::filesystem::remove_all(folder);
 }

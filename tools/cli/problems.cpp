@@ -152,7 +152,6 @@ void refuse_unknown_types(std::vector<Diagnostic>& diagnostics) {
     for (Diagnostic& d : diagnostics)
         if (d.code == "DG010") {
             d.severity = engine::Severity::error;
-            if (!d.hint.starts_with("did you mean")) d.hint = "correct the type, or take the node out of the graph";
             unknown.insert(d.node);
         }
     std::erase_if(diagnostics, [&](const Diagnostic& d) {
