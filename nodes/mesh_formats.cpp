@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "nodes/mesh_formats.h"
 
+#include "engine/file_sequence.h"
 #include "nodes/json_file.h"
 #include "nodes/read_glb.h"
 #include "solver/error.h"
@@ -14,6 +15,9 @@ namespace sinew::nodes {
 solver::SurfaceMesh read_mesh(const engine::FileAccess& files, const std::string& path) {
     std::string ending = std::filesystem::path(path).extension().string();
     for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    if (!files.refusal(path) && engine::names_sequence(path))
+        throw solver::Error("IO401", "'" + path + "' stands for numbered files, and one mesh is meant here",
+                            "Name one of them; meshSequence gives that of each frame.");
     const std::string bytes = read_text(files, path);
     if (ending == ".glb") return read_glb(bytes, path);
     try {

@@ -3,6 +3,7 @@
 #include "bench.h"
 #include "nodes/curve_file.h"
 #include "nodes/json_file.h"
+#include "nodes/mesh_formats.h"
 #include "nodes/motion_track.h"
 #include "nodes/painted_maps.h"
 #include "solver/error.h"
@@ -86,5 +87,19 @@ TEST_CASE("JSON data files and graphs have a size beyond which they are not read
     } catch (const engine::Failure& f) {
         CHECK(f.diagnostics()[0].code == "IO412");
         CHECK(f.diagnostics()[0].message.find("is larger than 256 MB") != std::string::npos);
+    }
+}
+
+TEST_CASE("a name of numbered files where one mesh is meant is told as that", "[nodes]") {
+    const sinew::test::TemporaryFolder folder;
+    for (const char* name : {"c.0001.obj", "c.0002.obj"}) sinew::test::write_text(folder / name, "v 0 0 0\n");
+    try {
+        nodes::read_mesh({}, folder / "c.####.obj");
+        FAIL("it was read");
+    } catch (const solver::Error& e) {
+        CHECK(e.code == "IO401");
+        CHECK(std::string(e.what()) ==
+              "'" + std::string(folder / "c.####.obj") + "' stands for numbered files, and one mesh is meant here");
+        CHECK(e.hint == "Name one of them; meshSequence gives that of each frame.");
     }
 }
