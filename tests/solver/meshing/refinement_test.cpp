@@ -8,6 +8,7 @@
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/red_green.h"
 #include "solver/meshing/refined_cells.h"
+#include "solver/meshing/refined_count.h"
 
 #include <bit>
 #include <random>
@@ -381,6 +382,54 @@ TEST_CASE("paint that asks for too many tets by itself is refused before any is 
         REQUIRE(phases_of(50000) == std::set<std::string>{"counting the tets"});
         REQUIRE(phases_of(5'000'000).contains("done"));
     }
+}
+
+TEST_CASE("refinement is refused early by a count that never exceeds what would be made", "[refinement]") {
+    const SurfaceMesh sphere = make_sphere(1, 20, 20), open = cup();
+    for (const SurfaceMesh& surface : {sphere, open}) {
+        const Solid solid = make_solid(surface.points, surface.triangles);
+        const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+        std::vector<double> half, rising;
+        for (const Vec3& p : solid.points) half.push_back(p.x() > 0 ? 3 : 0), rising.push_back(1.4 * (1 + p.y()));
+        for (const bool is_surface_only : {false, true})
+            for (const std::vector<double>& levels : {std::vector<double>{2}, half, rising})
+                for (const double propagation : {0.0, 1.0}) {
+                    INFO(solid.is_closed << is_surface_only << levels.size() << " " << levels[0] << " " << propagation);
+                    const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, {});
+                    const Paint paint(solid, levels, propagation);
+                    const auto cells = [&](std::int64_t most) {
+                        return refine_cells(solid, grid, coarse, paint, {is_surface_only, most}, {}).cells;
+                    };
+                    const auto corners = lattice_corners(solid, grid);
+                    const RefinedCount count{solid, grid, coarse, paint, corners, is_surface_only};
+                    const std::int64_t made = cells(1 << 30);
+                    for (int part = 1; part <= 8; ++part) CHECK(count.at_least(made * part / 8, {}) <= made);
+                    CHECK(cells(made) == made);
+                    REQUIRE_THROWS_AS(cells(made - 1), Error);
+                    CHECK(count.at_least(made / 5, {}) > made / 5);
+                }
+    }
+}
+
+TEST_CASE("paint that asks for too many tets inside is refused before any is made", "[refinement]") {
+    const SurfaceMesh cylinder = make_cylinder(2, 12, 12, 8, 1);
+    LatticeOptions options;
+    options.tet_size = 2; // hardly a tet that the surface does not touch
+    options.refinement = {6};
+    options.propagation = 1;
+    options.max_resolution = 100000;
+    std::set<std::string> phases;
+    MeshingControl control;
+    control.progress = [&](double, std::string_view what) { phases.emplace(what); };
+    try {
+        make_lattice(cylinder.points, cylinder.triangles, options, control);
+        FAIL("no error");
+    } catch (const Error& e) {
+        CHECK(e.code == "FE210");
+        CHECK(std::string(e.what()) == "the refined lattice would have more than 20000000 tets");
+    }
+    CHECK(phases.contains("counting the tets"));
+    CHECK_FALSE(phases.contains("refining"));
 }
 
 TEST_CASE("meshing reports how far it is and stops when asked", "[refinement]") {
