@@ -385,7 +385,7 @@ TEST_CASE("paint that asks for too many tets by itself is refused before any is 
 }
 
 TEST_CASE("refinement is refused early by a count that never exceeds what would be made", "[refinement]") {
-    const SurfaceMesh sphere = make_sphere(1, 20, 20), open = cup();
+    const SurfaceMesh sphere = make_sphere(1, 10, 8), open = cup();
     for (const SurfaceMesh& surface : {sphere, open}) {
         const Solid solid = make_solid(surface.points, surface.triangles);
         const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
@@ -394,16 +394,18 @@ TEST_CASE("refinement is refused early by a count that never exceeds what would 
         for (const bool is_surface_only : {false, true})
             for (const std::vector<double>& levels : {std::vector<double>{2}, half, rising})
                 for (const double propagation : {0.0, 1.0}) {
+                    // Shares of open surfaces take long.
+                    if (!solid.is_closed && (is_surface_only || levels != rising || propagation == 0)) continue;
                     INFO(solid.is_closed << is_surface_only << levels.size() << " " << levels[0] << " " << propagation);
                     const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, {});
                     const Paint paint(solid, levels, propagation);
                     const auto cells = [&](std::int64_t most) {
-                        return refine_cells(solid, grid, coarse, paint, {is_surface_only, most}, {}).cells;
+                        return refine_cells(solid, grid, coarse, paint, {is_surface_only, most, 1, true}, {}).cells;
                     };
                     const auto corners = lattice_corners(solid, grid);
                     const RefinedCount count{solid, grid, coarse, paint, corners, is_surface_only};
                     const std::int64_t made = cells(1 << 30);
-                    for (int part = 1; part <= 8; ++part) CHECK(count.at_least(made * part / 8, {}) <= made);
+                    for (const int part : {2, 5, 8}) CHECK(count.at_least(made * part / 8, {}) <= made);
                     CHECK(cells(made) == made);
                     REQUIRE_THROWS_AS(cells(made - 1), Error);
                     CHECK(count.at_least(made / 5, {}) > made / 5);
