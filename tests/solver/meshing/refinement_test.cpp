@@ -434,6 +434,34 @@ TEST_CASE("paint that asks for too many tets inside is refused before any is mad
     CHECK_FALSE(phases.contains("refining"));
 }
 
+TEST_CASE("cutting cells pauses every few thousand of them, and stops where the pause says so", "[refinement]") {
+    const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+    std::vector<std::int64_t> roots;
+    for (std::int64_t tet = 0; tet < grid.tet_count(); ++tet)
+        if (grid.holds(tet)) roots.push_back(tet);
+    const auto cut_twice = [&](const std::function<void()>& pause) {
+        RedGreen cells(grid, roots);
+        cells.refine(
+            [&](int level, std::size_t first) {
+                const std::size_t count = cells.levels()[at(level)].cells.size() - first;
+                return std::vector(count, level < 2 ? RedGreen::Verdict::split : RedGreen::Verdict::keep);
+            },
+            pause);
+        return cells.levels()[2].cells.size();
+    };
+    std::size_t pauses = 0;
+    const std::size_t finest = cut_twice([&] { ++pauses; });
+    REQUIRE(finest == 64 * roots.size());
+    CHECK(4096 * (pauses + 1) > finest); // each was judged, most settled too
+    REQUIRE(pauses > 10);
+    std::size_t left = 5;
+    REQUIRE_THROWS_AS(cut_twice([&] {
+                          if (--left == 0) throw Stopped();
+                      }),
+                      Stopped);
+    CHECK(left == 0);
+}
+
 TEST_CASE("meshing reports how far it is and stops when asked", "[refinement]") {
     const SurfaceMesh sphere = make_sphere(1, 20, 20);
     LatticeOptions options;
