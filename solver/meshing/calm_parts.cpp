@@ -4,6 +4,7 @@
 
 #include "solver/index.h"
 #include "solver/mesh/bvh.h"
+#include "solver/meshing/leaf_corners.h"
 
 #include <algorithm>
 #include <array>
@@ -62,29 +63,6 @@ class Polygon {
     }
     std::array<Local, capacity> corner_;
     std::size_t size_ = 3;
-};
-
-/// Corners of triangles in the order of a tree, coordinate by coordinate, so that those of a leaf are seen at once.
-class LeafCorners {
-  public:
-    using Four = Eigen::Array4d;
-
-    LeafCorners(const Bvh& tree, const Points& points, const std::vector<Triangle>& triangles) {
-        for (std::size_t c = 0; c < 3; ++c)
-            for (std::size_t d = 0; d < 3; ++d) {
-                std::vector<double>& list = coordinates_[c][d];
-                list.reserve(tree.order.size() + 4);
-                for (const int t : tree.order) list.push_back(points[at(triangles[at(t)][c])][static_cast<int>(d)]);
-                list.resize(list.size() + 4); // whole fours everywhere
-            }
-    }
-    /// Coordinate d of corner c of four triangles.
-    Four four(const BvhNode& leaf, std::size_t c, std::size_t d) const {
-        return Eigen::Map<const Four>(coordinates_[c][d].data() + leaf.first);
-    }
-
-  private:
-    std::array<std::array<std::vector<double>, 3>, 3> coordinates_;
 };
 
 /// A triangle with the space beside it.
@@ -214,8 +192,14 @@ class Surroundings {
     bool is_known_ = false, all_near_enough_ = false;
 };
 
-/// The triangle across each edge that has just one other, which runs along it the other way; -1 for others.
-/// Edge k lies opposite corner k.
+/// What is known of a triangle: whether it is calm, and across which edges the way is free.
+struct Calm {
+    bool is_calm = false;
+    std::array<bool, 3> is_free{};
+};
+
+} // namespace
+
 std::vector<std::array<int, 3>> find_neighbours(const std::vector<Triangle>& triangles) {
     struct Side {
         int low, high, triangle, edge;
@@ -241,14 +225,6 @@ std::vector<std::array<int, 3>> find_neighbours(const std::vector<Triangle>& tri
     }
     return result;
 }
-
-/// What is known of a triangle: whether it is calm, and across which edges the way is free.
-struct Calm {
-    bool is_calm = false;
-    std::array<bool, 3> is_free{};
-};
-
-} // namespace
 
 std::vector<int> calm_parts(const Points& points, const std::vector<Triangle>& triangles,
                             const std::function<Neighbourhood(std::size_t)>& neighbourhood, const MeshingPhase& phase) {

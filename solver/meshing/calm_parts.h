@@ -4,10 +4,15 @@
 #include "solver/meshing/meshing_control.h"
 #include "solver/types.h"
 
+#include <array>
 #include <functional>
 #include <vector>
 
 namespace sinew::solver {
+
+/// The triangle across each edge that has just one other, which runs along it the other way; -1 for others.
+/// Edge k lies opposite corner k.
+std::vector<std::array<int, 3>> find_neighbours(const std::vector<Triangle>& triangles);
 
 /// What of the space about a triangle counts: places beside it, all as far from its plane.
 struct Neighbourhood {

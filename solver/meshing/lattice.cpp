@@ -63,15 +63,19 @@ double checked_side(const Solid& solid, const LatticeOptions& options, int level
     return side;
 }
 
-TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces, const LatticeOptions& options) {
+TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces, const LatticeOptions& options,
+                 const MeshingControl& control) {
     std::vector<std::int64_t> numbers;
     numbers.reserve(4 * pieces.size());
     for (const LatticePiece& p : pieces)
         for (const auto& key : p.corners) numbers.push_back(finest.vertex_number(key));
     std::vector<std::int64_t> sorted = numbers;
+    control.ask(); // of millions each step takes a second or so
     parallel_sort(sorted.begin(), sorted.end());
+    control.ask();
     sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
 
+    control.ask();
     TetMesh mesh;
     mesh.vertices.reserve(sorted.size());
     for (std::int64_t number : sorted) mesh.vertices.push_back(finest.position(finest.vertex_key(number)));
@@ -84,6 +88,7 @@ TetMesh assemble(const BccGrid& finest, const std::vector<LatticePiece>& pieces,
                 static_cast<int>(std::lower_bound(sorted.begin(), sorted.end(), numbers[4 * t + k]) - sorted.begin());
         mesh.coverage[t] = std::max(pieces[t].share, least);
     });
+    control.ask();
     mesh.cut.degree = options.moments;
     for (std::size_t t = 0; t < pieces.size(); ++t)
         if (pieces[t].moments) mesh.cut.tets.push_back(static_cast<int>(t));
@@ -280,7 +285,7 @@ TetMesh make_lattice(const Points& points, const std::vector<Triangle>& triangle
     refuse_thin(solid, paint, side, options, control);
     const Lattice lattice = lattice_of_side(solid, paint, side, options, control);
     if (!lattice.is_sound(options.least_coverage)) refuse_coarse(solid, paint, side, lattice, options, control);
-    return assemble(lattice.finest, lattice.pieces, options);
+    return assemble(lattice.finest, lattice.pieces, options, control);
 }
 
 } // namespace sinew::solver

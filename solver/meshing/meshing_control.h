@@ -16,8 +16,11 @@ struct MeshingControl {
     std::function<bool()> stop;                                       ///< true = throw Stopped
     std::function<void(double done, std::string_view what)> progress; ///< done in 0 to 1, never falling
 
-    void report(double done, std::string_view what) const {
+    void ask() const {
         if (stop && stop()) throw Stopped();
+    }
+    void report(double done, std::string_view what) const {
+        ask();
         if (progress) progress(done, what);
     }
 };

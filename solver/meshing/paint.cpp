@@ -70,13 +70,27 @@ bool Paint::wants_more(int level, int triangle, const BarycentricTriangle& in_te
            (size == 4 && touches_tet({part[0], part[2], part[3]}, touch_slack));
 }
 
+int Paint::level_inside(double levels) const {
+    return static_cast<int>(std::floor(propagation_ * round_up(levels) + 0.5 + rounding));
+}
+
 bool Paint::wants_more_inside(int level, const Vec3& middle) const {
-    if (std::floor(propagation_ * highest_ + 0.5 + rounding) <= level) return false;
+    if (highest_inside() <= level) return false;
     const ClosestPoint nearest = solid_.tree.closest(middle);
     const Triangle& corners = solid_.triangles[at(nearest.triangle)];
     double levels = 0;
     for (int c = 0; c < 3; ++c) levels += nearest.barycentric[c] * levels_[at(corners[at(c)])];
-    return std::floor(propagation_ * round_up(levels) + 0.5 + rounding) > level;
+    return level_inside(levels) > level;
+}
+
+int Paint::least_inside(int level, const Vec3& middle, double radius) const {
+    if (highest_inside() <= level) return level;
+    // A place of the ball is at most the radius farther from the triangle that is closest to the middle, and the one
+    // closest to the place by as much again nearer to it. Mixing a triangle's levels may round them down.
+    double least = highest_;
+    for (const int t : solid_.tree.all_closest(middle, 2.001 * radius))
+        for (const int v : solid_.triangles[at(t)]) least = std::min(least, levels_[at(v)] - 1e-12);
+    return std::max(level, level_inside(std::max(least, 0.0)));
 }
 
 } // namespace sinew::solver

@@ -25,8 +25,15 @@ class Paint {
     bool wants_more(int level, int triangle, const BarycentricTriangle& in_tet) const;
     /// Whether a tet inside with this middle is to be finer than `level`.
     bool wants_more_inside(int level, const Vec3& middle) const;
+    /// The highest level inside.
+    int highest_inside() const { return level_inside(highest_); }
+    /// A level that wants_more_inside is true below for all middles in a ball. At least `level`, and just that without
+    /// much of a search where no tet may be finer.
+    int least_inside(int level, const Vec3& middle, double radius) const;
 
   private:
+    int level_inside(double levels) const;
+
     const Solid& solid_;
     std::vector<double> levels_; ///< by vertex; empty without paint
     double propagation_ = 0;

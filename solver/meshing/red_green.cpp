@@ -174,6 +174,7 @@ void RedGreen::drain() {
     while (!to_settle_.empty()) {
         const CellName name = to_settle_.back();
         to_settle_.pop_back();
+        count_work();
         settle(name);
     }
 }
@@ -186,6 +187,7 @@ std::vector<std::size_t> RedGreen::make_children() {
     std::vector<std::size_t> first;
     for (const Level& l : levels_) first.push_back(l.cells.size());
     for (const CellName& red : reds) {
+        count_work();
         if (at(red.level) + 1 == levels_.size()) {
             const BccGrid fine = levels_.back().grid.finer();
             levels_.emplace_back().grid = fine;
@@ -202,7 +204,8 @@ std::vector<std::size_t> RedGreen::make_children() {
     return first;
 }
 
-void RedGreen::refine(const Judge& judge) {
+void RedGreen::refine(const Judge& judge, const std::function<void()>& pause) {
+    pause_ = pause;
     std::vector<std::size_t> first{0};
     do {
         // All new cells are judged before any is cut: a cell that is not judged yet looks dead.
@@ -216,14 +219,17 @@ void RedGreen::refine(const Judge& judge) {
         for (std::size_t n = 0; n < levels_.size(); ++n)
             for (std::size_t i = 0; i < verdicts[n].size(); ++i) {
                 const CellName name{static_cast<int>(n), static_cast<int>(first[n] + i)};
+                count_work();
                 if (verdicts[n][i] == Verdict::split) make_red(name);
                 if (verdicts[n][i] == Verdict::keep) to_settle_.push_back(name);
             }
         drain();
         const std::vector<Edge> waiting = std::move(waiting_);
         waiting_.clear();
-        for (const Edge& edge : waiting)
+        for (const Edge& edge : waiting) {
+            count_work();
             if (!demand_tets_about(edge)) waiting_.push_back(edge);
+        }
         drain();
         first = make_children();
     } while (std::any_of(levels_.begin(), levels_.end(), [&](const Level& l) {

@@ -47,8 +47,9 @@ class RedGreen {
     /// `roots`: tets of the grid in increasing order; these are the domain.
     RedGreen(const BccGrid& grid, const std::vector<std::int64_t>& roots);
 
-    /// Refines until every living cell with the verdict `split` is red and all is conforming.
-    void refine(const Judge& judge);
+    /// Refines until every living cell with the verdict `split` is red and all is conforming. `pause` is called every
+    /// few thousand cells or edges, on this thread; it may throw.
+    void refine(const Judge& judge, const std::function<void()>& pause = {});
 
     const std::vector<Level>& levels() const { return levels_; }
     /// Bit e is set if edge e of the cell is split; edges in the order 01, 02, 03, 12, 13, 23.
@@ -63,6 +64,9 @@ class RedGreen {
         BccGrid::Key a, b;
     };
 
+    void count_work() {
+        if (pause_ && ++work_ % 4096 == 0) pause_();
+    }
     Level& level(int n) { return levels_[static_cast<std::size_t>(n)]; }
     void make_red(CellName name);
     void split_edge(const Edge& edge);
@@ -75,6 +79,8 @@ class RedGreen {
     std::vector<Level> levels_;
     std::vector<CellName> to_settle_, new_reds_;
     std::vector<Edge> waiting_; ///< split edges about which cells are still to be made
+    std::function<void()> pause_;
+    std::size_t work_ = 0;
 };
 
 /// The smallest of the patterns that a green cut resolves, or all edges, that contains `pattern`.

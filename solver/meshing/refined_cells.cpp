@@ -4,12 +4,12 @@
 
 #include "solver/error.h"
 #include "solver/meshing/red_green.h"
+#include "solver/meshing/refined_count.h"
 #include "solver/meshing/tet_quadrature.h"
 
 #include <Eigen/LU>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <string>
 
@@ -48,6 +48,8 @@ class Refiner {
     Refiner(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse, const Paint& paint,
             const RefineOptions& options, const MeshingControl& control)
         : solid_(solid)
+        , grid_(grid)
+        , coarse_(coarse)
         , paint_(paint)
         , options_(options)
         , control_(control)
@@ -58,25 +60,32 @@ class Refiner {
     }
 
     RefinedCells refined() {
-        if (paint_.highest() > 0) refuse_hopeless();
-        if (paint_.highest() > 0) cells_.refine([this](int level, std::size_t first) { return judge(level, first); });
+        if (paint_.highest() > 0) {
+            // Making them would take a minute and gigabytes until they are refused.
+            const RefinedCount least{solid_, grid_, coarse_, paint_, corners_, options_.is_surface_only};
+            refuse_above_limit(least.at_least(options_.most_tets, control_));
+            cells_.refine([this](int level, std::size_t first) { return judge(level, first); },
+                          [this] { control_.ask(); });
+        }
         std::vector<Leaf> leaves;
-        for (std::size_t root = 0; root < cells_.levels()[0].cells.size(); ++root)
+        for (std::size_t root = 0; root < cells_.levels()[0].cells.size(); ++root) {
+            control_.ask();
             collect(0, static_cast<int>(root), leaves);
+        }
         std::vector<std::size_t> place{0};
         for (const Leaf& leaf : leaves) place.push_back(place.back() + green_parts(leaf.pattern).size());
         std::vector<LatticePiece> all(place.back());
         const MeshingPhase phase{control_, 0.55, 1, "measuring the tets"};
         phase.run(leaves.size(), 16, [&](std::size_t i) { measure(leaves[i], all.data() + place[i]); });
         std::erase_if(all, [](const LatticePiece& p) { return p.share < 0; });
-        return {std::move(all), static_cast<int>(cells_.levels().size()) - 1};
+        return {std::move(all), static_cast<int>(cells_.levels().size()) - 1, cell_count()};
     }
 
   private:
     std::vector<RedGreen::Verdict> judge(int level, std::size_t first) {
         const RedGreen::Level& here = cells_.levels()[at(level)];
         const std::size_t count = here.cells.size() - first;
-        check_count();
+        refuse_above_limit(cell_count());
         if (level > 0) add_facts(level, first);
         std::vector<RedGreen::Verdict> verdicts(count);
         const CellFacts& facts = facts_[at(level)];
@@ -89,46 +98,15 @@ class Refiner {
         return verdicts;
     }
 
-    /// Counts the cells that the paint on the surface has cut, of which each gives eight more, without keeping any:
-    /// where these alone are too many, making them would take a minute and gigabytes until they are refused.
-    void refuse_hopeless() const {
-        const std::int64_t roots = static_cast<std::int64_t>(cells_.levels()[0].cells.size());
-        const std::vector<CellState>& states = facts_[0].states;
-        const auto touched = static_cast<double>(std::ranges::count(states, CellState::touched));
-        if (touched * 8 / 7 * std::exp2(3 * paint_.highest()) < static_cast<double>(options_.most_tets - roots)) return;
-        std::vector<BccGrid> grids{cells_.levels()[0].grid};
-        while (std::ssize(grids) < paint_.highest()) grids.push_back(grids.back().finer());
-        std::atomic<std::int64_t> cut = 0;
-        const MeshingPhase phase{control_, 0.5, 0.5, "counting the tets"};
-        phase.run(states.size(), 4, [&](std::size_t i) {
-            if (states[i] == CellState::touched)
-                count_cut(grids, 0, cells_.levels()[0].cells[i].number, facts_[0].touching(i), cut);
-        });
-        refuse_above_limit(roots + 8 * cut);
+    /// Whether to stop, once in a while in loops that run on one thread.
+    void ask_at(std::size_t i) const {
+        if (i % 4096 == 0) control_.ask();
     }
 
-    void count_cut(const std::vector<BccGrid>& grids, std::size_t level, std::int64_t number,
-                   std::span<const int> triangles, std::atomic<std::int64_t>& cut) const {
-        const int n = static_cast<int>(level);
-        const auto wants_more = [&](int t) {
-            return paint_.wants_more(n, t, seen_from(grids[level], number, scaled(t, n)));
-        };
-        if (8 * cut > options_.most_tets || std::ranges::none_of(triangles, wants_more)) return;
-        ++cut;
-        if (level + 1 == grids.size()) return;
-        for (const std::int64_t child : grids[level].children(number)) {
-            std::vector<int> touching;
-            for (const int t : triangles)
-                if (touches_tet(seen_from(grids[level + 1], child, scaled(t, n + 1)), touch_slack))
-                    touching.push_back(t);
-            count_cut(grids, level + 1, child, touching, cut);
-        }
-    }
-
-    void check_count() const {
-        std::int64_t cells = 0;
-        for (const RedGreen::Level& l : cells_.levels()) cells += static_cast<std::int64_t>(l.cells.size());
-        refuse_above_limit(cells);
+    std::int64_t cell_count() const {
+        std::int64_t count = 0;
+        for (const RedGreen::Level& l : cells_.levels()) count += std::ssize(l.cells);
+        return count;
     }
 
     void refuse_above_limit(std::int64_t cells) const {
@@ -183,6 +161,7 @@ class Refiner {
         std::vector<Link> links;     // of each corner, the cells about it whose side is not known yet
         std::vector<int> first_link; // by corner
         for (std::size_t i = 0; i < states.size(); ++i) {
+            ask_at(i);
             if (states[i] == CellState::touched || states[i] == CellState::mixed) continue;
             const auto keys = here.grid.tet_vertices(here.cells[first + i].number);
             for (std::size_t k = 0; k < 4; ++k) corners[i][k] = here.grid.vertex_number(keys[k]);
@@ -213,6 +192,7 @@ class Refiner {
             }
         };
         for (std::size_t i = 0; i < states.size(); ++i) {
+            ask_at(i);
             if (states[i] != unknown) continue;
             int side = -1;
             for (std::int64_t c : corners[i]) side = std::max(side, facts.sides.find(c));
@@ -350,6 +330,8 @@ class Refiner {
     }
 
     const Solid& solid_;
+    const BccGrid& grid_;
+    const CoarseCells& coarse_;
     const Paint& paint_;
     const RefineOptions& options_;
     const MeshingControl& control_;

@@ -21,7 +21,8 @@ struct LatticePiece {
 
 struct RefinedCells {
     std::vector<LatticePiece> pieces;
-    int levels = 0; ///< how often the side was halved at the finest place
+    int levels = 0;         ///< how often the side was halved at the finest place
+    std::int64_t cells = 0; ///< of all levels, those that are cut and those outside too: what the limit is on
 };
 
 struct RefineOptions {
@@ -34,8 +35,8 @@ struct RefineOptions {
 };
 
 /// Refines and computes all shares. Order: coarse tets by number; inside one the tree of its parts, each cut
-/// as RedGreen says. Throws Error FE210 (too many tets; before any is made, where the paint alone asks for too many),
-/// Stopped.
+/// as RedGreen says. Throws Error FE210 (too many tets; before any is made, where the paint alone surely asks for too
+/// many), Stopped.
 RefinedCells refine_cells(const Solid& solid, const BccGrid& grid, const CoarseCells& coarse, const Paint& paint,
                           const RefineOptions& options, const MeshingControl& control);
 

@@ -8,6 +8,7 @@
 #include "solver/meshing/bcc_grid.h"
 #include "solver/meshing/red_green.h"
 #include "solver/meshing/refined_cells.h"
+#include "solver/meshing/refined_count.h"
 
 #include <bit>
 #include <random>
@@ -381,6 +382,84 @@ TEST_CASE("paint that asks for too many tets by itself is refused before any is 
         REQUIRE(phases_of(50000) == std::set<std::string>{"counting the tets"});
         REQUIRE(phases_of(5'000'000).contains("done"));
     }
+}
+
+TEST_CASE("refinement is refused early by a count that never exceeds what would be made", "[refinement]") {
+    const SurfaceMesh sphere = make_sphere(1, 10, 8), open = cup();
+    for (const SurfaceMesh& surface : {sphere, open}) {
+        const Solid solid = make_solid(surface.points, surface.triangles);
+        const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+        std::vector<double> half, rising;
+        for (const Vec3& p : solid.points) half.push_back(p.x() > 0 ? 3 : 0), rising.push_back(1.4 * (1 + p.y()));
+        for (const bool is_surface_only : {false, true})
+            for (const std::vector<double>& levels : {std::vector<double>{2}, half, rising})
+                for (const double propagation : {0.0, 1.0}) {
+                    // Shares of open surfaces take long.
+                    if (!solid.is_closed && (is_surface_only || levels != rising || propagation == 0)) continue;
+                    INFO(solid.is_closed << is_surface_only << levels.size() << " " << levels[0] << " " << propagation);
+                    const CoarseCells coarse = find_coarse_cells(solid, grid, is_surface_only, {});
+                    const Paint paint(solid, levels, propagation);
+                    const auto cells = [&](std::int64_t most) {
+                        return refine_cells(solid, grid, coarse, paint, {is_surface_only, most, 1, true}, {}).cells;
+                    };
+                    const auto corners = lattice_corners(solid, grid);
+                    const RefinedCount count{solid, grid, coarse, paint, corners, is_surface_only};
+                    const std::int64_t made = cells(1 << 30);
+                    for (const int part : {2, 5, 8}) CHECK(count.at_least(made * part / 8, {}) <= made);
+                    CHECK(cells(made) == made);
+                    REQUIRE_THROWS_AS(cells(made - 1), Error);
+                    CHECK(count.at_least(made / 5, {}) > made / 5);
+                }
+    }
+}
+
+TEST_CASE("paint that asks for too many tets inside is refused before any is made", "[refinement]") {
+    const SurfaceMesh cylinder = make_cylinder(2, 12, 12, 8, 1);
+    LatticeOptions options;
+    options.tet_size = 2; // hardly a tet that the surface does not touch
+    options.refinement = {6};
+    options.propagation = 1;
+    options.max_resolution = 100000;
+    std::set<std::string> phases;
+    MeshingControl control;
+    control.progress = [&](double, std::string_view what) { phases.emplace(what); };
+    try {
+        make_lattice(cylinder.points, cylinder.triangles, options, control);
+        FAIL("no error");
+    } catch (const Error& e) {
+        CHECK(e.code == "FE210");
+        CHECK(std::string(e.what()) == "the refined lattice would have more than 20000000 tets");
+    }
+    CHECK(phases.contains("counting the tets"));
+    CHECK_FALSE(phases.contains("refining"));
+}
+
+TEST_CASE("cutting cells pauses every few thousand of them, and stops where the pause says so", "[refinement]") {
+    const BccGrid grid = make_bcc_grid(Vec3::Zero(), Vec3(2, 2, 2), 0.5);
+    std::vector<std::int64_t> roots;
+    for (std::int64_t tet = 0; tet < grid.tet_count(); ++tet)
+        if (grid.holds(tet)) roots.push_back(tet);
+    const auto cut_twice = [&](const std::function<void()>& pause) {
+        RedGreen cells(grid, roots);
+        cells.refine(
+            [&](int level, std::size_t first) {
+                const std::size_t count = cells.levels()[at(level)].cells.size() - first;
+                return std::vector(count, level < 2 ? RedGreen::Verdict::split : RedGreen::Verdict::keep);
+            },
+            pause);
+        return cells.levels()[2].cells.size();
+    };
+    std::size_t pauses = 0;
+    const std::size_t finest = cut_twice([&] { ++pauses; });
+    REQUIRE(finest == 64 * roots.size());
+    CHECK(4096 * (pauses + 1) > finest); // each was judged, most settled too
+    REQUIRE(pauses > 10);
+    std::size_t left = 5;
+    REQUIRE_THROWS_AS(cut_twice([&] {
+                          if (--left == 0) throw Stopped();
+                      }),
+                      Stopped);
+    CHECK(left == 0);
 }
 
 TEST_CASE("meshing reports how far it is and stops when asked", "[refinement]") {
