@@ -58,7 +58,8 @@ void compute(const Reads& in, Writes& out) {
 void add_z_delaunay_tet_mesh(Registry& registry) {
     NodeType type;
     type.name = "zDelaunayTetMesh";
-    type.numerics = 3; // made about the surface's middle, in its size
+    // 3: made about the surface's middle, in its size
+    type.numerics = 4; // sides of triangles in sharp folds are known
     type.doc = "Fills a closed surface with tets whose boundary is exactly that surface.";
     type.inputs = {describe(mesh), describe(refinement_quality), describe(max_time)};
     type.outputs = {describe(out_tets)};

@@ -317,7 +317,8 @@ void publish(const SimulationState& s, const Reads& in, Writes& out) {
 void add_z_solver(Registry& registry) {
     SimulationType<SimulationState> type;
     type.base.name = "zSolver";
-    type.base.numerics = 28; // BDF2 begins anew when a body comes on
+    // 28: BDF2 begins anew when a body comes on
+    type.base.numerics = 29; // shares of subtissues and painted layers: sides of triangles in sharp folds are known
     type.base.machine = solver::machine_numerics();
     type.base.doc = "Simulates soft tissue and cloth: bones move, the others follow by the laws of physics.";
     type.base.inputs = {describe(bodies),

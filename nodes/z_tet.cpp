@@ -185,7 +185,8 @@ void add_z_tet(Registry& registry) {
     // 3: triangles and parts that face the wrong way are turned; too large tets refused
     // 4: tets that the surface cuts know the moments of their part inside
     // 5: SurfaceOnly keeps the skins of cavities
-    type.numerics = 6; // SurfaceOnly takes sheets for shells
+    // 6: SurfaceOnly takes sheets for shells
+    type.numerics = 7; // sides of triangles in sharp folds are known
     type.doc = "Fills a mesh with tets: a body-centred cubic lattice, 12 tets a cube, that the mesh is embedded "
                "in; finer where weights are painted, without gaps between the sizes. Every tet knows how much "
                "of it is inside the mesh. The mesh may have holes, cracks and parts that cross. Tets are made "
