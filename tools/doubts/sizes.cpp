@@ -91,8 +91,8 @@ Missing missing_factor(double few, double others) {
     const double most_usual = 1000 * unit_gap;
     Missing out;
     out.is_usual = ratio < most_usual;
-    out.factor = !out.is_usual ? std::pow(10, std::round(std::log10(ratio))) : ratio < 316 ? 100 : 1000;
-    if (few > others) out.factor = 1 / out.factor;
+    const double power = !out.is_usual ? std::round(std::log10(ratio)) : ratio < 316 ? 2 : 3;
+    out.factor = std::pow(10, few < others ? power : -power);
     return out;
 }
 
