@@ -70,6 +70,24 @@ TEST_CASE("tets are kept beside the graph, or where --cache says, or nowhere", "
     CHECK(has(blocked.out + blocked.err, "a folder is in its place"));
 }
 
+TEST_CASE("cache says of a file that is no graph that it is none", "[tools]") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder / "c.obj", graph = folder / "g.json";
+    write_text(mesh, "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for (const char* what : {"info", "clean"}) {
+        const Said said = run_program({"cache", what, mesh});
+        CHECK(said.code == 2);
+        CHECK(said.err.find("'" + mesh + "' is no graph; one is meant, or a folder with what was kept of it.") !=
+              std::string::npos);
+    }
+    for (const char* begin : {"{", " \n\t{", "// a comment\n{", "\xEF\xBB\xBF{"}) {
+        write_text(graph, std::string(begin) + "\"format\": \"sinew 1\"}");
+        const Said said = run_program({"cache", "info", graph});
+        CHECK(said.code == 0);
+        CHECK(said.out.find("nothing is kept") != std::string::npos);
+    }
+}
+
 TEST_CASE("processes that keep the same tets at once do each other no harm", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = graph_with_kept_tets(folder);

@@ -162,26 +162,6 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
     CHECK(said_of(pair).empty());
 }
 
-TEST_CASE("check doubts tets far larger than what they fill is thick", "[tools]") {
-    json graph = ball();
-    graph["nodes"]["ballMesh"] = {{"type", "polyCube"}, // a plate of 2 cm
-                                  {"inputs", {{"width", 40}, {"height", 20}, {"depth", 2}, {"subdivisionsHeight", 4}}}};
-    const std::string said = said_of(graph, {"tets.tetSize=10"});
-    CHECK(said.starts_with("FE262 tets.tetSize: "));
-    CHECK(
-        said.find("of the surface of ball belongs to parts about 2 thick, less than a quarter of the tets there (10) | "
-                  "choose a tetSize of about 2,") != std::string::npos);
-    CHECK(said_of(graph, {"tets.tetSize=2"}).empty());
-    graph["nodes"]["ballMesh"]["inputs"]["depth"] = 6;
-    CHECK(said_of(graph, {"tets.tetSize=17"}).empty());
-    CHECK(said_of(graph, {"tets.tetSize=20"}).find("about 6 thick, less than a third of") != std::string::npos);
-    // A ball of 20 in tets of 30: no part of it is thin.
-    CHECK(
-        said_of(ball(), {"tets.tetSize=30"}) ==
-        "FE262 tets.tetSize: ball is 20 long and its tets are 30, so it cannot bend | choose a tetSize of about 2.5\n");
-    CHECK(said_of(ball(), {"tets.tetSize=12"}).empty());
-}
-
 TEST_CASE("check doubts scales that mirror", "[tools]") {
     CHECK(said_of(ball(), {"platePlace.scale=[-1, 1, 1]"}) ==
           "FE265 platePlace.scale: the scale mirrors, which turns what is moved inside out: its faces look inwards | "

@@ -1,4 +1,4 @@
-// What check says of values that are in their unit and that nobody means.
+// What check says of values that are in their unit and that nobody means, and of tets too large.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/doubting.h"
 
@@ -24,6 +24,34 @@ TEST_CASE("check doubts gravity that points up, flesh heavier than metal, and re
           "lengths: 0.8 is a fifth shorter; for a scene in other units there is zSolver.scale\n");
     CHECK(said_of(ball(), {"flesh.restScale=0.05"}).starts_with("FE344 flesh.restScale: 0.05 makes it rest at 0.05 "));
     CHECK(said_of(ball(), {"flesh.restScale=2"}).empty());
+}
+
+TEST_CASE("check doubts tets far larger than what they fill is thick", "[tools]") {
+    json graph = ball();
+    graph["nodes"]["ballMesh"] = {{"type", "polyCube"}, // a plate of 2 cm
+                                  {"inputs", {{"width", 40}, {"height", 20}, {"depth", 2}, {"subdivisionsHeight", 4}}}};
+    const std::string said = said_of(graph, {"tets.tetSize=10"});
+    CHECK(said.starts_with("FE262 tets.tetSize: "));
+    CHECK(
+        said.find("of the surface of ball belongs to parts about 2 thick, less than a quarter of the tets there (10) | "
+                  "choose a tetSize of about 2,") != std::string::npos);
+    CHECK(said_of(graph, {"tets.tetSize=2"}).empty());
+    graph["nodes"]["ballMesh"]["inputs"]["depth"] = 6;
+    CHECK(said_of(graph, {"tets.tetSize=8"}).empty());
+    // One and a half times as large as it is thick: a third as stiff it would be right. Quadratic tets bend, and what
+    // is pulled need not.
+    CHECK(said_of(graph, {"tets.tetSize=12"})
+              .find("about 6 thick, less than two thirds of the tets there (12) | choose "
+                    "a tetSize of about 6, or set element to quadratic: linear") != std::string::npos);
+    CHECK(said_of(graph, {"tets.tetSize=12", "tets.element=\"quadratic\""}).empty());
+    CHECK(said_of(graph, {"tets.tetSize=12", "flesh.youngsModulus=1.2 MPa"}).empty());
+    CHECK(said_of(graph, {"tets.tetSize=17", "flesh.youngsModulus=1.2 MPa"}).empty());
+    CHECK(said_of(graph, {"tets.tetSize=20"}).find("about 6 thick, less than a third of") != std::string::npos);
+    // A ball of 20 in tets of 30: no part of it is thin.
+    CHECK(
+        said_of(ball(), {"tets.tetSize=30"}) ==
+        "FE262 tets.tetSize: ball is 20 long and its tets are 30, so it cannot bend | choose a tetSize of about 2.5\n");
+    CHECK(said_of(ball(), {"tets.tetSize=12"}).empty());
 }
 
 TEST_CASE("check says how much flesh a pancake gains by the tets that it lies in", "[tools]") {
@@ -52,6 +80,72 @@ TEST_CASE("check doubts odd values at any of their keys", "[tools]") {
               .starts_with("FE323 flesh.massDensity: 1.06 kg/m^3 is lighter than any flesh"));
     CHECK(keyed("solver", "gravity", "[[1, [0, -9.8, 0]], [3, [0, -980, 0]]]")
               .starts_with("FE322 solver.gravity: 980 m/s^2 is 100 times the earth's"));
+}
+
+TEST_CASE("keys of one value are doubted as the value is, and as little", "[tools]") {
+    const std::string falls = "FE260 solver.bodies: ball falls";
+    CHECK(said_of(ball(), {"grip.envelope=0"}).starts_with(falls));
+    CHECK(said_of(ball(), {R"(grip.envelope={"keys": [[1, 0], [3, 0]]})"}).starts_with(falls));
+    CHECK(said_of(ball(), {R"(grip.stiffness={"keys": [[1, 0], [3, 0]]})"}).starts_with(falls));
+    CHECK(said_of(ball(), {R"(grip.envelope={"keys": [[1, 0], [3, 1]]})"}).empty());
+    CHECK(said_of(ball(), {"grip.envelope=0", R"(solver.gravity={"keys": [[1, [0, 0, 0]], [3, [0, 0, 0]]]})"}).empty());
+    // What is soft at all times, and what is soft before it holds.
+    CHECK(said_of(ball(), {R"(grip.stiffness={"keys": [[1, 1], [3, 2]]})"})
+              .starts_with("FE326 grip.stiffness: 2 N/m^3 holds nothing: "));
+    CHECK(said_of(ball(), {R"(grip.stiffness={"keys": [[1, 1], [3, 1e8]]})"}).empty());
+    json graph = ball();
+    graph["nodes"]["fibre"] = json::parse(R"({"type": "zFiber", "inputs": {"direction": [0, 1, 0], "strength": 60000,
+        "excitation": {"keys": [[1, 0], [3, 0]]}}})");
+    graph["nodes"]["ball"]["inputs"]["fibers"] = {{{"from", "fibre.outFiber"}}};
+    CHECK(said_of(graph).starts_with("FE329 fibre.excitation: its muscle never pulls"));
+    CHECK(said_of(graph, {R"(fibre.excitation={"keys": [[1, 0], [3, 1]]})"}).empty());
+}
+
+TEST_CASE("the scale that is proposed for a body in another unit cures it, however far off it is", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = ball();
+    graph["nodes"]["plateMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "bone.obj").string()}}}};
+    const auto proposed = [&](double size) {
+        std::ostringstream text;
+        text << "v 0 0 0\nv " << size << " 0 0\nv 0 " << size << " 0\nv 0 0 " << size
+             << "\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+        write_text(folder / "bone.obj", text.str());
+        const std::string said = said_of(graph), before = "transform with scale ";
+        const std::size_t at = said.find(before);
+        REQUIRE(at != std::string::npos);
+        const std::size_t begin = at + before.size();
+        const std::string scale = said.substr(begin, said.find(' ', begin) - begin);
+        CHECK(said_of(graph, {"platePlace.scale=[" + scale + ", " + scale + ", " + scale + "]"}).find("FE320") ==
+              std::string::npos);
+        return scale + (said.find("no two usual units are so far apart") != std::string::npos ? " odd" : "");
+    };
+    CHECK(proposed(0.3) == "100");
+    CHECK(proposed(5000) == "0.01");
+    CHECK(proposed(1e6) == "0.001");
+    CHECK(proposed(1e7) == "1e-06 odd");
+    CHECK(proposed(1e40) == "1e-39 odd");
+}
+
+TEST_CASE("check doubts flesh that is stiffer than bone", "[tools]") {
+    CHECK(
+        said_of(ball(), {"flesh.youngsModulus=1e13"}) ==
+        "FE263 flesh.youngsModulus: 1e+13 Pa is stiffer than any tissue; bone has 14 GPa, a tendon 1 GPa, a muscle 12 "
+        "kPa | youngsModulus is in pascals: a muscle has 12000; what hardly gives at all is better a zBone\n");
+    CHECK(said_of(ball(), {R"(flesh.youngsModulus={"keys": [[1, 12000], [3, 1e12]]})"}).empty()); // diamond, by name
+    CHECK(said_of(ball(), {R"(flesh.youngsModulus={"keys": [[1, 12000], [3, 4e10]]})"})
+              .starts_with("FE263 flesh.youngsModulus: 4e+10 Pa is stiffer"));
+    CHECK(said_of(ball(), {"flesh.youngsModulus=2e10"}).empty());
+}
+
+TEST_CASE("check doubts a body of kilometres whatever made it", "[tools]") {
+    CHECK(
+        said_of(ball(), {"plateMesh.width=2e5"}) ==
+        "FE320 solver.bodies: plate is 2 km long: 200000 scene units, 100 a metre | give it a size in scene units that "
+        "suits the other bodies; where it is in another unit, scale it by a transform\n");
+    CHECK(said_of(ball(), {"plateMesh.width=9e4"}).empty()); // a runway
+    // A scale that makes all of them giants is told alone.
+    CHECK(said_of(ball(), {"plateMesh.width=2000", "solver.scale=1"}).starts_with("FE261 solver.scale: ball is 20 m"));
+    CHECK(said_of(ball(), {"plateMesh.width=2000", "solver.scale=1"}).find("FE320") == std::string::npos);
 }
 
 TEST_CASE("check doubts gravity that points up by keys or with fields", "[tools]") {

@@ -32,10 +32,16 @@ TEST_CASE("check doubts values that another attribute of their node switches off
     CHECK(said_of(ball(), {"ball.compressionResistance=5000", "ball.material=Corotational"}) ==
           "FE342 ball.compressionResistance: does nothing while material is Corotational | set material to StVK or "
           "NeoHookean, or take compressionResistance out\n");
-    CHECK(said_of(ball(), {"ball.contactFriction=0.5", "ball.contactSliding=false"}) ==
+    // The plate lies in the ball.
+    const std::vector<std::string> contact{"solver.collisionDetection=true", "plate.collisions=false"};
+    const auto with_contact = [&](std::vector<std::string> settings) {
+        settings.insert(settings.end(), contact.begin(), contact.end());
+        return said_of(ball(), settings);
+    };
+    CHECK(with_contact({"ball.contactFriction=0.5", "ball.contactSliding=false"}) ==
           "FE342 ball.contactFriction: does nothing while contactSliding is off | set contactSliding to true, or take "
           "contactFriction out\n");
-    CHECK(said_of(ball(), {"ball.contactFriction=0.5"}).empty());
+    CHECK(with_contact({"ball.contactFriction=0.5"}).empty());
     json graph = ball();
     graph["nodes"]["fibre"] = {
         {"type", "zFiber"},
@@ -51,8 +57,10 @@ TEST_CASE("check doubts values that another attribute of their node switches off
 }
 
 TEST_CASE("check doubts damping in a scheme that knows no velocities", "[tools]") {
-    const std::vector<std::string> damped = {"solver.massDamping=1", "solver.stiffnessDamping=0.01",
-                                             "solver.contactDamping=10", "ball.inertialDamping=0.5", "grip.damping=3"};
+    const std::vector<std::string> damped = {"solver.massDamping=1",     "solver.stiffnessDamping=0.01",
+                                             "solver.contactDamping=10", "ball.inertialDamping=0.5",
+                                             "grip.damping=3",           "solver.collisionDetection=true",
+                                             "plate.collisions=false"};
     CHECK(said_of(ball(), damped) == "");
     std::vector<std::string> at_rest = damped;
     at_rest.push_back(R"(solver.integrator="QuasiStatic")");
@@ -77,6 +85,49 @@ TEST_CASE("check doubts damping in a scheme that knows no velocities", "[tools]"
     const std::string none =
         said_of(graph, {"ball.inertialDamping=0.5", "grip.damping=3", R"(solver.integrator="QuasiStatic")"});
     CHECK(std::count(none.begin(), none.end(), '\n') == 2);
+}
+
+TEST_CASE("check doubts what is said of contact where there is none", "[tools]") {
+    const auto off = [](const std::string& plug, const std::string& what) {
+        return "FE342 " + plug + ": does nothing while " + what + " is off | set collisionDetection to true, or take " +
+               plug.substr(plug.find('.') + 1) + " out\n";
+    };
+    CHECK(said_of(ball(), {"ball.contactFriction=0.5"}) == off("ball.contactFriction", "collisionDetection of solver"));
+    CHECK(said_of(ball(), {"plate.collisionSets=\"1\""}) == off("plate.collisionSets", "collisionDetection of solver"));
+    CHECK(said_of(ball(), {"ball.selfCollisions=true"}) == off("ball.selfCollisions", "collisionDetection of solver"));
+    CHECK(said_of(ball(), {"solver.maxContactLength=0.1"}) == off("solver.maxContactLength", "collisionDetection"));
+    CHECK(said_of(ball(), {"ball.contactStiffness=1e6", "plate.contactSliding=true"}).empty()); // as without it
+    // Off at all of its keys is off; on at one of them is not.
+    CHECK(said_of(ball(),
+                  {"ball.contactFriction=0.5", R"(solver.collisionDetection={"keys": [[1, false], [3, false]]})"}) ==
+          off("ball.contactFriction", "collisionDetection of solver"));
+    CHECK(said_of(ball(), {"ball.contactFriction=0.5", "plate.collisions=false",
+                           R"(solver.collisionDetection={"keys": [[1, false], [3, true]]})"})
+              .empty());
+    // What another solver reads does something.
+    json graph = ball();
+    graph["nodes"]["other"] = graph["nodes"]["solver"];
+    graph["nodes"]["other"]["inputs"]["collisionDetection"] = true;
+    CHECK(said_of(graph, {"ball.contactFriction=0.5", "plate.collisions=false"}).empty());
+}
+
+TEST_CASE("check doubts attributes of another rule of weights, and of a recorded motion that is not there", "[tools]") {
+    CHECK(said_of(ball(), {"top.radius=3"}) ==
+          "FE342 top.radius: does nothing while mode is ramp | set mode to sphere, or take radius out\n");
+    CHECK(said_of(ball(), {"top.smooth=true", "top.value=1", "top.radius=1"}).empty()); // read, or as without it
+    json graph = ball();
+    graph["nodes"]["top"]["inputs"] = {{"mesh", {{"from", "ballMesh.outMesh"}}},
+                                       {"mode", "sphere"},
+                                       {"center", {0, 10, 0}},
+                                       {"radius", 4},
+                                       {"start", 5},
+                                       {"otherMesh", {{"from", "plateMesh.outMesh"}}}};
+    CHECK(said_of(graph) ==
+          "FE342 top.otherMesh: does nothing while mode is sphere | set mode to near, or take otherMesh out\n"
+          "FE342 top.start: does nothing while mode is sphere | set mode to ramp, or take start out\n");
+    CHECK(said_of(ball(), {"platePlace.trackName=\"plate\""}) ==
+          "FE342 platePlace.trackName: does nothing while track names no file | name the motion file in track, or take "
+          "trackName out\n");
 }
 
 TEST_CASE("check doubts a pressure on the mesh of a part that no solver has", "[tools]") {

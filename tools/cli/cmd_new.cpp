@@ -80,6 +80,13 @@ double positive(const Invocation& in, std::string_view flag, double otherwise) {
     return *value;
 }
 
+/// As far as a graph may run, from frame 1 on.
+std::optional<int> last_frame(const Invocation& in) {
+    constexpr int most = 1'000'000;
+    return in.arguments.has("--end") ? std::optional(in.arguments.whole_number("--end", 24, 2, most)) : std::nullopt;
+}
+
+/// All options, refused before any mesh is read.
 rig::GuessOptions guess_options(const Invocation& in) {
     rig::GuessOptions out;
     out.unit = in.arguments.value("--unit").value_or("");
@@ -93,6 +100,8 @@ rig::GuessOptions guess_options(const Invocation& in) {
     for (const std::string& text : in.arguments.values("--set")) out.overrides.push_back(rig::parse_override(text));
     const std::stop_token stop = in.stop;
     out.stop = [stop] { return stop.stop_requested(); };
+    rig::check_options(out);
+    last_frame(in);
     return out;
 }
 
@@ -135,7 +144,7 @@ rig::TextOptions text_options(const Invocation& in, const std::string& file, rig
     out.made_by = command_line(in);
     if (const auto motion = in.arguments.value("--motion"))
         out.motion = rig::read_motion(file_access(in.arguments), *motion, rig, in.arguments.has("--up"));
-    if (in.arguments.has("--end")) out.end = in.arguments.whole_number("--end", 24, 2);
+    out.end = last_frame(in);
     return out;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tools/doubts/doubting.h"
 
+#include "engine/eval/program.h"
 #include "engine/text.h"
 #include "tools/embed/graph_walk.h"
 
@@ -43,6 +44,34 @@ bool Doubting::once(std::string_view what, const std::string& node) {
     return asked_.emplace(std::string(what), node).second;
 }
 
+namespace {
+
+/// Keys of one value. Between them tangents that were given may lead elsewhere.
+bool is_constant(const engine::Curve& curve) {
+    const auto is_flat = [](const std::vector<double>& tangent) {
+        return std::ranges::all_of(tangent, [](double slope) { return slope == 0; });
+    };
+    return std::ranges::all_of(curve.keys, [&](const engine::Key& key) {
+        return key.value == curve.keys.front().value && is_flat(key.tangent_in) && is_flat(key.tangent_out);
+    });
+}
+
+} // namespace
+
+std::optional<engine::Value> Doubting::literal(const std::string& node, std::string_view attribute) const {
+    const engine::Node& n = *graph_->find(node);
+    const engine::AttributeInfo* info = n.type ? n.type->find_input(attribute) : nullptr;
+    if (!info) return {};
+    const auto it = n.inputs.find(attribute);
+    if (it == n.inputs.end()) return engine::default_value(*info, graph_->timing());
+    if (const auto* value = std::get_if<engine::Value>(&it->second)) return *value;
+    const auto* curve = std::get_if<engine::Curve>(&it->second);
+    if (!curve || curve->keys.empty() || !is_constant(*curve)) return {};
+    engine::Slot slot;
+    slot.kind = engine::Slot::Kind::curve, slot.info = info, slot.curve = curve;
+    return slot.sample(frame_);
+}
+
 std::vector<Plug> Doubting::plugs(const std::string& node, std::string_view attribute) const {
     const auto& inputs = graph_->find(node)->inputs;
     const auto it = inputs.find(attribute);
@@ -62,6 +91,15 @@ std::string Doubting::file_of(const std::string& body) const {
                 if (!path.empty()) return engine::lower_case(path);
             }
     return {};
+}
+
+std::vector<double> all_values(const Doubting& d, const std::string& node, std::string_view attribute) {
+    std::vector<double> out;
+    if (const engine::Curve* curve = d.keys(node, attribute))
+        for (const engine::Key& key : curve->keys) out.insert(out.end(), key.value.begin(), key.value.end());
+    else if (const auto v = d.number<double>(node, attribute))
+        out.push_back(*v);
+    return out;
 }
 
 std::string rough(double value, int digits) { return engine::rough_text(value, digits); }

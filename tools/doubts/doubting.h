@@ -47,15 +47,9 @@ class Doubting {
         return {};
     }
 
-    /// A literal; the default if nothing stands there; empty if it is keyed or connected, or there is no such input.
-    std::optional<engine::Value> literal(const std::string& node, std::string_view attribute) const {
-        const engine::Node& n = *graph_->find(node);
-        if (!n.type || !n.type->find_input(attribute)) return {};
-        const auto it = n.inputs.find(attribute);
-        if (it == n.inputs.end()) return engine::default_value(*n.type->find_input(attribute), graph_->timing());
-        const auto* literal = std::get_if<engine::Value>(&it->second);
-        return literal ? std::optional(*literal) : std::nullopt;
-    }
+    /// What it is at all times: a literal, the value that all of its keys have, or the default if nothing stands there.
+    /// Empty if keys change it, if it is connected, or if there is no such input.
+    std::optional<engine::Value> literal(const std::string& node, std::string_view attribute) const;
     template <class T>
     std::optional<T> number(const std::string& node, std::string_view attribute) const {
         if (const auto v = literal(node, attribute); v && v->is<T>()) return v->as<T>();
@@ -98,6 +92,8 @@ class Doubting {
     std::set<std::pair<std::string, std::string>> asked_;
 };
 
+/// A number, at each of its keys where it is keyed; none where it is connected.
+std::vector<double> all_values(const Doubting& d, const std::string& node, std::string_view attribute);
 /// "1.2", two digits of it.
 std::string rough(double value, int digits = 2);
 /// Longest side of the box around the points.

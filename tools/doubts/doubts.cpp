@@ -62,6 +62,7 @@ std::vector<engine::Diagnostic> find_doubts(const std::shared_ptr<const engine::
     doubt_unread_values(d);
     doubt_idle_parts(d);
     doubt_idle_damping(d);
+    doubt_idle_contact(d);
     doubt_passive_muscles(d, nodes);
     return d.take();
 }

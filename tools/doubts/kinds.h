@@ -28,6 +28,8 @@ void doubt_passive_muscles(Doubting& d, const std::vector<std::string>& nodes);
 void doubt_idle_values(Doubting& d, const std::string& name);
 /// Damping of bodies and attachments that no solver has velocities for.
 void doubt_idle_damping(Doubting& d);
+/// What bodies say of contact, in solvers without any.
+void doubt_idle_contact(Doubting& d);
 /// Forces on the mesh of parts of tissues that no solver has the mesh of.
 void doubt_idle_parts(Doubting& d);
 

@@ -23,6 +23,12 @@ struct Thin {
     const char* words;
 };
 constexpr Thin thin_limits[] = {{0.25, 0.25, "a quarter"}, {0.34, 0.6, "a third"}};
+/// And linear tets of flesh, which bends: a bar of them gives way under its weight .52 to .57 of what fine ones do
+/// where they are as large as it is thick, .29 to .36 at 1.5 times that, .19 to .23 at twice; quadratic ones .97, .95
+/// and .85.
+constexpr Thin thin_for_bending = {0.67, 0.6, "two thirds"};
+/// A tendon or a piece of rubber is pulled, and hardly bends [Pa].
+constexpr double hardly_bends = 1e6;
 /// Parts share vertices of a lattice where they lie less than about this many tets from each other: a spring of round
 /// wire is 39 times too stiff at .9 of a tet from turn to turn, 8 times at 1.4, a third at 1.8, and right at 2.25.
 constexpr double tied_within = 1.5;
@@ -226,6 +232,21 @@ std::string gain_of(const solver::TissueRest& rest) {
 
 } // namespace
 
+namespace {
+
+/// Whether the tets' bending counts: flesh, by its softest layer, in linear tets.
+bool shall_bend(Doubting& d, const Member& m) {
+    for (const engine::Plug& plug : d.plugs(m.name, "tets"))
+        if (const auto tets = d.value<nodes::TetMeshValue>(plug))
+            if (tets->element == solver::ElementKind::quadratic) return false;
+    for (const engine::Plug& layer : d.plugs(m.name, "materials"))
+        if (const auto material = d.value<nodes::Material>(layer))
+            if (material->values.youngs_modulus < hardly_bends) return true;
+    return false;
+}
+
+} // namespace
+
 void doubt_tets(Doubting& d, const Member& m) {
     const auto* of_tissue = std::get_if<0>(&m.body.rest->data);
     if (!of_tissue) return;
@@ -246,7 +267,9 @@ void doubt_tets(Doubting& d, const Member& m) {
                 take + " a tetSize of about " + rough(length / 8));
         return;
     }
-    for (const Thin& limit : thin_limits) {
+    std::vector<Thin> limits(std::begin(thin_limits), std::end(thin_limits));
+    if (shall_bend(d, m)) limits.push_back(thin_for_bending);
+    for (const Thin& limit : limits) {
         Narrow thin = thin_parts(rest, all, limit.part);
         if (!(thin.share() > limit.share)) continue;
         d.doubt("FE262", node, attribute,
@@ -254,7 +277,9 @@ void doubt_tets(Doubting& d, const Member& m) {
                     rough(thin.usual()) + " thick, less than " + limit.words + " of the tets there (" +
                     rough(thin.largest_narrow) + ")" + gain_of(rest),
                 take + " a tetSize of about " + rough(thin.usual()) +
-                    ", or refine there by weights and surfaceRefinement");
+                    (limit.part < thin_for_bending.part
+                         ? ", or refine there by weights and surfaceRefinement"
+                         : ", or set element to quadratic: linear tets of that size bend too little by far"));
         break;
     }
     if (Narrow tied = tied_parts(rest); tied.share() > tied_share)

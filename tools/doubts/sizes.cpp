@@ -20,15 +20,18 @@ constexpr double largest_muscle = 2.2;
 constexpr double farthest_sizes = 1000;
 /// No body of a scene is so many times as large as another and none between them, if they are in one unit.
 constexpr double unit_gap = 60;
+/// Nothing that is simulated stands on, or hangs on, anything longer, whatever made it [m].
+constexpr double largest_body = 1000;
 
 /// "1.2 mm", "35 cm", "18 m".
 std::string length_text(double metres) {
     if (metres < 0.01) return rough(1000 * metres) + " mm";
+    if (metres >= 1000) return rough(metres / 1000) + " km";
     return metres < 1 ? rough(100 * metres) + " cm" : rough(metres) + " m";
 }
 
-/// The largest tissue that is not told of already.
-void implausible_size(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units,
+/// The largest tissue that is not told of already. Whether it was told.
+bool implausible_size(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units,
                       const std::set<std::string>& odd) {
     const Member* largest = nullptr;
     double found = 0; // scene units
@@ -39,7 +42,7 @@ void implausible_size(Doubting& d, const std::string& solver, const std::vector<
         if (!m.body.is_bone() && !odd.contains(m.name) && extent(*m.body.rest->mesh.points) > found)
             found = extent(*m.body.rest->mesh.points), largest = &m;
     const double metres = found / units;
-    if (!largest || (metres >= least_extent && !too_long(*largest, metres))) return;
+    if (!largest || (metres >= least_extent && !too_long(*largest, metres))) return false;
     constexpr std::array<std::pair<double, const char*>, 3> usual{
         {{100, "centimetres"}, {1000, "millimetres"}, {1, "metres"}}};
     std::string cure;
@@ -57,6 +60,40 @@ void implausible_size(Doubting& d, const std::string& solver, const std::vector<
             largest->name + " is " + length_text(metres) + " long: " + rough(found) + " scene units, " +
                 engine::number_text(units) + " a metre",
             cure);
+    return true;
+}
+
+/// The largest bone, or cloth, that is not told of already.
+void implausible_body(Doubting& d, const std::string& solver, const std::vector<Member>& members, double units,
+                      const std::set<std::string>& odd) {
+    const Member* largest = nullptr;
+    double found = 0; // scene units
+    for (const Member& m : members)
+        if (const double length = extent(*mesh_of(m.body).points); !odd.contains(m.name) && length > found)
+            found = length, largest = &m;
+    if (!largest || !(found > largest_body * units)) return;
+    d.doubt("FE320", solver, "bodies",
+            largest->name + " is " + length_text(found / units) + " long: " + rough(found) + " scene units, " +
+                engine::number_text(units) + " a metre",
+            "give it a size in scene units that suits the other bodies; where it is in another unit, scale it by a "
+            "transform");
+}
+
+/// What a few bodies are to be multiplied by to be among the others, by the middles of both in powers of ten.
+struct Missing {
+    double factor = 1;
+    bool is_usual = true; ///< as if one unit were taken for another
+};
+
+Missing missing_factor(double few, double others) {
+    const double ratio = std::max(few, others) / std::min(few, others);
+    // What is that far off then lies within the gap that is doubted.
+    const double most_usual = 1000 * unit_gap;
+    Missing out;
+    out.is_usual = ratio < most_usual;
+    const double power = !out.is_usual ? std::round(std::log10(ratio)) : ratio < 316 ? 2 : 3;
+    out.factor = std::pow(10, few < others ? power : -power);
+    return out;
 }
 
 /// The names of those that are in another unit.
@@ -78,7 +115,13 @@ std::set<std::string> other_units(Doubting& d, const std::string& solver,
         if (few.empty()) return {};
         std::string names;
         for (const std::string& name : few) names += (names.empty() ? "" : ", ") + name;
-        const double ratio = sizes.back().first / sizes.front().first, factor = ratio < 316 ? 100 : 1000;
+        const double ratio = sizes.back().first / sizes.front().first;
+        double least = 0, most = 0; // of the few
+        for (const auto& [size, name] : sizes)
+            if (std::find(few.begin(), few.end(), name) != few.end()) least = least > 0 ? least : size, most = size;
+        const double low = small ? above : sizes.front().first, high = small ? sizes.back().first : below;
+        const Missing missing = missing_factor(std::sqrt(least) * std::sqrt(most), std::sqrt(low) * std::sqrt(high));
+        const std::string factor = engine::number_text(missing.factor);
         const auto range = [](double least, double most) {
             return rough(least) + (rough(least) == rough(most) ? "" : " to " + rough(most)) + " scene units";
         };
@@ -87,8 +130,11 @@ std::set<std::string> other_units(Doubting& d, const std::string& solver,
                 names + (few.size() == 1 ? " is " : " are ") + (small ? one : other) + " long, the other bodies " +
                     (small ? other : one) + ": " + (small ? "smaller" : "larger") + " by a factor of about " +
                     rough(ratio),
-                "if they are modelled in different units, put a transform with scale " +
-                    engine::number_text(small ? factor : 1 / factor) + " between the file and " + names);
+                missing.is_usual ? "if they are modelled in different units, put a transform with scale " + factor +
+                                       " between the file and " + names
+                                 : "no two usual units are so far apart: look at how it was exported; a transform "
+                                   "with scale " +
+                                       factor + " between the file and " + names + " would make it fit");
         return {few.begin(), few.end()};
     }
     return {};
@@ -120,7 +166,7 @@ void doubt_sizes(Doubting& d, const std::string& solver, const std::vector<Membe
     for (const Member& m : members)
         if (!m.body.subtissue) sizes.emplace_back(extent(*mesh_of(m.body).points), m.name);
     const std::set<std::string> odd = other_units(d, solver, std::move(sizes));
-    implausible_size(d, solver, members, units, odd);
+    if (!implausible_size(d, solver, members, units, odd)) implausible_body(d, solver, members, units, odd);
     far_away(d, solver, members);
 }
 

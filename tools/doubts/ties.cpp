@@ -54,8 +54,10 @@ void whole_body(Doubting& d, const std::string& name, const nodes::Attachment& a
 } // namespace
 
 void doubt_attachment(Doubting& d, const std::string& name) {
-    const auto stiffness = d.number<double>(name, "stiffness");
-    if (!stiffness || *stiffness <= 0) return; // 0: released
+    // Keys may release it for a while: what is doubted is that it never holds.
+    const std::vector<double> all = all_values(d, name, "stiffness"), envelopes = all_values(d, name, "envelope");
+    const double stiffness = all.empty() ? 0 : *std::max_element(all.begin(), all.end());
+    if (stiffness <= 0) return; // 0: released
     const auto attachment = d.value<nodes::Attachment>({name, "outAttachment"});
     if (!attachment || attachment->values.mode() == solver::AttachmentMode::none) return;
     bool of_cloth = false;
@@ -64,19 +66,19 @@ void doubt_attachment(Doubting& d, const std::string& name) {
             if (const auto body = d.value<nodes::Body>(plug)) of_cloth = of_cloth || body->is_cloth();
     const double least = of_cloth ? least_tie_of_cloth : least_tie;
     const std::vector<double>& weights = attachment->rest.source_weights;
-    const double envelope = d.number<double>(name, "envelope").value_or(1),
+    const double envelope = envelopes.empty() ? 1 : *std::max_element(envelopes.begin(), envelopes.end()),
                  most = envelope *
                         (weights.empty() ? 1 : std::max(0.0, *std::max_element(weights.begin(), weights.end())));
-    if (*stiffness >= least && most > 0 && most < faintly && most * *stiffness < least)
+    if (stiffness >= least && most > 0 && most < faintly && most * stiffness < least)
         d.doubt("FE326", name, "weights",
                 "it holds nothing: weights and envelope are " + engine::rough_text(most, 2) +
-                    " at most, which leaves " + engine::rough_text(most * *stiffness, 2) + " N/m^3 of its stiffness",
+                    " at most, which leaves " + engine::rough_text(most * stiffness, 2) + " N/m^3 of its stiffness",
                 "paint 1 where it is to hold fully: both multiply the stiffness");
-    if (*stiffness >= least) return;
+    if (stiffness >= least) return;
     d.doubt("FE326", name, "stiffness",
-            engine::number_text(*stiffness) +
+            engine::number_text(stiffness) +
                 " N/m^3 holds nothing: the weight of a sheet of flesh 1 cm thick stretches it by " +
-                (*stiffness < 1e-6 ? "kilometres" : rough(9.8 * 10 / *stiffness) + " m"),
+                (stiffness < 1e-6 ? "kilometres" : rough(9.8 * 10 / stiffness) + " m"),
             "it is a force per area and length, not a factor: tendons take 1e8 to 1e10, soft ties 1e5");
 }
 

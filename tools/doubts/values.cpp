@@ -14,6 +14,8 @@ namespace {
 
 /// Softer than brain by far [Pa]; what people write who mean kPa.
 constexpr double least_modulus = 100;
+/// The densest bone has 2e10 and a little more [Pa].
+constexpr double largest_modulus = 3e10;
 /// [m/s^2]: the sun has 274.
 constexpr double largest_gravity = 300;
 /// Lungs have 250, the heaviest metals 23,000 [kg/m^3].
@@ -28,16 +30,6 @@ constexpr double heaviest_sheet = 20;
 constexpr double strongest_push = 200, g = 9.8; // [m/s^2]
 /// A hundredth of what muscles have [Pa].
 constexpr double least_strength = 1000;
-
-/// A number, at each of its keys where it is keyed; none where it is connected.
-std::vector<double> all_values(const Doubting& d, const std::string& node, std::string_view attribute) {
-    std::vector<double> out;
-    if (const engine::Curve* curve = d.keys(node, attribute))
-        for (const engine::Key& key : curve->keys) out.insert(out.end(), key.value.begin(), key.value.end());
-    else if (const auto v = d.number<double>(node, attribute))
-        out.push_back(*v);
-    return out;
-}
 
 /// The largest that a number is at any of its keys, without its sign; 0 where it is connected.
 double largest_ever(const Doubting& d, const std::string& node, std::string_view attribute) {
@@ -61,19 +53,29 @@ bool reaches_everywhere(const Doubting& d, const std::string& field) {
            d.number<bool>(field, "useMaxDistance") == false && d.number<double>(field, "attenuation") == 0.0;
 }
 
-void soft_material(Doubting& d, const std::string& name) {
-    const auto is_soft = [&](double modulus) {
+/// The stiffness of a layer that is such, at any of its keys, and that no preset has.
+std::optional<double> odd_modulus(Doubting& d, const std::string& name, const std::function<bool(double)>& is_odd) {
+    const auto is_such = [&](double modulus) {
         const auto presets = d.graph().find(name)->type->find_input("youngsModulus")->presets;
         const bool is_named = std::ranges::any_of(presets, [&](const auto& p) { return p.value == modulus; });
-        return modulus < least_modulus && !is_named;
+        return is_odd(modulus) && !is_named;
     };
-    std::optional<double> modulus = any_value(d, name, "youngsModulus", is_soft);
-    if (const auto material = d.value<nodes::Material>({name, "outMaterial"}); material && !modulus)
-        if (is_soft(material->values.youngs_modulus)) modulus = material->values.youngs_modulus;
-    if (modulus)
+    if (const auto modulus = any_value(d, name, "youngsModulus", is_such)) return modulus;
+    if (const auto material = d.value<nodes::Material>({name, "outMaterial"}))
+        if (is_such(material->values.youngs_modulus)) return material->values.youngs_modulus;
+    return {};
+}
+
+void stiffness_of_material(Doubting& d, const std::string& name) {
+    if (const auto soft = odd_modulus(d, name, [](double v) { return v < least_modulus; }))
         d.doubt("FE263", name, "youngsModulus",
-                engine::number_text(*modulus) + " Pa is softer than any flesh; brain has 500 Pa, a muscle 12 kPa",
-                "if kilopascals are meant, write \"" + engine::number_text(*modulus) + " kPa\"");
+                engine::number_text(*soft) + " Pa is softer than any flesh; brain has 500 Pa, a muscle 12 kPa",
+                "if kilopascals are meant, write \"" + engine::number_text(*soft) + " kPa\"");
+    if (const auto stiff = odd_modulus(d, name, [](double v) { return v > largest_modulus; }))
+        d.doubt("FE263", name, "youngsModulus",
+                engine::number_text(*stiff) +
+                    " Pa is stiffer than any tissue; bone has 14 GPa, a tendon 1 GPa, a muscle 12 kPa",
+                "youngsModulus is in pascals: a muscle has 12000; what hardly gives at all is better a zBone");
 }
 
 void weight_of_material(Doubting& d, const std::string& name) {
@@ -107,7 +109,7 @@ constexpr std::array<std::string_view, 4> of_cloths{"tensileStiffness", "shearSt
 } // namespace
 
 void doubt_material(Doubting& d, const std::string& name) {
-    soft_material(d, name);
+    stiffness_of_material(d, name);
     weight_of_material(d, name);
     rest_scale_of_material(d, name);
 }
@@ -240,8 +242,8 @@ void doubt_gravity(Doubting& d, const std::string& solver) {
 void doubt_weight_of_cloth(Doubting& d, const std::string& cloth) {
     for (const engine::Plug& layer : d.plugs(cloth, "materials")) {
         if (d.graph().find(layer.node)->type_name != "zMaterial") continue;
-        const auto density = d.number<double>(layer.node, "clothMassDensity");
-        if (density && *density > heaviest_sheet && d.once("FE336", layer.node))
+        const auto density = any_value(d, layer.node, "clothMassDensity", [](double v) { return v > heaviest_sheet; });
+        if (density && d.once("FE336", layer.node))
             d.doubt("FE336", layer.node, "clothMassDensity",
                     engine::number_text(*density) + " kg/m^2 is heavier than any cloth; cotton has 0.2",
                     "it is mass by area: a sheet of skin 2 mm thick has 2.2");
@@ -263,7 +265,7 @@ void doubt_fields_on_cloth(Doubting& d, const std::string& solver, const std::ve
             if (!members[i].body.is_cloth() || !acts) continue;
             double density = 0; // of the heaviest layer
             for (const engine::Plug& layer : d.plugs(cloth, "materials"))
-                density = std::max(density, d.number<double>(layer.node, "clothMassDensity").value_or(0));
+                density = std::max(density, largest_ever(d, layer.node, "clothMassDensity"));
             const double weight = g * density;
             if (weight == 0 || magnitude < strongest_push * weight) continue;
             d.doubt("FE338", plug.node, "magnitude",

@@ -7,6 +7,7 @@
 #include "solver/parallel.h"
 #include "tools/rig/loose_pieces.h"
 #include "tools/rig/reach.h"
+#include "tools/rig/tet_limits.h"
 #include "tools/rig/wrap.h"
 
 #include <algorithm>
@@ -141,17 +142,31 @@ std::vector<double> distances(const Part& from, const Surface& to, double most) 
     return out;
 }
 
+namespace {
+
+Unit unit_said(const GuessOptions& options) {
+    if (const auto unit = unit_of(options.unit)) return *unit;
+    throw std::invalid_argument("--unit " + options.unit + ": mm, cm, dm, m, in or ft is meant.");
+}
+
+} // namespace
+
+void check_options(const GuessOptions& options) {
+    if (!options.unit.empty()) unit_said(options);
+    options_of(Part(), options.overrides);
+}
+
 void set_space(Rig& rig, const GuessOptions& options) {
-    check_same_space(rig.parts);
-    if (auto doubt = doubt_of_scale(rig.parts)) rig.notes.push_back(std::move(*doubt));
+    std::vector<engine::Diagnostic> strays = check_same_space(rig.parts, !options.unit.empty());
+    if (auto doubt = doubt_of_scale(rig.parts); doubt && strays.empty()) strays.push_back(std::move(*doubt));
+    for (engine::Diagnostic& stray : strays) rig.notes.push_back(std::move(stray));
     if (options.unit.empty()) {
         rig.unit = guess_unit(rig.parts);
         if (auto doubt = doubt_of_guess(rig.parts, rig.unit)) rig.notes.push_back(std::move(*doubt));
-    } else if (const auto unit = unit_of(options.unit)) {
-        rig.unit = *unit;
+    } else {
+        rig.unit = unit_said(options);
         if (auto doubt = doubt_of_unit(rig.parts, rig.unit)) rig.notes.push_back(std::move(*doubt));
-    } else
-        throw std::invalid_argument("--unit " + options.unit + ": mm, cm, dm, m, in or ft is meant.");
+    }
     rig.up = options.up.empty() ? guess_up(rig.parts) : Up{options.up[0], "as --up says"};
 }
 
@@ -183,6 +198,7 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
         if (options.stop && options.stop()) throw solver::Stopped();
     }
     set_sizes(rig, options);
+    check_tets(rig, options);
     std::vector<Surface> surfaces;
     for (const Part& part : rig.parts) surfaces.emplace_back(part);
     AllDistances all;
@@ -196,7 +212,7 @@ Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::stri
         }
         if (options.stop && options.stop()) throw solver::Stopped();
     }
-    find_reach(rig, all, one_bone);
+    find_reach(rig, all, surfaces, one_bone);
     if (std::none_of(rig.muscles.begin(), rig.muscles.end(), [](const Muscle& m) { return m.is_held(); }))
         throw engine::Failure(say(Severity::error, "DG158", "", "no muscle reaches any bone",
                                   "Bones and muscles must be modelled in one pose, unit and space; --set '*:reach=…' "

@@ -32,6 +32,7 @@ struct Hold {
     double inner = 0, outer = 0;
     Mask mask = Mask::none;
     std::size_t points = 0; ///< vertices of the muscle with a weight above 0.5
+    bool by_faces = false;  ///< it touches between the muscle's vertices, the nearest of which are `gap` away
 };
 
 struct End {
@@ -82,8 +83,10 @@ struct Rig {
     const Muscle* muscle_of(std::size_t part) const;
 };
 
-/// Sets the unit and the way up, as they are given or guessed. Notes: DG176, DG179. Throws engine::Failure DG151,
-/// DG152, DG157; std::invalid_argument for options.
+/// Says what is wrong with them before any mesh is read: std::invalid_argument.
+void check_options(const GuessOptions& options);
+/// Sets the unit and the way up, as they are given or guessed. Notes: DG152, DG176, DG179. Throws engine::Failure
+/// DG151, DG152, DG157; std::invalid_argument for options.
 void set_space(Rig& rig, const GuessOptions& options);
 
 /// A part that distances are measured to.
@@ -110,7 +113,8 @@ MaskSphere sphere_of(Mask mask, std::size_t end, const Muscle& muscle);
 double tip_radius(const Muscle& muscle);
 
 /// The whole of it. Throws engine::Failure: what read_parts does, DG151, DG152, DG156 for no muscles or no bones,
-/// DG157, DG158 for muscles of which none reaches a bone; std::invalid_argument for options; solver::Stopped.
+/// DG157, DG158 for muscles of which none reaches a bone, FE210 for tet sizes that zTet refuses; std::invalid_argument
+/// for options; solver::Stopped.
 Rig guess_rig(const std::vector<std::string>& bones, const std::vector<std::string>& muscles,
               const GuessOptions& options);
 

@@ -3,6 +3,7 @@
 #include "tools/rig/layers_text.h"
 
 #include "solver/error.h"
+#include "tools/rig/tet_limits.h"
 #include "tools/rig/wrap.h"
 
 #include <algorithm>
@@ -182,6 +183,23 @@ class Writer {
 
 } // namespace
 
+namespace {
+
+/// Throws engine::Failure with all tets that zTet refuses. Fascia and skin are about as large as what is in them.
+void check_tets(const Layers& layers, const GuessOptions& options) {
+    std::vector<engine::Diagnostic> wrong;
+    const auto look_at = [&](std::size_t part, double tet_size) {
+        const Part& p = layers.rig.parts[part];
+        if (auto said = refused_tets(p.name, p.points, p.triangles, tet_size, "--tet-scale", options.stop))
+            wrong.push_back(std::move(*said));
+    };
+    for (std::size_t i = 0; i < layers.tissues.size(); ++i)
+        look_at(layers.tissues[i], std::min(layers.tet_sizes[i], layers.tet_size));
+    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
+}
+
+} // namespace
+
 Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     Layers out;
     auto [soft, bones] = mesh_files(options.files, files.tissues, files.bones, out.rig.notes);
@@ -214,10 +232,13 @@ Layers guess_layers(const LayerFiles& files, const GuessOptions& options) {
     const double size = size_of(out);
     out.reach = reach_share * size;
     out.tet_size = shell_tets * size * options.tet_scale;
-    bool is_held = false;
     for (const std::size_t t : out.tissues) {
         const MuscleShape shape = measure_muscle(rig.parts[t].points, rig.parts[t].triangles);
         out.tet_sizes.push_back(std::min(0.8 * shape.thickness, shape.length / 3) * options.tet_scale);
+    }
+    if (options.tet_scale != 1) check_tets(out, options);
+    bool is_held = false;
+    for (const std::size_t t : out.tissues) {
         std::vector<Layers::Holder> near;
         for (std::size_t p = 0; p < rig.parts.size(); ++p) {
             if (rig.parts[p].kind != Kind::bone) continue;

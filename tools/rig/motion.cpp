@@ -35,7 +35,8 @@ double frame_of(const json& frame, double otherwise) {
 } // namespace
 
 int Motion::frames(int graph_fps) const {
-    return std::max(2, 1 + static_cast<int>(std::floor((last - first) * graph_fps / fps + 1e-6)));
+    constexpr double most = 999'999; // frames that a graph may have after its first
+    return std::max(2, 1 + static_cast<int>(std::min(most, std::floor((last - first) * graph_fps / fps + 1e-6))));
 }
 
 Motion read_motion(const engine::FileAccess& access, const std::string& file, Rig& rig, bool is_up_given) {

@@ -2,6 +2,7 @@
 #include "tools/rig/overrides.h"
 
 #include "engine/format/typed_text.h"
+#include "engine/text.h"
 #include "engine/units.h"
 #include "solver/material/law.h"
 
@@ -18,7 +19,7 @@ namespace {
 }
 
 /// With or without a unit, if it has one: "60000", "60kPa".
-double number(const Override& o, double least, bool may_be_least, double most = 1e300, std::string_view unit = {}) {
+double number(const Override& o, double least, bool may_be_least, double most = 1e60, std::string_view unit = {}) {
     const auto read = engine::parse_quantity(o.value);
     double out = read ? read->number : 0;
     const bool has_unit = read && !unit.empty() && !read->unit.empty();
@@ -32,9 +33,8 @@ double number(const Override& o, double least, bool may_be_least, double most = 
     }
     const bool is_number = read && (has_unit || read->unit.empty());
     if (!is_number || !(out > least || (may_be_least && out == least)) || out > most)
-        refuse(o, "'" + o.value + "' is no number " + (may_be_least ? "from " : "above ") +
-                      std::to_string(static_cast<int>(least)) +
-                      (most < 1e300 ? " to " + std::to_string(static_cast<int>(most)) : "") + ".");
+        refuse(o, "'" + o.value + "' is no number " + (may_be_least ? "from " : "above ") + engine::number_text(least) +
+                      " to " + engine::number_text(most) + ".");
     return out;
 }
 
@@ -89,9 +89,9 @@ constexpr Setting settings[] = {
     {"tendonModulus", "stiffness where the muscle gets thin towards its ends [Pa]",
      [](MuscleOptions& m, const Override& o) { m.tendon_modulus = number(o, 0, false, 1e13, "Pa"); }},
     {"massDensity", "mass per volume [kg/m^3]",
-     [](MuscleOptions& m, const Override& o) { m.density = number(o, 0, false, 1e300, "kg/m^3"); }},
+     [](MuscleOptions& m, const Override& o) { m.density = number(o, 0, false, 1e13, "kg/m^3"); }},
     {"strength", "pull of the fibres [Pa]; 0: no fibres",
-     [](MuscleOptions& m, const Override& o) { m.strength = number(o, 0, true, 1e300, "Pa"); }},
+     [](MuscleOptions& m, const Override& o) { m.strength = number(o, 0, true, 1e13, "Pa"); }},
     {"excitation", "of the fibres, 0 to 1",
      [](MuscleOptions& m, const Override& o) { m.excitation = number(o, 0, true, 1); }},
 };

@@ -118,6 +118,46 @@ Choice nearest_bone(const std::vector<Candidate>& all, const Rig& rig, double mo
     return best;
 }
 
+/// How far the nearest vertex of those faces of a muscle's end is that a bone touches; far_away if it touches none. By
+/// the bone's vertices: what lies flat on a wide face has some there.
+double gap_of_touched_faces(const Muscle& muscle, std::size_t end, const Part& own, const Surface& surface,
+                            const Part& bone, const std::vector<double>& to) {
+    double out = far_away;
+    for (const solver::Vec3& p : bone.points) {
+        const solver::Vec3 off = (surface.box.min - p).cwiseMax(p - surface.box.max).cwiseMax(0.0);
+        if (off.norm() > muscle.reach) continue;
+        const solver::ClosestPoint c = surface.tree.closest(p, muscle.reach);
+        if (c.triangle < 0) continue;
+        for (const int v : own.triangles[static_cast<std::size_t>(c.triangle)])
+            if (const auto vertex = static_cast<std::size_t>(v); from_tip(muscle, end, vertex) <= end_part)
+                out = std::min(out, to[vertex]);
+    }
+    return out;
+}
+
+/// The bone that touches an end between its vertices.
+std::optional<Hold> held_by_faces(const Rig& rig, const Muscle& muscle, std::size_t end,
+                                  std::vector<std::vector<double>>& distances, const std::vector<Surface>& surfaces) {
+    std::optional<Hold> best;
+    const Part& own = rig.parts[muscle.part];
+    for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+        if (rig.parts[p].kind != Kind::bone) continue;
+        const solver::Vec3 apart =
+            (surfaces[p].box.min - own.box.max).cwiseMax(own.box.min - surfaces[p].box.max).cwiseMax(0.0);
+        if (apart.norm() > muscle.reach) continue;
+        std::vector<double> to = rig::distances(own, surfaces[p], 1e300);
+        const double gap = gap_of_touched_faces(muscle, end, own, surfaces[muscle.part], rig.parts[p], to);
+        if (!(gap < (best ? best->gap : far_away))) continue;
+        best = Hold{.target = p,
+                    .gap = gap,
+                    .inner = gap + muscle.reach * 2 / 3,
+                    .outer = gap + muscle.reach * 4 / 3,
+                    .by_faces = true};
+        distances[p] = std::move(to);
+    }
+    return best;
+}
+
 std::size_t part_named(const Rig& rig, const std::string& name, const Muscle& muscle) {
     for (std::size_t p = 0; p < rig.parts.size(); ++p)
         if (p != muscle.part && (matches(name, rig.parts[p].name) || matches(name, rig.parts[p].stem))) return p;
@@ -236,7 +276,13 @@ void tell(Rig& rig, const Muscle& muscle) {
             continue;
         }
         const Hold& hold = end.holds.front();
-        if (hold.gap > muscle.reach)
+        if (hold.by_faces)
+            rig.notes.push_back(say(Severity::warning, "DG155", name,
+                                    where + " touches " + rig.parts[hold.target].name +
+                                        " between its vertices, of which the nearest are " + rough(hold.gap) +
+                                        " away; those are attached to it",
+                                    "Give the muscle's mesh vertices where it is attached, which then hold it alone."));
+        else if (hold.gap > muscle.reach)
             rig.notes.push_back(say(Severity::warning, "DG155", name,
                                     where + " does not touch anything; it is attached to " +
                                         rig.parts[hold.target].name + " over a gap of " + rough(hold.gap),
@@ -276,7 +322,7 @@ std::vector<std::size_t> painted(const Muscle& muscle, std::size_t end, const Ho
     return out;
 }
 
-void find_reach(Rig& rig, const AllDistances& all, OneBone one_bone) {
+void find_reach(Rig& rig, AllDistances& all, const std::vector<Surface>& surfaces, OneBone one_bone) {
     std::vector<BothEnds> seen;
     for (std::size_t m = 0; m < rig.muscles.size(); ++m) {
         Muscle& muscle = rig.muscles[m];
@@ -292,12 +338,16 @@ void find_reach(Rig& rig, const AllDistances& all, OneBone one_bone) {
             const std::vector<Candidate>& here = seen[m][e];
             // Muscles hold on to tendons, not tendons to muscles.
             if (!chosen[e] && !is_said && !muscle.is_tendon) chosen[e] = best_muscle(here, rig);
+            End& end = muscle.ends[e];
+            if (!chosen[e] && !is_said && !muscle.is_tendon)
+                if (const auto hold = held_by_faces(rig, muscle, e, all[m], surfaces))
+                    chosen[e] = hold->target, end.holds.push_back(*hold);
             if (!chosen[e] && !is_said && !muscle.is_tendon) {
                 const auto bone = nearest_bone(here, rig, most_gaps * muscle.reach);
                 if (bone && bone != chosen[1 - e]) chosen[e] = bone;
             }
-            End& end = muscle.ends[e];
-            if (chosen[e]) end.holds.push_back(hold_on(muscle, here[*chosen[e]], all[m][*chosen[e]]));
+            if (chosen[e] && end.holds.empty())
+                end.holds.push_back(hold_on(muscle, here[*chosen[e]], all[m][*chosen[e]]));
             const double top = best_score(here, rig.parts, Kind::bone);
             for (const Candidate& c : here) {
                 const bool is_taken = c.part == chosen[0] || c.part == chosen[1];

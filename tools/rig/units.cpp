@@ -200,33 +200,41 @@ std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, 
                "Give the unit that the meshes are in, or leave --unit away, which guesses it.");
 }
 
-void check_same_space(const std::vector<Part>& parts) {
+std::vector<engine::Diagnostic> check_same_space(const std::vector<Part>& parts, bool is_unit_said) {
     std::vector<engine::Diagnostic> wrong;
     for (const Part& part : parts) {
         std::optional<solver::Box> others;
         for (const Part& other : parts)
             if (&other != &part) others = others ? joined(*others, other.box) : other.box;
-        if (!others) return;
+        if (!others) return {};
         // One stray mesh must not make the others look like strays: it is judged by those of the other kind, too.
         std::optional<solver::Box> kind;
         for (const Part& other : parts)
             if (&other != &part && other.kind != part.kind) kind = kind ? joined(*kind, other.box) : other.box;
         const double factor = missing_factor(part, kind.value_or(*others));
         if (factor == 1 || missing_factor(part, *others) == 1) continue;
-        wrong.push_back(say(Severity::error, "DG152", part.name,
-                            "'" + part.file + "' lies away from the other meshes, among which it would be " +
-                                (factor > 1 ? rough(factor) + " times larger" : rough(1 / factor) + " times smaller") +
-                                ": it seems to be in another unit",
-                            "Save all meshes in one unit and one space."));
+        const bool is_there = apart(part.box, *others) < is_near;
+        const double ratio = size_of(part) / others->size().norm();
+        wrong.push_back(
+            say(is_unit_said ? Severity::warning : Severity::error, "DG152", part.name,
+                "'" + part.file + "' " +
+                    (is_there ? "is " + (ratio > 1 ? rough(ratio) + " times" : rough(100 * ratio) + " %") +
+                                    (ratio > 1 ? " as large as the other meshes together" : " of the others' size") +
+                                    ", among which it would be "
+                              : "lies away from the other meshes, among which it would be ") +
+                    (factor > 1 ? rough(factor) + " times larger" : rough(1 / factor) + " times smaller") +
+                    (is_there ? ", too" : "") + ": it seems to be in another unit",
+                is_unit_said ? "If it is in another unit than --unit says, save all meshes in one unit and one space."
+                             : "Save all meshes in one unit and one space; or say which one they all are in: --unit."));
     }
-    if (!wrong.empty()) throw engine::Failure(std::move(wrong));
+    if (!wrong.empty() && !is_unit_said) throw engine::Failure(std::move(wrong));
 
     std::optional<solver::Box> bones, muscles;
     for (const Part& part : parts) {
         std::optional<solver::Box>& all = part.kind == Kind::bone ? bones : muscles;
         all = all ? joined(*all, part.box) : part.box;
     }
-    if (!bones || !muscles || apart(*muscles, *bones) < is_near) return;
+    if (!bones || !muscles || apart(*muscles, *bones) < is_near) return wrong;
     for (int axis = 0; axis < 3; ++axis) {
         solver::Box mirrored = *muscles;
         mirrored.min[axis] = -muscles->max[axis];

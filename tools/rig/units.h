@@ -32,10 +32,10 @@ std::optional<engine::Diagnostic> doubt_of_guess(const std::vector<Part>& parts,
 /// unit.
 std::optional<engine::Diagnostic> doubt_of_unit(const std::vector<Part>& parts, const Unit& unit);
 
-/// Throws engine::Failure DG152 with every mesh that lies away from the others but would be among them ten, a hundred
-/// or a thousand times larger or smaller; or, of all muscles, DG157 if they are apart from the bones but would be
-/// among them mirrored.
-void check_same_space(const std::vector<Part>& parts);
+/// Throws engine::Failure DG152 with every mesh that lies away from the others, or among them as a giant or a dwarf,
+/// but would be among them ten, a hundred or a thousand times larger or smaller; warnings, which are given back, if the
+/// user said which unit all are in. Or DG157 if all muscles are apart from the bones but would be among them mirrored.
+std::vector<engine::Diagnostic> check_same_space(const std::vector<Part>& parts, bool is_unit_said);
 
 /// A warning (DG152) if all muscles together are tiny beside the bones, among which they would still be ten, a hundred
 /// or a thousand times larger: such a muscle lies inside a bone, where it is near to what it is attached to.
