@@ -189,7 +189,7 @@ constexpr CodeInfo table[] = {
     {"FE261", "size that flesh hardly has", "Set zSolver.scale to the number of scene units in a metre."},
     {"FE262", "tets larger than thin parts or narrow gaps",
      "Choose a smaller tet size, or refine where the parts are thin or near to each other."},
-    {"FE263", "flesh softer than any", "Write the unit that is meant: \"12 kPa\" instead of 12."},
+    {"FE263", "flesh softer or stiffer than any", "Write the unit that is meant: \"12 kPa\" instead of 12."},
     {"FE264", "attachment of a whole body", "Paint where the source holds on."},
     {"FE265", "scale that mirrors", "Mirror the mesh where it is modelled, and turn its faces."},
     {"FE266", "motion that does not reach over the run", "Run the frames that it has, or key what it is to do."},
