@@ -112,7 +112,7 @@ TEST_CASE("a closed part inside another is a hollow where it faces the other way
             const std::string file = write_graph(folder, json::parse(R"({"format": "sinew 1", "nodes": {
           "box": {"type": "meshFile", "inputs": {"file": ")" + mesh + R"("}},
           "skin": {"type": "zIsoMesh", "inputs": {"meshes": [{"from": "box.outMesh"}], "resolution": 64}}}})"));
-            return run_program({"eval", file, "skin.outMesh", "--no-cache", "--json"});
+            return run_program({"check", file, "--no-cache", "--json"});
         };
     for (const char* filled : {"solid.obj", "inside_out.obj"}) {
         const json d = diagnostic(said(filled));

@@ -22,8 +22,9 @@ enum class OneBone {
 /// score, else the nearest bone within five times the reach, else nothing. Ends that touch a tendon hold on to that,
 /// too. An end that reaches nothing by its vertices takes the bone that touches its faces between them, and is painted
 /// as far as the nearest vertices are. Notes: DG155 an end that reaches nothing, or over a gap, or the bone of the
-/// other end. Throws std::invalid_argument for attachTo with a name that is none. \param distances those to what faces
-/// alone touch are filled in \param surfaces of all parts
+/// other end. Throws std::invalid_argument for attachTo with a name that is none.
+/// \param distances those to what faces alone touch are filled in
+/// \param surfaces of all parts
 void find_reach(Rig& rig, AllDistances& distances, const std::vector<Surface>& surfaces, OneBone one_bone);
 
 } // namespace sinew::rig
