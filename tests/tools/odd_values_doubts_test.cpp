@@ -99,6 +99,12 @@ TEST_CASE("keys of one value are doubted as the value is, and as little", "[tool
     graph["nodes"]["ball"]["inputs"]["fibers"] = {{{"from", "fibre.outFiber"}}};
     CHECK(said_of(graph).starts_with("FE329 fibre.excitation: its muscle never pulls"));
     CHECK(said_of(graph, {R"(fibre.excitation={"keys": [[1, 0], [3, 1]]})"}).empty());
+    // Between two keys of 0 it rises and falls by its tangents.
+    CHECK(said_of(graph, {R"(fibre.excitation={"interp": "smooth",
+        "keys": [[1, 0, {"out": 0.5}], [5, 0, {"in": -0.5}]]})"})
+              .empty());
+    CHECK(said_of(graph, {R"(fibre.excitation={"interp": "smooth", "keys": [[1, 0, {"out": 0}], [5, 0, {"in": 0}]]})"})
+              .starts_with("FE329 fibre.excitation: its muscle never pulls"));
 }
 
 TEST_CASE("the scale that is proposed for a body in another unit cures it, however far off it is", "[tools]") {
