@@ -89,8 +89,7 @@ template <class Take>
 void for_frames(const Json& file, const std::string& path, Take take) {
     const auto found = file.is_object() ? file.find("frames") : file.end();
     if (found == file.end() || !found->is_array() || found->empty())
-        throw Error("IO403", "'" + path + "' is no motion: it has no list of frames",
-                    R"({"frames": [{"frame": 1, "bones": {"ulna": [16 numbers]}}, …]} is meant.)");
+        throw Error("IO403", "'" + path + "' is no motion: it has no list of frames", motion_form);
     const Json& frames = *found;
     double last = -std::numeric_limits<double>::infinity();
     for (const Json& f : frames) {

@@ -12,6 +12,10 @@
 
 namespace sinew::nodes {
 
+/// What a file of motion of bones looks like, for hints.
+inline constexpr const char* motion_form =
+    R"({"frames": [{"frame": 1, "bones": {"ulna": [16 numbers]}}, …]} is meant.)";
+
 /// Samples sorted by frame; before the first and after the last the motion stands still.
 struct MatrixTrack {
     std::vector<double> frames;

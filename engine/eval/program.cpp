@@ -12,8 +12,6 @@
 
 namespace sinew::engine {
 
-namespace {}
-
 void locate(Diagnostic& d, const Graph& graph, const std::string& node) {
     d.node = node;
     if (d.spot) return;

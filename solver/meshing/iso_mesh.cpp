@@ -308,7 +308,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
                         "), so it has no inside for an iso value of " + short_number(options.iso_value),
                     "Give an isoValue above 0, or close the mesh.");
     if (!(options.iso_value > 0)) drop_opposite(soup);
-    turn_outwards(soup.points, soup.triangles);
+    const std::size_t buried = turn_outwards(soup.points, soup.triangles);
     const double iso = frame.in(options.iso_value);
     // Triangles larger than the level set are no different from one another.
     const double most_size = 2 * (bounding_box(soup.points).size().norm() + 4 * std::abs(iso));
@@ -325,7 +325,7 @@ IsoMesh make_iso_mesh(const Points& points, const std::vector<Triangle>& triangl
 
     IsoMesh mesh;
     mesh.components = seeds.areas.size();
-    if (soup.is_closed) mesh.buried = count_buried(soup.points, soup.triangles);
+    mesh.buried = soup.is_closed ? buried : 0;
     std::vector<int> finer(seeds.areas.size(), 0);
     const Scales scales{options.iso_value, frame.out(size), frame.out(grid.step), options.resolution,
                         options.is_manifold};

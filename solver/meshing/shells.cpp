@@ -203,24 +203,21 @@ double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill f
     return volume;
 }
 
-void turn_outwards(const Points& points, std::vector<Triangle>& triangles) {
-    Shells found = find_shells(points, triangles);
+std::size_t turn_outwards(const Points& points, std::vector<Triangle>& triangles) {
+    const Shells found = find_shells(points, triangles);
+    const Nesting nesting = find_nesting(points, found.shells);
     const auto faces_inwards = [](const Shell& s) { return s.is_closed && s.volume < 0; };
-    if (std::none_of(found.shells.begin(), found.shells.end(), faces_inwards)) return;
-    const std::vector<int> root = find_nesting(points, found.shells).root;
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const int shell = found.of_triangle[t];
-        if (faces_inwards(found.shells[at(root[at(shell)])])) std::swap(triangles[t][1], triangles[t][2]);
+    if (std::any_of(found.shells.begin(), found.shells.end(), faces_inwards))
+        for (std::size_t t = 0; t < triangles.size(); ++t)
+            if (faces_inwards(found.shells[at(nesting.root[at(found.of_triangle[t])])]))
+                std::swap(triangles[t][1], triangles[t][2]);
+    // What is turned is turned with what it lies in, so nothing of this changes but signs.
+    std::size_t buried = 0;
+    for (std::size_t s = 0; s < found.shells.size(); ++s) {
+        const int outside = nesting.winding[s];
+        if (found.shells[s].is_closed && outside != 0 && outside + found.shells[s].winding() != 0) ++buried;
     }
-}
-
-std::size_t count_buried(const Points& points, const std::vector<Triangle>& triangles) {
-    const std::vector<Shell> shells = find_shells(points, triangles).shells;
-    const std::vector<int> outside = find_nesting(points, shells).winding;
-    std::size_t count = 0;
-    for (std::size_t s = 0; s < shells.size(); ++s)
-        if (shells[s].is_closed && outside[s] != 0 && outside[s] + shells[s].winding() != 0) ++count;
-    return count;
+    return buried;
 }
 
 } // namespace sinew::solver

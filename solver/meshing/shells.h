@@ -34,10 +34,8 @@ double apply_fill(const Points& points, std::vector<Triangle>& triangles, Fill f
 
 /// Turns closed shells that lie in no other and face inwards, each together with all that lies in it: so
 /// cavities stay cavities, and parts that cross are one solid.
-void turn_outwards(const Points& points, std::vector<Triangle>& triangles);
-
-/// Closed shells in others that bound nothing by the rule "inside is where the winding number exceeds one half in
-/// size": it does so on both of their sides, since they face the way of what they lie in.
-std::size_t count_buried(const Points& points, const std::vector<Triangle>& triangles);
+/// \return how many closed shells in others bound nothing by the rule "inside is where the winding number exceeds one
+///         half in size": it does so on both of their sides, since they face the way of what they lie in
+std::size_t turn_outwards(const Points& points, std::vector<Triangle>& triangles);
 
 } // namespace sinew::solver

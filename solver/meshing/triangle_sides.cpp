@@ -239,9 +239,9 @@ FoundSides find_sides(const Points& points, const std::vector<Triangle>& triangl
     if (is_spared)
         part = calm_parts(points, triangles, [&](std::size_t t) { return asking.places(t); },
                           {phase.control, phase.from, middle, phase.what});
-    const bool is_one_part = std::ranges::all_of(part, [&](int p) { return p == part[0] && p >= 0; });
+    const bool is_calm = std::ranges::all_of(part, [](int p) { return p >= 0; }); // each part asks for itself
     Counted counted{std::vector<Rise>(triangles.size()), {}};
-    if (is_spared && !is_one_part) counted = count_between(asking, part, {phase.control, middle, middle, phase.what});
+    if (is_spared && !is_calm) counted = count_between(asking, part, {phase.control, middle, middle, phase.what});
     FoundSides found{std::vector<Solid::Sides>(triangles.size())};
     std::atomic<std::size_t> asked = 0;
     const auto ask = [&](std::size_t t) {

@@ -8,7 +8,6 @@
 #include "tools/cli/open_graph.h"
 
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 
@@ -17,15 +16,6 @@ namespace sinew::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Whether a file begins as a graph does, with a brace or a comment.
-bool may_be_graph(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    char first = 0;
-    while (in.get(first) && std::string_view(" \t\r\n\xEF\xBB\xBF").find(first) != std::string_view::npos) {
-    }
-    return !in || first == '{' || first == '/';
-}
 
 /// The folder itself, or the one beside a graph. Throws Failure IO410.
 fs::path folder_of(const std::string& word, const engine::FileAccess& files) {
@@ -36,7 +26,7 @@ fs::path folder_of(const std::string& word, const engine::FileAccess& files) {
     files.check(beside, "the cache");
     if (!fs::is_directory(beside, error) && !fs::exists(word, error))
         throw UsageError("there is neither a graph nor a folder '" + word + "'.");
-    if (!fs::is_directory(beside, error) && fs::is_regular_file(word, error) && !may_be_graph(word))
+    if (!fs::is_directory(beside, error) && !may_be_graph(word))
         throw UsageError("'" + word + "' is no graph; one is meant, or a folder with what was kept of it.");
     return beside;
 }

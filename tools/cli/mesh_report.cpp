@@ -16,7 +16,6 @@
 #include <cctype>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <typeindex>
@@ -204,16 +203,6 @@ std::pair<std::string, std::string> tet_files(const std::filesystem::path& path)
     if (ending == ".node") return {path.string(), with(".ele")};
     if (ending == ".ele") return {with(".node"), path.string()};
     return {path.string(), ""};
-}
-
-/// No file, or text that begins as JSON does.
-bool may_be_graph(const std::string& path) {
-    std::error_code unknown;
-    if (!std::filesystem::is_regular_file(path, unknown)) return true; // what reads graphs says what it is
-    std::ifstream in(path, std::ios::binary);
-    char first = '{';
-    in >> first;
-    return first == '{' || first == '[' || first == '/' || first == '\xEF';
 }
 
 } // namespace

@@ -20,6 +20,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <iostream>
 #include <optional>
 #include <set>
@@ -176,6 +177,15 @@ OpenGraph open_graph(const Arguments& arguments, const std::string& file) {
         for (engine::Diagnostic& d : engine::check_timing(*loaded.graph)) loaded.notes.push_back(std::move(d));
     }
     return {std::move(loaded.graph), std::move(loaded.notes)};
+}
+
+bool may_be_graph(const std::string& file) {
+    std::error_code unknown;
+    if (!std::filesystem::is_regular_file(file, unknown)) return true; // what reads graphs says what it is
+    std::ifstream in(file, std::ios::binary);
+    char first = '{';
+    in >> first;
+    return first == '{' || first == '[' || first == '/' || first == '\xEF';
 }
 
 void check_source(const std::filesystem::path& source, const engine::FileAccess& files) {

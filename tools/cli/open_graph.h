@@ -30,6 +30,8 @@ engine::FileAccess file_access(const Arguments& arguments);
 OpenGraph open_graph(const Arguments& arguments);
 /// The same for another file than the first operand.
 OpenGraph open_graph(const Arguments& arguments, const std::string& file);
+/// No file, or text that begins as JSON does.
+bool may_be_graph(const std::string& file);
 /// Of commands that take a graph file or the folder of a run: throws Failure IO401 if there is nothing of that name.
 /// Where files are confined, graphs alone are taken, and open_graph says it.
 void check_source(const std::filesystem::path& source, const engine::FileAccess& files);

@@ -2,6 +2,7 @@
 #include "tools/rig/motion.h"
 
 #include "nodes/json_file.h"
+#include "nodes/motion_track.h"
 #include "solver/error.h"
 
 #include <algorithm>
@@ -24,8 +25,7 @@ json read(const engine::FileAccess& access, const std::string& file) {
     } catch (const solver::Error& e) {
         throw engine::Failure(say(Severity::error, e.code, "", e.what(), e.hint));
     }
-    throw engine::Failure(say(Severity::error, "IO403", "", file + ": this is no motion of bones",
-                              R"({"frames": [{"frame": 1, "bones": {"ulna": [16 numbers]}}, …]} is meant.)"));
+    throw engine::Failure(say(Severity::error, "IO403", "", file + ": this is no motion of bones", nodes::motion_form));
 }
 
 double frame_of(const json& frame, double otherwise) {
