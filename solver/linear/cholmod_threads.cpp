@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "solver/linear/cholmod_threads.h"
 
-#include <omp.h>
-
-extern "C" void openblas_set_num_threads(int);
+extern "C" {
+void openblas_set_num_threads(int);
+// Of OpenMP's runtime, which CHOLMOD brings. Its header belongs to a compiler, and not each has one.
+int omp_get_max_active_levels(void);
+void omp_set_max_active_levels(int);
+}
 
 namespace sinew::solver {
 
