@@ -5,6 +5,7 @@
 #include "tests/support/lattice_tissue.h"
 #include "tests/support/solver_scenes.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <map>
@@ -88,6 +89,27 @@ TEST_CASE("patches: of two tissues the one with larger tets gives the vertices, 
     CHECK(patch_side(b.scene, equal, std::vector{0.05, 0.05 * (1 + 1e-12), 0.0}) == 0);
     std::swap(equal.source, equal.target);
     CHECK(patch_side(b.scene, equal, std::vector{0.05, 0.05 * (1 - 1e-12), 0.0}) == 1);
+}
+
+TEST_CASE("patches: between two vertices that are as near up to rounding the first one counts") {
+    const Blocks b(ElementKind::linear);
+    const AttachmentView kept = attachments_kept(b.state.memories);
+    const auto patches_at = [&](double beside) {
+        std::vector<Anchor> anchors(kept.anchors[0].begin(), kept.anchors[0].end());
+        for (Anchor& a : anchors) a.source.coordinates = {0.4 + beside, 0.4 - beside, 0.1, 0.1};
+        std::vector<std::span<const Anchor>> all(kept.anchors.begin(), kept.anchors.end());
+        all[0] = anchors;
+        const SpringBundles bundles(b.scene, all);
+        const SpringPatches patches(b.scene, bundles, all, std::vector<int>{0, -1, -1, -1});
+        std::vector<int> out;
+        for (std::size_t s = 0; s < bundles.spring_count(); ++s) out.push_back(patches.of_spring(s));
+        return out;
+    };
+    const std::vector<int> even = patches_at(0);
+    CHECK(*std::max_element(even.begin(), even.end()) == 3);
+    CHECK(patches_at(1e-12) == even);
+    CHECK(patches_at(-1e-12) == even);
+    CHECK(patches_at(1e-3) != patches_at(-1e-3)); // nearer than by rounding
 }
 
 TEST_CASE("patches have every stiff spring once, with those nearest to the same vertex of the larger tets") {
