@@ -191,12 +191,16 @@ TEST_CASE("every unit is what the tables say") {
         INFO(r.unit);
         CHECK(unit_factor(r.unit, r.si).value_or(0) == Approx(r.factor).epsilon(1e-15));
     }
-    const Row derived[] = {{"kN", "kg*m/s^2", 1000},    {"J", "kg*m^2/s^2", 1},     {"mJ", "kg*m^2/s^2", 1e-3},
-                           {"kJ", "kg*m^2/s^2", 1000},  {"W", "kg*m^2/s^3", 1},     {"Pa", "kg/(m*s^2)", 1},
-                           {"hPa", "kg/(m*s^2)", 100},  {"kPa", "kg/(m*s^2)", 1e3}, {"MPa", "kg/(m*s^2)", 1e6},
-                           {"GPa", "kg/(m*s^2)", 1e9},  {"bar", "kg/(m*s^2)", 1e5}, {"deg", "rad", pi / 180},
-                           {"\u00b0", "rad", pi / 180}, {"turn", "rad", 2 * pi},    {"frames", "frame", 1},
-                           {"ms^-1", "Hz", 1000},       {"cm^-2", "m^-2", 1e4},     {"g*mm^-3", "kg*m^-3", 1e6}};
+    const Row derived[] = {{"kN", "kg*m/s^2", 1000},    {"J", "kg*m^2/s^2", 1},
+                           {"mJ", "kg*m^2/s^2", 1e-3},  {"kJ", "kg*m^2/s^2", 1000},
+                           {"W", "kg*m^2/s^3", 1},      {"Pa", "kg/(m*s^2)", 1},
+                           {"hPa", "kg/(m*s^2)", 100},  {"kPa", "kg/(m*s^2)", 1e3},
+                           {"MPa", "kg/(m*s^2)", 1e6},  {"GPa", "kg/(m*s^2)", 1e9},
+                           {"bar", "kg/(m*s^2)", 1e5},  {"deg", "rad", pi / 180},
+                           {"\u00b0", "rad", pi / 180}, {"turn", "rad", 2 * pi},
+                           {"frames", "frame", 1},      {"ms^-1", "Hz", 1000},
+                           {"cm^-2", "m^-2", 1e4},      {"g*mm^-3", "kg*m^-3", 1e6},
+                           {"min^-1", "Hz", 1 / 60.0},  {"in^-2", "m^-2", 1550.003100006200012400024800050}};
     for (const Row& r : derived) {
         INFO(r.unit);
         CHECK(unit_factor(r.unit, r.si).value_or(0) == Approx(r.factor).epsilon(1e-15));
