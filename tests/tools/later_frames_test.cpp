@@ -138,4 +138,15 @@ TEST_CASE("check looks at frames of keys in long runs, and names the first that 
     CHECK(refused("[101, [1, 1, 1]], [102, [1, 2, 1]], [103, [1, 1, 1]]") ==
           std::vector<Refusal>{{"FE250", "hold.matrix", 102}}); // alone
     CHECK(refused("[100, [1, 1, 1]], [900, [1, 2, 1]]") == std::vector<Refusal>{{"FE250", "hold.matrix", 101}});
+    // A recorded motion has no keys: what is wrong within is found at frames in between.
+    const TemporaryFolder folder;
+    json samples = json::array();
+    for (int frame = 1; frame <= 1001; ++frame) {
+        const double wide = frame >= 500 && frame < 600 ? 2 : 1;
+        samples.push_back(
+            {{"frame", frame}, {"bones", {{"ulna", {wide, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}}}}});
+    }
+    write_text(folder / "track.json", json{{"frames", samples}}.dump());
+    graph["nodes"]["place"]["inputs"] = {{"track", (folder / "track.json").string()}, {"trackName", "ulna"}};
+    CHECK(refused_by("check", graph, {}, 1) == std::vector<Refusal>{{"FE250", "hold.matrix", 500}});
 }
