@@ -173,4 +173,27 @@ TEST_CASE("check doubts tets that tie parts of a tissue which only lie near to e
         "weights and surfaceRefinement\n");
     CHECK(said_of(graph, {"tets.tetSize=2.5"}) == "");
     CHECK(said_of(graph, {"tets.tetSize=4", "ballMesh.coils=1"}) == "");
+    // Folds, 6 wide and as deep: the sides of one are near, and hang together at its bottom.
+    const TemporaryFolder folder;
+    std::string points, faces;
+    const auto face = [&](const std::array<int, 4>& corners) {
+        faces += "f";
+        for (const int c : corners) faces += " " + std::to_string(c);
+        faces += "\n";
+    };
+    for (int k = 0; k <= 20; ++k) {
+        for (const double y : {k % 2 ? -6.0 : 0.0, -16.0})
+            for (const double z : {0.0, 30.0})
+                points += "v " + std::to_string(3 * k - 30) + " " + std::to_string(y + 10) + " " +
+                          std::to_string(z - 15) + "\n";
+        const int a = 4 * k; // top, its other end, below, its other end
+        if (k == 0) face({a + 1, a + 3, a + 4, a + 2});
+        if (k == 20) face({a + 1, a + 2, a + 4, a + 3});
+        if (k == 20) break;
+        face({a + 1, a + 2, a + 6, a + 5}), face({a + 3, a + 7, a + 8, a + 4});
+        face({a + 1, a + 5, a + 7, a + 3}), face({a + 2, a + 4, a + 8, a + 6});
+    }
+    write_text(folder / "folds.obj", points + faces);
+    graph["nodes"]["ballMesh"] = {{"type", "meshFile"}, {"inputs", {{"file", (folder / "folds.obj").string()}}}};
+    CHECK(said_of(graph, {"tets.tetSize=4"}).find("FE262") == std::string::npos);
 }
