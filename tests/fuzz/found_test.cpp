@@ -5,6 +5,8 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -30,6 +32,21 @@ std::string bytes_of(const fs::path& file) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
+/// Of a pack as kept_inputs.py writes it.
+std::vector<std::string_view> inputs_in(std::string_view pack) {
+    std::vector<std::string_view> out;
+    while (!pack.empty()) {
+        std::uint64_t length = 0;
+        REQUIRE(pack.size() >= sizeof length);
+        std::memcpy(&length, pack.data(), sizeof length);
+        pack.remove_prefix(sizeof length);
+        REQUIRE(pack.size() >= length);
+        out.push_back(pack.substr(0, length));
+        pack.remove_prefix(length);
+    }
+    return out;
+}
+
 } // namespace
 
 TEST_CASE("what fuzzing found is refused or read") {
@@ -44,6 +61,20 @@ TEST_CASE("what fuzzing found is refused or read") {
             CHECK_NOTHROW(target->run(bytes_of(file)));
         }
     }
+}
+
+TEST_CASE("what fuzzing has grown is refused or read") {
+    std::size_t packs = 0;
+    for (const Target& target : all_targets()) {
+        const std::string pack = bytes_of(here / "corpus" / (std::string(target.name) + ".pack"));
+        packs += !pack.empty();
+        std::size_t number = 0;
+        for (const std::string_view input : inputs_in(pack)) {
+            INFO(target.name << ", input " << number++);
+            CHECK_NOTHROW(target.run(input));
+        }
+    }
+    CHECK(packs == all_targets().size());
 }
 
 TEST_CASE("every fuzz target takes the empty input, and knows its name") {

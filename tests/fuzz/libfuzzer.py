@@ -6,8 +6,10 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 
+import kept_inputs
 import samples
 import seeds
 
@@ -16,6 +18,7 @@ BUILD = os.path.join(SOURCE, "build/fuzz")
 PROGRAM = os.path.join(BUILD, "tests/fuzz/sinew_fuzz")
 # By the clock, which on a busy machine runs faster than the program.
 SECONDS_AN_INPUT, MEGABYTES, MEGABYTES_AT_ONCE = 60, 2048, 1024
+RUN_BY = {"UBSAN_OPTIONS": "print_stacktrace=1", "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=0"}
 LONGEST = {"graph": 8192, "includes": 8192, "frame": 65536}
 
 
@@ -49,7 +52,7 @@ class Fuzzing:
         grown, given = folder + "/grown", folder + "/seeds"
         for path in (grown, given, self.found):
             os.makedirs(path, exist_ok=True)
-        for i, seed in enumerate(begin_with):
+        for i, seed in enumerate(begin_with + kept_inputs.of(target)):
             with open(f"{given}/{i}", "wb") as file:
                 file.write(seed)
         words = seeds.words_of(begin_with)
@@ -65,8 +68,7 @@ class Fuzzing:
                  f"-max_len={LONGEST.get(target, 4096)}", f"-artifact_prefix={self.found}/", *dictionary,
                  "-use_value_profile=1", "-print_final_stats=1"],
                 stdout=log, stderr=log, stdin=subprocess.DEVNULL, preexec_fn=stand_back,
-                env={**os.environ, "SINEW_FUZZ_TARGET": target, "UBSAN_OPTIONS": "print_stacktrace=1",
-                     "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=0"})
+                env={**os.environ, **RUN_BY, "SINEW_FUZZ_TARGET": target})
 
     def has_ended(self):
         pid, status, usage = os.wait4(self.process.pid, os.WNOHANG)
@@ -97,12 +99,28 @@ class Fuzzing:
         return bool(new) or self.code != 0
 
 
+def keep(target):
+    """Of all that has led further, as little as reaches the same lines goes into the tree."""
+    folder = os.path.join(BUILD, "corpus", target)
+    with tempfile.TemporaryDirectory() as least:
+        subprocess.run([PROGRAM, "-set_cover_merge=1", f"-max_len={LONGEST.get(target, 4096)}", least, folder + "/seeds",
+                        folder + "/grown"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                       preexec_fn=stand_back, env={**os.environ, **RUN_BY, "SINEW_FUZZ_TARGET": target})
+        inputs = []
+        for name in sorted(os.listdir(least)):
+            with open(os.path.join(least, name), "rb") as file:
+                inputs.append(file.read())
+    kept_inputs.write(target, inputs)
+    print(f"{target}: {len(inputs)} inputs of {sum(map(len, inputs))} bytes are kept", flush=True)
+
+
 def main(words):
     parser = argparse.ArgumentParser(prog="tests/fuzz/run libfuzzer", description=__doc__)
     parser.add_argument("targets", nargs="*", metavar="TARGET", help="default: all")
     parser.add_argument("--seconds", type=int, default=60, help="of the processor for each target; default: 60")
     parser.add_argument("--jobs", type=int, default=1, help="targets at work at once; default: 1")
     parser.add_argument("--found", default=os.path.join(samples.HERE, "found"), help="where findings go; default: %(default)s")
+    parser.add_argument("--keep", action="store_true", help="what leads furthest goes into tests/fuzz/corpus at the end")
     parser.add_argument("--no-build", action="store_true", help="the program is there and right")
     given = parser.parse_args(words)
     if not given.no_build:
@@ -121,6 +139,8 @@ def main(words):
         for one in [f for f in at_work if f.has_ended()]:
             at_work.remove(one)
             wrong = one.tell() or wrong
+            if given.keep:
+                keep(one.target)
     return 1 if wrong else 0
 
 
