@@ -209,6 +209,20 @@ TEST_CASE("contact is there where it is switched on alone", "[tools][contact]") 
     CHECK(apart.at("terms").at("contact").at("contacts") == 0);
 }
 
+TEST_CASE("contacts that maxContactLength drops are told", "[tools][contact]") {
+    const TemporaryFolder folder;
+    const std::string graph = write_graph(folder, falling(false)), report = (folder / "report.json").string(),
+                      words = "contacts dropped as deeper than maxContactLength ";
+    CHECK(run_program({"run", graph}).out.find(words) == std::string::npos);
+    const Said said = run_program({"run", graph, "--set", "solver.maxContactLength=0.002", "--report", report});
+    double dropped = 0;
+    const json frames = json::parse(read_text(report)).at("frames");
+    for (const json& f : frames)
+        if (f.at("terms").contains("contact")) dropped += f.at("terms").at("contact").at("dropped").get<double>();
+    REQUIRE(dropped > 0);
+    CHECK(said.out.find(words + std::to_string(static_cast<int>(dropped))) != std::string::npos);
+}
+
 TEST_CASE("edges that cross away from all vertices meet with collisionSubdivision, and without pass through each other",
           "[tools][contact]") {
     const std::string graph = std::string(SINEW_SOURCE_DIR) + "/graphs/learn/28_edge_to_edge.json";

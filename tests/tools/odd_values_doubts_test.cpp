@@ -65,6 +65,11 @@ TEST_CASE("check says how much flesh a pancake gains by the tets that it lies in
     INFO(said);
     // By `sinew eval tets.outTets`: 6.67 of solid where 6.28 are enclosed.
     CHECK(said.find("; they count as 6.3 % more flesh than the mesh encloses | choose a tetSize") != std::string::npos);
+    // What is advised is not refused: 20 long, .02 thick.
+    CHECK(said.find("choose a tetSize of about 0.02 and a maxResolution of 1050, or") != std::string::npos);
+    CHECK(said_of(graph, {"tets.maxResolution=1100"}).find("about 0.02, or") != std::string::npos);
+    CHECK(said_of(graph, {"tets.weights=0.5", "tets.surfaceRefinement=2", "tets.maxResolution=1100"})
+              .find("and a maxResolution of 4200, or") != std::string::npos);
 }
 
 TEST_CASE("check doubts odd values at any of their keys", "[tools]") {

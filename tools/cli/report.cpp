@@ -79,6 +79,8 @@ std::string terms_text(const std::vector<solver::StepRecord>& steps) {
     std::string out;
     for (const solver::Measured& m : all) {
         if (m.part >= 0) continue;
+        // What is added up are events: none of them is nothing to tell.
+        if (m.what->combine == solver::Combine::sum && m.value == 0) continue;
         if (m.what->unit == "1") { // a count
             out += text(", %s %.0f", std::string(m.what->title).c_str(), m.value);
             continue;

@@ -234,6 +234,21 @@ std::string gain_of(const solver::TissueRest& rest) {
 
 namespace {
 
+/// "a tetSize of about 0.2", and what of its zTet would refuse that: `length` of cubes of that size.
+std::string size_advised(Doubting& d, const std::string& tets, double size, double length, const char* words) {
+    const std::string out = "a tetSize of " + std::string(words) + " " + rough(size);
+    const auto limit = d.number<std::int64_t>(tets, "maxResolution");
+    if (!limit) return out;
+    const bool refined = d.graph().find(tets)->inputs.contains("weights");
+    const double levels = refined ? std::ceil(d.number<double>(tets, "envelope").value_or(1) *
+                                              d.number<double>(tets, "surfaceRefinement").value_or(1))
+                                  : 0;
+    // Room for what rounding the size takes; to the next ten.
+    const double along = 10 * std::ceil(0.105 * length / size * std::exp2(levels) - 1e-6);
+    if (along <= static_cast<double>(*limit)) return out;
+    return out + " and a maxResolution of " + engine::number_text(along);
+}
+
 /// Whether the tets' bending counts: flesh, by its softest layer, in linear tets.
 bool shall_bend(Doubting& d, const Member& m) {
     for (const engine::Plug& plug : d.plugs(m.name, "tets"))
@@ -264,7 +279,7 @@ void doubt_tets(Doubting& d, const Member& m) {
         d.doubt("FE262", node, attribute,
                 m.name + " is " + rough(length) + " long and its tets are " + rough(whole.largest) +
                     ", so it cannot bend",
-                take + " a tetSize of about " + rough(length / 8));
+                take + " " + size_advised(d, node, length / 8, length, "about"));
         return;
     }
     std::vector<Thin> limits(std::begin(thin_limits), std::end(thin_limits));
@@ -276,7 +291,7 @@ void doubt_tets(Doubting& d, const Member& m) {
                 rough(100 * thin.share()) + " % of the surface of " + m.name + " belongs to parts about " +
                     rough(thin.usual()) + " thick, less than " + limit.words + " of the tets there (" +
                     rough(thin.largest_narrow) + ")" + gain_of(rest),
-                take + " a tetSize of about " + rough(thin.usual()) +
+                take + " " + size_advised(d, node, thin.usual(), length, "about") +
                     (limit.part < thin_for_bending.part
                          ? ", or refine there by weights and surfaceRefinement"
                          : ", or set element to quadratic: linear tets of that size bend too little by far"));
@@ -287,7 +302,7 @@ void doubt_tets(Doubting& d, const Member& m) {
                 rough(100 * tied.share()) + " % of the surface of " + m.name + " lies about " + rough(tied.usual()) +
                     " from another part of it, less than one and a half of the tets there (" +
                     rough(tied.largest_narrow) + "), which tie the two together",
-                take + " a tetSize of at most " + rough(tied.usual() / 2) +
+                take + " " + size_advised(d, node, tied.usual() / 2, length, "at most") +
                     ", or refine there by weights and surfaceRefinement");
 }
 

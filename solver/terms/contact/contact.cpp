@@ -16,6 +16,7 @@ constexpr Measure measures[] = {
     {"contact", "contacts", "1", "points in contact", Combine::most},
     {"contact", "max_depth_m", "m", "deepest contact", Combine::most},
     {"contact", "force_N", "N", "sum of contact forces", Combine::most},
+    {"contact", "dropped", "1", "contacts dropped as deeper than maxContactLength", Combine::sum},
 };
 constexpr auto value_names = field_names<ContactValues>();
 
@@ -35,24 +36,25 @@ void list_pairs(const std::vector<ContactPair>& pairs, std::vector<CollidingBodi
     for (const ContactPair& pair : pairs) out.push_back({pair.source, pair.target});
 }
 
-/// Adds the contacts of points that are inside already where pairs begin to collide. `carriers`: of each body.
+/// Adds the contacts of points that are inside already where pairs begin to collide, and counts those too deep for it.
+/// `carriers`: of each body.
 void add_inside(const CollisionBodies& bodies, const std::vector<ContactPair>& pairs,
-                const std::vector<const double*>& carriers, std::vector<KeptContact>& out) {
+                const std::vector<const double*>& carriers, ContactMemory& out) {
     TouchSearch search(bodies);
     search.begin(carriers);
     std::vector<Touch> touches;
     for (const ContactPair& pair : pairs) {
         touches.clear();
-        search.find_inside(pair, touches);
+        out.dropped += search.find_inside(pair, touches);
         for (const Touch& t : touches) {
             const std::array<double, 3> place{t.feature.place[0], t.feature.place[1], t.feature.place[2]};
             const double depth = press_of(bodies[t.target], pair, t.side, t.feature).depth;
             const double force = pair.stiffness * search.area(pair, t) * depth;
-            out.push_back(
+            out.contacts.push_back(
                 {t.source, t.point, t.target, t.feature.triangle, place, t.feature.triangle, 0, place, force});
         }
     }
-    sort_contacts(out);
+    sort_contacts(out.contacts);
 }
 
 /// Of each body of contact: what carries its points. `x`: of what deforms; `bones`: per body.
@@ -73,7 +75,7 @@ void begin_at(const Scene& scene, const StepInputs& inputs, const std::vector<do
     ContactMemory kept;
     std::vector<ContactPair> pairs;
     bodies.find_pairs(inputs.parts, pairs);
-    add_inside(bodies, pairs, carriers_at(bodies, x, bones), kept.contacts);
+    add_inside(bodies, pairs, carriers_at(bodies, x, bones), kept);
     list_pairs(pairs, kept.pairs);
     keep_contacts(kept, memory);
 }
@@ -101,7 +103,7 @@ const TermType contact_type{
     },
     .start = start,
     .begin = begin,
-    .memory_version = 2,
+    .memory_version = 3,
     .has_memory = true,
     .presses = true,
 };
@@ -153,7 +155,7 @@ void Contacts::begin_pairs(const StepInputs& inputs, const State& before) {
         return std::binary_search(kept_.pairs.begin(), kept_.pairs.end(), CollidingBodies{pair.source, pair.target});
     });
     if (begun_.empty()) return;
-    add_inside(bodies_, begun_, carriers_at(bodies_, before.x, before.bones), kept_.contacts);
+    add_inside(bodies_, begun_, carriers_at(bodies_, before.x, before.bones), kept_);
 }
 
 void Contacts::add_couplings(Couplings& couplings) const {
@@ -259,7 +261,7 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
             const double along = way.dot(face_normal(bodies_[t.target], places_[at(t.target)], was.anchor_triangle));
             out = (t.side < 0 ? -along : along) > 0;
         }
-        if (out || (pair.longest > 0 && f.away.norm() > pair.longest)) continue;
+        if (out || is_too_deep(pair, f)) continue;
         next_.contacts.push_back(kept_contact(i, f));
     }
     // What is left to attachments is kept for when they let go.
@@ -273,7 +275,7 @@ void Contacts::remember(const Positions& x, bool, TermMemory& memory) const {
 }
 
 void Contacts::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
-    double count = 0, deepest = 0, force = 0;
+    double count = 0, deepest = 0, force = 0, dropped = static_cast<double>(kept_.dropped + dropped_);
     find_features(x);
     for (std::size_t i = 0; i < touches_.size(); ++i) {
         const ClosestFeature& f = now_[i];
@@ -282,12 +284,14 @@ void Contacts::measure(const Positions& x, std::span<const double>, std::vector<
         if (!(depth > 0)) continue;
         count += 1, deepest = std::max(deepest, depth);
         force += stiffness(i) * depth;
+        if (is_too_deep(pair_of(i), f)) dropped += 1;
     }
     for (const ClothContact::Press& press : presses_) {
         count += 1, deepest = std::max(deepest, press.depth());
         force += press.force();
     }
     out.push_back({&measures[0], count}), out.push_back({&measures[1], deepest}), out.push_back({&measures[2], force});
+    out.push_back({&measures[3], dropped});
 }
 
 void Contacts::marks(const Positions& x, Marks& out) const {

@@ -202,6 +202,7 @@ class Contacts final : public Term {
     std::vector<char> strong_;               ///< per pair: it ties more firmly than what the pattern leaves out may
     std::vector<Touch> touches_;
     std::vector<std::size_t> pair_of_touch_;
+    std::uint64_t dropped_ = 0;         ///< contacts of the state that are too deep as the step begins
     mutable std::vector<double> areas_; ///< per touch [m^2]; -1: not asked for yet
     std::vector<FeatureStart> starts_;  ///< per touch
     std::vector<double>

@@ -140,9 +140,10 @@ void Contacts::find_all_touches() {
     now_.clear(), forces_.clear(); // where no pair is left nothing else does
     for (PointTriangleElement& e : elements_) e.forget();
     strong_.assign(pairs_.size(), 0);
+    dropped_ = 0;
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
         const std::size_t first = touches_.size();
-        search_.take_kept(pairs_[p], kept_.contacts, held_[p], touches_);
+        dropped_ += search_.take_kept(pairs_[p], kept_.contacts, held_[p], touches_);
         find_touches(p, first);
     }
     make_tethers();

@@ -5,6 +5,7 @@
 
 #include <array>
 #include <compare>
+#include <cstdint>
 #include <vector>
 
 namespace sinew::solver {
@@ -39,6 +40,7 @@ struct ContactMemory {
     std::vector<KeptContact> contacts;      ///< by source, target, point
     std::vector<CoupledCarriers> couplings; ///< sorted
     std::vector<CollidingBodies> pairs;     ///< that collided, sorted: what is inside of others in none of them begins
+    std::uint64_t dropped = 0; ///< points that were inside, but too deep, where contact began since the last step
 };
 
 void keep_contacts(const ContactMemory& contacts, TermMemory& memory);

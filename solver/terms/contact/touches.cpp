@@ -112,8 +112,9 @@ double TouchSearch::area(const ContactPair& pair, const Touch& touch) const {
     return facing * others * others / (own * own + others * others);
 }
 
-void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
-                            const std::vector<char>& held, std::vector<Touch>& out) const {
+std::uint64_t TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
+                                     const std::vector<char>& held, std::vector<Touch>& out) const {
+    std::uint64_t dropped = 0;
     const auto by_pair = [](const auto& a, const auto& b) {
         return std::tie(a.source, a.target) < std::tie(b.source, b.target);
     };
@@ -131,9 +132,12 @@ void TouchSearch::take_kept(const ContactPair& pair, const std::vector<KeptConta
         if (face_normal(target, where, t.feature.triangle).dot(side) < -least_facing)
             t.feature = follow_feature(target, where, c.triangle, p, side);
         if (pair.two_sided) t.side = c.side != 0 ? c.side : side_of(target, t.feature);
-        if (pair.longest > 0 && t.feature.away.norm() > pair.longest) continue;
-        out.push_back(t);
+        if (is_too_deep(pair, t.feature))
+            ++dropped;
+        else
+            out.push_back(t);
     }
+    return dropped;
 }
 
 void TouchSearch::find_near(const ContactPair& pair, double margin, const std::vector<char>& held, std::size_t first,
@@ -197,15 +201,15 @@ void TouchSearch::find_near(const ContactPair& pair, double margin, const std::v
                            pair.two_sided ? side_of(target, found_[p]) : 1, found_[p]});
 }
 
-void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
+std::uint64_t TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) {
     const CollisionBody &source = bodies_[pair.source], &target = bodies_[pair.target];
-    if (pair.source == pair.target || pair.two_sided) return;
+    if (pair.source == pair.target || pair.two_sided) return 0;
     const SurfaceBoxes &own = boxes_[at(pair.source)], &boxes = boxes_[at(pair.target)];
-    if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return;
+    if ((own.low().array() > boxes.high().array()).any() || (own.high().array() < boxes.low().array()).any()) return 0;
     const auto may_be_inside = [&](const Vec3& place) {
         return (place.array() >= boxes.low().array()).all() && (place.array() <= boxes.high().array()).all();
     };
-    if (!std::any_of(own.places().begin(), own.places().end(), may_be_inside)) return;
+    if (!std::any_of(own.places().begin(), own.places().end(), may_be_inside)) return 0;
     std::shared_ptr<const SurfaceTree>& tree = inside_[at(pair.target)];
     if (!tree) tree = std::make_shared<SurfaceTree>(boxes.places(), target.triangles());
     std::vector<ClosestFeature> found(source.point_count());
@@ -213,9 +217,15 @@ void TouchSearch::find_inside(const ContactPair& pair, std::vector<Touch>& out) 
         const Vec3& place = own.places()[p];
         if (may_be_inside(place) && tree->inside(place)) found[p] = find_feature(target, boxes, place, 1e300);
     });
-    for (std::size_t p = 0; p < found.size(); ++p)
-        if (found[p].triangle >= 0 && (pair.longest <= 0 || found[p].away.norm() <= pair.longest))
+    std::uint64_t dropped = 0;
+    for (std::size_t p = 0; p < found.size(); ++p) {
+        if (found[p].triangle < 0) continue;
+        if (is_too_deep(pair, found[p]))
+            ++dropped;
+        else
             out.push_back({pair.source, static_cast<int>(p), pair.target, -1, 1, found[p]});
+    }
+    return dropped;
 }
 
 } // namespace sinew::solver

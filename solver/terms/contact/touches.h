@@ -7,6 +7,7 @@
 #include "solver/terms/contact/collision_bodies.h"
 #include "solver/terms/contact/contact_memory.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -29,6 +30,10 @@ struct Press {
     Vec3 out = Vec3::Zero(); ///< of unit length, the way that it is pushed
     bool behind = false;     ///< it is on the other side of the surface itself
 };
+/// Whether maxContactLength drops such a contact.
+inline bool is_too_deep(const ContactPair& pair, const ClosestFeature& f) {
+    return pair.longest > 0 && f.away.norm() > pair.longest;
+}
 /// `side`: of the touch.
 Press press_of(const CollisionBody& target, const ContactPair& pair, int side, const ClosestFeature& f);
 
@@ -69,10 +74,10 @@ class TouchSearch {
     explicit TouchSearch(const CollisionBodies& bodies);
     /// `carriers`: of each body, 3 numbers a vertex of what carries it.
     void begin(const std::vector<const double*>& carriers);
-    /// The contacts of the state, sorted as there, that belong to the pair; those deeper than its longest are left out,
-    /// and those of points that are flagged as `held` (none, or one a point of the source).
-    void take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept, const std::vector<char>& held,
-                   std::vector<Touch>& out) const;
+    /// The contacts of the state, sorted as there, that belong to the pair; those too deep for it are left out, and
+    /// those of points that are flagged as `held` (none, or one a point of the source). Gives how many are too deep.
+    std::uint64_t take_kept(const ContactPair& pair, const std::vector<KeptContact>& kept,
+                            const std::vector<char>& held, std::vector<Touch>& out) const;
     /// Says where everything is later, or may be.
     void sweep(const std::vector<const double*>& later);
     /// Points of the pair outside of the surface whose way to where they are later comes nearer than a margin to that
@@ -92,8 +97,8 @@ class TouchSearch {
     double farthest_swept(int body) const { return ahead_[at(body)].farthest(); }
     /// The area that a touching point stands for [m^2].
     double area(const ContactPair& pair, const Touch& touch) const;
-    /// Points of the pair inside of the surface, wherever they are.
-    void find_inside(const ContactPair& pair, std::vector<Touch>& out);
+    /// Points of the pair inside of the surface, wherever they are, but for those too deep: gives how many.
+    std::uint64_t find_inside(const ContactPair& pair, std::vector<Touch>& out);
 
   private:
     const CollisionBodies& bodies_;

@@ -423,8 +423,35 @@ TEST_CASE("contact: what is inside at the start comes out through the nearest pl
     Collision d = standing(ElementKind::linear, shallow, with(1e7), -0.03);
     d.step();
     CHECK(d.measured("contacts") == 0);
+    CHECK(d.measured("dropped") == 25); // all points of its bottom
     d.step(2);
+    CHECK(d.measured("dropped") == 0);
     CHECK(d.lowest(0) < -0.05);
+}
+
+TEST_CASE("contact: what is dropped as too deep is counted once", "[contact]") {
+    ContactValues shallow = with(1e4);
+    shallow.longest = 0.005;
+    // It falls by 17 mm within the step.
+    Collision falling = standing(ElementKind::linear, shallow, with(1e4), -0.001);
+    falling.step();
+    CHECK(falling.measured("contacts") == 25);
+    CHECK(falling.measured("dropped") == 25);
+    falling.step();
+    CHECK(falling.measured("contacts") == 0);
+    CHECK(falling.measured("dropped") == 0);
+    // At rest it is .2 mm deep, which then is too much.
+    Collision resting = standing(ElementKind::linear, with(1e7), with(1e7), -weight / (1e7 * side * side));
+    resting.step(2);
+    CHECK(resting.measured("contacts") == 25);
+    CHECK(resting.measured("dropped") == 0);
+    shallow.stiffness = 1e7, shallow.longest = 1e-4;
+    resting.set(0, shallow);
+    resting.step();
+    CHECK(resting.measured("contacts") == 0);
+    CHECK(resting.measured("dropped") == 25);
+    resting.step();
+    CHECK(resting.measured("dropped") == 0);
 }
 
 TEST_CASE("contact: what is inside where two bodies begin to collide comes out, whatever let them pass until then",
@@ -460,5 +487,6 @@ TEST_CASE("contact: what is inside where two bodies begin to collide comes out, 
     d.set(0, shallow);
     d.step();
     CHECK(d.measured("contacts") == 0);
+    CHECK(d.measured("dropped") == 25);
     CHECK(d.lowest(0) < -0.03);
 }
