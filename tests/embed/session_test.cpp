@@ -407,6 +407,35 @@ TEST_CASE("a wrong first mesh of a host is replaced by one of another count of p
     CHECK(s.evaluate(9, "m.outMesh").meshes[0].points->size() == 3);
 }
 
+TEST_CASE("faces that are none of the points are refused at once, and the mesh before stays", "[embed]") {
+    Session s;
+    s.load_text(R"({"format": "sinew 1", "nodes": {"m": {"type": "hostMesh"}}})");
+    const std::vector<double> points{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
+    const std::vector<int> good{0, 1, 2};
+    s.set_mesh("m", 1, {points, {}, good});
+    const auto told = [&](std::span<const double> at, std::vector<int> sizes, std::vector<int> corners) {
+        try {
+            s.set_mesh("m", 1, {at, sizes, corners});
+        } catch (const Misuse& wrong) {
+            const engine::Diagnostic& d = wrong.diagnostics().front();
+            CHECK(s.evaluate(1, "m.outMesh").meshes[0].topology->triangles.size() == 1);
+            return d.code + " " + d.node + ": " + d.message;
+        }
+        return std::string();
+    };
+    CHECK(told(points, {}, {0, 1, 2, 1, 3, 4}) ==
+          "DG125 m: corner 2 of face 1 is vertex 4; there are 4 vertices, counted from 0");
+    CHECK(told(points, {4}, {0, 1, -3, 2}) ==
+          "DG125 m: corner 2 of face 0 is vertex -3; there are 4 vertices, counted from 0");
+    CHECK(told(points, {}, {0, 1, 2, 3}) == "DG125 m: 4 corners are no list of triangles");
+    CHECK(told(points, {3, 2}, {0, 1, 2, 2, 3}) == "DG125 m: face 1 has 2 corners");
+    CHECK(told(points, {3, 4}, {0, 1, 2, 1, 3}) == "DG125 m: the 5 corners end within face 1 of 2");
+    CHECK(told(points, {3}, {0, 1, 2, 3}) == "DG125 m: 4 corners, but the faces have 3");
+    CHECK(told(std::span(points).first(10), {}, {0, 1, 2}) == "DG125 m: 10 numbers are no list of points");
+    CHECK(told(points, {3, 3}, {0, 1, 2, 1, 3, 2}).empty());
+    CHECK(s.evaluate(1, "m.outMesh").meshes[0].topology->triangles.size() == 2);
+}
+
 TEST_CASE("names and frames that are not there are misuse, values are not", "[embed]") {
     Session s;
     s.load_text(hanging);

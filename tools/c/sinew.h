@@ -191,7 +191,8 @@ typedef struct sinew_mesh {
 
 /* Sends a mesh to a hostMesh node, from `frame` on; the first one holds for the frames before, too. Read: points (a
  * stride of 0 is 24 bytes), and the faces as face_sizes and face_vertices (without face_sizes: triangles); without
- * face_vertices the faces stay. Other faces than before make another mesh, for all frames. Copied. */
+ * face_vertices the faces stay. Other faces than before make another mesh, for all frames. Faces with corners that are
+ * none of the points are refused (SINEW_USAGE), and what was sent before stays. Copied. */
 SINEW_API sinew_status sinew_set_mesh(sinew_session* session, const char* node, double frame, const sinew_mesh* mesh);
 
 /* ---- evaluation ---- */

@@ -179,6 +179,42 @@ void check_frame(double frame, const Plug& at) {
 
 std::vector<double> as_numbers(std::span<const int> whole) { return {whole.begin(), whole.end()}; }
 
+/// Before anything of the mesh that was sent last is given up for it.
+void check_faces(const std::string& node, const HostMesh& mesh) {
+    const auto refuse = [&](const std::string& message, const char* hint) {
+        throw Misuse("DG125", message, hint, {node, ""});
+    };
+    const auto text = [](auto number) { return std::to_string(number); };
+    if (mesh.points.size() % 3 != 0)
+        refuse(text(mesh.points.size()) + " numbers are no list of points", "give x, y and z of each vertex");
+    const std::size_t vertices = mesh.points.size() / 3;
+    const bool triangles = mesh.face_sizes.empty();
+    if (triangles && mesh.face_vertices.size() % 3 != 0)
+        refuse(text(mesh.face_vertices.size()) + " corners are no list of triangles",
+               "give three a triangle, or the sizes of the faces");
+    const std::size_t faces = triangles ? mesh.face_vertices.size() / 3 : mesh.face_sizes.size();
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < faces; ++f) {
+        const int size = triangles ? 3 : mesh.face_sizes[f];
+        if (size < 3) refuse("face " + text(f) + " has " + text(size) + " corners", "a face has three or more");
+        for (std::size_t c = 0; c < static_cast<std::size_t>(size); ++c) {
+            if (first + c >= mesh.face_vertices.size())
+                refuse("the " + text(mesh.face_vertices.size()) + " corners end within face " + text(f) + " of " +
+                           text(faces),
+                       "give as many as the sizes of the faces sum up to");
+            const int v = mesh.face_vertices[first + c];
+            if (v < 0 || static_cast<std::size_t>(v) >= vertices)
+                refuse("corner " + text(c) + " of face " + text(f) + " is vertex " + text(v) + "; there are " +
+                           text(vertices) + " vertices, counted from 0",
+                       "send the points and the faces of one mesh");
+        }
+        first += static_cast<std::size_t>(size);
+    }
+    if (first < mesh.face_vertices.size())
+        refuse(text(mesh.face_vertices.size()) + " corners, but the faces have " + text(first),
+               "give as many as the sizes of the faces sum up to");
+}
+
 } // namespace
 
 Misuse::Misuse(std::string code, std::string message, std::string hint, Plug at)
@@ -397,6 +433,7 @@ void Session::set_mesh(const std::string& node, double frame, const HostMesh& me
         if (n && n->type_name != "hostMesh")
             throw Misuse("DG123", "\"" + node + "\" is a " + n->type_name + " and takes no mesh from a host",
                          "send it to a hostMesh", {node, ""});
+        if (n) check_faces(node, mesh);
         std::vector<double> points(mesh.points.begin(), mesh.points.end());
         if (!n) { // which is told once
             e.set_input({node, "points"}, frame, Value::of<engine::NumberList>(std::move(points)));

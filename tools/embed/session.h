@@ -104,7 +104,8 @@ class Session {
     void set(std::span<const Setting> settings);
     /// From `frame` on; frames before keep what they have (engine::Edit::set_input).
     void set_at(double frame, std::span<const Setting> settings);
-    /// The same of a hostMesh node. The first mesh holds for the frames before it, too.
+    /// The same of a hostMesh node. The first mesh holds for the frames before it, too. Throws Misuse DG125, and leaves
+    /// all as it is, where the faces are none of the points.
     void set_mesh(const std::string& node, double frame, const HostMesh& mesh);
 
     /// \param plug "node.output"; empty: outMeshes of the solver that no other one reads
