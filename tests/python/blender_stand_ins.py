@@ -27,6 +27,14 @@ def part(name):
     return importlib.import_module("sinew_blender." + name)
 
 
+def show(scene):
+    """Puts a scene into the window, with all its objects seen."""
+    layer = types.SimpleNamespace(exclude=False, children=[],
+                                  collection=types.SimpleNamespace(hide_viewport=False, objects=scene.objects))
+    context = sys.modules["bpy"].context
+    context.scene, context.view_layer = scene, types.SimpleNamespace(layer_collection=layer)
+
+
 class InFolder(unittest.TestCase):
     """Tests that have a folder each."""
 
@@ -61,8 +69,12 @@ class Objects(list):
 class Mesh:
     """An object of Blender with a mesh, as `links` reads it: triangles."""
 
-    type, name, name_full, bone = "MESH", "slab", "slab", ""
+    type, name, name_full, bone, mode = "MESH", "slab", "slab", "", "OBJECT"
     matrix_world = np.eye(4)
+    hide_viewport, parent, pose, animation_data, constraints, modifiers = False, None, None, None, (), ()
+
+    def update_tag(self):
+        pass
 
     def edit(self, points, triangles):
         self.data = types.SimpleNamespace(

@@ -9,7 +9,7 @@ from unittest import mock
 
 import numpy as np
 import sinew
-from blender_stand_ins import PYRAMID, TET, InFolder, Mesh, Objects, part
+from blender_stand_ins import PYRAMID, TET, InFolder, Mesh, Objects, part, show
 from scenes import hanging
 
 files, space, module = part("files"), part("space"), part("module")
@@ -160,9 +160,12 @@ class Sending(unittest.TestCase):
         self.ob.edit(*TET)
         link = types.SimpleNamespace(enabled=True, kind="MESH", plug="sent", object=self.ob)
         self.scene = types.SimpleNamespace(
-            sinew=types.SimpleNamespace(links=[link], up_axis="Z", units="SAME"), objects=[],
+            sinew=types.SimpleNamespace(links=[link], up_axis="Z", units="SAME"), objects=Objects(),
             unit_settings=types.SimpleNamespace(scale_length=1.0),
         )
+        self.scene.objects.append(self.ob)
+        self.ob.sinew = types.SimpleNamespace(body="")
+        show(self.scene)
         self.state = session.State("g.json", "")
         self.state.session.load_text(hanging())
         self.state.graph = json.loads(self.state.session.text)
@@ -221,9 +224,10 @@ class Exporting(InFolder):
             v.index, v.groups = i, [types.SimpleNamespace(group=0, weight=1.0)]
         self.scene = types.SimpleNamespace(
             name_full="Scene", objects=Objects([self.bone, self.deforming, self.muscle]), frame_start=1, frame_end=2,
-            frame_current=1, frame_set=lambda frame: None, render=types.SimpleNamespace(fps=24, fps_base=1.0),
+            frame_current=1, frame_subframe=0.0, frame_set=lambda frame, subframe=0.0: None, render=types.SimpleNamespace(fps=24, fps_base=1.0),
             unit_settings=types.SimpleNamespace(scale_length=1.0), sinew=types.SimpleNamespace(gravity=(0, 0, -9.8)),
         )
+        show(self.scene)
 
     def object(self, name, role, deforms=False, attachments=()):
         ob = Mesh()

@@ -4,18 +4,16 @@ import os
 
 import bpy
 
-from . import shapes
+from . import session, shapes
 from .files import FileNames, PointCache
 from .module import Problem
-from .settings import BAKE
+from .settings import BAKE, baked
 
 
 def folder_of(scene, state):
     """Where the caches of a scene go; made if need be."""
     wanted = scene.sinew.bake_folder
-    if wanted.startswith("//") and not bpy.data.filepath:
-        raise Problem(f'"{wanted}" is beside the .blend file, which has not been saved', "Save it, or name a folder.")
-    folder = bpy.path.abspath(wanted) if wanted else os.path.splitext(state.path)[0] + "_baked"
+    folder = session.full_path(wanted, scene) if wanted else os.path.splitext(state.path)[0] + "_baked"
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
@@ -34,18 +32,21 @@ class Bake:
 
     def add(self, number, frame):
         from_sinew = self.state.space(self.scene)
-        for ob, body in shapes.pairs(self.scene, self.state, frame):
+        found, problems = shapes.pairs(self.scene, self.state, frame)
+        if problems:
+            raise problems[0]
+        for ob, body in found:
             if ob.name not in self.caches:
                 path = os.path.join(self.folder, self.names.of(ob.name) + ".pc2")
                 self.caches[ob.name] = PointCache(path, len(body.points), self.first)
-            self.caches[ob.name].add(shapes.local(body, self.state.world(number, ob), from_sinew))
+            self.caches[ob.name].add(shapes.local(body, ob, self.state.world(number, ob), from_sinew))
 
     def finish(self):
         for cache in self.caches.values():
             cache.finish()
         for name, cache in self.caches.items():
             ob = self.scene.objects[name]
-            modifier = ob.modifiers.get(BAKE) or ob.modifiers.new(BAKE, "MESH_CACHE")
+            modifier = baked(ob) or ob.modifiers.new(BAKE, "MESH_CACHE")
             modifier.cache_format = "PC2"
             modifier.filepath = bpy.path.relpath(cache.path) if bpy.data.filepath else cache.path
             modifier.frame_start = self.first
@@ -63,7 +64,7 @@ class Bake:
 
 def clear(scene):
     """Takes the modifiers off; the files stay. Gives how many there were."""
-    found = [ob for ob in shapes.targets(scene).values() if BAKE in ob.modifiers]
+    found = [ob for ob in shapes.targets(scene).values() if baked(ob)]
     for ob in found:
-        ob.modifiers.remove(ob.modifiers[BAKE])
+        ob.modifiers.remove(baked(ob))
     return len(found)

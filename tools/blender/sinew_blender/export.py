@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
 import os
+from contextlib import contextmanager
 
-import bpy
 import numpy as np
 
-from . import links, space, stepping
+from . import links, presence, shapes, space, stepping
 from .files import FileNames, PointCache, Staged
 from .module import Problem
 from .shapes import node_name
@@ -43,12 +43,16 @@ def write(scene, path):
     bones, muscles = parts(scene, "BONE"), parts(scene, "MUSCLE")
     if not muscles:
         raise Problem("No object has the role Muscle", "Choose roles in the sidebar.")
+    presence.check(scene, [ob for ob in bones if ob.sinew.deforms] + muscles, [ob for ob in bones if not ob.sinew.deforms])
+    for ob in bones + muscles:
+        if ob.mode == "EDIT":  # what is being edited is not in the mesh yet
+            ob.update_from_editmode()
     done = Done(len(bones), len(muscles))
     base = os.path.splitext(os.path.basename(path))[0]
     names = FileNames(node_name(ob) for ob in bones + muscles)
     with Staged(os.path.join(os.path.dirname(os.path.abspath(path)), base), path) as stage:
         graph = _Graph()
-        motion = _Motion(scene, bones, muscles, stage, names)
+        motion = _Motion(scene, bones, muscles, stage, names, done.warnings)
         for ob in bones:
             _bone(graph, ob, base, names)
         paint = {}
@@ -90,19 +94,21 @@ def _text(timing, nodes):
 
 class _Motion:
     """What is read in one pass over the frames: matrices of bones, excitations, vertices of deforming bones. Meshes are
-    written at the first frame."""
+    written at the first frame. warnings: takes what is lost."""
 
-    def __init__(self, scene, bones, muscles, stage, names):
+    def __init__(self, scene, bones, muscles, stage, names, warnings):
         self.frames, self.excitations = [], {node_name(ob): [] for ob in muscles}
         rests, caches = {}, {}
         rigid = [ob for ob in bones if not ob.sinew.deforms]
         deforming = [ob for ob in bones if ob.sinew.deforms]
-        here = scene.frame_current
+        here, between = scene.frame_current, scene.frame_subframe
+        modelled = {}  # of rigid bones: their points in their own space at the first frame
         try:
-            with stepping.alone(scene):
+            with stepping.alone(scene), _without_display(muscles):
+                presence.tag(muscles)
                 for frame in range(scene.frame_start, scene.frame_end + 1):
                     scene.frame_set(frame)
-                    depsgraph = bpy.context.evaluated_depsgraph_get()
+                    depsgraph = presence.depsgraph(scene)
                     if frame == scene.frame_start:
                         for ob in bones + muscles:
                             _write_mesh(ob, depsgraph, stage.file("meshes", names.of(node_name(ob)) + ".obj"))
@@ -110,7 +116,12 @@ class _Motion:
                     for ob in rigid:
                         now = space.array(ob.evaluated_get(depsgraph).matrix_world)
                         rest = rests.setdefault(ob.name, now)
-                        entry["bones"][node_name(ob)] = space.motion(now, rest, np.eye(4)).ravel().tolist()
+                        entry["bones"][node_name(ob)] = space.motion(now, rest, np.eye(4), ob.name).ravel().tolist()
+                    for ob in rigid if frame in (scene.frame_start, scene.frame_end) else ():
+                        points = links.own_points(ob, depsgraph)
+                        before = modelled.setdefault(ob.name, points)
+                        if not _is_rigid(before, points):
+                            warnings.append(f"{ob.name} changes its shape, but Deforms is off: its first one is kept")
                     for ob in muscles:
                         value = ob.evaluated_get(depsgraph).sinew.excitation
                         entry[node_name(ob) + ".excitation"] = value
@@ -130,7 +141,7 @@ class _Motion:
             raise
         finally:
             with stepping.alone(scene):
-                scene.frame_set(here)
+                scene.frame_set(here, subframe=between)
 
     def write(self, path):
         head = {"description": "Motion of a Blender scene, in its units and axes", "convention": "row-major"}
@@ -139,18 +150,42 @@ class _Motion:
             file.write(json.dumps(head)[:-1] + ', "frames": [\n' + frames + "\n]}\n")
 
 
+@contextmanager
+def _without_display(muscles):
+    """Without the modifiers that only draw muscles smoother."""
+    off = [m for ob in muscles for m in ob.modifiers if m.type in shapes.DISPLAY and m.show_viewport]
+    for modifier in off:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in off:
+            modifier.show_viewport = True
+
+
+def _is_rigid(before, now):
+    """Whether two shapes in an object's own space are one, but for rounding."""
+    if before.shape != now.shape:
+        return False
+    return len(now) == 0 or np.abs(now - before).max() <= 1e-5 * max(np.abs(now).max(), 1e-30)
+
+
 def _write_mesh(ob, depsgraph, path):
-    """An OBJ of what is seen: the mesh of a bone with its modifiers, of a muscle without, as vertex groups count it."""
+    """An OBJ of what is seen at the first frame: the mesh with its modifiers and shape keys, of a muscle but for those
+    that only draw it smoother. Faces look outwards where the object mirrors."""
     evaluated = ob.evaluated_get(depsgraph)
+    sizes, corners = links.faces(evaluated.data)
+    points = links.world_points(ob, depsgraph)
     if ob.sinew.role == "BONE":
-        sizes, corners = links.faces(evaluated.data)
-        points = links.world_points(ob, depsgraph)
         points = links.single(points) if ob.sinew.deforms else points
-    else:
-        sizes, corners = links.faces(ob.data)
-        flat = np.empty(3 * len(ob.data.vertices), np.float32)
-        ob.data.vertices.foreach_get("co", flat)
-        points = space.moved(space.array(evaluated.matrix_world), flat.reshape(-1, 3).astype(np.float64))
+    elif any(not np.array_equal(a, b) for a, b in zip(links.faces(ob.data), (sizes, corners))) or len(points) != len(
+        ob.data.vertices
+    ):
+        raise Problem(
+            f"Modifiers of {ob.name} give it other vertices or faces, which its vertex groups do not have",
+            "Apply them before the muscle is set up, or switch them off in viewports.",
+        )
+    sizes, corners = links.outward(sizes, corners, space.array(evaluated.matrix_world))
     if len(sizes) == 0:
         raise Problem(f"{ob.name} has no faces")
     ends = np.cumsum(sizes)
@@ -215,6 +250,9 @@ def _muscle(graph, ob, base, names, motion, paint, scene):
     tissue = {"mesh": mesh, "tets": _from(n + "Tets.outTets"), "material": s.law}
     tissue["materials"] = [_from(n + "Flesh.outMaterial")]
     if s.fibres:
+        for end, group in (("Origin", s.origin), ("Insertion", s.insertion)):
+            if not group:
+                raise Problem(f"The fibres of {ob.name} have no {end}", "Choose the vertex group where they begin and end.")
         graph.add(n + "Ends", "endPoints", mesh=mesh, source=paint_of(s.origin), sink=paint_of(s.insertion))
         values = motion.excitations[n]
         excitation = values[0]
@@ -233,7 +271,12 @@ def _muscle(graph, ob, base, names, motion, paint, scene):
     graph.add(n, "zTissue", **tissue)
     for i, a in enumerate(s.attachments):
         if a.target is None or a.target.sinew.role == "NONE" or a.target.name not in scene.objects:
-            target = f"{a.target.name}, which is neither bone nor muscle" if a.target else "nothing"
+            target = "nothing"
+            if a.target is not None:
+                gone = a.target.name not in scene.objects
+                target = f"{a.target.name}, which is " + (
+                    "not in this scene: it may have been deleted" if gone else "neither bone nor muscle"
+                )
             raise Problem(f"Attachment {i + 1} of {ob.name} leads to {target}", "Choose a bone or a muscle.")
         inputs = {"source": _from(n + ".outBody"), "target": _from(node_name(a.target) + ".outBody")}
         if a.group:

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 
-from . import space
+from . import presence, space
 from .module import Problem
 
 
@@ -17,18 +17,23 @@ def signature(scene):
     )
 
 
+def kind_and_name(block):
+    """Of a datablock: a mesh may be called as an object is."""
+    return type(block).__name__, block.name_full
+
+
 def owners(scene):
-    """What must not change, or what was sent is no longer true: the names of objects, and of their data, that must not
-    move, and of those of whose properties some are sent."""
+    """What must not change, or what was sent is no longer true: the kinds and names of objects, and of their data, that
+    must not move, and of those of whose properties some are sent."""
     moving, dials = set(), set()
     for link in enabled(scene):
         ob = link.object
         if link.kind == "VALUE" and ob is not None:
-            dials.add(ob.name_full)
+            dials.add(kind_and_name(ob))
         while ob is not None:
-            moving.add(ob.name_full)
+            moving.add(kind_and_name(ob))
             if ob.data is not None:
-                moving.add(ob.data.name_full)
+                moving.add(kind_and_name(ob.data))
             ob = ob.parent
     return moving, dials
 
@@ -50,6 +55,13 @@ def check(scene, types):
             raise Problem(f'{link.object.name} is no mesh and cannot be sent to "{link.plug}"')
         if link.bone and (link.object.type != "ARMATURE" or link.bone not in link.object.pose.bones):
             raise Problem(f'{link.object.name} has no bone "{link.bone}", which shall move "{link.plug}"')
+
+
+def check_presence(scene):
+    """Raises Problem where Blender does not move what is linked."""
+    linked = enabled(scene)
+    whole = [link.object for link in linked if link.kind != "MATRIX"]
+    presence.check(scene, whole, [link.object for link in linked if link.kind == "MATRIX"])
 
 
 def value_of(link, depsgraph):
@@ -79,8 +91,8 @@ def rest_of(link, depsgraph):
     return space.array(ob.matrix_world) @ space.array(link.object.data.bones[link.bone].matrix_local)
 
 
-def world_points(ob, depsgraph):
-    """The vertices of a mesh with its modifiers, in Blender's world."""
+def own_points(ob, depsgraph):
+    """The vertices of a mesh with its modifiers, in the object's own space."""
     evaluated = ob.evaluated_get(depsgraph)
     mesh = evaluated.to_mesh()
     try:
@@ -88,7 +100,12 @@ def world_points(ob, depsgraph):
         mesh.vertices.foreach_get("co", points)
     finally:
         evaluated.to_mesh_clear()
-    return space.moved(space.array(evaluated.matrix_world), points.reshape(-1, 3).astype(np.float64))
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def world_points(ob, depsgraph):
+    """The same in Blender's world."""
+    return space.moved(space.array(ob.evaluated_get(depsgraph).matrix_world), own_points(ob, depsgraph))
 
 
 def faces(mesh):
@@ -98,6 +115,16 @@ def faces(mesh):
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
     return sizes, corners
+
+
+def outward(sizes, corners, world):
+    """The same faces, looking outwards after a matrix that mirrors: each keeps its first corner."""
+    if np.linalg.det(world[:3, :3]) >= 0:
+        return sizes, corners
+    out, ends = corners.copy(), np.cumsum(sizes)
+    for begin, end in zip(ends - sizes, ends):
+        out[begin + 1 : end] = corners[begin + 1 : end][::-1]
+    return sizes, out
 
 
 def single(points):

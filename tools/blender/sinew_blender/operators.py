@@ -6,7 +6,8 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty, StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from . import bake, export, links, session, shapes, space, stepping
+from . import bake, export, links, presence, session, shapes, space, stepping
+from .settings import baked
 from .module import Problem
 
 
@@ -45,7 +46,7 @@ class SINEW_OT_load(bpy.types.Operator):
 
     bl_idname = "sinew.load"
     bl_label = "Load Graph"
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "UNDO"}
 
     take_timing: BoolProperty(name="Frames of the graph", description="Sets the scene's frames and rate", default=True)
 
@@ -57,7 +58,7 @@ class SINEW_OT_load(bpy.types.Operator):
     def execute(self, context):
         scene = context.scene
         state = session.ensure(scene)
-        space.take_axes(scene.sinew, state.solver().get("gravity"), session.full_path)
+        space.take_axes(scene.sinew, state.solver().get("gravity"), lambda path: session.full_path(path, scene))
         state = session.ensure(scene)
         if self.take_timing:
             timing = state.session.timing
@@ -92,7 +93,7 @@ class SINEW_OT_make_shapes(bpy.types.Operator):
 
     bl_idname = "sinew.make_shapes"
     bl_label = "Make Shapes"
-    bl_options = {"REGISTER"}
+    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
@@ -147,18 +148,18 @@ class Working:
         return _has_graph(context) and not (state is not None and state.job is not None and state.job.running)
 
     def _start(self, context):
-        scene = context.scene
+        scene = self.scene = context.scene  # another one may be in the window when it ends
         self.state = session.ensure(scene)
         self.first, self.last = self.begin(context, self.state)
         self.state.job = session.Job(self.state, range(self.first, self.last + 1), scene.sinew.plug)
 
     def _finish(self, context):
-        scene = context.scene
+        scene = self.scene
         session.clear_errors(scene)
         self.end(context)
         if scene.sinew.live:
             self.state.shown = None
-            stepping.step(scene, context.evaluated_depsgraph_get())
+            stepping.step(scene, presence.depsgraph(scene))
         _warn(self, self.state)
         return {"FINISHED"}
 
@@ -251,6 +252,7 @@ class SINEW_OT_bake(Working, bpy.types.Operator):
 
     bl_idname = "sinew.bake"
     bl_label = "Bake"
+    bl_options = {"REGISTER", "UNDO"}
 
     writer = None
 
@@ -259,7 +261,7 @@ class SINEW_OT_bake(Working, bpy.types.Operator):
         shown = list(shapes.targets(scene).values())
         if not shown:
             raise Problem("No mesh shows a body", "Load the graph or use Make Shapes.")
-        if links.enabled(scene) or any(shapes.moves(ob) for ob in shown):
+        if stepping.is_driven(scene):
             stepping.read_motion(scene)
         self.writer = bake.Bake(scene, state, scene.frame_start)
         return scene.frame_start, scene.frame_end
@@ -268,7 +270,7 @@ class SINEW_OT_bake(Working, bpy.types.Operator):
         self.writer.add(number, frame)
 
     def end(self, context):
-        context.scene.sinew.live = False
+        self.scene.sinew.live = False
         self.writer.finish()
         self.report({"INFO"}, f"{len(self.writer.caches)} point caches in {self.writer.folder}")
 
@@ -286,7 +288,7 @@ class SINEW_OT_clear_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        return any(bake.BAKE in ob.modifiers for ob in shapes.targets(context.scene).values())
+        return any(baked(ob) for ob in shapes.targets(context.scene).values())
 
     def execute(self, context):
         self.report({"INFO"}, f"{bake.clear(context.scene)} modifiers removed")
@@ -417,6 +419,7 @@ class SINEW_OT_export(bpy.types.Operator, ExportHelper):
 
     bl_idname = "sinew.export"
     bl_label = "Export Graph"
+    bl_options = {"REGISTER", "UNDO"}
     filename_ext = ".json"
 
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
@@ -429,12 +432,13 @@ class SINEW_OT_export(bpy.types.Operator, ExportHelper):
     @guarded
     def execute(self, context):
         scene = context.scene
-        done = export.write(scene, self.filepath)
-        self.report({"INFO"}, f"{done.bones} bones and {done.muscles} muscles in {os.path.basename(self.filepath)}")
+        path = bpy.path.ensure_ext(session.full_path(self.filepath), ".json")
+        done = export.write(scene, path)
+        self.report({"INFO"}, f"{done.bones} bones and {done.muscles} muscles in {os.path.basename(path)}")
         for warning in done.warnings:
             self.report({"WARNING"}, warning)
         if self.use:
-            export.connect(scene, self.filepath)
+            export.connect(scene, path)
             _warn(self, session.ensure(scene))
             _show(context, session.ensure(scene))
         return {"FINISHED"}

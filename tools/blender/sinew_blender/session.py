@@ -9,7 +9,7 @@ import threading
 import bpy
 import numpy as np
 
-from . import links, shapes, space
+from . import links, presence, shapes, space
 from .module import Problem, sinew
 
 _states = {}  # by the scene's name
@@ -38,14 +38,14 @@ class State:
     """What Sinew holds of a scene.
 
     path: of the graph file. first: where the simulation begins. sent: by frame what was sent, as bytes. forms: by node of
-    the meshes that were sent how many vertices and which faces they have. read: the frames whose motion is what was
+    the meshes that were sent how many vertices and which faces they have. files: the graph and what it includes. read: the frames whose motion is what was
     sent, since poses last changed. worlds: by frame and object's name where an object
     was that shows a body and moves itself."""
 
     def __init__(self, path, cache):
         self.path, self.cache = path, cache
         self.messages = []
-        self.loaded = None
+        self.loaded, self.files = None, [path]
         self.last_stepped = None
         self.stopping = False
         self.job = None  # what an operator is working at
@@ -65,16 +65,25 @@ class State:
             self.last_stepped = event.frame
         return self.stopping
 
-    def load(self, scene, wanted):
-        self.loaded = None
+    def wanted(self, scene):
+        """Changes with all that a load hangs on."""
+        settings = scene.sinew
+        scale = scene.unit_settings.scale_length
+        stamps = tuple(_stamp(file) for file in self.files)
+        return stamps, links.signature(scene), settings.up_axis, settings.units, scale, settings.plug
+
+    def load(self, scene):
+        self.loaded, self.files = None, [self.path]
         self.messages = []
         self._forget()
         self.session.load(self.path)
         self.graph = parsed(self.session.text)
         self.graph.setdefault("nodes", {})
+        self.files = included(self.path, self.graph)
+        wanted = self.wanted(scene)
         links.check(scene, self.session.nodes)
         self._replace_meshes(scene)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
+        depsgraph = presence.depsgraph(scene)
         for link in links.enabled(scene):
             if link.kind == "MATRIX":
                 self.session.set(link.plug, np.eye(4))
@@ -152,6 +161,7 @@ class State:
         the simulation begins nothing moves."""
         if frame < self.first:
             return
+        links.check_presence(scene)
         to_sinew = space.inverse(self.space(scene))
         values, meshes = {}, {}
         for link in links.enabled(scene):
@@ -161,7 +171,7 @@ class State:
                 if link.plug not in self.rests:
                     raise Problem(f"The motion has not been read from frame {self.first} on", "Use Read Motion.")
                 now = links.world_of(link, depsgraph)
-                values[link.plug] = space.motion(now, self.rests[link.plug], self.space(scene))
+                values[link.plug] = space.motion(now, self.rests[link.plug], self.space(scene), link.object.name)
             elif link.kind == "VALUE":
                 values[link.plug] = links.value_of(link, depsgraph)
             else:
@@ -191,7 +201,8 @@ class State:
 
     def _send_faces(self, node, ob, frame, points, depsgraph):
         """Once, and again when the mesh has been edited: what was sent of the one before then holds no longer."""
-        sizes, corners = links.faces(ob.evaluated_get(depsgraph).data)
+        evaluated = ob.evaluated_get(depsgraph)
+        sizes, corners = links.outward(*links.faces(evaluated.data), space.array(evaluated.matrix_world))
         form = (len(points), sizes.tobytes(), corners.tobytes())
         if self.forms.get(node) == form:
             return
@@ -303,6 +314,27 @@ def upstream(nodes, name):
     return found
 
 
+def included(path, graph):
+    """The file of a graph and all that it includes, as far as they can be read; each once."""
+    out, todo = [], [(path, graph)]
+    while todo:
+        path, graph = todo.pop()
+        if path in out:
+            continue
+        out.append(path)
+        for entry in (graph.get("includes") or {}).values():
+            file = entry.get("file") if isinstance(entry, dict) else None
+            if not isinstance(file, str):
+                continue
+            other = os.path.normpath(os.path.join(os.path.dirname(path), file))
+            try:
+                with open(other, encoding="utf-8-sig") as text:
+                    todo.append((other, parsed(text.read())))
+            except (OSError, ValueError):
+                out.append(other)
+    return out
+
+
 def _stamp(path):
     try:
         found = os.stat(path)
@@ -311,9 +343,13 @@ def _stamp(path):
         return None
 
 
-def full_path(path):
-    """Of a path as Blender keeps it: // is the .blend file's folder."""
-    return os.path.abspath(bpy.path.abspath(path))
+def full_path(path, scene=None):
+    """Of a path as Blender keeps it: // is the folder of the .blend file, that of a linked scene if it is one. Raises
+    Problem where there is no such file yet."""
+    library = getattr(scene, "library", None)
+    if path.startswith("//") and library is None and not bpy.data.filepath:
+        raise Problem(f'"{path}" is beside the .blend file, which has not been saved', "Save it, or name a folder.")
+    return os.path.abspath(bpy.path.abspath(path, library=library))
 
 
 def peek(scene):
@@ -326,14 +362,13 @@ def ensure(scene):
     settings = scene.sinew
     if not settings.graph:
         raise Problem("No graph has been chosen", "Choose a graph file in the sidebar.")
-    path = full_path(settings.graph)
+    path = full_path(settings.graph, scene)
     cache = os.path.splitext(path)[0] + ".sinew-cache" if settings.keep_frames else ""
     state = peek(scene)
     if state is None or (state.path, state.cache) != (path, cache):
         state = _states[scene.name_full] = State(path, cache)
-    wanted = (_stamp(path), links.signature(scene), settings.up_axis, settings.units, settings.plug)
-    if state.loaded != wanted:
-        state.load(scene, wanted)
+    if state.loaded != state.wanted(scene):
+        state.load(scene)
     return state
 
 

@@ -14,12 +14,21 @@ from bpy.props import (
 BAKE = "Sinew"  # name of the modifier that plays baked shapes
 
 
+def baked(ob):
+    """The modifier that plays an object's baked shape; None if it has none."""
+    return next((m for m in ob.modifiers if m.type == "MESH_CACHE" and m.name.split(".")[0] == BAKE), None)
+
+
 def _live_changed(scene_settings, _context):
-    """Baked shapes stand aside while live ones are written."""
-    for ob in scene_settings.id_data.objects:
-        modifier = ob.modifiers.get(BAKE)
+    """Baked shapes stand aside while live ones are written, and these are shown at once."""
+    from . import stepping  # which reads the settings
+
+    scene = scene_settings.id_data
+    for ob in scene.objects:
+        modifier = baked(ob)
         if modifier is not None:
             modifier.show_viewport = modifier.show_render = not scene_settings.live
+    stepping.live_changed(scene)
 
 
 def _is_mesh(_self, ob):

@@ -10,9 +10,25 @@ _colours = {"zBone": (0.93, 0.885, 0.79), "zCloth": (0.5, 0.55, 0.65)}
 _flesh = (0.68, 0.235, 0.2)
 
 
+# Modifiers that only draw a mesh smoother: what is simulated is the mesh below them.
+DISPLAY = ("SUBSURF", "MULTIRES")
+
+
 def targets(scene):
-    """By the name of the body: the mesh object that shows it."""
-    return {ob.sinew.body: ob for ob in scene.objects if ob.sinew.body and ob.type == "MESH"}
+    """By the name of the body: the mesh object that shows it, of several the first."""
+    out = {}
+    for ob in scene.objects:
+        if ob.sinew.body and ob.type == "MESH":
+            out.setdefault(ob.sinew.body, ob)
+    return out
+
+
+def places(scene, state, number):
+    """Changes with which meshes show bodies, and with where these are at a frame."""
+    return tuple(
+        (body, ob.name_full, ob.data.name_full, state.world(number, ob).tobytes())
+        for body, ob in targets(scene).items()
+    )
 
 
 def driven(scene, graph):
@@ -37,9 +53,10 @@ def node_name(ob):
 
 
 def _collection(scene):
-    found = scene.collection.children.get("Sinew")
+    """Of this scene alone: another one has other bodies."""
+    found = next((c for c in scene.collection.children_recursive if c.name.split(".")[0] == "Sinew"), None)
     if found is None:
-        found = bpy.data.collections.get("Sinew") or bpy.data.collections.new("Sinew")
+        found = bpy.data.collections.new("Sinew")
         scene.collection.children.link(found)
     return found
 
@@ -85,12 +102,8 @@ def make(scene, state, frame):
         if name in there or name in moved:
             continue
         body, source = frame[name], sources.get(name)
-        if source is not None and _same_faces(source.data, body):
-            mesh = source.data.copy()
-            if mesh.shape_keys is not None:  # they would stand above what is written
-                keyed = bpy.data.objects.new(name, mesh)
-                keyed.shape_key_clear()
-                bpy.data.objects.remove(keyed)
+        mesh = None if source is None else _copy(source, body)
+        if mesh is not None:
             source.hide_render = True
             if source.name in bpy.context.view_layer.objects:
                 source.hide_set(True)
@@ -100,8 +113,39 @@ def make(scene, state, frame):
         ob = bpy.data.objects.new(name + " (Sinew)", mesh)
         ob.sinew.body = name
         _collection(scene).objects.link(ob)
+        if source is not None:
+            _take_looks(ob, source)
         made.append(name)
     return made
+
+
+def _copy(source, body):
+    """The mesh of an object, with all that hangs on its vertices and faces, as the body has it; None if it has others."""
+    mesh = source.data.copy()
+    if mesh.shape_keys is not None:  # they would stand above what is written
+        keyed = bpy.data.objects.new(source.name, mesh)
+        keyed.shape_key_clear()
+        bpy.data.objects.remove(keyed)
+    if not _same_faces(mesh, body):
+        mesh.flip_normals()  # the object mirrors
+    if _same_faces(mesh, body):
+        return mesh
+    bpy.data.meshes.remove(mesh)
+    return None
+
+
+def _take_looks(ob, source):
+    """Materials that hang on the object instead of its mesh, and modifiers that draw it smoother."""
+    for own, slot in zip(ob.material_slots, source.material_slots):
+        if slot.link == "OBJECT":
+            own.link, own.material = "OBJECT", slot.material
+    for modifier in source.modifiers:
+        if modifier.type != "SUBSURF":
+            continue
+        own = ob.modifiers.new(modifier.name, modifier.type)
+        for name in ("levels", "render_levels", "subdivision_type", "uv_smooth", "boundary_smooth", "use_creases",
+                     "show_viewport", "show_render", "show_on_cage", "quality"):
+            setattr(own, name, getattr(modifier, name))
 
 
 def _same_faces(mesh, body):
@@ -112,30 +156,47 @@ def _same_faces(mesh, body):
 
 
 def pairs(scene, state, frame):
-    """(object, body) of all that is shown; faces are compared once for each graph. Raises Problem where they differ."""
-    out = []
+    """(object, body) of all that can be shown, and a Problem for each mesh that cannot; faces are compared once for each
+    graph."""
+    out, problems = [], []
     for name, ob in targets(scene).items():
-        if name not in frame:
-            raise Problem(
-                f'{ob.name} shows "{name}", but there is no such body', f'There are {", ".join(frame.names)}.'
+        found = _wrong(scene, state, frame, name, ob)
+        if found is None:
+            out.append((ob, frame[name]))
+        else:
+            problems.append(found)
+    return out, problems
+
+
+def _wrong(scene, state, frame, name, ob):
+    """Why an object cannot show the body of that name; None if it can."""
+    if name not in frame:
+        there = ", ".join(frame.names)
+        return Problem(
+            f'{ob.name} shows "{name}", but there is no such body',
+            f'Delete it, or let it show another one of what there is: {there}.',
+        )
+    others = [o.name for o in scene.objects if o.type == "MESH" and o.sinew.body == name and o != ob]
+    if others:
+        return Problem(f'{ob.name} and {others[0]} both show "{name}"', 'Clear "Shows" of one of them.')
+    if ob.data.shape_keys is not None:
+        return Problem(f"{ob.name} has shape keys, which stand above the shape of {name}", "Remove them.")
+    body = frame[name]
+    key = (ob.data.name_full, len(ob.data.vertices), len(ob.data.loops))
+    if state.mapped.get(name) != key:
+        if not _same_faces(ob.data, body):
+            return Problem(
+                f'{ob.name} shows "{name}" but has other faces: {len(ob.data.vertices)} vertices and '
+                f"{len(ob.data.polygons)} faces, the body has {len(body.points)} and {len(body.face_sizes)}",
+                "Delete it and use Make Shapes, or give it the mesh that the graph reads.",
             )
-        body = frame[name]
-        key = (ob.data.name_full, len(ob.data.vertices), len(ob.data.loops))
-        if state.mapped.get(name) != key:
-            if not _same_faces(ob.data, body):
-                raise Problem(
-                    f'{ob.name} shows "{name}" but has other faces: {len(ob.data.vertices)} vertices and '
-                    f"{len(ob.data.polygons)} faces, the body has {len(body.points)} and {len(body.face_sizes)}",
-                    "Delete it and use Make Shapes, or give it the mesh that the graph reads.",
-                )
-            state.mapped[name] = key
-        out.append((ob, body))
-    return out
+        state.mapped[name] = key
+    return None
 
 
-def local(body, world, from_sinew):
+def local(body, ob, world, from_sinew):
     """What Blender holds of a body's points, in an object whose matrix is `world`: (n, 3) of 32 bits."""
-    return space.moved(space.inverse(world) @ from_sinew, body.points).astype(np.float32)
+    return space.moved(space.inverse(world, ob.name) @ from_sinew, body.points).astype(np.float32)
 
 
 def moves(ob):
@@ -144,8 +205,11 @@ def moves(ob):
 
 
 def write(scene, state, number, frame):
-    """Positions of a frame on the meshes that show them."""
+    """Positions of a frame on the meshes that show them. Raises Problem where one cannot, after the others."""
     from_sinew = state.space(scene)
-    for ob, body in pairs(scene, state, frame):
-        ob.data.vertices.foreach_set("co", local(body, state.world(number, ob), from_sinew).ravel())
+    found, problems = pairs(scene, state, frame)
+    for ob, body in found:
+        ob.data.vertices.foreach_set("co", local(body, ob, state.world(number, ob), from_sinew).ravel())
         ob.data.update()
+    if problems:
+        raise problems[0]

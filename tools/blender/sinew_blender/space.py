@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 
+from .module import Problem
+
 # Sinew's x, y, z in Blender's axes: y up is turned about x, so that it stands on Blender's floor.
 _turns = {
     "Y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]),
@@ -19,10 +21,14 @@ def array(matrix):
     return np.array(matrix, dtype=np.float64)
 
 
-def inverse(matrix):
-    """The inverse of an affine matrix, its last row exactly 0 0 0 1."""
+def inverse(matrix, name=""):
+    """The inverse of an affine matrix, its last row exactly 0 0 0 1. Raises Problem, with the name of whose it is, where
+    there is none."""
     out = np.eye(4)
-    out[:3, :3] = np.linalg.inv(matrix[:3, :3])
+    try:
+        out[:3, :3] = np.linalg.inv(matrix[:3, :3])
+    except np.linalg.LinAlgError as error:
+        raise Problem(f"{name} is scaled to nothing along an axis", "Give it a size along all three.") from error
     out[:3, 3] = -(out[:3, :3] @ matrix[:3, 3])
     return out
 
@@ -67,11 +73,11 @@ def blender_from_sinew(scene, units_per_metre):
     return out
 
 
-def motion(now, rest, space):
+def motion(now, rest, space, name=""):
     """What moves a mesh of Sinew's space from where it was at `rest` to where it is `now`, both matrices of Blender's
-    world: exactly the identity where they are the same."""
+    world: exactly the identity where they are the same. name: of what moves."""
     if np.array_equal(now, rest):
         return np.eye(4)
-    out = inverse(space) @ now @ inverse(rest) @ space
+    out = inverse(space) @ now @ inverse(rest, name) @ space
     out[3] = (0, 0, 0, 1)
     return out

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 import bpy
 from bpy.app.handlers import persistent
 
-from . import links, session, shapes
+from . import links, presence, session, shapes
 from .module import Problem
 
 _busy = set()  # names of scenes whose frames this add-on changes itself
@@ -26,9 +26,11 @@ def alone(scene):
 def step(scene, depsgraph, patience=0.0):
     """Shows the scene's current frame.
 
-    depsgraph: what drives the graph is read from it; None goes by what has been read before.
-    Raises Problem or an error of Sinew."""
+    depsgraph: what drives the graph is read from it; None goes by what has been read before, and so do frames between
+    whole ones. Raises Problem or an error of Sinew."""
     state = session.ensure(scene)
+    if scene.frame_subframe:
+        depsgraph = None
     frame = scene.frame_current
     if state.job is not None and state.job.running and not state.session.is_ready(frame, scene.sinew.plug):
         return
@@ -39,11 +41,12 @@ def step(scene, depsgraph, patience=0.0):
         )
     if depsgraph is not None:
         state.send(scene, frame, depsgraph)
-    if state.shown == (frame, state.edits):
+    shown = (frame, state.edits, shapes.places(scene, state, frame))
+    if state.shown == shown:
         return
     result = state.evaluate(frame, scene.sinew.plug, patience)
     shapes.write(scene, state, frame, result)
-    state.shown = (frame, state.edits)
+    state.shown = shown
     session.clear_errors(scene)
 
 
@@ -52,15 +55,21 @@ def read_motion(scene, last=None):
     scene is where it was."""
     state = session.ensure(scene)
     last = max(scene.frame_end, scene.frame_current) if last is None else last
-    here = scene.frame_current
+    here, between = scene.frame_current, scene.frame_subframe
     with alone(scene):
         try:
+            presence.tag(link.object for link in links.enabled(scene) if link.kind == "VALUE")
             for frame in range(min(state.first, scene.frame_start), last + 1):
                 scene.frame_set(frame)
-                state.send(scene, frame, bpy.context.evaluated_depsgraph_get())
+                state.send(scene, frame, presence.depsgraph(scene))
         finally:
-            scene.frame_set(here)
+            scene.frame_set(here, subframe=between)
     return state
+
+
+def is_driven(scene):
+    """Whether something of the scene matters at other frames than the one that is shown."""
+    return bool(links.enabled(scene)) or any(shapes.moves(ob) for ob in shapes.targets(scene).values())
 
 
 def _tell(scene, error):
@@ -80,11 +89,20 @@ def _catch_up(name):
         return
     try:
         read_motion(scene)
-        step(scene, bpy.context.evaluated_depsgraph_get(), scene.sinew.patience)
+        step(scene, presence.depsgraph(scene), scene.sinew.patience)
     except Exception as error:
         if not expected(error):
             raise
         _tell(scene, error)
+
+
+def live_changed(scene):
+    """What is shown may be from before."""
+    state = session.peek(scene)
+    if state is not None:
+        state.shown = None
+    if scene.sinew.live and not bpy.app.background:
+        bpy.app.timers.register(lambda name=scene.name_full: _catch_up(name), first_interval=0)
 
 
 @persistent
@@ -100,7 +118,7 @@ def on_frame_change(scene, depsgraph=None):
             bpy.app.timers.register(lambda: _catch_up(scene.name_full), first_interval=0)
             return
         patience = 0 if bpy.app.background else scene.sinew.patience
-        step(scene, depsgraph or bpy.context.evaluated_depsgraph_get(), patience)
+        step(scene, depsgraph or presence.depsgraph(scene), patience)
     except Exception as error:
         if not expected(error):
             raise
@@ -115,7 +133,7 @@ def on_update(scene, depsgraph):
         return
     moving, dials = links.owners(scene)
     for update in depsgraph.updates:
-        name = update.id.name_full
+        name = links.kind_and_name(update.id)
         moved = update.is_updated_transform or update.is_updated_geometry  # not: renamed, hidden, selected
         if isinstance(update.id, bpy.types.Action) or name in dials or (moved and name in moving):
             state.outdate()
@@ -141,7 +159,7 @@ def on_render(scene, *_):
     not be changed: then what was read before counts."""
     if scene.sinew.live and bpy.app.background:
         try:
-            if links.enabled(scene):
+            if is_driven(scene):
                 read_motion(scene)
         except Exception as error:
             if not expected(error):
