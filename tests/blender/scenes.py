@@ -83,6 +83,36 @@ class Case(unittest.TestCase):
             self.assertIn(word, kept)
 
 
+class MuscleCase(Case):
+    """The muscle between two plates, exported."""
+
+    def setUp(self):
+        super().setUp()
+        muscle_scene()
+        self.settings.keep_frames = False
+
+    def export(self, name="pull.json", **more):
+        self.graph = self.path(name)
+        self.assertEqual(bpy.ops.sinew.export(filepath=self.graph, **more), {"FINISHED"})
+
+    def live(self):
+        self.export()
+        self.settings.live = True
+        bpy.ops.sinew.read_motion()
+
+    def exported(self, mesh):
+        """The vertices and faces of an exported mesh."""
+        with open(self.path("pull", "meshes", mesh + ".obj")) as file:
+            rows = [line.split() for line in file]
+        points = np.array([row[1:] for row in rows if row[0] == "v"], np.float64)
+        return points, [[int(v) - 1 for v in row[1:]] for row in rows if row[0] == "f"]
+
+    def volume(self, mesh):
+        points, faces = self.exported(mesh)
+        return sum(np.dot(points[f[0]], np.cross(points[f[i]], points[f[i + 1]]))
+                   for f in faces for i in range(1, len(f) - 1)) / 6
+
+
 def coordinates(mesh):
     out = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.vertices.foreach_get("co", out)

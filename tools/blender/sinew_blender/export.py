@@ -4,6 +4,7 @@ import json
 import os
 from contextlib import contextmanager
 
+import bpy
 import numpy as np
 
 from . import links, presence, shapes, space, stepping
@@ -44,9 +45,24 @@ def write(scene, path):
     if not muscles:
         raise Problem("No object has the role Muscle", "Choose roles in the sidebar.")
     presence.check(scene, [ob for ob in bones if ob.sinew.deforms] + muscles, [ob for ob in bones if not ob.sinew.deforms])
-    for ob in bones + muscles:
-        if ob.mode == "EDIT":  # what is being edited is not in the mesh yet
-            ob.update_from_editmode()
+    with _out_of_edit_mode(bones + muscles):
+        return _write(scene, path, bones, muscles)
+
+
+@contextmanager
+def _out_of_edit_mode(objects):
+    """What is being edited is not in the mesh yet."""
+    editing = any(ob.mode == "EDIT" for ob in objects)
+    if editing:
+        bpy.ops.object.mode_set(mode="OBJECT")
+    try:
+        yield
+    finally:
+        if editing:
+            bpy.ops.object.mode_set(mode="EDIT")
+
+
+def _write(scene, path, bones, muscles):
     done = Done(len(bones), len(muscles))
     base = os.path.splitext(os.path.basename(path))[0]
     names = FileNames(node_name(ob) for ob in bones + muscles)

@@ -34,6 +34,8 @@ def step(scene, depsgraph, patience=0.0):
     frame = scene.frame_current
     if state.job is not None and state.job.running and not state.session.is_ready(frame, scene.sinew.plug):
         return
+    if depsgraph is not None:
+        links.check_presence(scene)
     gap = state.missing(scene, frame if depsgraph is not None else frame + 1)
     if gap:
         raise Problem(
