@@ -25,12 +25,12 @@ struct Workspace::Impl {
     std::unique_ptr<NewtonWorkspace> newton;
     ImplicitForm form;
     std::vector<double> x, v, x_gamma, v_gamma, acceleration, whole_velocity, history_x, history_v;
-    std::vector<Measured> measured;
-    std::vector<Points> bones;          ///< at the end of the step
-    std::vector<Points> bones_at_gamma; ///< of in.at_gamma; stale where that is missing
-    StepInputs between;                 ///< values within it
-    StepInputs followed;                ///< the step's inputs with what follows from bones; unused where nothing does
-    int residual_body = -1;             ///< of the last advance
+    std::vector<Measured> measured, measured_before; ///< at the end of the last sub-step, and of the one before
+    std::vector<Points> bones;                       ///< at the end of the step
+    std::vector<Points> bones_at_gamma;              ///< of in.at_gamma; stale where that is missing
+    StepInputs between;                              ///< values within it
+    StepInputs followed;    ///< the step's inputs with what follows from bones; unused where nothing does
+    int residual_body = -1; ///< of the last advance
     const bool parts_move, parts_follow;
     explicit Impl(const Scene& scene)
         : scene(scene)
@@ -141,6 +141,18 @@ class DampedVelocity {
     State& s_;
 };
 
+/// At the end of a sub-step; what adds up counts from the begin of the frame on.
+void measure(Workspace::Impl& impl) {
+    impl.measured.swap(impl.measured_before);
+    impl.potential.measure(impl.x, impl.measured);
+    for (Measured& m : impl.measured) {
+        if (m.what->combine != Combine::sum) continue;
+        const auto same = [&](const Measured& b) { return b.what == m.what && b.part == m.part; };
+        const auto before = std::ranges::find_if(impl.measured_before, same);
+        if (before != impl.measured_before.end()) m.value += before->value;
+    }
+}
+
 /// One time step. Takes it, and returns true, if it has converged or `anyhow`; else, and where it throws, `s` stays
 /// where it was (its acceleration may be filled in). What it did is in `record`.
 bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std::vector<Points>& bones, bool anyhow,
@@ -199,7 +211,7 @@ bool take_step(Workspace::Impl& impl, State& s, const StepInputs& in, const std:
         implied_acceleration(impl.form, impl.x, impl.acceleration);
         impl.potential.leave_out_presses(impl.x, impl.acceleration);
     }
-    impl.potential.measure(impl.x, impl.measured);
+    measure(impl);
     impl.potential.remember(impl.x, keeps_history, s.memories);
     const bool multistep = in.integrator == Integrator::bdf2 || in.integrator == Integrator::tr_bdf2;
     if (multistep) {
@@ -327,6 +339,7 @@ State advance(Workspace& workspace, const State& before, std::span<const StepInp
     State s = before;
     StepRecord record;
     impl.residual_body = -1;
+    impl.measured.clear();
     std::size_t k = 0;
     StepControl inner = control;
     if (control.progress)

@@ -5,6 +5,7 @@
 #include "solver/mesh/mesh_check.h"
 #include "solver/mesh/surface_mesh.h"
 #include "solver/mesh/thickness.h"
+#include "solver/meshing/lattice.h"
 #include "tools/doubts/kinds.h"
 #include "tools/embed/graph_walk.h"
 
@@ -234,18 +235,18 @@ std::string gain_of(const solver::TissueRest& rest) {
 
 namespace {
 
-/// "a tetSize of about 0.2", and what of its zTet would refuse that: `length` of cubes of that size.
+/// "a tetSize of about 0.2", and the maxResolution that so many cubes along `length` need, if it is higher than that of
+/// `tets` (a zTet, or a tissue that has none yet).
 std::string size_advised(Doubting& d, const std::string& tets, double size, double length, const char* words) {
     const std::string out = "a tetSize of " + std::string(words) + " " + rough(size);
-    const auto limit = d.number<std::int64_t>(tets, "maxResolution");
-    if (!limit) return out;
+    const auto limit = d.number<std::int64_t>(tets, "maxResolution").value_or(solver::LatticeOptions{}.max_resolution);
     const bool refined = d.graph().find(tets)->inputs.contains("weights");
     const double levels = refined ? std::ceil(d.number<double>(tets, "envelope").value_or(1) *
                                               d.number<double>(tets, "surfaceRefinement").value_or(1))
                                   : 0;
     // Room for what rounding the size takes; to the next ten.
     const double along = 10 * std::ceil(0.105 * length / size * std::exp2(levels) - 1e-6);
-    if (along <= static_cast<double>(*limit)) return out;
+    if (along <= static_cast<double>(limit)) return out;
     return out + " and a maxResolution of " + engine::number_text(along);
 }
 

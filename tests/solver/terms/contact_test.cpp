@@ -440,6 +440,13 @@ TEST_CASE("contact: what is dropped as too deep is counted once", "[contact]") {
     falling.step();
     CHECK(falling.measured("contacts") == 0);
     CHECK(falling.measured("dropped") == 0);
+    // So over a frame of two sub-steps.
+    Collision halved = standing(ElementKind::linear, shallow, with(1e4), -0.001);
+    halved.start();
+    const std::vector<StepInputs> twice{halved.in, halved.in};
+    halved.state = advance(*halved.workspace, halved.state, twice);
+    CHECK(halved.measured("contacts") == 0);
+    CHECK(halved.measured("dropped") == 25);
     // At rest it is .2 mm deep, which then is too much.
     Collision resting = standing(ElementKind::linear, with(1e7), with(1e7), -weight / (1e7 * side * side));
     resting.step(2);
