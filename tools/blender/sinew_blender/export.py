@@ -44,7 +44,8 @@ def write(scene, path):
     bones, muscles = parts(scene, "BONE"), parts(scene, "MUSCLE")
     if not muscles:
         raise Problem("No object has the role Muscle", "Choose roles in the sidebar.")
-    presence.check(scene, [ob for ob in bones if ob.sinew.deforms] + muscles, [ob for ob in bones if not ob.sinew.deforms])
+    rigid = [ob for ob in bones if not ob.sinew.deforms]
+    presence.check(scene, [ob for ob in bones + muscles if ob not in rigid], rigid)
     with _out_of_edit_mode(bones + muscles):
         return _write(scene, path, bones, muscles)
 

@@ -37,10 +37,10 @@ class Message:
 class State:
     """What Sinew holds of a scene.
 
-    path: of the graph file. first: where the simulation begins. sent: by frame what was sent, as bytes. forms: by node of
-    the meshes that were sent how many vertices and which faces they have. files: the graph and what it includes. read: the frames whose motion is what was
-    sent, since poses last changed. worlds: by frame and object's name where an object
-    was that shows a body and moves itself."""
+    path: of the graph file. files: that and what it includes. first: where the simulation begins. sent: by frame what was
+    sent, as bytes. forms: by node of the meshes that were sent how many vertices and which faces they have. read: the
+    frames whose motion is what was sent, since poses last changed. worlds: by frame and object's name where an object was
+    that shows a body and moves itself."""
 
     def __init__(self, path, cache):
         self.path, self.cache = path, cache
