@@ -112,13 +112,17 @@ class Motion(MuscleCase):
 
 
 class Meshes(MuscleCase):
+    def widening(self, ob):
+        """A shape key that makes it half as wide again."""
+        ob.shape_key_add(name="Basis")
+        wide = ob.shape_key_add(name="wide")
+        for point in wide.data:
+            point.co.x *= 1.5
+        return wide
+
     def test_modifiers_that_deform_count_and_those_that_add_vertices_are_refused(self):
         belly = bpy.data.objects["belly"]
-        belly.shape_key_add(name="Basis")
-        fat = belly.shape_key_add(name="fat")
-        for point in fat.data:
-            point.co.x *= 1.5
-        fat.value = 1
+        self.widening(belly).value = 1
         smooth = belly.modifiers.new("smooth", "SUBSURF")
         smooth.levels = 2
         self.export()
@@ -136,10 +140,7 @@ class Meshes(MuscleCase):
         from sinew_blender import export
 
         upper = bpy.data.objects["plate.upper"]
-        upper.shape_key_add(name="Basis")
-        wide = upper.shape_key_add(name="wide")
-        for point in wide.data:
-            point.co.x *= 1.5
+        wide = self.widening(upper)
         self.assertEqual(export.write(self.scene, self.path("still.json")).warnings, [])
         key(wide, "value", 1, 0)
         key(wide, "value", 6, 1)

@@ -34,10 +34,10 @@ def step(scene, depsgraph, patience=0.0):
     frame = scene.frame_current
     if state.job is not None and state.job.running and not state.session.is_ready(frame, scene.sinew.plug):
         return
-    if depsgraph is not None:
-        links.check_presence(scene)
     gap = state.missing(scene, frame if depsgraph is not None else frame + 1)
     if gap:
+        if depsgraph is not None:
+            links.check_presence(scene)  # which reading would tell
         raise Problem(
             f"The motion up to frame {frame} has not been read as it is now, from frame {gap[0]} on", "Use Read Motion."
         )
