@@ -71,12 +71,6 @@ Mesh made_reference(const Reads& in, solver::Points shape) {
                     "Give three a triangle, or faceSizes.");
         sizes.assign(corners.size() / 3, 3);
     }
-    std::size_t sum = 0;
-    for (const int size : sizes) sum += static_cast<std::size_t>(size);
-    if (sum != corners.size())
-        in.fail(face_vertices.name, "DG125",
-                std::to_string(corners.size()) + " corners, but the faces have " + std::to_string(sum),
-                "Give as many as faceSizes sums up to.");
     return guarded(in, face_vertices.name, [&] {
         solver::SurfaceMesh mesh =
             solver::SurfaceMesh::from_polygons(std::move(shape), std::move(sizes), std::move(corners));

@@ -24,28 +24,9 @@ SurfaceMesh SurfaceMesh::from_triangles(Points points, std::vector<Triangle> tri
 }
 
 SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_sizes, std::vector<int> face_vertices) {
-    const int count = static_cast<int>(points.size());
-    std::size_t first = 0;
-    for (std::size_t f = 0; f < face_sizes.size(); ++f) {
-        const int size = face_sizes[f];
-        if (size < 3)
-            throw Error("FE208", "face " + std::to_string(f) + " has " + std::to_string(size) + " corners",
-                        "a face needs at least three corners");
-        if (face_vertices.size() - first < at(size))
-            throw Error("FE208", "face " + std::to_string(f) + " of size " + std::to_string(size) +
-                                     " ends behind the list of corners");
-        for (std::size_t k = first; k < first + at(size); ++k)
-            if (face_vertices[k] < 0 || face_vertices[k] >= count)
-                throw Error("FE203", "face " + std::to_string(f) + " uses vertex " + std::to_string(face_vertices[k]) +
-                                         " of " + std::to_string(count));
-        first += at(size);
-    }
-    if (first != face_vertices.size())
-        throw Error("FE208", "the faces use " + std::to_string(first) + " corners but " +
-                                 std::to_string(face_vertices.size()) + " are given");
-
+    check_faces(points.size(), face_sizes, face_vertices);
     SurfaceMesh mesh;
-    first = 0;
+    std::size_t first = 0;
     for (int size : face_sizes) {
         triangulate_polygon(points, {face_vertices.data() + first, at(size)}, mesh.triangles);
         first += at(size);
@@ -54,6 +35,31 @@ SurfaceMesh SurfaceMesh::from_polygons(Points points, std::vector<int> face_size
     mesh.face_sizes = std::move(face_sizes);
     mesh.face_vertices = std::move(face_vertices);
     return mesh;
+}
+
+void check_faces(std::size_t vertices, std::span<const int> face_sizes, std::span<const int> face_vertices) {
+    const auto text = [](auto number) { return std::to_string(number); };
+    std::size_t first = 0;
+    for (std::size_t f = 0; f < face_sizes.size(); ++f) {
+        const int size = face_sizes[f];
+        if (size < 3)
+            throw Error("FE208", "face " + text(f) + " has " + text(size) + " corners", "a face has three or more");
+        if (face_vertices.size() - first < at(size))
+            throw Error("FE208",
+                        "the " + text(face_vertices.size()) + " corners end within face " + text(f) + " of " +
+                            text(face_sizes.size()),
+                        "give as many as the sizes of the faces sum up to");
+        for (std::size_t c = 0; c < at(size); ++c)
+            if (const int v = face_vertices[first + c]; v < 0 || at(v) >= vertices)
+                throw Error("FE203",
+                            "corner " + text(c) + " of face " + text(f) + " is vertex " + text(v) + "; there are " +
+                                text(vertices) + " vertices, counted from 0",
+                            "give the points and the faces of one mesh");
+        first += at(size);
+    }
+    if (first != face_vertices.size())
+        throw Error("FE208", text(face_vertices.size()) + " corners, but the faces have " + text(first),
+                    "give as many as the sizes of the faces sum up to");
 }
 
 void check_usable(const SurfaceMesh& mesh) {

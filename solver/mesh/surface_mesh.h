@@ -3,7 +3,7 @@
 #pragma once
 #include "solver/types.h"
 
-#include <string>
+#include <span>
 #include <vector>
 
 namespace sinew::solver {
@@ -19,6 +19,10 @@ struct SurfaceMesh {
     /// From polygons; triangulates each (fan for convex, ear clipping otherwise). Throws Error FE203/FE208.
     static SurfaceMesh from_polygons(Points points, std::vector<int> face_sizes, std::vector<int> face_vertices);
 };
+
+/// Faces that are no faces of `vertices` points. Throws Error FE208 (fewer than three corners, or another number of
+/// them than the sizes sum up to) and FE203 (a corner that is no vertex), with the first such face.
+void check_faces(std::size_t vertices, std::span<const int> face_sizes, std::span<const int> face_vertices);
 
 /// Throws Error FE201 (empty), FE202 (NaN or infinite, with the first vertex), FE203 (index out of range).
 void check_usable(const SurfaceMesh& mesh);

@@ -6,6 +6,8 @@
 #include "engine/text.h"
 #include "nodes/mesh_names.h"
 #include "nodes/register_all.h"
+#include "solver/error.h"
+#include "solver/mesh/surface_mesh.h"
 #include "tools/embed/build_mark.h"
 #include "tools/embed/frame_json.h"
 #include "tools/embed/graph_walk.h"
@@ -181,38 +183,26 @@ std::vector<double> as_numbers(std::span<const int> whole) { return {whole.begin
 
 /// Before anything of the mesh that was sent last is given up for it.
 void check_faces(const std::string& node, const HostMesh& mesh) {
-    const auto refuse = [&](const std::string& message, const char* hint) {
+    const auto refuse = [&](const std::string& message, const std::string& hint) {
         throw Misuse("DG125", message, hint, {node, ""});
     };
     const auto text = [](auto number) { return std::to_string(number); };
     if (mesh.points.size() % 3 != 0)
         refuse(text(mesh.points.size()) + " numbers are no list of points", "give x, y and z of each vertex");
     const std::size_t vertices = mesh.points.size() / 3;
-    const bool triangles = mesh.face_sizes.empty();
-    if (triangles && mesh.face_vertices.size() % 3 != 0)
-        refuse(text(mesh.face_vertices.size()) + " corners are no list of triangles",
-               "give three a triangle, or the sizes of the faces");
-    const std::size_t faces = triangles ? mesh.face_vertices.size() / 3 : mesh.face_sizes.size();
-    std::size_t first = 0;
-    for (std::size_t f = 0; f < faces; ++f) {
-        const int size = triangles ? 3 : mesh.face_sizes[f];
-        if (size < 3) refuse("face " + text(f) + " has " + text(size) + " corners", "a face has three or more");
-        for (std::size_t c = 0; c < static_cast<std::size_t>(size); ++c) {
-            if (first + c >= mesh.face_vertices.size())
-                refuse("the " + text(mesh.face_vertices.size()) + " corners end within face " + text(f) + " of " +
-                           text(faces),
-                       "give as many as the sizes of the faces sum up to");
-            const int v = mesh.face_vertices[first + c];
-            if (v < 0 || static_cast<std::size_t>(v) >= vertices)
-                refuse("corner " + text(c) + " of face " + text(f) + " is vertex " + text(v) + "; there are " +
-                           text(vertices) + " vertices, counted from 0",
-                       "send the points and the faces of one mesh");
-        }
-        first += static_cast<std::size_t>(size);
+    const std::size_t corners = mesh.face_vertices.size();
+    std::vector<int> triangles;
+    if (mesh.face_sizes.empty()) {
+        if (corners % 3 != 0)
+            refuse(text(corners) + " corners are no list of triangles",
+                   "give three a triangle, or the sizes of the faces");
+        triangles.assign(corners / 3, 3);
     }
-    if (first < mesh.face_vertices.size())
-        refuse(text(mesh.face_vertices.size()) + " corners, but the faces have " + text(first),
-               "give as many as the sizes of the faces sum up to");
+    try {
+        solver::check_faces(vertices, mesh.face_sizes.empty() ? triangles : mesh.face_sizes, mesh.face_vertices);
+    } catch (const solver::Error& why) {
+        refuse(why.what(), why.hint);
+    }
 }
 
 } // namespace

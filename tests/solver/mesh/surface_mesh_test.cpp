@@ -151,12 +151,22 @@ TEST_CASE("polygons that cross themselves or have no area still give n - 2 trian
 
 TEST_CASE("polygons are refused with a code that says why", "[mesh]") {
     const Points points{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {2}, {0, 1}); }) == "FE208");
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {4}, {0, 1, 2}); }) == "FE208");
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {3}, {0, 1, 2, 0}); }) == "FE208");
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {-1}, {}); }) == "FE208");
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {3}, {0, 1, 3}); }) == "FE203");
-    REQUIRE(code_of([&] { SurfaceMesh::from_polygons(points, {3}, {0, -1, 2}); }) == "FE203");
+    const auto told = [&](const std::vector<int>& sizes, const std::vector<int>& corners) {
+        try {
+            SurfaceMesh::from_polygons(points, sizes, corners);
+        } catch (const Error& e) {
+            return e.code + " " + e.what();
+        }
+        return std::string("taken");
+    };
+    CHECK(told({3, 3}, {0, 1, 2, 2, 1, 0}) == "taken");
+    CHECK(told({3, 2}, {0, 1, 2, 0, 1}) == "FE208 face 1 has 2 corners");
+    CHECK(told({-1}, {}) == "FE208 face 0 has -1 corners");
+    CHECK(told({3, 4}, {0, 1, 2, 0, 1, 2}) == "FE208 the 6 corners end within face 1 of 2");
+    CHECK(told({3}, {0, 1, 2, 0}) == "FE208 4 corners, but the faces have 3");
+    CHECK(told({3}, {0, 1, 3}) == "FE203 corner 2 of face 0 is vertex 3; there are 3 vertices, counted from 0");
+    CHECK(told({3, 3}, {0, 1, 2, 0, -1, 2}) ==
+          "FE203 corner 1 of face 1 is vertex -1; there are 3 vertices, counted from 0");
 }
 
 TEST_CASE("a surface is checked for emptiness, finite vertices and indices", "[mesh]") {

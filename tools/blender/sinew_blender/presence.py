@@ -25,12 +25,13 @@ def tag(objects):
         ob.update_tag()
 
 
-def _shown(layer):
+def _collections(layer):
+    """Those that are neither excluded nor switched off in viewports."""
     if layer.exclude or layer.collection.hide_viewport:
         return
-    yield from layer.collection.objects
+    yield layer.collection
     for child in layer.children:
-        yield from _shown(child)
+        yield from _collections(child)
 
 
 def _needed_by(ob):
@@ -47,16 +48,16 @@ def _needed_by(ob):
             yield from (target.id for target in variable.targets if isinstance(target.id, bpy.types.Object))
 
 
-def _evaluated(scene):
-    """The names of objects that are evaluated themselves, and of those that these need."""
-    own = {ob.name: ob for ob in _shown(view_layer(scene).layer_collection) if not ob.hide_viewport}
-    found, todo = dict(own), list(own.values())
+def _with_what_they_need(objects):
+    """The objects that are evaluated where these are."""
+    found = set(objects)
+    todo = list(found)
     while todo:
         for other in _needed_by(todo.pop()):
-            if other is not None and other.name not in found:
-                found[other.name] = other
+            if other is not None and other not in found:
+                found.add(other)
                 todo.append(other)
-    return set(own), set(found)
+    return found
 
 
 def check(scene, whole, placed):
@@ -64,14 +65,18 @@ def check(scene, whole, placed):
 
     whole: objects whose meshes or properties are read. placed: those of which only matters where they are, which is
     right, too, where another one needs them."""
-    own, found = _evaluated(scene)
-    for objects, names in ((whole, own), (placed, found)):
-        for ob in objects:
-            if ob.name in names:
-                continue
-            if ob.name not in scene.objects:
-                raise Problem(f"{ob.name} is not in this scene: it may have been deleted", "Choose another object.")
-            raise Problem(
-                f"{ob.name} is switched off in viewports, so Blender does not move it",
-                "Hide it by the eye instead of the monitor, and include its collection.",
-            )
+    # Asked at each frame, of scenes with thousands of objects: only the few in question are looked at one by one.
+    members = set()
+    for collection in _collections(view_layer(scene).layer_collection):
+        members.update(collection.objects)
+    missing = [ob for ob in (*whole, *placed) if ob.hide_viewport or ob not in members]
+    if missing and not any(ob in whole for ob in missing):
+        found = _with_what_they_need(ob for ob in members if not ob.hide_viewport)
+        missing = [ob for ob in missing if ob not in found]
+    for ob in missing:
+        if ob.name not in scene.objects:
+            raise Problem(f"{ob.name} is not in this scene: it may have been deleted", "Choose another object.")
+        raise Problem(
+            f"{ob.name} is switched off in viewports, so Blender does not move it",
+            "Hide it by the eye instead of the monitor, and include its collection.",
+        )
