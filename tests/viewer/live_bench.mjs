@@ -33,6 +33,8 @@ test("a save of the arm with another material is soon seen", async () => {
         await ready(1);
         const text = await readFile(file, "utf8");
         for (let turn = 1; turn <= 5; ++turn) {
+            // Nobody saves in the moment in which the run before comes to its end and the browser is at work on its page.
+            await new Promise((rested) => setTimeout(rested, 1000));
             const before = await status();
             const [shown, previewed] = await page.evaluate(() => ["page", "preview"].map((k) => Number(document.documentElement.dataset[k] ?? 0)));
             const changed = text.replace(/"youngsModulus": *12000/, `"youngsModulus": ${12000 + 10 * turn}`);
