@@ -395,7 +395,6 @@ FrameStore::Found FrameStore::read(const Registry& registry, const NodeType& typ
 
 void FrameStore::write(const Registry& registry, const NodeType& type, const Digest& frame_key, const Digest& start_key,
                        const KeptFrame& frame) {
-    make_room();
     const Digest key = name_of(frame_key), start = name_of(start_key);
     std::shared_ptr<LaidFrame> laid = take_room();
     encode(registry, type, frame, *laid);
@@ -408,6 +407,7 @@ void FrameStore::write(const Registry& registry, const NodeType& type, const Dig
     told.put(base ? start : key); // without the start frame's file it stands for itself
     put_differing(told, laid->told, base ? &base->told : nullptr);
     put_differing(state, *laid->state, base ? &*base->state : nullptr);
+    make_room(told.bytes.size() + state.bytes.size());
     files_.write(key, told.bytes, false, state.bytes);
     files_.touch(key, note_use(start, frame.frame));
     if (key != start) give_back(std::move(laid));
@@ -490,11 +490,11 @@ fs::file_time_type FrameStore::note_use(const Digest& start, int frame) const {
     return sweep.begun - (frame - sweep.first) * std::chrono::microseconds(10);
 }
 
-void FrameStore::make_room() {
+void FrameStore::make_room(std::uintmax_t bytes) {
     std::set<fs::path> spared;
     {
         const std::lock_guard lock(mutex_);
-        if (written_ < budget_ / share) return;
+        if (written_ + bytes <= budget_ / share) return;
         written_ = 0;
         spared.insert(rows_);
     }
@@ -505,7 +505,7 @@ void FrameStore::make_room() {
         if (const auto size = file.file_size(gone); !gone) rows += size, row_files.insert(file.path());
     }
     if (rows <= std::min(budget_ / share, most_spared_rows)) spared.merge(row_files);
-    engine::make_room(folder_, budget_ - budget_ / share, spared);
+    engine::make_room(folder_, budget_ - std::min(budget_, std::max(bytes, budget_ / share)), spared);
 }
 
 } // namespace sinew::engine
