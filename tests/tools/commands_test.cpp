@@ -136,6 +136,47 @@ TEST_CASE("eval prints volumes of what is solid, and lengths of curves", "[tools
     CHECK(line.at("length").get<double>() == Approx(7.5).epsilon(1e-15));
 }
 
+TEST_CASE("eval prints all that a material says, of flesh and of cloth", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["flesh"]["inputs"].update(json::parse(
+        R"({"volumeConservation": 1e5, "pressure": 3, "surfaceTension": 4, "tensileStiffness": 500, "clothMassDensity": 0.4})"));
+    const std::string file = write_graph(folder, graph);
+    const json said = run_program({"eval", file, "flesh.outMaterial", "--json"}).lines().front().at("value");
+    CHECK((said.at("volumeConservation") == 1e5 && said.at("pressure") == 3 && said.at("surfaceTension") == 4));
+    CHECK((said.at("cloth").at("tensileStiffness") == 500 && said.at("cloth").at("clothMassDensity") == 0.4));
+    const json body = run_program({"eval", file, "block.outBody", "--json"}).lines().front().at("value");
+    CHECK(body.at("materials").at(0).at("volumeConservation") == 1e5);
+}
+
+TEST_CASE("bodies of one name in two outputs that are pulled are all written", "[tools]") {
+    const TemporaryFolder folder;
+    json graph = small_graph();
+    graph["nodes"]["second"] = graph["nodes"]["solver"];
+    graph["nodes"]["second"]["inputs"]["gravity"] = {0, 0, 0};
+    const std::string file = write_graph(folder, graph);
+    const auto alone = [&](const std::string& solver) {
+        const std::string out = (folder / solver).string();
+        CHECK(run_program({"run", file, "--quiet", "--frames", "2,6", "--pull", solver + ".outMeshes", "--format",
+                           "obj", "--out", out})
+                  .code == 0);
+        return read_text(folder / solver / "obj/block.0006.obj");
+    };
+    const auto places = [](const std::string& obj) { return obj.substr(obj.find("\nv ")); };
+    const std::string first = places(alone("solver")), other = places(alone("second"));
+    REQUIRE(first != other);
+    for (const char* format : {"obj", "glb"}) {
+        CHECK(run_program({"run", file, "--quiet", "--frames", "2,6", "--pull", "solver.outMeshes", "--pull",
+                           "second.outMeshes", "--format", format, "--out", (folder / "both").string()})
+                  .code == 0);
+    }
+    CHECK(places(read_text(folder / "both/obj/block.0006.obj")) == first);
+    CHECK(places(read_text(folder / "both/obj/second_block.0006.obj")) == other);
+    std::string glb = read_text(folder / "both/small.glb");
+    for (const char* name : {"\"block\"", "\"second_block\"", "\"lower\"", "\"second_lower\""})
+        CHECK(glb.find(name) != std::string::npos);
+}
+
 TEST_CASE("every kind of output of a scene can be printed", "[tools]") {
     const TemporaryFolder folder;
     const std::string graph = write_graph(folder, small_graph());

@@ -54,26 +54,13 @@ Json describe(const solver::TetMesh& mesh) {
     return out;
 }
 
-Json describe(const solver::MaterialValues& m) {
-    return {{"youngsModulus", m.youngs_modulus},
-            {"poissonsRatio", m.poissons_ratio},
-            {"massDensity", m.mass_density},
-            {"envelope", m.envelope},
-            {"restScale", m.rest_scale}};
-}
-
-Json describe(const solver::ClothMaterial& m) {
+/// What a step takes of it, by the names that attributes have.
+template <class T>
+requires requires { T::fields(); }
+Json describe(const T& values) {
     Json out = Json::object();
-    for (const auto& f : solver::ClothMaterial::fields()) out[f.name] = m.*f.at;
+    for (const auto& f : T::fields()) out[f.name] = values.*f.at;
     return out;
-}
-
-Json describe(const solver::FiberValues& f) {
-    return {{"strength", f.strength},
-            {"contractionLimit", f.contraction_limit},
-            {"excitation", f.excitation},
-            {"envelope", f.envelope},
-            {"muscleGrowthScale", f.growth}};
 }
 
 Json describe(const nodes::Body& body) {
@@ -249,8 +236,11 @@ Json describe_value(const engine::Value& v) {
     if (v.is<RestShapeTarget>()) return describe(v.as<RestShapeTarget>());
     if (v.is<LineOfAction>()) return describe(v.as<LineOfAction>());
     if (v.is<Material>()) {
-        Json out = describe(v.as<Material>().values);
-        out["weights"] = v.as<Material>().weights;
+        const Material& m = v.as<Material>();
+        Json out = describe(m.values);
+        out["pressure"] = m.pressure, out["surfaceTension"] = m.surface_tension;
+        out["cloth"] = describe(m.cloth);
+        out["weights"] = m.weights;
         return out;
     }
     if (v.is<Fiber>()) {

@@ -28,18 +28,31 @@ void RunOutput::note(const fs::path& path) {
     if (std::find(written_.begin(), written_.end(), path) == written_.end()) written_.push_back(path);
 }
 
+/// Outputs of two nodes may hold bodies of one name, as where two solvers simulate the same: what is pulled later is
+/// then called by its own node, too.
+std::vector<BodyLabel> RunOutput::labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count) {
+    std::vector<BodyLabel> out = body_labels(graph, plug, count);
+    for (BodyLabel& label : out) {
+        const auto is_free = [&] { return plug_of_.try_emplace(label.name, plug).first->second == plug; };
+        if (is_free()) continue;
+        const std::string base = label.name = file_name(plug.node) + "_" + label.name;
+        for (int number = 2; !is_free(); ++number) label.name = base + "_" + std::to_string(number);
+    }
+    return out;
+}
+
 void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int frame, const engine::Value& value) {
     wait();
     if (value.is<nodes::FileContent>()) {
         const auto& file = value.as<nodes::FileContent>();
-        const std::string name = body_labels(graph, plug, 1).front().name;
+        const std::string name = labels(graph, plug, 1).front().name;
         write_file(folder_ / frame_file_name(name, frame, file.ending), file.bytes, files_);
         note(folder_ / (name + ".*." + file.ending));
         return;
     }
     const std::vector<nodes::Mesh> meshes = meshes_in(value);
     if (meshes.empty()) return;
-    const std::vector<BodyLabel> labels = body_labels(graph, plug, meshes.size());
+    const std::vector<BodyLabel> named = labels(graph, plug, meshes.size());
     std::vector<std::string> sequences;
     for (const std::string format : {"obj", "ply"})
         if (formats_.contains(format)) {
@@ -48,38 +61,38 @@ void RunOutput::add(const engine::Graph& graph, const engine::Plug& plug, int fr
         }
     if (!sequences.empty()) {
         pending_frame_ = frame;
-        pending_ = std::async(std::launch::async, [this, sequences, labels, meshes, frame] {
+        pending_ = std::async(std::launch::async, [this, sequences, named, meshes, frame] {
             for (const std::string& format : sequences)
                 for (std::size_t i = 0; i < meshes.size(); ++i)
-                    write_body(folder_, format, labels[i], meshes[i], frame, axes_, run_, files_);
+                    write_body(folder_, format, named[i], meshes[i], frame, axes_, run_, files_);
         });
     }
-    if (formats_.contains("glb")) add_to_glb(labels, meshes, frame);
+    if (formats_.contains("glb")) add_to_glb(named, meshes, frame);
 }
 
 void RunOutput::expect(const engine::Graph& graph, const engine::Plug& plug, const engine::Value& value) {
     if (!formats_.contains("glb")) return;
     const std::vector<nodes::Mesh> meshes = meshes_in(value);
-    const std::vector<BodyLabel> labels = body_labels(graph, plug, meshes.size());
+    const std::vector<BodyLabel> named = labels(graph, plug, meshes.size());
     for (std::size_t i = 0; i < meshes.size(); ++i)
-        expected_.push_back(glb_cost(labels[i].kind, *meshes[i].points, meshes[i].topology->triangles));
+        expected_.push_back(glb_cost(named[i].kind, *meshes[i].points, meshes[i].topology->triangles));
     check_glb_size(expected_, frame_count_);
 }
 
 void RunOutput::check_kept(const ReadFiles& read, const engine::Graph& graph, const engine::Plug& plug,
-                           const engine::Value& value, const std::vector<int>& frames) const {
+                           const engine::Value& value, const std::vector<int>& frames) {
     const auto check = [&](const fs::path& folder, const std::string& name, const std::string& ending) {
         if (!fs::is_directory(folder)) return;
         for (const int frame : frames) read.check_kept(folder / frame_file_name(name, frame, ending), "--out");
     };
     if (value.is<nodes::FileContent>())
-        check(folder_, body_labels(graph, plug, 1).front().name, value.as<nodes::FileContent>().ending);
+        check(folder_, labels(graph, plug, 1).front().name, value.as<nodes::FileContent>().ending);
     const std::size_t count = meshes_in(value).size();
     if (count == 0) return;
     if (formats_.contains("glb")) read.check_kept(glb_path_, "--out");
     for (const std::string format : {"obj", "ply"})
         if (formats_.contains(format))
-            for (const BodyLabel& label : body_labels(graph, plug, count)) check(folder_ / format, label.name, format);
+            for (const BodyLabel& label : labels(graph, plug, count)) check(folder_ / format, label.name, format);
 }
 
 void RunOutput::check_apart(const fs::path& file, std::string_view flag, bool with_page) const {

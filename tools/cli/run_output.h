@@ -32,7 +32,7 @@ class RunOutput {
     /// Throws Failure IO420 if what will be written of `plug`, which gives what is like this `value`, would go over a
     /// file that is read.
     void check_kept(const ReadFiles& read, const engine::Graph& graph, const engine::Plug& plug,
-                    const engine::Value& value, const std::vector<int>& frames) const;
+                    const engine::Value& value, const std::vector<int>& frames);
     /// Throws Failure IO420 if `file` is the folder, the GLB that will be written, the page beside it, or has the name
     /// of a frame's file.
     void check_apart(const std::filesystem::path& file, std::string_view flag, bool with_page) const;
@@ -55,6 +55,7 @@ class RunOutput {
     std::vector<engine::Diagnostic> older_files() const;
 
   private:
+    std::vector<BodyLabel> labels(const engine::Graph& graph, const engine::Plug& plug, std::size_t count);
     void add_to_glb(const std::vector<BodyLabel>& labels, const std::vector<nodes::Mesh>& meshes, int frame);
     void note(const std::filesystem::path& path);
 
@@ -67,6 +68,7 @@ class RunOutput {
     std::filesystem::path glb_path_;
     GlbFile glb_;
     std::vector<GlbCost> expected_;
+    std::map<std::string, engine::Plug> plug_of_;                        ///< whose output has a name, of several
     std::size_t deforming_ = 0;                                          ///< bodies in the GLB
     std::map<std::string, std::size_t> animated_;                        ///< body name -> index in glb_
     std::vector<std::shared_ptr<const nodes::MeshTopology>> topologies_; ///< of the bodies in glb_
