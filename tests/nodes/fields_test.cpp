@@ -160,6 +160,17 @@ TEST_CASE("a field acts on the tissues it names, or on all", "[nodes]") {
     CHECK(way(b, 4, 1).x() == Approx(way(a, 4, 1).x()).epsilon(1e-7));
 }
 
+TEST_CASE("what a field does to a body counts while the body is on", "[nodes]") {
+    Session s(ball(1, field("uniformField", R"("magnitude": 3)"), weightless));
+    s.set("ball", "enable", R"({"keys": [[1, true], [3, false]]})");
+    const auto force = [&](double frame) {
+        return solver::value_of(s.get<nodes::SolveReport>("solver", "outReport", frame).record.measured, "field",
+                                "force_x_N");
+    };
+    CHECK(force(2) > 1e-3);
+    CHECK(force(3) == 0);
+}
+
 TEST_CASE("a field keyed at a later frame leaves earlier frames alone", "[nodes]") {
     Session s(ball(1, field("airField", R"("magnitude": {"keys": [[1, 0], [4, 0], [5, 800]]})")));
     points(s, 6);

@@ -102,6 +102,9 @@ Changes BodyFields::take(const StepInputs& inputs, const State&) {
     for (std::size_t k = 0; k < parts_.size(); ++k) fields_[k] = made(k);
     by_mass_ = std::any_of(fields_.begin(), fields_.end(), [](const FieldAt& f) { return f.by_mass(); });
     acts_ = std::any_of(fields_.begin(), fields_.end(), [](const FieldAt& f) { return f.values.magnitude != 0; });
+    is_off_.resize(points_.bodies().size());
+    for (std::size_t b = 0; b < is_off_.size(); ++b)
+        is_off_[b] = is_frozen(inputs.bodies[static_cast<std::size_t>(points_.bodies()[b].body)]);
     take_materials(inputs);
     return {};
 }
@@ -314,7 +317,8 @@ void BodyFields::add_squared_stiffnesses(std::span<double> squares) const {
 
 void BodyFields::measure(const Positions& x, std::span<const double>, std::vector<Measured>& out) const {
     std::array<double, 3> total{};
-    for_each_action([&](const Action&, const FieldAt& f, const VolumePoints::OfBody& b) {
+    for_each_action([&](const Action& a, const FieldAt& f, const VolumePoints::OfBody& b) {
+        if (is_off_[a.body]) return;
         const auto sums = ordered_sums<3>(b.count, [&](std::size_t i, std::array<double, 3>& sum) {
             const std::size_t p = b.first + i;
             const Vec3 place = points_.carried(p, x), load = weights(f)[p] * field_force(f, place, velocity(p, place));
@@ -334,13 +338,13 @@ void BodyFields::marks(const Positions& x, Marks& out) const {
         std::size_t points = 0;
         double spacing = 0;
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {
-            if (a.field != k) return;
+            if (a.field != k || is_off_[a.body]) return;
             points += b.count;
             spacing = std::max(spacing, scene_.numbering().deformables[b.deformable].spacing);
         });
         double largest = 0;
         for_each_action([&](const Action& a, const FieldAt&, const VolumePoints::OfBody& b) {
-            for (std::size_t i = 0; a.field == k && i < b.count; i += points / most + 1) {
+            for (std::size_t i = 0; a.field == k && !is_off_[a.body] && i < b.count; i += points / most + 1) {
                 const std::size_t p = b.first + i;
                 const Vec3 from = points_.carried(p, x);
                 const Vec3 density = weights(f)[p] / volumes_[p] * field_force(f, from, velocity(p, from));

@@ -71,6 +71,7 @@ class BodyFields final : public Term {
     std::vector<FieldAt> fields_;              ///< per part that is a field
     std::vector<int> parts_;                   ///< their places in the scene
     std::vector<std::vector<Action>> actions_; ///< per body of points_
+    std::vector<char> is_off_;                 ///< per body of points_: nothing moves it, as the step sees it
     bool by_mass_ = false, acts_ = false;      ///< some field is by mass; some magnitude is not zero
     std::vector<TissueInputs> materials_;      ///< per body of points_: what masses_ was made from
     std::vector<ClothInputs> sheets_;          ///< the same of cloth
