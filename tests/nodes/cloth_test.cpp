@@ -121,3 +121,29 @@ TEST_CASE("a cloth that runs out of iterations is told how many it may need", "[
     CHECK(s.counter.warnings[0].code == "FE301");
     CHECK(s.counter.warnings[0].hint.find("Raise maxNewtonIterations from 2 to 60: cloth") == 0);
 }
+
+TEST_CASE("a solve that ends before it runs out of iterations is not told to take more", "[nodes]") {
+    // Flat and without tension: nothing bears the cube that hangs on the sheet.
+    Session s(
+        R"("plane": {"type": "polyPlane", "inputs": {"width": 1, "height": 1, "subdivisionsWidth": 4, "subdivisionsHeight": 4}},
+        "cotton": {"type": "zMaterial", "inputs": {"tensileStiffness": 500, "shearStiffness": 50, "clothMassDensity": 0.2}},
+        "cloth": {"type": "zCloth", "inputs": {"mesh": {"from": "plane.outMesh"}, "materials": [{"from": "cotton.outMaterial"}]}},
+        "edge": {"type": "weights", "inputs": {"mesh": {"from": "plane.outMesh"}, "mode": "ramp", "axis": "z", "start": -0.4, "end": -0.49}},
+        "pin": {"type": "zHold", "inputs": {"tissue": {"from": "cloth.outBody"}, "weights": {"from": "edge.outWeights"}}},
+        "box": {"type": "polyCube", "inputs": {"width": 0.2, "height": 0.2, "depth": 0.2, "subdivisionsWidth": 3, "subdivisionsHeight": 3, "subdivisionsDepth": 3}},
+        "below": {"type": "transform", "inputs": {"mesh": {"from": "box.outMesh"}, "translate": [0, -0.12, 0]}},
+        "flesh": {"type": "zMaterial", "inputs": {"youngsModulus": 20000}},
+        "tets": {"type": "zTet", "inputs": {"mesh": {"from": "below.outMesh"}, "tetSize": 0.1}},
+        "cube": {"type": "zTissue", "inputs": {"mesh": {"from": "below.outMesh"}, "tets": {"from": "tets.outTets"},
+                 "materials": [{"from": "flesh.outMaterial"}]}},
+        "top": {"type": "weights", "inputs": {"mesh": {"from": "below.outMesh"}, "mode": "ramp", "axis": "y", "start": -0.05, "end": -0.03}},
+        "tie": {"type": "zAttachment", "inputs": {"source": {"from": "cube.outBody"}, "target": {"from": "cloth.outBody"},
+                "weights": {"from": "top.outWeights"}, "stiffness": 1e5}},
+        "solver": {"type": "zSolver", "inputs": {"scale": 1, "integrator": "QuasiStatic", "maxNewtonIterations": 30,
+                   "bodies": [{"from": "cloth.outBody"}, {"from": "cube.outBody"}],
+                   "attachments": [{"from": "tie.outAttachment"}], "forces": [{"from": "pin.outForce"}]}})");
+    places(s, 2);
+    REQUIRE_FALSE(s.counter.warnings.empty());
+    CHECK(s.counter.warnings.back().code == "FE301");
+    CHECK(s.counter.warnings.back().hint.find("More iterations would not help") == 0);
+}
