@@ -108,6 +108,17 @@ TEST_CASE("check doubts tissues that fall", "[tools]") {
     // What ties it is there and does nothing, at any frame.
     const std::string idle = "; attachments without stiffness or envelope tie nothing: grip";
     CHECK(said_of(ball(), {"grip.envelope=0"}).find("FE260 solver.bodies: ball falls") == 0);
+    // What its keys leave so throughout the timing is so.
+    json timed = ball();
+    timed["timing"] = {{"start", 1}, {"end", 12}};
+    for (const char* so : {R"(grip.envelope={"keys": [[1, 0], [90, 1]], "interp": "step"})",
+                           R"(plate.enable={"keys": [[1, false], [90, true]]})"}) {
+        INFO(so);
+        CHECK(said_of(timed, {so}).find("FE260 solver.bodies: ball falls") == 0);
+        CHECK(said_of(ball(), {so}).find("FE260") == std::string::npos); // nobody says for how long that is
+    }
+    CHECK(said_of(timed, {R"(grip.envelope={"keys": [[1, 0], [90, 1]]})"}).find("FE260") == std::string::npos);
+    CHECK(said_of(timed, {R"(plate.enable={"keys": [[1, false], [12, true]]})"}).find("FE260") == std::string::npos);
     // Two bones of one mesh in one place, which part later: either holds it.
     json twins = ball();
     twins["nodes"]["twin"] = twins["nodes"]["plate"];

@@ -244,6 +244,15 @@ TEST_CASE("keys of which the timing has none are warned about", "[tools]") {
     graph["nodes"]["solver"]["inputs"].erase("startFrame");
     graph["nodes"]["upperMove"] = moves;
     CHECK(said({{100, 1}, {120, 1}}).empty());
+    // A switch holds by nature, but not if it never comes.
+    const auto switched = [&](const json& keys) {
+        graph["nodes"]["block"]["inputs"]["enable"] = {{"keys", keys}};
+        return said({{1, 0.5}, {6, 1}});
+    };
+    CHECK(switched({{20, true}, {30, false}})
+              .find("FE266 block.enable: the keyed value lasts from frame 20 to 30, the graph's timing from 1 to 6: it "
+                    "stays as it is at its first key throughout | ") != std::string::npos);
+    CHECK(switched({{1, false}, {30, true}}).find("FE266") == std::string::npos);
 }
 
 TEST_CASE("recorded motion that does not reach over the run is warned about once a file", "[tools]") {

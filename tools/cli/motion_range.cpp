@@ -69,7 +69,7 @@ class Search {
               const Curve& curve) {
         const std::vector<Key>& keys = curve.keys;
         const auto same = [](const Key& a, const Key& b) { return a.value == b.value; };
-        if (keys.size() < 2 || curve.interpolation == engine::Interpolation::step || info.is_stepped()) return;
+        if (keys.size() < 2) return;
         if (std::all_of(keys.begin(), keys.end(), [&](const Key& k) { return same(k, keys.front()); })) return;
         const Reach reach{keys.front().frame, keys.back().frame};
         const engine::Timing& timing = graph_.timing();
@@ -87,6 +87,7 @@ class Search {
             found_.push_back(std::move(d));
             return;
         }
+        if (curve.interpolation == engine::Interpolation::step || info.is_stepped()) return; // holds by itself
         if (!moves && (missing(reach.first - timing.start) || missing(timing.end - reach.last))) return;
         Gap gap = gap_of(reach);
         gap.begins_late = gap.begins_late && !same(keys[0], keys[1]);

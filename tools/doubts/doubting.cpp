@@ -6,6 +6,7 @@
 #include "tools/embed/graph_walk.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace sinew::doubts {
 
@@ -46,13 +47,20 @@ bool Doubting::once(std::string_view what, const std::string& node) {
 
 namespace {
 
-/// Keys of one value. Between them tangents that were given may lead elsewhere.
-bool is_constant(const engine::Curve& curve) {
-    const auto is_flat = [](const std::vector<double>& tangent) {
-        return std::ranges::all_of(tangent, [](double slope) { return slope == 0; });
+/// Whether the keys that matter from one frame to another have one value. Between them tangents that were given may
+/// lead elsewhere; what `steps` does not see the next key before it is there.
+bool is_constant(const engine::Curve& curve, bool steps, double first, double last) {
+    const auto is_flat = [&](const std::vector<double>& tangent) {
+        return steps || std::ranges::all_of(tangent, [](double slope) { return slope == 0; });
     };
-    return std::ranges::all_of(curve.keys, [&](const engine::Key& key) {
-        return key.value == curve.keys.front().value && is_flat(key.tangent_in) && is_flat(key.tangent_out);
+    const std::vector<engine::Key>& keys = curve.keys;
+    auto from = std::ranges::upper_bound(keys, first, {}, &engine::Key::frame);
+    if (from != keys.begin()) --from;
+    auto to = steps ? std::ranges::upper_bound(keys, last, {}, &engine::Key::frame)
+                    : std::ranges::lower_bound(keys, last, {}, &engine::Key::frame);
+    if (to != keys.end() && (!steps || to == from)) ++to;
+    return std::all_of(from, to, [&](const engine::Key& key) {
+        return key.value == from->value && is_flat(key.tangent_in) && is_flat(key.tangent_out);
     });
 }
 
@@ -66,7 +74,12 @@ std::optional<engine::Value> Doubting::literal(const std::string& node, std::str
     if (it == n.inputs.end()) return engine::default_value(*info, graph_->timing());
     if (const auto* value = std::get_if<engine::Value>(&it->second)) return *value;
     const auto* curve = std::get_if<engine::Curve>(&it->second);
-    if (!curve || curve->keys.empty() || !is_constant(*curve)) return {};
+    if (!curve || curve->keys.empty()) return {};
+    const bool steps = curve->interpolation == engine::Interpolation::step || info->is_stepped();
+    // Of one frame alone is a graph that does not say for how long it is.
+    const engine::Timing& timing = graph_->timing();
+    const double last = timing.end > timing.start ? timing.end : std::numeric_limits<double>::infinity();
+    if (!is_constant(*curve, steps, std::min<double>(frame_, timing.start), last)) return {};
     engine::Slot slot;
     slot.kind = engine::Slot::Kind::curve, slot.info = info, slot.curve = curve;
     return slot.sample(frame_);

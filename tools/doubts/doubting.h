@@ -47,8 +47,9 @@ class Doubting {
         return {};
     }
 
-    /// What it is at all times: a literal, the value that all of its keys have, or the default if nothing stands there.
-    /// Empty if keys change it, if it is connected, or if there is no such input.
+    /// What it is at all frames of the timing (of a single one: at all times): a literal, the value that keys give
+    /// there throughout, or the default if nothing stands there. Empty if keys change it, if it is connected, or if
+    /// there is no such input.
     std::optional<engine::Value> literal(const std::string& node, std::string_view attribute) const;
     template <class T>
     std::optional<T> number(const std::string& node, std::string_view attribute) const {

@@ -13,9 +13,10 @@ void look_at_solver(Doubting& d, const std::string& name) {
     std::size_t disabled = 0;
     for (const engine::Plug& plug : d.plugs(name, "bodies"))
         if (auto body = d.value<nodes::Body>(plug)) {
-            if (body->takes_part && !body->enable) return; // comes later
-            disabled += body->takes_part ? 0 : 1;
-            if (body->takes_part) members.push_back({plug.node, std::move(*body)});
+            const bool stays_off = !body->takes_part || d.number<bool>(plug.node, "enable") == false;
+            if (!stays_off && !body->enable) return; // comes later
+            disabled += stays_off ? 1 : 0;
+            if (!stays_off) members.push_back({plug.node, std::move(*body)});
         }
     const auto units = d.number<double>(name, "scale");
     if (members.size() + disabled != d.plugs(name, "bodies").size() || !units) return; // told elsewhere
