@@ -163,7 +163,7 @@ class Checker {
         if (!n) {
             const std::string file = out_.size() < 20 ? file_node_form(graph_, input_, p.text()) : "";
             return problem("DG022", "there is no node \"" + p.node + "\"",
-                           file.empty() ? name_hint(p.node, graph_.node_names(), {}) : file, below);
+                           file.empty() ? node_hint(graph_, p.node, node_) : file, below);
         }
         if (!n->type) return; // a type that this program does not know: nothing to compare with
         const AttributeInfo* out = n->type->find_output(p.attribute);
@@ -205,6 +205,23 @@ std::string name_hint(std::string_view word, std::span<const std::string> candid
     if (!near.empty()) return "did you mean \"" + near + "\"?";
     if (known.empty() || candidates.empty() || candidates.size() > 12) return {};
     return std::string(known) + ": " + listed(candidates);
+}
+
+std::string node_hint(const Graph& graph, std::string_view name, std::string_view beside) {
+    const std::string ending = "." + std::string(name);
+    // Of several includes that have such a node, the one whose input it is is meant.
+    for (std::string_view within = beside; within.find('.') != within.npos;) {
+        within = within.substr(0, within.rfind('.'));
+        const std::string here = std::string(within) + ending;
+        if (here != beside && graph.find(here)) return "did you mean " + json_quoted(here) + "?";
+    }
+    constexpr std::size_t most_named = 6;
+    const std::vector<std::string> all = graph.node_names();
+    std::vector<std::string> included;
+    for (const std::string& one : all)
+        if (one.ends_with(ending) && one != beside && included.size() <= most_named)
+            included.push_back(included.size() < most_named ? json_quoted(one) : "another include's");
+    return included.empty() ? name_hint(name, all, {}) : "did you mean " + listed(included) + "?";
 }
 
 std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input) {

@@ -49,6 +49,11 @@ std::string meaning_of(const AttributeInfo& input);
 /// "did you mean …?" if one is near, else "known: a, b or c" if there are few, else empty.
 std::string name_hint(std::string_view word, std::span<const std::string> candidates, std::string_view known);
 
+/// The same for a node that there is none of: such as are called so in an included graph come first, as that graph's
+/// file and overrides of it may have it without the prefix.
+/// \param beside the node whose input it is said of, if it is; those of its include are meant before others
+std::string node_hint(const Graph& graph, std::string_view name, std::string_view beside = {});
+
 /// The same for an input that a type does not have: near ones, whose it may be, what there is.
 std::string input_hint(const Graph& graph, const NodeType& type, std::string_view input);
 

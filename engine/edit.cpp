@@ -136,7 +136,7 @@ class Edit::Draft {
 
     const Node* node(const Plug& at) {
         const Node* n = graph_.find(at.node);
-        std::string hint = n ? "" : name_hint(at.node, graph_.order_, {});
+        std::string hint = n ? "" : node_hint(graph_, at.node);
         if (hint.empty() && at.node == "timing")
             hint = "it is no node: write \"timing\": { " + json_quoted(at.attribute) + ": … } in the graph file";
         if (!n) problem("DG040", at, "there is no node \"" + at.node + "\"", std::move(hint));

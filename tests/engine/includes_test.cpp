@@ -374,3 +374,53 @@ TEST_CASE("two includes of one graph are computed once, and an override only whe
     CHECK(number(e, f.graph(), {"all", "out"}, 1) == 9);
     CHECK(counts->computes == 6); // y.a, y.b and the sum
 }
+
+TEST_CASE("where a node is missing that an include has, it is named with its prefix before what is spelt alike") {
+    Files f;
+    const std::string flag = R"("flag": { "type": "number" }, "edge": { "type": "relay", "inputs": {
+"in": { "from": "flag.out" } } }, "pole": { "type": "relay", "inputs": { "in": { "from": "flag.out" } } })";
+    f.put("part.json", flag);
+    f.put("middle.json", "", R"("deep": { "file": "part.json" })");
+    const auto hints = [&](const std::string& includes) {
+        f.put("top.json", R"("flagg": { "type": "number" })", includes);
+        std::vector<std::string> out;
+        for (const Diagnostic& d : f.problems()) out.push_back(d.code + ": " + d.hint);
+        return out;
+    };
+    using Hints = std::vector<std::string>;
+    const auto part = [](const std::string& prefix, const std::string& input, const std::string& from) {
+        return "\"" + prefix + "\": { \"file\": \"part.json\", \"overrides\": { \"" + input + "\": { \"from\": \"" +
+               from + "\" } } }";
+    };
+    CHECK(hints(part("a", "pole.in", "flag.out")) == Hints{R"(DG022: did you mean "a.flag"?)"});
+    CHECK(hints(part("a", "pole.in", "edge.out")) == Hints{R"(DG022: did you mean "a.edge"?)"});
+    // Of the same include where it is in several; of all that have it where that one has none but the node itself.
+    const std::string more = R"(, "b": { "file": "part.json" }, "c": { "file": "middle.json" })";
+    CHECK(hints(part("a", "pole.in", "flag.out") + more) == Hints{R"(DG022: did you mean "a.flag"?)"});
+    CHECK(hints(part("a", "pole.in", "pole.out") + more) == Hints{R"(DG022: did you mean "b.pole" or "c.deep.pole"?)"});
+    CHECK(hints(part("a", "pole.in", "flaggs.out")) == Hints{R"(DG022: did you mean "flagg"?)"});
+    CHECK(hints(R"("m": { "file": "middle.json", "overrides": { "deep.pole.in": { "from": "edge.out" } } })") ==
+          Hints{R"(DG022: did you mean "m.deep.edge"?)"});
+
+    // An edit, as --set is one: all that have it.
+    f.put("top.json", R"("flagg": { "type": "number" })", R"("a": { "file": "part.json" })" + more);
+    const auto g = f.graph();
+    const auto hint = [&](const Plug& plug) {
+        try {
+            Edit(g).set(plug, Value::of(1.0)).commit();
+        } catch (const Failure& failure) {
+            const Diagnostic& d = failure.diagnostics().front();
+            return d.code + ": " + d.hint;
+        }
+        return std::string();
+    };
+    CHECK(hint({"flag", "value"}) == R"(DG040: did you mean "a.flag", "b.flag" or "c.deep.flag"?)");
+    CHECK(hint({"deep.flag", "value"}) == R"(DG040: did you mean "c.deep.flag"?)");
+    std::string eight;
+    for (const char name : std::string("abcdefgh"))
+        eight += (eight.empty() ? "\"" : ", \"") + std::string(1, name) + R"(": { "file": "part.json" })";
+    CHECK(hints(eight + ", " + part("x", "pole.in", "edge.out")) == Hints{R"(DG022: did you mean "x.edge"?)"});
+    f.put("top.json", R"("r": { "type": "relay", "inputs": { "in": { "from": "edge.out" } } })", eight);
+    CHECK(f.problems().front().hint == R"(did you mean "a.edge", "b.edge", "c.edge", "d.edge", "e.edge", "f.edge" or )"
+                                       "another include's?");
+}
