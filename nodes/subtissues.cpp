@@ -15,10 +15,39 @@ namespace {
 
 std::string percent(double share) { return engine::rough_text(100 * share, 2) + " %"; }
 
-/// "biceps", or "a part of biceps".
-std::string name_of(const Reads& in, const NestedPart& part) {
+/// "tendon", as its node is called; deeper than within a direct part "a part of biceps".
+std::string name_of(const Reads& in, const std::vector<NestedPart>& nested, std::size_t at) {
+    const NestedPart& part = nested[at];
     const std::string direct = in.source_name(subtissues.name, part.top);
-    return part.within < 0 ? direct : "a part of " + direct;
+    if (part.within < 0) return direct;
+    std::string name;
+    if (nested[static_cast<std::size_t>(part.within)].within < 0) {
+        std::size_t entry = 0;
+        for (std::size_t i = 0; i < at; ++i) entry += nested[i].within == part.within;
+        name = in.source_behind(subtissues.name, part.top, subtissues.name, entry);
+    }
+    return name.empty() ? "a part of " + direct : name;
+}
+
+/// A part that stands in another stands in what that one is a part of, too: listed again, the two would share it.
+void refuse_in_two(const Reads& in, const std::vector<NestedPart>& nested) {
+    for (std::size_t i = 0; i < nested.size(); ++i)
+        for (std::size_t k = 0; k < i; ++k) {
+            if (nested[k].part->digest != nested[i].part->digest) continue;
+            const std::string name = name_of(in, nested, k), other = name_of(in, nested, i),
+                              holder = in.source_name(subtissues.name, nested[i].top);
+            const bool is_deep = other == "a part of " + holder;
+            if (!is_deep && name != other)
+                in.fail(subtissues.name, "FE213",
+                        name + " and " + other + ", a part of " + holder + ", are alike in mesh and paint",
+                        "Remove one of the two.");
+            if (nested[k].within < 0)
+                in.fail(subtissues.name, "FE228", name + " is connected here, but is a part of " + holder + " already",
+                        "Remove it here: what is a part of " + holder + " is within this one, too.");
+            in.fail(subtissues.name, "FE228",
+                    name + " is a part of both " + in.source_name(subtissues.name, nested[k].top) + " and " + holder,
+                    "Connect it to subtissues of one of the two, and a zSubtissue of its own to those of the other.");
+        }
 }
 
 } // namespace
@@ -42,6 +71,7 @@ std::vector<std::shared_ptr<const Subtissue>> read_subtissues(const Reads& in) {
                         "Remove one of the two.");
         out.push_back(body.subtissue);
     }
+    refuse_in_two(in, nested_parts(out));
     return out;
 }
 
@@ -118,7 +148,7 @@ void warn_of_parts(const Reads& in, const std::vector<NestedPart>& nested, const
     // Tets stand for a curved border by flat sides, so a few per cent say nothing.
     constexpr double noticed = 0.05;
     for (std::size_t i = 0; i < nested.size(); ++i) {
-        const std::string name = name_of(in, nested[i]);
+        const std::string name = name_of(in, nested, i);
         if (found.inside[i] == 0)
             in.fail(subtissues.name, "FE229", "nothing of " + name + " lies inside of the tissue",
                     "Model it where the tissue is at rest, in the same units.");

@@ -17,7 +17,8 @@ inline const engine::WireList<Body> subtissues{
            "zSolver.bodies as well, for their meshes.",
 };
 
-/// The connected parts. Fails with FE228 where one is no zSubtissue, FE213 where one is connected twice.
+/// The connected parts. Fails with FE228 where one is no zSubtissue, or is within another one already; FE213 where one
+/// is connected twice.
 std::vector<std::shared_ptr<const Subtissue>> read_subtissues(const engine::Reads& in);
 
 /// Fails with FE206 where there is no layer, FE204 where a map does not fit the mesh.

@@ -257,6 +257,47 @@ TEST_CASE("parts that cannot be are refused, and doubtful ones named", "[nodes]"
     CHECK(codes(twice, "solver", "outMeshes", &text) == Codes{"FE228"});
     CHECK_THAT(text, Catch::Contains("muscle is a part of both bar and other"));
 
+    // In a part, and beside it in what that is a part of: said once, before the overlap that follows from it.
+    const std::string within = with(R"("materials": [{"from": "firm.outMaterial"}]}})",
+                                    R"("materials": [{"from": "firm.outMaterial"}],
+                                    "subtissues": [{"from": "tendon.outBody"}]}})");
+    std::string beside = within;
+    const std::string only = R"("subtissues": [{"from": "muscle.outBody"}])";
+    beside.replace(beside.find(only), only.size(),
+                   R"("subtissues": [{"from": "muscle.outBody"}, {"from": "tendon.outBody"}])");
+    Session listed(beside);
+    CHECK(codes([&] { listed.pull("solver", "outMeshes", 1); }, &text) == Codes{"FE228"});
+    CHECK(listed.counter.warnings.empty());
+    CHECK_THAT(text, Catch::Contains("bar.subtissues: tendon is connected here, but is a part of muscle already"));
+    CHECK_THAT(text, Catch::Contains("Remove it here: what is a part of muscle is within this one, too."));
+
+    // In two parts beside each other, or another one just like it.
+    const auto in_other = [&](const std::string& part) {
+        std::string out = within;
+        out.replace(out.find(only), only.size(),
+                    R"("subtissues": [{"from": "muscle.outBody"}, {"from": "belly.outBody"}])");
+        return box("belly", 0.6, 1.9, 1) + R"("belly": {"type": "zSubtissue", "inputs": {
+            "mesh": {"from": "bellyMesh.outMesh"}, "materials": [{"from": "firm.outMaterial"}],
+            "subtissues": [{"from": ")" +
+               part + R"(.outBody"}]}}, "twin": {"type": "zSubtissue", "inputs": {
+            "mesh": {"from": "tendonMesh.outMesh"}, "materials": [{"from": "hard.outMaterial"}]}},)" +
+               out;
+    };
+    CHECK(codes(in_other("tendon"), "bar", "outBody", &text) == Codes{"FE228"});
+    CHECK_THAT(text, Catch::Contains("tendon is a part of both muscle and belly"));
+    CHECK(codes(in_other("twin"), "bar", "outBody", &text) == Codes{"FE213"});
+    CHECK_THAT(text, Catch::Contains("tendon and twin, a part of belly, are alike in mesh and paint"));
+
+    // What lies outside within a part is called by its name.
+    Session out_within(box("far", 1.3, 2.8, 1) + [&] {
+        std::string nodes = within;
+        const std::string own = R"("tendonMesh.outMesh")";
+        return nodes.replace(nodes.find(own), own.size(), R"("farMesh.outMesh")");
+    }());
+    out_within.get<nodes::Body>("bar", "outBody");
+    REQUIRE_FALSE(out_within.counter.warnings.empty());
+    CHECK_THAT(out_within.counter.warnings[0].message, Catch::Contains("% of tendon lie outside"));
+
     // Half of it sticks out.
     Session out(box("far", 1, 3, 1) + with(R"("mesh": {"from": "muscleMesh.outMesh"},
             "materials")",
