@@ -1,5 +1,5 @@
 // `sinew new`: what the program would refuse is told before it is written, options before meshes; bones that touch a
-// muscle between its vertices; bones within a muscle.
+// muscle between its vertices; bones within a muscle; reaches that help.
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/tools/program.h"
 
@@ -26,12 +26,12 @@ std::string block(double x0, double y0, double z0, double x1, double y1, double 
     return out.str();
 }
 
-/// Along y from -6 to 6, with a radius of 2. Its caps are one polygon each: no vertex lies in their middle.
-std::string prism(int sides) {
+/// Along y from -6 to 6 at `x`, with a radius of 2. Its caps are one polygon each: no vertex lies in their middle.
+std::string prism(int sides, double x = 0) {
     std::ostringstream out;
     for (int ring = 0; ring <= 12; ++ring)
         for (int i = 0; i < sides; ++i)
-            out << "v " << 2 * std::cos(2 * M_PI * i / sides) << " " << ring - 6 << " "
+            out << "v " << x + 2 * std::cos(2 * M_PI * i / sides) << " " << ring - 6 << " "
                 << 2 * std::sin(2 * M_PI * i / sides) << "\n";
     for (int ring = 0; ring < 12; ++ring)
         for (int i = 0; i < sides; ++i) {
@@ -160,4 +160,63 @@ TEST_CASE("new muscle: a bone that rests on a face of a muscle, between its vert
     // Above the cap it touches nothing.
     write_text(column.high, block(-0.5, 6.5, -0.5, 0.5, 7.5, 0.5));
     CHECK(has(column.make({"--unit", "cm"}).err, "reaches no bone and no muscle"));
+}
+
+TEST_CASE("new rig: of a muscle away from all bones a reach is named that is enough for both ends", "[tools][rig]") {
+    const Column column;
+    const std::string bones = column.folder / "bones", muscles = column.folder / "muscles";
+    for (const std::string& folder : {bones, muscles}) fs::create_directory(folder);
+    for (const std::string& bone : {column.low, column.high})
+        fs::rename(bone, fs::path(bones) / fs::path(bone).filename());
+    fs::rename(column.muscle, muscles + "/column.obj");
+    write_text(muscles + "/floater.obj", prism(24, 8));
+    const auto make = [&](const std::vector<std::string>& more) {
+        std::vector<std::string> words{"new", "rig", bones, muscles, "-o", column.graph, "--force", "--unit", "cm"};
+        words.insert(words.end(), more.begin(), more.end());
+        const Said said = run_program(words);
+        CHECK(said.code == 0);
+        return said.err;
+    };
+    const std::string told = make({});
+    INFO(told);
+    const std::string hint =
+        "\n  hint: If it shall: --set 'floater:reach=3.7', or --set 'floater:attachTo=high,low'.\n";
+    CHECK(has(told, " reaches no bone and no muscle: high, the nearest, is 3 away" + hint));
+    CHECK(has(told, " reaches no bone and no muscle: low, the nearest other one, is 3 away" + hint));
+    CHECK_FALSE(has(make({"--set", "floater:reach=3.7"}), "DG155"));
+}
+
+TEST_CASE("new muscle: an end with nothing near is told what helps, by what is out of reach", "[tools][rig]") {
+    const Column column;
+    write_text(column.high, block(-3, 8, -3, 3, 10, 3));
+    const std::string near = column.make({"--unit", "cm"}).err;
+    INFO(near);
+    CHECK(has(near, " reaches no bone and no muscle: high, the nearest other one, is 2 away\n"
+                    "  hint: If it shall: --set 'column:reach=2.4', or --set 'column:attachTo=high,low'.\n"));
+    CHECK_FALSE(has(column.make({"--unit", "cm", "--set", "column:reach=2.4"}).err, "DG155"));
+    // Where one end's bone is said, no reach gives the other end one.
+    CHECK(has(column.make({"--unit", "cm", "--set", "column:attachTo=low"}).err,
+              "\n  hint: If it shall, name a bone for each end: --set 'column:attachTo=high,low'.\n"));
+    // Over more than half of the muscle's length, a reach would take in all of it.
+    write_text(column.high, block(-3, 14, -3, 3, 16, 3));
+    CHECK(has(column.make({"--unit", "cm"}).err,
+              " reaches no bone and no muscle: high, the nearest other one, is 8 away\n"
+              "  hint: Is it in the bones' pose, unit and place? If it shall hold on over such a gap: --set "
+              "'column:attachTo=high,low'.\n"));
+}
+
+TEST_CASE("new muscle: an end with too few vertices within reach is told the reach that has enough", "[tools][rig]") {
+    const Column column;
+    write_text(column.high, block(1.95, 6, -0.05, 3, 8, 0.05)); // under one vertex of the cap's rim
+    const std::string told = column.make({"--unit", "cm"}).err;
+    INFO(told);
+    CHECK(has(told, " has only 1 vertex within reach of high\n"
+                    "  hint: If it shall hold it, a larger reach: --set 'column:reach=0.57'; if another, --set "
+                    "'column:attachTo=BONE,BONE'.\n"));
+    const std::vector<std::string> both{"--unit", "cm", "--set", "column:attachTo=high,low"};
+    CHECK(has(column.make(both).err, " has only 1 vertex within reach of high\n"
+                                     "  hint: What helps is a larger reach: --set 'column:reach=0.57'.\n"));
+    std::vector<std::string> larger = both;
+    larger.insert(larger.end(), {"--set", "column:reach=0.57"});
+    CHECK_FALSE(has(column.make(larger).err, "DG155"));
 }

@@ -14,12 +14,14 @@ using engine::Severity;
 
 namespace {
 
-constexpr double end_part = 0.35;   ///< of the length: where an end looks for what it may reach
-constexpr double sharpness = 0.05;  ///< of the length: what is so much nearer to the tip counts e times as much
-constexpr double tip_part = 0.15;   ///< where it is looked for over a gap
-constexpr double most_gaps = 5;     ///< reaches
-constexpr double as_near = 0.6;     ///< of the best score: worth a word
-constexpr double hardly_missed = 2; ///< reaches
+constexpr double end_part = 0.35;     ///< of the length: where an end looks for what it may reach
+constexpr double sharpness = 0.05;    ///< of the length: what is so much nearer to the tip counts e times as much
+constexpr double tip_part = 0.15;     ///< where it is looked for over a gap
+constexpr double most_gaps = 5;       ///< reaches
+constexpr double as_near = 0.6;       ///< of the best score: worth a word
+constexpr double hardly_missed = 2;   ///< reaches
+constexpr std::size_t fewest = 3;     ///< vertices that hold an end
+constexpr double longest_reach = 0.5; ///< of the length: what spans more is no muscle that hardly misses its bone
 
 /// From 0 at the tip of this end to 1 at the other.
 double from_tip(const Muscle& muscle, std::size_t end, std::size_t vertex) {
@@ -230,7 +232,7 @@ void settle_masks(Muscle& muscle, const Part& part, const std::vector<std::vecto
     // Fibres need vertices to start at, where nothing or too little is painted, too.
     for (std::size_t e = 0; e < 2; ++e) {
         End& end = muscle.ends[e];
-        if (end.fibre_start.size() >= 3) continue;
+        if (end.fibre_start.size() >= fewest) continue;
         end.fibres_by_tip = true;
         end.fibre_start.clear();
         for (std::size_t v = 0; v < part.points.size(); ++v)
@@ -263,18 +265,114 @@ void tell_one_bone(Rig& rig, const Muscle& muscle, const Chosen& chosen, const B
                             "If it shall hold one: --set '" + name + ":attachTo=" + held + "," + other + "'."));
 }
 
-void tell(Rig& rig, const Muscle& muscle) {
+/// A bone as an end of a muscle sees it.
+struct Away {
+    std::size_t bone = 0;
+    double gap = far_away;    ///< of the nearest vertex
+    double enough = far_away; ///< of the last one that is needed for a hold
+};
+
+/// Looks no farther than `most`.
+Away away_from(const Rig& rig, const Muscle& muscle, std::size_t end, std::size_t bone, const Surface& surface,
+               double most) {
+    const Part& own = rig.parts[muscle.part];
+    Part here;
+    for (std::size_t v = 0; v < own.points.size(); ++v)
+        if (from_tip(muscle, end, v) <= end_part) here.points.push_back(own.points[v]);
+    here.box = own.box;
+    std::vector<double> to = distances(here, surface, most);
+    std::sort(to.begin(), to.end());
+    return {bone, to.empty() ? far_away : to.front(), to.size() < fewest ? far_away : to[fewest - 1]};
+}
+
+/// The bone that an end would take if it reached farther.
+std::optional<Away> nearest_but(const Rig& rig, const Muscle& muscle, std::size_t end,
+                                const std::vector<Surface>& surfaces, const Choice& other) {
+    std::optional<Away> best;
+    for (std::size_t p = 0; p < rig.parts.size(); ++p) {
+        if (rig.parts[p].kind != Kind::bone || p == other) continue;
+        const Away c = away_from(rig, muscle, end, p, surfaces[p], best ? std::min(best->enough, 1e300) : 1e300);
+        if (!best ? c.gap < far_away : c.enough < best->enough) best = c;
+    }
+    return best;
+}
+
+/// A reach that is a bit more than the distance, with two digits; NaN where there is none.
+double reach_for(double distance) {
+    const double more = 1.2 * distance, unit = std::pow(10, std::floor(std::log10(more)) - 1);
+    return std::ceil(more / unit - 1e-6) * unit;
+}
+
+std::string setting(const Rig& rig, const Muscle& muscle, const std::string& value) {
+    return "--set '" + rig.parts[muscle.part].name + ":" + value + "'";
+}
+
+/// Says of each end that holds nothing which bone is the nearest and what would help: a reach that is enough for both
+/// ends, where it is in proportion to the muscle.
+void tell_loose_ends(Rig& rig, const Muscle& muscle, const std::vector<Surface>& surfaces) {
+    std::array<Choice, 2> bones, others;
+    std::array<std::optional<Away>, 2> nearest;
+    const double most = longest_reach * muscle.shape.length;
+    const auto is_near = [&](const std::optional<Away>& bone) { return bone && reach_for(bone->enough) <= most; };
+    for (std::size_t e = 0; e < 2; ++e)
+        if (const End& end = muscle.ends[e]; !end.holds.empty()) bones[e] = end.holds.front().target;
+    double reach = 0;
+    for (std::size_t e = 0; e < 2; ++e) {
+        if (!muscle.ends[e].holds.empty()) continue;
+        // Not the bone of the other end, unless that is the only one in reach.
+        others[e] = bones[1 - e];
+        nearest[e] = nearest_but(rig, muscle, e, surfaces, others[e]);
+        if (others[e] && !is_near(nearest[e]))
+            if (const auto any = nearest_but(rig, muscle, e, surfaces, std::nullopt); is_near(any) || !nearest[e])
+                nearest[e] = any, others[e] = std::nullopt;
+        if (!nearest[e]) continue;
+        bones[e] = nearest[e]->bone;
+        if (is_near(nearest[e])) reach = std::max(reach, reach_for(nearest[e]->enough));
+    }
+    const bool are_two = bones[0] && bones[1] && bones[0] != bones[1];
+    const std::string attach =
+        setting(rig, muscle,
+                "attachTo=" + (are_two ? rig.parts[*bones[0]].name + "," + rig.parts[*bones[1]].name : "BONE,BONE"));
+    for (std::size_t e = 0; e < 2; ++e) {
+        if (!muscle.ends[e].holds.empty()) continue;
+        std::string message = place_of(muscle.ends[e]) + " reaches no bone and no muscle";
+        if (nearest[e])
+            message += ": " + rig.parts[nearest[e]->bone].name +
+                       (others[e] ? ", the nearest other one, is " : ", the nearest, is ") + rough(nearest[e]->gap) +
+                       " away";
+        // Where attachTo says what is held, no reach adds to it.
+        const std::string hint =
+            !muscle.options.attach_to.empty() ? "If it shall, name a bone for each end: " + attach + "."
+            : is_near(nearest[e])
+                ? "If it shall: " + setting(rig, muscle, "reach=" + rough(reach)) + ", or " + attach + "."
+                : "Is it in the bones' pose, unit and place? If it shall hold on over such a gap: " + attach + ".";
+        rig.notes.push_back(say(Severity::warning, "DG155", rig.parts[muscle.part].name, message, hint));
+    }
+}
+
+/// What helps an end with too few vertices within reach of what it holds on to.
+std::string hint_of_few(const Rig& rig, const Muscle& muscle, std::size_t end, const std::vector<Surface>& surfaces) {
+    const Hold& hold = muscle.ends[end].holds.front();
+    const double enough = away_from(rig, muscle, end, hold.target, surfaces[hold.target], 1e300).enough;
+    // Over a gap, paint ends a reach beyond it, as long as the gap is wider than the reach.
+    const double beyond = reach_for(std::max(enough - hold.gap, 0.0));
+    const bool is_beyond = hold.inner > muscle.reach && beyond < hold.gap;
+    const double reach = is_beyond ? beyond : reach_for(enough);
+    if (!(reach > muscle.reach && reach <= longest_reach * muscle.shape.length))
+        return "Give the muscle's mesh more vertices there, or move it to where it touches.";
+    const std::string larger = "a larger reach: " + setting(rig, muscle, "reach=" + rough(reach));
+    return muscle.options.attach_to.empty()
+               ? "If it shall hold it, " + larger + "; if another, " + setting(rig, muscle, "attachTo=BONE,BONE") + "."
+               : "What helps is " + larger + ".";
+}
+
+void tell(Rig& rig, const Muscle& muscle, const std::vector<Surface>& surfaces) {
     const std::string& name = rig.parts[muscle.part].name;
+    if (!muscle.is_tendon) tell_loose_ends(rig, muscle, surfaces); // muscles hold on to a tendon's loose end
     for (std::size_t e = 0; e < 2; ++e) {
         const End& end = muscle.ends[e];
         const std::string where = place_of(end);
-        const std::string hint = "If it shall, --set '" + name + ":attachTo=BONE,BONE', or a larger reach: --set '" +
-                                 name + ":reach=" + rough(2 * muscle.reach) + "'.";
-        if (end.holds.empty() && muscle.is_tendon) continue; // muscles hold on to it there
-        if (end.holds.empty()) {
-            rig.notes.push_back(say(Severity::warning, "DG155", name, where + " reaches no bone and no muscle", hint));
-            continue;
-        }
+        if (end.holds.empty()) continue;
         const Hold& hold = end.holds.front();
         if (hold.by_faces)
             rig.notes.push_back(say(Severity::warning, "DG155", name,
@@ -287,11 +385,12 @@ void tell(Rig& rig, const Muscle& muscle) {
                                     where + " does not touch anything; it is attached to " +
                                         rig.parts[hold.target].name + " over a gap of " + rough(hold.gap),
                                     "Look at it, and move the mesh if it should touch."));
-        if (hold.points < 3)
+        if (hold.points < fewest)
             rig.notes.push_back(say(Severity::warning, "DG155", name,
-                                    where + " has only " + std::to_string(hold.points) + " vertices within reach of " +
+                                    where + " has only " + std::to_string(hold.points) +
+                                        (hold.points == 1 ? " vertex" : " vertices") + " within reach of " +
                                         rig.parts[hold.target].name,
-                                    hint));
+                                    hint_of_few(rig, muscle, e, surfaces)));
     }
 }
 
@@ -359,7 +458,7 @@ void find_reach(Rig& rig, AllDistances& all, const std::vector<Surface>& surface
             }
         }
         settle_masks(muscle, rig.parts[muscle.part], all[m]);
-        tell(rig, muscle);
+        tell(rig, muscle, surfaces);
         if (one_bone != OneBone::is_right && !is_said)
             tell_one_bone(rig, muscle, chosen, seen[m],
                           one_bone == OneBone::is_odd ? far_away : hardly_missed * muscle.reach);
